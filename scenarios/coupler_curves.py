@@ -44,13 +44,7 @@ from _neat_resin_claims import (
 )
 from matplotlib.figure import Figure
 
-from flexmech import (
-    CouplerCurve,
-    HygrothermalState,
-    InputError,
-    Mechanism,
-    mechanism_in_state,
-)
+from flexmech import CouplerCurve, HygrothermalState, InputError, Mechanism, mechanism_in_state
 
 Found = dict[str, list[tuple[StatePath, tuple[CuspTransition, ...]]]]
 

@@ -21,11 +21,7 @@ from matplotlib.figure import Figure
 
 from flexmech import Mechanism, ReferenceEngine
 from flexmech.dynamical_systems import floquet_modes
-from flexmech.time_domain import (
-    SampledTurn,
-    counts_of_modes,
-    moving_modes,
-)
+from flexmech.time_domain import SampledTurn, counts_of_modes, moving_modes
 from flexmech.types import FloatArray
 
 DAMPING_TIME = 2e-5

@@ -14,14 +14,7 @@ from pathlib import Path
 
 from _common import four_bar, output_folder, save_pictures
 
-from flexmech import (
-    CrankDrive,
-    ExudynEngine,
-    ReferenceEngine,
-    Response,
-    ResponseRequest,
-    response,
-)
+from flexmech import CrankDrive, ExudynEngine, ReferenceEngine, Response, ResponseRequest, response
 
 SPEEDS = (10.0, 20.0)
 

@@ -13,15 +13,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.beams.beam_shapes import (
-    BeamFields,
-    BeamShapes,
-)
-from flexmech.beams.theories import (
-    EulerBernoulli,
-    Reddy,
-    Timoshenko,
-)
+from flexmech.beams.beam_shapes import BeamFields, BeamShapes
+from flexmech.beams.theories import EulerBernoulli, Reddy, Timoshenko
 from flexmech.beams.zigzag_shapes import ZigzagBeam
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray

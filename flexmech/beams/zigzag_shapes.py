@@ -15,13 +15,7 @@ from typing import Self
 
 import numpy as np
 
-from flexmech.beams.beam_shapes import (
-    BeamFields,
-    hermite,
-    hermite_integral,
-    linear,
-    placed,
-)
+from flexmech.beams.beam_shapes import BeamFields, hermite, hermite_integral, linear, placed
 from flexmech.beams.theories import Timoshenko
 from flexmech.sections import WARPINGS, BeamSection
 from flexmech.types import FloatArray

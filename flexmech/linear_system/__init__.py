@@ -1,10 +1,57 @@
 """Linear systems in link frames: the contract between engines and analyses."""
 
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
-from flexmech.linear_system.attached_points import AttachedPoint
-from flexmech.linear_system.balanced_loads import BalancedLoads
-from flexmech.linear_system.carried_inertia import CarriedInertia
-from flexmech.linear_system.chains import (
+from flexmech.linear_system.assembly.balanced_loads import BalancedLoads
+from flexmech.linear_system.assembly.batches import check_elastic, checked_mechanism
+from flexmech.linear_system.assembly.constant_turn import (
+    is_constant_turn,
+    same_answers,
+    stressed_along_turn,
+    turns_or_slides,
+    unchanged,
+)
+from flexmech.linear_system.assembly.element_kinds import (
+    ELASTICITY,
+    HELD_ENDS,
+    NEGLIGIBLE,
+    TheoryComparison,
+    TheoryDifference,
+)
+from flexmech.linear_system.assembly.engine import Engine
+from flexmech.linear_system.assembly.link_points import LinkPoint, displacement_row, point_rows
+from flexmech.linear_system.assembly.quasi_static import (
+    LAST_STEP,
+    LOAD_STEPS,
+    MAX_ITERATIONS,
+    RELATIVE_RESIDUAL,
+    ROUND_OFF,
+    free_load,
+    refuse_large_displacements,
+)
+from flexmech.linear_system.assembly.sparse_positions import SparseMatrices, SparsePositions
+from flexmech.linear_system.assembly.straight_links import (
+    StraightForces,
+    element_tensions,
+    forces_of_links,
+    static_displacement,
+    straight_forces,
+    ties_beyond_pins,
+    with_rigid_links,
+)
+from flexmech.linear_system.assembly.system import LinearSystem, condense
+from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.joints.link_place import DependentRows
+from flexmech.linear_system.joints.position_errors import (
+    LESS_LOADED,
+    OverdampedError,
+    RefusedPositionsError,
+    TooManyModesError,
+    refuse_positions,
+)
+from flexmech.linear_system.joints.rigid_coordinates import PoseStiffness
+from flexmech.linear_system.joints.rigid_pose import DisplacedTies
+from flexmech.linear_system.links.carried_inertia import CarriedInertia
+from flexmech.linear_system.links.chains import (
     ChainMatrix,
     LinkMatrix,
     chain_matrices,
@@ -15,72 +62,23 @@ from flexmech.linear_system.chains import (
     summed,
     whole,
 )
-from flexmech.linear_system.checks import check_elastic, checked_mechanism
-from flexmech.linear_system.component_modes import (
+from flexmech.linear_system.links.dead_moments import DeadMoments, body_turns, with_straight_inertia
+from flexmech.linear_system.links.link_model import LinkModel, RigidFields, inertia_loads
+from flexmech.linear_system.links.link_readings import LinkReadings
+from flexmech.linear_system.links.link_stretch import LinkStretch
+from flexmech.linear_system.links.mass_root import inverse_mass_root
+from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
+from flexmech.linear_system.links.rigid_link import rigid_link
+from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
+from flexmech.linear_system.links.stressed_links import StressedLinks
+from flexmech.linear_system.loads.attached_points import AttachedPoint
+from flexmech.linear_system.loads.connector_forces import ConnectedMatrices, Push, acts_still
+from flexmech.linear_system.loads.connectors import Connectors
+from flexmech.linear_system.loads.joint_couples import has_dampers
+from flexmech.linear_system.reduction.component_modes import (
     GREAT_DETAIL,
     ComponentModes,
     component_modes,
-)
-from flexmech.linear_system.connected_matrices import ConnectedMatrices
-from flexmech.linear_system.connector_forces import Push, acts_still
-from flexmech.linear_system.connectors import Connectors
-from flexmech.linear_system.constant_turn import (
-    is_constant_turn,
-    same_answers,
-    stressed_along_turn,
-    turns_or_slides,
-    unchanged,
-)
-from flexmech.linear_system.dead_moments import DeadMoments, body_turns, with_straight_inertia
-from flexmech.linear_system.engine import Engine
-from flexmech.linear_system.joint_couples import has_dampers
-from flexmech.linear_system.link_frames import LinkFrames
-from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
-from flexmech.linear_system.link_place import DependentRows
-from flexmech.linear_system.link_points import LinkPoint, displacement_row, point_rows
-from flexmech.linear_system.link_readings import LinkReadings
-from flexmech.linear_system.link_stretch import LinkStretch
-from flexmech.linear_system.mass_root import inverse_mass_root
-from flexmech.linear_system.mode_errors import OverdampedError, TooManyModesError
-from flexmech.linear_system.position_errors import (
-    LESS_LOADED,
-    RefusedPositionsError,
-    refuse_positions,
-)
-from flexmech.linear_system.quasi_static import (
-    LAST_STEP,
-    LOAD_STEPS,
-    MAX_ITERATIONS,
-    RELATIVE_RESIDUAL,
-    ROUND_OFF,
-    free_load,
-    refuse_large_displacements,
-)
-from flexmech.linear_system.rigid_body import RigidBody, body_nodes
-from flexmech.linear_system.rigid_coordinates import PoseStiffness
-from flexmech.linear_system.rigid_link import rigid_link
-from flexmech.linear_system.rigid_pose import DisplacedTies
-from flexmech.linear_system.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
-from flexmech.linear_system.sparse_positions import SparseMatrices, SparsePositions
-from flexmech.linear_system.straight_links import (
-    StraightForces,
-    straight_forces,
-    ties_beyond_pins,
-    with_rigid_links,
-)
-from flexmech.linear_system.stressed_links import StressedLinks
-from flexmech.linear_system.system import LinearSystem, condense
-from flexmech.linear_system.tension import (
-    element_tensions,
-    forces_of_links,
-    static_displacement,
-)
-from flexmech.linear_system.theory_comparison import (
-    ELASTICITY,
-    HELD_ENDS,
-    NEGLIGIBLE,
-    TheoryComparison,
-    TheoryDifference,
 )
 
 __all__ = [

@@ -9,11 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from flexmech.errors import InputError
-from flexmech.linkages.body_motion import (
-    GROUND_AFTER_LINKS,
-    BodyMotion,
-    BodyPoint,
-)
+from flexmech.linkages.body_motion import GROUND_AFTER_LINKS, BodyMotion, BodyPoint
 from flexmech.linkages.constraints import (
     Coincidence,
     Condition,

@@ -13,14 +13,7 @@ from flexmech.errors import InputError
 from flexmech.materials.hygrothermal import Hygrothermal
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
 from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity
-from flexmech.numbers import (
-    FINITE,
-    NOT_NEGATIVE,
-    POSITIVE,
-    Bounds,
-    check_fields,
-    check_number,
-)
+from flexmech.numbers import FINITE, NOT_NEGATIVE, POSITIVE, Bounds, check_fields, check_number
 from flexmech.short_repr import short_repr
 from flexmech.units import (
     DENSITY,

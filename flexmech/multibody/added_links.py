@@ -22,11 +22,7 @@ from flexmech.multibody.beam_kind import BeamKind
 from flexmech.multibody.items import ItemNumber, SystemItems
 from flexmech.multibody.link_parts import RIGID_SIZE, BeamPart, LinkPart, RigidPart
 from flexmech.multibody.node_bodies import NodeBodies, point_masses_at
-from flexmech.multibody.node_directions import (
-    PolarSlopes,
-    gripped_places,
-    held_places,
-)
+from flexmech.multibody.node_directions import PolarSlopes, gripped_places, held_places
 from flexmech.types import FloatArray
 
 

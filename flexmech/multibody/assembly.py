@@ -18,13 +18,7 @@ from flexmech.multibody.arms import LinkArms
 from flexmech.multibody.beam_kind import BeamKind
 from flexmech.multibody.beams import BEAM_KINDS
 from flexmech.multibody.items import ItemNumber, Made, SystemItems
-from flexmech.multibody.link_parts import (
-    RIGID_SIZE,
-    BeamPart,
-    LinkPart,
-    RigidPart,
-    turn_vectors,
-)
+from flexmech.multibody.link_parts import RIGID_SIZE, BeamPart, LinkPart, RigidPart, turn_vectors
 from flexmech.multibody.node_bodies import point_masses_at
 from flexmech.multibody.node_directions import turned_bodies
 from flexmech.multibody.running.user_functions import turned_frame

@@ -15,10 +15,7 @@ from flexmech.linkages import JointSpring, LinkEnd, LinkPoint, Load, Spring
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.link_parts import BeamPart, RigidPart
-from flexmech.multibody.node_directions import (
-    ends_of_joint,
-    leading_end,
-)
+from flexmech.multibody.node_directions import ends_of_joint, leading_end
 
 
 def add_point_marker(assembly: LinkAssembly, point: LinkPoint, name: str) -> ItemNumber:

@@ -19,10 +19,7 @@ from flexmech.multibody.items import Choice, Item, ItemKind, ItemNumber, SystemI
 from flexmech.multibody.joints import SliderJoint
 from flexmech.multibody.link_parts import BeamPart, RigidPart
 from flexmech.multibody.running.model import RunningModel
-from flexmech.multibody.running.script import (
-    ScriptSource,
-    linkage_script,
-)
+from flexmech.multibody.running.script import ScriptSource, linkage_script
 from flexmech.multibody.running.simulation import Simulation
 from flexmech.multibody.running.user_functions import (
     constraint_force,

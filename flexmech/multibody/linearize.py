@@ -8,13 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from flexmech.linear_system import (
-    LESS_LOADED,
-    LOAD_STEPS,
-    ROUND_OFF,
-    DeadMoments,
-    refuse_positions,
-)
+from flexmech.linear_system import LESS_LOADED, LOAD_STEPS, ROUND_OFF, DeadMoments, refuse_positions
 from flexmech.linkages import RigidMotion
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.library import load_exudyn

@@ -10,13 +10,7 @@ from matplotlib.ticker import FuncFormatter
 
 from flexmech.errors import InputError
 from flexmech.plots import style
-from flexmech.plots.frf import (
-    CURVES,
-    angle_text,
-    curve_handles,
-    first_angle,
-    hammer_title,
-)
+from flexmech.plots.frf import CURVES, angle_text, curve_handles, first_angle, hammer_title
 from flexmech.plots.layout import AxesLike, grid, sheet, tiles
 from flexmech.plots.reading import LENGTH_UNITS, complex_values, fitting_unit, names_of
 

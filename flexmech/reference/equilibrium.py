@@ -42,11 +42,7 @@ from flexmech.reference.coupled_links import CoupledLinks
 from flexmech.reference.force_balance import ForceBalance
 from flexmech.reference.linkage_tangents import LinkageTangents, turned_by
 from flexmech.reference.newton_state import Imbalance, Problem, State
-from flexmech.reference.nodal_chains import (
-    element_ends,
-    node_forces,
-    relative_coordinates,
-)
+from flexmech.reference.nodal_chains import element_ends, node_forces, relative_coordinates
 from flexmech.reference.radial_springs import RadialSprings
 from flexmech.types import FloatArray
 

@@ -17,12 +17,7 @@ from flexmech.files import given_path, write_whole
 from flexmech.mechanism import Mechanism
 from flexmech.plots.style import SERIES_STYLES
 from flexmech.report.answers import answers
-from flexmech.report.embedding import (
-    Arrays,
-    equation_markup,
-    json_text,
-    plotly_source,
-)
+from flexmech.report.embedding import Arrays, equation_markup, json_text, plotly_source
 from flexmech.report.moving_linkage import mechanism_of, moving_linkage
 from flexmech.report.panel import Panel
 from flexmech.report.panels import panels_of

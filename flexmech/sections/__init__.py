@@ -1,16 +1,10 @@
 """Beam sections: what a link's cross-section is to a beam."""
 
-from flexmech.sections.beam_reduction import (
-    REDUCTIONS,
-    Reduction,
-)
+from flexmech.sections.beam_reduction import REDUCTIONS, Reduction
 from flexmech.sections.beam_section import BeamSection
 from flexmech.sections.between_joints import sections_between_joints
 from flexmech.sections.damping import DampingTimes, SpecificDamping
-from flexmech.sections.free_edges import (
-    TWISTS,
-    Twist,
-)
+from flexmech.sections.free_edges import TWISTS, Twist
 from flexmech.sections.hygrothermal import HygrothermalProfile, SwollenSection, swollen_section
 from flexmech.sections.laminate_section import (
     SHEAR_THEORIES,
@@ -18,11 +12,7 @@ from flexmech.sections.laminate_section import (
     ShearTheory,
     ThroughThickness,
 )
-from flexmech.sections.shear_theories import (
-    WARPINGS,
-    ThirdOrder,
-    Zigzag,
-)
+from flexmech.sections.shear_theories import WARPINGS, ThirdOrder, Zigzag
 from flexmech.sections.solid_section import SolidSection, solid_section
 
 __all__ = [

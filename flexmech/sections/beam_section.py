@@ -20,11 +20,7 @@ from flexmech.numbers import (
 )
 from flexmech.sections.damping import DampingTimes, SpecificDamping
 from flexmech.sections.laminate_section import LaminateSection
-from flexmech.sections.shear_theories import (
-    ThirdOrder,
-    Zigzag,
-    rectangular_zigzag,
-)
+from flexmech.sections.shear_theories import ThirdOrder, Zigzag, rectangular_zigzag
 from flexmech.short_repr import short_repr
 from flexmech.units import (
     BENDING_STIFFNESS,

@@ -39,13 +39,7 @@ import scipy.linalg
 
 from flexmech.materials import Laminate, solid_stiffness
 from flexmech.sections.beam_reduction import ALONG, OTHERS, TWIST_HELD
-from flexmech.sections.solid_section import (
-    CURVATURE,
-    STRETCH,
-    TWIST,
-    SolidSection,
-    solid_section,
-)
+from flexmech.sections.solid_section import CURVATURE, STRETCH, TWIST, SolidSection, solid_section
 from flexmech.types import FloatArray, IntArray
 
 Twist = Literal["free", "held"]

@@ -10,13 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from flexmech.errors import ComputationError
-from flexmech.linkages import (
-    CouplerCurve,
-    CouplerPoint,
-    FourBar,
-    coupler_sextic,
-    double_points,
-)
+from flexmech.linkages import CouplerCurve, CouplerPoint, FourBar, coupler_sextic, double_points
 from flexmech.linkages.coupler_curves.double_points import finite_double_points
 from scenarios._cusp_transitions import cusp_transitions
 from tests.strategies import angles, numbers, postures

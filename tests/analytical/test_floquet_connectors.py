@@ -14,21 +14,9 @@ from flexmech import ExudynEngine, Mechanism, ReferenceEngine, RotatingArm, load
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.dynamical_systems import floquet_modes
 from flexmech.linear_system import Engine, Prestress
-from flexmech.linkages import (
-    GROUND,
-    JointSpring,
-    LinkPoint,
-    Load,
-    Spring,
-)
+from flexmech.linkages import GROUND, JointSpring, LinkPoint, Load, Spring
 from flexmech.time_domain import moving_modes
-from tests.analytical.test_loads_and_springs import (
-    BENDING,
-    LENGTH,
-    SECTION,
-    TIP,
-    ArmInBearing,
-)
+from tests.analytical.test_loads_and_springs import BENDING, LENGTH, SECTION, TIP, ArmInBearing
 from tests.analytical.test_moving_modes import (
     farthest,
     integrated_monodromy,

@@ -14,10 +14,7 @@ import scipy.interpolate
 from flexmech import ReferenceEngine
 from flexmech.dynamical_systems import floquet_modes
 from flexmech.errors import InputError
-from flexmech.time_domain import (
-    SampledTurn,
-    moving_modes,
-)
+from flexmech.time_domain import SampledTurn, moving_modes
 
 SPEED, SAMPLES, STEPS = 30.0, 256, 2048
 SCENARIOS = Path(__file__).parents[2] / "scenarios"

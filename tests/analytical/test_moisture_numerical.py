@@ -9,13 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flexmech.materials.moisture import (
-    Ambient,
-    DiffusionLayer,
-    Diffusivity,
-    diffuse,
-    diffuse_bar,
-)
+from flexmech.materials.moisture import Ambient, DiffusionLayer, Diffusivity, diffuse, diffuse_bar
 from flexmech.materials.moisture.cells import side_waves
 from tests.analytical.slab_series import bar_profile, bar_uptake, slab_profile, slab_uptake
 from tests.strategies import numbers

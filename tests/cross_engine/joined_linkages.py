@@ -10,17 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexmech import FourBar, RotatingArm
-from flexmech.linkages import (
-    Clamp,
-    Link,
-    LinkEnd,
-    Pin,
-    Pivot,
-    RigidMotion,
-    Slider,
-    Topology,
-    Weld,
-)
+from flexmech.linkages import Clamp, Link, LinkEnd, Pin, Pivot, RigidMotion, Slider, Topology, Weld
 from flexmech.linkages.motion import direction, normal
 
 FloatArray = NDArray[np.float64]

@@ -10,14 +10,7 @@ import pytest
 import scipy.linalg
 from numpy.typing import NDArray
 
-from flexmech import (
-    BeamSection,
-    CrankDrive,
-    ExudynEngine,
-    FourBar,
-    Material,
-    Mechanism,
-)
+from flexmech import BeamSection, CrankDrive, ExudynEngine, FourBar, Material, Mechanism
 from flexmech.linear_system import DeadMoments, inertia_loads
 from flexmech.linkages import Linkage, RigidMotion
 from flexmech.linkages.motion import direction, normal

@@ -19,10 +19,7 @@ from flexmech import (
 )
 from flexmech.linear_system import inertia_loads
 from flexmech.linkages import CrankDrive, inverse_dynamics
-from flexmech.multibody.linearize import (
-    linearized,
-    static_equilibrium,
-)
+from flexmech.multibody.linearize import linearized, static_equilibrium
 from flexmech.multibody.running import simulation
 from flexmech.multibody.static_model import simulation_settings
 from flexmech.sections import DampingTimes

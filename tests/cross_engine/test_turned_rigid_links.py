@@ -7,13 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmech import (
-    ExudynEngine,
-    Mechanism,
-    ReferenceEngine,
-    load_mechanism,
-    natural_frequencies,
-)
+from flexmech import ExudynEngine, Mechanism, ReferenceEngine, load_mechanism, natural_frequencies
 from flexmech.linkages import JointSpring, LinkPoint, Load, Spring
 from tests.cross_engine.joined_linkages import LArm, Ternary
 from tests.cross_engine.test_exudyn_connectors import strips

@@ -12,12 +12,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexmech.linkages import (
-    CouplerCurve,
-    CouplerPoint,
-    FourBar,
-    double_points,
-)
+from flexmech.linkages import CouplerCurve, CouplerPoint, FourBar, double_points
 from flexmech.verification import verification_case
 from scenarios._cusp_transitions import cusp_transitions
 from tests.analytical.coupler_polylines import crossings, polylines

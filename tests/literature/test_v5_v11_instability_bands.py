@@ -7,10 +7,7 @@ import numpy as np
 import pytest
 
 from flexmech.verification import verification_case, verification_cases
-from flexmech.verification.methods.periodic_systems import (
-    combination_modes,
-    resonance_modulus,
-)
+from flexmech.verification.methods.periodic_systems import combination_modes, resonance_modulus
 
 EDGES = [
     case

@@ -14,11 +14,7 @@ from typer.testing import CliRunner
 import flexmech
 from flexmech.cli import app
 from flexmech.report import Results, page, stored_results, write_report
-from flexmech.report.embedding import (
-    Arrays,
-    equation_markup,
-    json_text,
-)
+from flexmech.report.embedding import Arrays, equation_markup, json_text
 from flexmech.report.last_turn import over_a_turn, thinning
 from flexmech.report.moving_linkage import moving_linkage
 from flexmech.report.words import with_error

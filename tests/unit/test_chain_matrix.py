@@ -21,9 +21,11 @@ from flexmech.linear_system import (
     summed,
     whole,
 )
-from flexmech.linear_system.chains import MOST_WHOLE, couples, diagonal, with_entries
-from flexmech.linear_system.flexibility import Flexibility
-from flexmech.linear_system.held_modes import HeldModes
+from flexmech.linear_system.links.chains import MOST_WHOLE, couples, diagonal, with_entries
+from flexmech.linear_system.reduction.fixed_interface_modes import (
+    Flexibility,
+    HeldModes,
+)
 from flexmech.linkages import LinkMass
 from flexmech.mechanism import AttachedBody, Mechanism
 from flexmech.threads import one_thread
@@ -119,7 +121,7 @@ def test_links_of_many_elements_are_whole_links(
         return [found[name].values for name in ("frequency", "damping_ratio")]
 
     stored = results()
-    monkeypatch.setattr("flexmech.linear_system.chains.MOST_WHOLE", 1000)
+    monkeypatch.setattr("flexmech.linear_system.links.chains.MOST_WHOLE", 1000)
     for found, expected in zip(stored, results(), strict=True):
         assert found == pytest.approx(expected, rel=1e-9)
 

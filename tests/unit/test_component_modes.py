@@ -21,9 +21,9 @@ from flexmech.linear_system import (
     LinearSystem,
     component_modes,
 )
-from flexmech.linear_system.reduced_system import reduced_system
-from flexmech.linear_system.rotation_terms import RotationTerms, SystemMatrices
-from flexmech.linear_system.system import condense
+from flexmech.linear_system.assembly.reduced_system import reduced_system
+from flexmech.linear_system.assembly.system import condense
+from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linkages import JointSpring, LinkPoint, Spring
 from flexmech.mechanism import Mechanism
 from flexmech.multibody import ExudynEngine

@@ -8,13 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from flexmech.errors import InputError
-from flexmech.linkages import (
-    CouplerCurve,
-    CouplerPoint,
-    FourBar,
-    coupler_sextic,
-    double_points,
-)
+from flexmech.linkages import CouplerCurve, CouplerPoint, FourBar, coupler_sextic, double_points
 from scenarios._cusp_transitions import cusp_transitions
 from tests.strategies import angles, numbers
 

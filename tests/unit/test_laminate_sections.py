@@ -11,17 +11,8 @@ from hypothesis import strategies as st
 
 from flexmech.errors import InputError
 from flexmech.materials import Laminate, Layer, Material, Ply, PlyDamping
-from flexmech.sections import (
-    REDUCTIONS,
-    SHEAR_THEORIES,
-    BeamSection,
-    DampingTimes,
-    LaminateSection,
-)
-from flexmech.sections.beam_reduction import (
-    PlaneState,
-    gauss_points,
-)
+from flexmech.sections import REDUCTIONS, SHEAR_THEORIES, BeamSection, DampingTimes, LaminateSection
+from flexmech.sections.beam_reduction import PlaneState, gauss_points
 from tests.strategies import STEEL, numbers
 
 CARBON = Ply(138e9, 9e9, 6e9, 5e9, 3e9, 0.3, 1600.0, PlyDamping(0.005, 0.06, 0.08))

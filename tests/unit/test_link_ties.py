@@ -18,7 +18,7 @@ from flexmech.beams.elements import BEAM_SHAPES
 from flexmech.beams.link_matrices import build_chain
 from flexmech.errors import ComputationError
 from flexmech.linear_system import LinkFrames, LinkModel, RotationTerms, rigid_link
-from flexmech.linear_system.rigid_coordinates import RigidCoordinates
+from flexmech.linear_system.joints.rigid_coordinates import RigidCoordinates
 from flexmech.linkages import (
     Clamp,
     Link,

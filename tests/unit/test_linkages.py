@@ -13,16 +13,7 @@ from pylinkage.dyads import RRRDyad
 from pylinkage.simulation import Linkage as OtherLinkage
 
 from flexmech.errors import InputError
-from flexmech.linkages import (
-    Clamp,
-    FourBar,
-    Link,
-    LinkEnd,
-    Pin,
-    Pivot,
-    RotatingArm,
-    Topology,
-)
+from flexmech.linkages import Clamp, FourBar, Link, LinkEnd, Pin, Pivot, RotatingArm, Topology
 from tests.strategies import STEEL_LINKAGE, Posture, numbers, postures
 
 TURN = np.linspace(0.0, 2 * np.pi, 361)

@@ -16,13 +16,7 @@ from hypothesis import strategies as st
 
 from flexmech.errors import InputError
 from flexmech.linkages import FourBar, PlanarLinkage, RotatingArm
-from flexmech.modelfile import (
-    KINDS,
-    json_schema,
-    load_mechanism,
-    mechanism_from_toml,
-    template,
-)
+from flexmech.modelfile import KINDS, json_schema, load_mechanism, mechanism_from_toml, template
 from flexmech.sections import DampingTimes
 
 MODELS = Path(__file__).parents[2] / "models"

@@ -8,9 +8,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from flexmech.linear_system.joint_points import joint_points
-from flexmech.linear_system.rigid_coordinates import RigidCoordinates
-from flexmech.linear_system.rigid_pose import RigidPose
+from flexmech.linear_system.joints.joint_points import joint_points
+from flexmech.linear_system.joints.rigid_coordinates import RigidCoordinates
+from flexmech.linear_system.joints.rigid_pose import RigidPose
 from flexmech.linkages import Link, LinkEnd, Pin, Pivot, RigidMotion, Topology
 from tests.unit.test_link_ties import Course, topologies
 

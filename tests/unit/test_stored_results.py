@@ -14,10 +14,7 @@ import xarray as xr
 from typer.testing import CliRunner
 
 import flexmech
-from flexmech.analyses.response.dataset import (
-    ENERGIES,
-    MOST_FRAMES,
-)
+from flexmech.analyses.response.dataset import ENERGIES, MOST_FRAMES
 from flexmech.cli import app
 from flexmech.modelfile import mechanism_from_toml, template
 from flexmech.plots.animation import MOST_FRAMES as MOST_PICTURES

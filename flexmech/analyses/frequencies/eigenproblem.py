@@ -9,10 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.analyses.frequencies.quadratic_eigenproblem import (
-    QuadraticModes,
-    quadratic_modes,
-)
+from flexmech.analyses.frequencies.quadratic_eigenproblem import QuadraticModes, quadratic_modes
 from flexmech.linear_system import (
     LinearSystem,
     OverdampedError,

@@ -9,12 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from flexmech.choices import LinkDirection, Prestress
-from flexmech.dynamical_systems import (
-    HalfSinePulse,
-    StateModes,
-    pulse_response,
-    state_modes,
-)
+from flexmech.dynamical_systems import HalfSinePulse, StateModes, pulse_response, state_modes
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine, LinearSystem, LinkPoint, point_rows
 from flexmech.types import ComplexArray, FloatArray

@@ -11,7 +11,7 @@ import numpy as np
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.analyses.stability.speed_window import NODES, SpeedWindow
 from flexmech.errors import ComputationError
-from flexmech.linear_system.position_errors import RefusedPositionsError
+from flexmech.linear_system.joints.position_errors import RefusedPositionsError
 from flexmech.types import FloatArray
 
 TURN = np.radians(np.arange(0.0, 360.0, 15.0))

@@ -6,16 +6,7 @@ import cmath
 
 from flexmech.errors import InputError
 from flexmech.linkages.planar.drawing import Drawing, PlanarJoint
-from flexmech.linkages.topology import (
-    Clamp,
-    Link,
-    LinkEnd,
-    Pin,
-    Pivot,
-    Slider,
-    Topology,
-    Weld,
-)
+from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Slider, Topology, Weld
 
 
 def derived_topology(drawing: Drawing, sprung: tuple[str, ...]) -> Topology:

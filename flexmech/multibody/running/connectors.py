@@ -13,10 +13,7 @@ from flexmech.multibody.connectors import Connectors, JointSpringItem, LoadItem,
 from flexmech.multibody.items import Made
 from flexmech.multibody.link_parts import BeamPart, RigidPart
 from flexmech.multibody.node_directions import leading_end
-from flexmech.multibody.running.user_functions import (
-    Shaft,
-    load_history,
-)
+from flexmech.multibody.running.user_functions import Shaft, load_history
 from flexmech.time_domain.equations_of_motion import ConnectorWork
 from flexmech.types import FloatArray
 

@@ -11,13 +11,7 @@ from typing import Any
 import numpy as np
 
 from flexmech.multibody.items import Choice, ItemNumber, Made
-from flexmech.multibody.running.closure import (
-    AngleGap,
-    ClosedJoints,
-    JoinedEnd,
-    LineGap,
-    PlaceGap,
-)
+from flexmech.multibody.running.closure import AngleGap, ClosedJoints, JoinedEnd, LineGap, PlaceGap
 from flexmech.multibody.running.user_functions import (
     AxisPoint,
     HubClamp,

@@ -14,11 +14,7 @@ from flexmech.choices import Integrator, LinkDirection
 from flexmech.errors import InputError
 from flexmech.linear_system import LinkModel, LinkPoint, displacement_row
 from flexmech.linkages import RigidMotion, Topology
-from flexmech.multibody.items import (
-    Setting,
-    applied,
-    solver_settings,
-)
+from flexmech.multibody.items import Setting, applied, solver_settings
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import MovingFrames
 from flexmech.multibody.running.model import RunningModel

@@ -1,7 +1,7 @@
 """The linkage driven by its shaft: a linear system in link frames that varies with time.
 
 ``M(t) z'' + C(t) z' + K(t) z = f(t)``: the matrices of
-:mod:`flexmech.linear_system.link_frames` with all rotation terms, the inertia forces of the
+:mod:`flexmech.linear_system.joints.link_frames` with all rotation terms, the inertia forces of the
 rigid motion and weight as load. Links are reduced to component modes whose static shapes
 turn with the pins: here the whole shape moves (Galerkin), because a response in time does
 not depend on the frame in which it is written, as frozen eigenvalues do. Axial modes above

@@ -23,7 +23,7 @@ import numpy as np
 import scipy.linalg
 
 from flexmech.linear_system import Engine, LinkMatrix, LinkModel, LinkStretch, body_nodes, whole
-from flexmech.linear_system.link_model import NO_VECTORS, NONE, RigidFields
+from flexmech.linear_system.links.link_model import NO_VECTORS, NONE, RigidFields
 from flexmech.linkages import Topology
 from flexmech.types import FloatArray, IntArray
 

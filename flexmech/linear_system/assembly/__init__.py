@@ -1,0 +1,1 @@
+"""The assembled system, and what an engine is."""

@@ -1,0 +1,201 @@
+"""Loads of a quasi-static equilibrium that depend on its displacements.
+
+These are the forces of springs, forces that turn with links, and the inertia forces of links that
+turn as one body (:mod:`flexmech.linear_system.links.carried_inertia`). An engine's solver displaces
+the links under given forces. Those are sought that are the right ones at that displacement: from the
+last one a step of Newton's method with the links' tangent stiffness predicts where the links will
+be, and the forces there are the next load.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.linear_system.assembly.quasi_static import greatest
+from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.joints.position_errors import LESS_LOADED, refuse_positions
+from flexmech.linear_system.links.carried_inertia import CarriedInertia
+from flexmech.linear_system.links.chains import LinkMatrix, whole
+from flexmech.linear_system.links.rotation_terms import RotationTerms
+from flexmech.linear_system.loads.connectors import Connectors
+from flexmech.linkages import RigidMotion
+from flexmech.types import FloatArray
+
+MOST_PASSES = 60
+# Greatest change of a load in the last pass, relative to the greatest.
+LAST_PASS = 1e-10
+# A change that is smaller than this and no longer falls is the round-off of an engine's solver.
+ROUND_OFF = 1e-8
+STILL = RotationTerms.all_or_none(False)
+
+
+@dataclass(frozen=True)
+class BalancedLoads:
+    """Loads on the links, and where the links are that they belong to.
+
+    Parameters
+    ----------
+    loads : list of ndarray, shape (B, n_link)
+    at : list of ndarray, shape (B, n_link), or None
+        Displacement of the links at which the loads are these; None of links as drawn.
+    """
+
+    loads: list[FloatArray]
+    at: list[FloatArray] | None
+
+
+Solve = Callable[[BalancedLoads], list[FloatArray]]
+"""From loads to the displacements (B, n_link) of the links at equilibrium under them."""
+
+
+def balanced_loads(
+    connectors: Connectors,
+    frames: LinkFrames,
+    motion: RigidMotion,
+    loads: Sequence[FloatArray],
+    solve: Solve,
+    tangents: Callable[[list[FloatArray]], Sequence[LinkMatrix]],
+    *,
+    carried: CarriedInertia | None = None,
+    solve_connects: bool = False,
+) -> BalancedLoads:
+    """Loads on the links with those that depend on where the links are.
+
+    Parameters
+    ----------
+    connectors : Connectors
+        Of the links of ``frames``.
+    frames : LinkFrames
+    motion : RigidMotion
+        Batch of shape (B,).
+    loads : sequence of ndarray, shape (B, n_link)
+        Others.
+    solve : callable
+        Displacements (B, n_link) at equilibrium under :class:`BalancedLoads`.
+    tangents : callable
+        Tangent stiffness (B, n_link, n_link) at displacements.
+    carried : CarriedInertia, optional
+        Inertia forces by which the displacement of the links changes those among ``loads``.
+    solve_connects : bool
+        Whether ``solve`` counts the connectors, whose forces are then not among the result.
+
+    Returns
+    -------
+    BalancedLoads
+
+    Raises
+    ------
+    ComputationError
+        Where no such forces are found, or inertia forces grow faster with the displacement than
+        the links' forces; names the crank angle.
+    """
+    acting = _Acting(connectors, carried, motion, connects=not solve_connects)
+    force = acting.forces(None)
+    if carried is None and not connectors.depend_on_displacement:
+        return BalancedLoads(_sum(loads, force), None)
+    stiffness: Sequence[LinkMatrix] = [link.stiffness for link in frames.links]
+    displacement = [np.zeros_like(load) for load in loads]
+    gap = frames.gather(motion, _sum(loads, force))
+    if carried is not None:
+        # Near its first frequency a body is held by its tension alone, which it has then.
+        displacement = solve(BalancedLoads(_sum(loads, force), None))
+        stiffness = tangents(displacement)
+        gap = frames.gather(motion, acting.beyond(force, displacement))
+    apart = np.full(len(motion.crank_angle), np.inf)
+    settled = np.zeros(len(apart), dtype=bool)
+    for number in range(MOST_PASSES):
+        held = acting.stiffness(frames, stiffness, displacement)
+        step = frames.link_coordinates(motion, np.linalg.solve(held, gap[..., None]))
+        moved = [q + change[..., 0] for q, change in zip(displacement, step, strict=True)]
+        before, force = force, acting.forces(moved)
+        last, apart = apart, greatest([b - a for a, b in zip(before, force, strict=True)])
+        size = np.maximum(greatest(force), greatest(loads))
+        still = (apart <= ROUND_OFF * size) & (2 * apart >= last)
+        settled |= (apart <= LAST_PASS * size) | still
+        if number and settled.all():
+            if carried is not None:
+                _refuse_instability(motion, held)
+            return BalancedLoads(_sum(loads, force), moved)
+        displacement = solve(BalancedLoads(_sum(loads, force), moved))
+        stiffness = tangents(displacement)
+        gap = frames.gather(motion, acting.beyond(force, displacement))
+    refuse_positions(
+        motion,
+        ~settled,
+        "no equilibrium with the forces that depend on the displacement of the links",
+        f": they still change by {float((apart / size).max()):.3g} of the greatest after "
+        f"{MOST_PASSES} passes; use softer springs, smaller loads or a lower crank speed, or "
+        "prestress 'axial'",
+    )
+    return BalancedLoads(_sum(loads, force), moved)
+
+
+@dataclass(frozen=True)
+class _Acting:
+    """Forces on the links that depend on where they are.
+
+    Parameters
+    ----------
+    connectors : Connectors
+    carried : CarriedInertia or None
+    motion : RigidMotion
+        Batch of shape (B,).
+    connects : bool
+        Whether the connectors' forces are among them.
+    """
+
+    connectors: Connectors
+    carried: CarriedInertia | None
+    motion: RigidMotion
+    connects: bool
+
+    def forces(self, displacement: Sequence[FloatArray] | None) -> list[FloatArray]:
+        """Forces (B, n_link) at a displacement; of links where they are drawn where it is None."""
+        batch = len(self.motion.crank_angle)
+        total = (
+            self.connectors.forces(self.motion, displacement)
+            if self.connects
+            else [np.zeros((batch, link.size)) for link in self.connectors.links]
+        )
+        if self.carried is None or displacement is None:
+            return total
+        return _sum(total, self.carried.on_drawn(displacement))
+
+    def beyond(
+        self, counted: Sequence[FloatArray], displacement: Sequence[FloatArray]
+    ) -> list[FloatArray]:
+        """By how much forces at a displacement are beyond those that it was found under."""
+        return [b - a for a, b in zip(counted, self.forces(displacement), strict=True)]
+
+    def stiffness(
+        self,
+        frames: LinkFrames,
+        stiffness: Sequence[LinkMatrix],
+        displacement: Sequence[FloatArray],
+    ) -> FloatArray:
+        """Stiffness of the linkage against such forces, (B, size, size), from its links'."""
+        if self.carried is not None:
+            pairs = zip(stiffness, self.carried.matrices(displacement), strict=True)
+            stiffness = [whole(tangent) - matrix for tangent, matrix in pairs]
+        links = frames.assemble(self.motion, stiffness, STILL)
+        held = self.connectors.added(frames, self.motion, links, STILL, "equilibrium", displacement)
+        return held.stiffness
+
+
+def _refuse_instability(motion: RigidMotion, stiffness: FloatArray) -> None:
+    """Refuse a body that forces drive away from where it would stand."""
+    symmetric = (stiffness + np.swapaxes(stiffness, 1, 2)) / 2
+    refuse_positions(
+        motion,
+        np.linalg.eigvalsh(symmetric)[:, 0] <= 0,
+        "the linkage buckles: the inertia forces and springs on its displaced links",
+        f" grow faster with the displacement than the links' own forces; {LESS_LOADED} or stiffen "
+        "the links",
+    )
+
+
+def _sum(loads: Sequence[FloatArray], others: Sequence[FloatArray]) -> list[FloatArray]:
+    return [a + b for a, b in zip(loads, others, strict=True)]

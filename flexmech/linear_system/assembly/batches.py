@@ -1,0 +1,98 @@
+"""Batches of positions, whose matrices are in memory at a time."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from flexmech.choices import MOST_ELEMENTS
+from flexmech.errors import InputError
+from flexmech.linear_system.links.chains import ChainMatrix
+from flexmech.linear_system.links.link_model import LinkModel
+from flexmech.mechanism import Mechanism
+
+# Working memory of a batch; keeps what is alive at a time independent of the map's size.
+BATCH_BYTES = 32_000_000
+LEAST_BATCH = 4
+# A position of a link stored by elements takes memory as of so many columns of its matrix.
+STORED_COLUMNS = 100
+
+
+def batch_size(links: Sequence[LinkModel]) -> int:
+    """Positions of a linkage to hold in memory at a time."""
+    entries = 0
+    for link in links:
+        chain = isinstance(link.stiffness, ChainMatrix)
+        entries += link.size * (min(STORED_COLUMNS, link.size) if chain else link.size)
+    return max(LEAST_BATCH, BATCH_BYTES // (8 * 4 * entries))
+
+
+def equal_batches(count: int, size: int) -> list[slice]:
+    """Batches of so many positions, of equal size.
+
+    A batch may exceed the size asked for by a quarter: it takes some time however small it is, and
+    a small last one is spared.
+
+    Parameters
+    ----------
+    count : int
+        Positions.
+    size : int
+        That a batch should have at most.
+
+    Returns
+    -------
+    list of slice
+        One or more; empty ones only where there is no position.
+    """
+    number = max(1, math.ceil(count / size - 1 / 4))
+    edges = [count * place // number for place in range(number + 1)]
+    return [slice(*both) for both in pairwise(edges)]
+
+
+def checked_mechanism(mechanism: object) -> Mechanism:
+    """Return a mechanism; refuse what is none: a path, a linkage, another engine."""
+    if isinstance(mechanism, Mechanism):
+        return mechanism
+    given = f"an object of type {type(mechanism).__name__}"
+    remedy = "read one by flexmech.load_mechanism(path)"
+    if hasattr(mechanism, "__fspath__") or isinstance(mechanism, str):
+        given = f"the path {str(mechanism)!r}"
+        remedy = f"read the file first: flexmech.load_mechanism({str(mechanism)!r})"
+    elif hasattr(mechanism, "mechanism"):
+        remedy = "give its attribute mechanism"
+    elif hasattr(mechanism, "topology"):
+        remedy = "a linkage needs a section for each link: flexmech.Mechanism(linkage, sections)"
+    raise InputError(f"mechanism must be a flexmech.Mechanism, got {given}; {remedy}")
+
+
+def check_elastic(mechanism: Mechanism) -> None:
+    """Refuse a mechanism whose links are all rigid: what engines compute is of elastic links."""
+    if not all(link.rigid for link in mechanism.linkage.topology.links):
+        return
+    # Rigid links vibrate too where springs hold them; engines compute it beside one stiff link.
+    stiff = ""
+    if mechanism.springs or mechanism.joint_springs or mechanism.shaft_inertia:
+        stiff = "as stiff as you like where springs, bearings or the shaft alone shall yield, "
+    raise InputError(
+        "links: every link is rigid, and what is computed here is the vibration of elastic "
+        f"links; leave out rigid = true for one of them and give it a section, {stiff}or ask for "
+        "the rigid motion and its forces by 'flexmech kinematics'"
+    )
+
+
+def checked_elements(count: object) -> int:
+    """Return a number of elements a link; refuse fractions, truth values, text and too many."""
+    if (
+        isinstance(count, int | np.integer)
+        and not isinstance(count, bool)
+        and 1 <= count <= MOST_ELEMENTS
+    ):
+        return int(count)
+    raise InputError(
+        f"elements must be a whole number from 1 to {MOST_ELEMENTS} (the matrices of more do not "
+        f"fit into memory), such as 8; got {count!r}"
+    )

@@ -1,0 +1,139 @@
+"""Links along a turn over which nothing changes in their frames, such as welded ones on a shaft."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from flexmech.choices import Prestress
+from flexmech.linear_system.assembly.engine import Engine
+from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.links.link_model import inertia_loads
+from flexmech.linear_system.links.stressed_links import StressedLinks
+from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
+from flexmech.linkages import RigidMotion, Topology
+from flexmech.types import FloatArray
+
+# Change along the turn, relative to the greatest value, that round-off makes.
+UNCHANGED = 1e-13
+
+
+def turns_or_slides(topology: Topology) -> bool:
+    """Whether a link turns against another one or slides, so that the map of coordinates moves.
+
+    Parameters
+    ----------
+    topology : Topology
+
+    Returns
+    -------
+    bool
+    """
+    return bool(topology.pins or topology.sliders)
+
+
+def unchanged(arrays: Iterable[FloatArray], size: float = 0.0) -> bool:
+    """Whether arrays (B, ...) are the same at all positions but for round-off.
+
+    Parameters
+    ----------
+    arrays : iterable of ndarray, shape (B, ...)
+        Empty ones are the same.
+    size : float
+        To which round-off is relative where the arrays' own size is less.
+
+    Returns
+    -------
+    bool
+    """
+    return all(
+        not array.size or np.ptp(array, axis=0).max() <= UNCHANGED * max(np.abs(array).max(), size)
+        for array in arrays
+    )
+
+
+def same_answers(answers: ConnectedMatrices, motion: RigidMotion) -> bool:
+    """Whether connectors answer displacements and velocities alike at all positions.
+
+    Parameters
+    ----------
+    answers : ConnectedMatrices
+        Over a batch of shape (B,).
+    motion : RigidMotion
+        Of that batch.
+
+    Returns
+    -------
+    bool
+    """
+    # A spring without tension pulls by round-off, which damping forces are large against.
+    turning = float(np.abs(motion.crank_speed).max() * np.abs(answers.damping).max())
+    return unchanged((answers.stiffness + answers.turning, answers.damping), turning)
+
+
+def is_constant_turn(engine: Engine, motion: RigidMotion) -> bool:
+    """Whether nothing that acts on the links changes in their frames from position to position.
+
+    It is computed: no link turns against another one, and the forces of inertia, gravity, loads
+    and springs on the straight links, and what springs answer, are the same at all positions.
+
+    Parameters
+    ----------
+    engine : Engine
+    motion : RigidMotion
+        Batch of shape (B,).
+
+    Returns
+    -------
+    bool
+    """
+    if turns_or_slides(engine.topology):
+        return False
+    links, connectors = engine.held_links, engine.held_connectors
+    loads = inertia_loads(links, motion, engine.mechanism.gravity)
+    if connectors.any:
+        # Together: a spring without tension pulls by round-off, which differs at all positions.
+        loads = [a + b for a, b in zip(loads, connectors.forces(motion), strict=True)]
+    if not unchanged((motion.angular_velocity, motion.angular_acceleration, *loads)):
+        return False
+    if not connectors.depend_on_displacement:
+        return True
+    frames = LinkFrames(engine.tied_topology, links)
+    answers = connectors.matrices(frames, motion, "equilibrium")
+    return same_answers(answers, motion)
+
+
+def stressed_along_turn(
+    engine: Engine,
+    motion: RigidMotion,
+    prestress: Prestress,
+    near: Sequence[FloatArray] | None = None,
+) -> StressedLinks:
+    """Links at their stress; where nothing changes along the turn, one position stands for all.
+
+    Parameters
+    ----------
+    engine : Engine
+    motion : RigidMotion
+        Batch of shape (B,).
+    prestress : {"none", "axial", "equilibrium"}
+    near : sequence of ndarray, shape (B, n_link), optional
+        As of :meth:`flexmech.linear_system.Engine.stressed_links`.
+
+    Returns
+    -------
+    StressedLinks
+        Of all positions.
+
+    Raises
+    ------
+    ComputationError
+        If the equilibrium does not converge or is unstable; names the crank angle.
+    """
+    if not is_constant_turn(engine, motion):
+        return engine.stressed_links(motion, prestress, near)
+    first = slice(0, 1)
+    start = None if near is None else [q[first] for q in near]
+    found = engine.stressed_links(motion.at(first), prestress, start)
+    return found.repeated(len(motion.crank_angle))

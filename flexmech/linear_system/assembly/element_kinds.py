@@ -1,0 +1,169 @@
+"""The kinds of element that an engine has, their beam theories, and which a mechanism needs."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from flexmech.choices import MODES
+from flexmech.mechanism import Mechanism
+from flexmech.types import FloatArray
+
+
+class ElementKinds(ABC):
+    """What an engine's elements are to beam theory.
+
+    Attributes
+    ----------
+    element : str
+        The one that is used.
+    """
+
+    element_kinds: ClassVar[tuple[str, ...]]
+    counterparts: ClassVar[dict[str, str]]
+    """Of each element of another engine, this one's of the same beam theory or the nearest."""
+    theories: ClassVar[dict[str, str]]
+    """Beam theory of each element."""
+    holds_ends: ClassVar[bool] = False
+    """Whether links of off-axis plies bend and twist between joints as in three dimensions."""
+    element: str
+
+    @property
+    def theory(self) -> str:
+        """Beam theory of the element, by its name in the reference engine."""
+        return self.theories[self.element]
+
+    @classmethod
+    @abstractmethod
+    def compare_theories(cls, mechanism: Mechanism, modes: int) -> TheoryComparison:
+        """Hold beam theories against each other on a mechanism at rest.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+        modes : int
+            How many of the lowest natural frequencies count.
+
+        Returns
+        -------
+        TheoryComparison
+        """
+
+    @classmethod
+    def default_element(cls, mechanism: Mechanism, modes: int = MODES) -> str:
+        """Kind of element if none is asked for: the simplest whose beam theory is fit.
+
+        One that shears, where that changes one of the lowest natural frequencies by more than
+        a hundredth or a link's neutral axis or centre of mass is off the pins' axis; one whose
+        cross-sections warp where that does, if the engine has it. Where all links are rigid, the
+        simplest of all.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+        modes : int
+            How many of the lowest natural frequencies count.
+
+        Returns
+        -------
+        str
+        """
+        if all(link.rigid for link in mechanism.linkage.topology.links):
+            return cls.element_like("euler")
+        return cls.element_like(cls.compare_theories(mechanism, modes).suitable)
+
+    @classmethod
+    def element_like(cls, element: str) -> str:
+        """Kind of element of the beam theory of an element, its own or another engine's.
+
+        Parameters
+        ----------
+        element : str
+
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        KeyError
+            If no engine has the element.
+        """
+        return element if element in cls.element_kinds else cls.counterparts[element]
+
+
+NEGLIGIBLE = 0.01
+"""Relative difference of a frequency up to which the simpler theory is taken."""
+
+
+ELASTICITY = "elasticity"
+"""In the place of a theory: plane stress for links whose soft layers are compressed."""
+
+HELD_ENDS = "held ends"
+"""In the place of a theory: Timoshenko's, and links of off-axis plies between joints as in three
+dimensions."""
+
+
+@dataclass(frozen=True)
+class TheoryDifference:
+    """Greatest relative difference of two theories' frequencies.
+
+    Parameters
+    ----------
+    value : float
+        ``|f / f_finer - 1|``.
+    mode : int
+        Where it is, counted from 1.
+    noticed_from : int
+        First mode whose difference is not negligible; 0 where all are.
+    """
+
+    value: float
+    mode: int
+    noticed_from: int = 0
+
+
+@dataclass(frozen=True)
+class TheoryComparison:
+    """Natural frequencies of a linkage at rest by several beam theories on one mesh.
+
+    Parameters
+    ----------
+    frequency : callable
+        Of a theory's name, :data:`ELASTICITY` or :data:`HELD_ENDS`: its frequencies in Hz at some
+        crank angles, (A, modes).
+    eccentric : bool
+        Whether a neutral axis is off the pins' axis, which asks for a beam that shears.
+    """
+
+    frequency: Callable[[str], FloatArray]
+    eccentric: bool
+
+    def difference(self, theory: str, finer: str) -> TheoryDifference:
+        """Greatest difference of a theory from a finer one, over crank angles and modes."""
+        by_mode = np.abs(self.frequency(theory) / self.frequency(finer) - 1).max(axis=0)
+        mode = int(by_mode.argmax())
+        noticed = np.flatnonzero(by_mode > NEGLIGIBLE)
+        return TheoryDifference(
+            float(by_mode[mode]), mode + 1, 1 + int(noticed[0]) if noticed.size else 0
+        )
+
+    @property
+    def finest(self) -> str:
+        """What other theories are held against: elasticity where zigzag beams fall short of it."""
+        short = self.difference("zigzag", ELASTICITY).value > NEGLIGIBLE
+        return ELASTICITY if short else "zigzag"
+
+    @property
+    def suitable(self) -> str:
+        """The simplest theory whose frequencies a finer one does not change noticeably."""
+        slender = self.difference("euler", "timoshenko").value <= NEGLIGIBLE
+        # Zigzag beams are between the two: what shear does not change, warping cannot.
+        if slender:
+            return "timoshenko" if self.eccentric else "euler"
+        warps = self.difference("timoshenko", "zigzag").value > NEGLIGIBLE
+        return "zigzag" if warps else "timoshenko"

@@ -1,0 +1,399 @@
+"""Links of an engine, at their stress and with their shaft held or free."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import ClassVar
+
+from flexmech.choices import Prestress
+from flexmech.errors import InputError
+from flexmech.linear_system.assembly.balanced_loads import BalancedLoads, Solve, balanced_loads
+from flexmech.linear_system.assembly.element_kinds import ElementKinds
+from flexmech.linear_system.assembly.free_shaft import FreeShaft
+from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.links.carried_inertia import CarriedInertia, turns_as_one_body
+from flexmech.linear_system.links.dead_moments import DeadMoments, without_own_turning
+from flexmech.linear_system.links.link_model import LinkModel, inertia_loads
+from flexmech.linear_system.links.link_stretch import LinkStretch
+from flexmech.linear_system.links.stressed_links import StressedLinks
+from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
+from flexmech.linear_system.loads.connectors import Connectors
+from flexmech.linkages import RigidMotion, Topology
+from flexmech.mechanism import Mechanism
+from flexmech.types import FloatArray
+
+
+class EngineLinks(ElementKinds):
+    """Links of an engine as its linear systems are made of them.
+
+    An engine gives the links whose clamped one is held by the shaft, in a frame that turns as
+    prescribed. A free shaft is released in them: it changes none of their states.
+
+    Attributes
+    ----------
+    name : str
+    mechanism : Mechanism
+    solves_connectors : bool
+        Whether the engine's own equilibrium counts loads and springs; they are among its loads
+        where it does not.
+    equilibrium_has_pull : bool
+        Whether tangents at equilibrium have what a rigid clamped link meets by those that it leads;
+        see :meth:`flexmech.linear_system.assembly.free_shaft.FreeShaft.pull`.
+    """
+
+    name: ClassVar[str]
+    solves_connectors: ClassVar[bool] = False
+    equilibrium_has_pull: ClassVar[bool] = False
+    mechanism: Mechanism
+    _free_shaft: FreeShaft | None
+
+    @cached_property
+    def topology(self) -> Topology:
+        """Links and connections of the linear system: a free shaft is a pivot."""
+        topology = self.mechanism.linkage.topology
+        return topology if self._free_shaft is None else self._free_shaft.topology(topology)
+
+    @cached_property
+    def tied_topology(self) -> Topology:
+        """Links and connections where forces in straight links are sought: all joints hold."""
+        return self.mechanism.linkage.topology.tied()
+
+    @cached_property
+    def links(self) -> tuple[LinkModel, ...]:
+        """Unreduced link models in the topology's order; the shaft is as it is asked for."""
+        held = self.held_links
+        return held if self._free_shaft is None else self._free_shaft.links(held)
+
+    @cached_property
+    def frames(self) -> LinkFrames:
+        """How the unreduced links hang together."""
+        return LinkFrames(self.topology, self.links)
+
+    @property
+    @abstractmethod
+    def held_links(self) -> tuple[LinkModel, ...]:
+        """Unreduced link models in the topology's order, the clamped one in its clamp."""
+
+    @property
+    def stretches(self) -> tuple[LinkStretch, ...] | None:
+        """Second-order stretch of each link; None where an engine does not tell.
+
+        None as well where links bend or stretch without load: it is that of straight links.
+        """
+        held, shaft = self.held_stretches, self._free_shaft
+        if held is None or shaft is None:
+            return held
+        return shaft.stretches(self.held_links, held)
+
+    @property
+    def held_stretches(self) -> tuple[LinkStretch, ...] | None:
+        """As :attr:`stretches`, of :attr:`held_links`."""
+        return None
+
+    def stressed_links(
+        self,
+        motion: RigidMotion,
+        prestress: Prestress,
+        near: Sequence[FloatArray] | None = None,
+    ) -> StressedLinks:
+        """Tangent stiffness of each link in its frame under the motion's inertia forces.
+
+        The equilibrium is that with the shaft held, whether it is free or not.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        prestress : {"none", "axial", "equilibrium"}
+        near : sequence of ndarray, shape (B, n_link), optional
+            Elastic displacement of each link near that at equilibrium, which an engine may take
+            as the start of its iteration; it starts from straight links by default.
+
+        Returns
+        -------
+        StressedLinks
+
+        Raises
+        ------
+        ComputationError
+            If the equilibrium does not converge or is unstable; names the crank angle.
+        """
+        held = self.stressed_held_links(motion, prestress, near)
+        if not self._is_straight(motion, prestress):
+            held = self._without_own_turning(motion, held)
+        shaft = self._free_shaft
+        if shaft is None:
+            return held
+        reaction = pull = None
+        if not self._is_straight(motion, prestress):
+            # An equilibrium may have it in its tangents.
+            if not (self.equilibrium_has_pull and prestress == "equilibrium"):
+                pull = shaft.pull(self.mechanism, self.held_links, motion, held)
+            reaction = shaft.reaction(self.held_links, motion, held.loads)
+        return shaft.stressed(self.held_links, held, reaction, pull)
+
+    @abstractmethod
+    def stressed_held_links(
+        self,
+        motion: RigidMotion,
+        prestress: Prestress,
+        near: Sequence[FloatArray] | None = None,
+    ) -> StressedLinks:
+        """As :meth:`stressed_links`, of :attr:`held_links`.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        prestress : {"none", "axial", "equilibrium"}
+        near : sequence of ndarray, shape (B, n_link), optional
+            Elastic displacement of each link near that at equilibrium, which an engine may take
+            as the start of its iteration; it starts from straight links by default.
+
+        Returns
+        -------
+        StressedLinks
+
+        Raises
+        ------
+        ComputationError
+            If the equilibrium does not converge or is unstable; names the crank angle.
+        """
+
+    @property
+    def axial_modes_of_bows(self) -> int:
+        """Axial modes of a link without which its elements stretch where a bowed link bends.
+
+        Zero where few smooth ones do, which is where elements stretch by their ends alone.
+        """
+        return 0
+
+    @property
+    def prestress_at_rest(self) -> Prestress:
+        """Level that describes the linkage at rest.
+
+        ``none``, unless links bend without load or loads and springs act on them.
+        """
+        bent = self.mechanism.is_free_strained or self.connectors.any
+        return "equilibrium" if bent else "none"
+
+    @cached_property
+    def held_connectors(self) -> Connectors:
+        """As :attr:`connectors`, of :attr:`held_links`."""
+        return Connectors(self.mechanism, self.held_links)
+
+    def _straight_loads(self, motion: RigidMotion) -> list[FloatArray]:
+        """Loads (B, n_link) on the held links as long as nothing has moved."""
+        loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
+        return self._with_connectors(loads, motion, None)
+
+    def _with_connectors(
+        self,
+        loads: list[FloatArray],
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray] | None,
+    ) -> list[FloatArray]:
+        """Loads (B, n_link) and those of connectors at a displacement of the held links."""
+        if not self.held_connectors.any:
+            return loads
+        acting = self.held_connectors.forces(motion, displacement)
+        return [a + b for a, b in zip(loads, acting, strict=True)]
+
+    def _without_own_turning(self, motion: RigidMotion, stressed: StressedLinks) -> StressedLinks:
+        return without_own_turning(self.held_links, motion, stressed, self._carried(motion))
+
+    def _carried(self, motion: RigidMotion) -> CarriedInertia | None:
+        return CarriedInertia.of(self.mechanism.linkage.topology, self.held_links, motion)
+
+    def _dead(
+        self,
+        motion: RigidMotion,
+        loads: Sequence[FloatArray],
+        displacement: Sequence[FloatArray] | None = None,
+    ) -> DeadMoments:
+        """Moments on bodies and rigid links of loads (B, n_link) at a displacement."""
+        links, gravity, virial, beside = self.held_links, self.mechanism.gravity, None, None
+        if self.held_connectors.any and not self.solves_connectors:
+            virial = self.held_connectors.virial(motion, displacement)
+        if displacement is not None and (carried := self._carried(motion)) is not None:
+            beside = carried.moments(displacement)
+        return DeadMoments.of(links, motion, gravity, loads, virial, beside)
+
+    def _quasi_static_loads(self, motion: RigidMotion, solve: Solve) -> BalancedLoads:
+        """Loads on the held links, which ``solve`` displaces under them."""
+        loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
+        carried = self._carried(motion)
+        connectors = self.held_connectors
+        if carried is None and (self.solves_connectors or not connectors.any):
+            return BalancedLoads(loads, None)
+        frames = LinkFrames(self.mechanism.linkage.topology, self.held_links)
+        return balanced_loads(
+            connectors,
+            frames,
+            motion,
+            loads,
+            solve,
+            lambda displacement: self.running_held_links(motion, displacement).tangent,
+            carried=carried,
+            solve_connects=self.solves_connectors,
+        )
+
+    def _is_straight(self, motion: RigidMotion, prestress: Prestress) -> bool:
+        """Whether the links are taken as straight and without stress."""
+        if self.mechanism.is_free_strained:
+            if prestress != "equilibrium":
+                raise InputError(
+                    f"prestress {prestress!r} is of straight links, but moisture or heat bends or "
+                    "stretches some of these; use prestress 'equilibrium'"
+                )
+            return False
+        unloaded = not motion.crank_speed.any() and not any(self.mechanism.gravity)
+        unloaded = unloaded and not self.connectors.any
+        return prestress == "none" or unloaded
+
+    def running_links(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> StressedLinks:
+        """Tangent stiffness, internal forces and damping in states of the running linkage.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link)
+            Elastic displacement of each link in its frame.
+
+        Returns
+        -------
+        StressedLinks
+
+        Raises
+        ------
+        InputError
+            If the engine does not linearize about given states.
+        """
+        shaft = self._free_shaft
+        if shaft is None:
+            held = self.running_held_links(motion, displacement)
+            return self._without_own_turning(motion, held)
+        clamped = shaft.displacements(self.held_links, list(displacement))
+        held = self._without_own_turning(motion, self.running_held_links(motion, clamped))
+        pull = shaft.pull(self.mechanism, self.held_links, motion)
+        free = shaft.stressed(self.held_links, held, pull=pull)
+        return replace(free, displacement=list(displacement))
+
+    def running_held_links(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> StressedLinks:
+        """As :meth:`running_links`, of :attr:`held_links`.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link)
+            Elastic displacement of each link in its frame.
+
+        Returns
+        -------
+        StressedLinks
+
+        Raises
+        ------
+        InputError
+            If the engine does not linearize about given states.
+        """
+        raise InputError(
+            f"the {self.name} engine does not linearize about states of the running linkage"
+        )
+
+    def require_no_connectors(self, what: str) -> None:
+        """Refuse loads and springs where they are not counted.
+
+        Parameters
+        ----------
+        what : str
+            Computation that does not count them.
+
+        Raises
+        ------
+        InputError
+            If loads or springs act on the links.
+        """
+        mechanism = self.mechanism
+        if mechanism.loads or mechanism.springs or mechanism.joint_springs:
+            raise InputError(
+                f"{what} does not count loads and springs yet, and this mechanism has some; leave "
+                "them out of the model, or ask for natural frequencies, stability or a run in "
+                "time (flexmech response), which count them"
+            )
+
+    def connected_matrices(
+        self,
+        frames: LinkFrames,
+        motion: RigidMotion,
+        prestress: Prestress,
+        displacement: Sequence[FloatArray] | None,
+    ) -> ConnectedMatrices | None:
+        """Stiffness and damping of loads and springs.
+
+        Parameters
+        ----------
+        frames : LinkFrames
+            Of the links, reduced or not.
+        motion : RigidMotion
+            Batch of shape (B,).
+        prestress : {"none", "axial", "equilibrium"}
+        displacement : sequence of ndarray, shape (B, n_link), or None
+            Of the unreduced links in the state that they are about.
+
+        Returns
+        -------
+        ConnectedMatrices or None
+            In the coordinates of ``frames``; None where there are no loads and springs.
+        """
+        if not self.connectors.any:
+            return None
+        return self.connectors.matrices(frames, motion, prestress, displacement)
+
+    def require_prescribed_shaft(self, what: str = "this computation") -> None:
+        """Refuse a free shaft where the crank's motion is prescribed.
+
+        Parameters
+        ----------
+        what : str
+            Computation in which it is.
+
+        Raises
+        ------
+        InputError
+            If the shaft is free.
+        """
+        if self._free_shaft is not None:
+            raise InputError(
+                f"{what} turns the shaft as prescribed, and that of this engine is free; "
+                "use shaft 'prescribed'"
+            )
+
+    @property
+    def turns_as_one_body(self) -> bool:
+        """Whether nothing moves against what the shaft turns.
+
+        The body is not reduced. Component modes of straight links do not show how a free one that
+        is stretched turns as a whole, and a turn would meet a force; nor how one that bows far
+        goes on bending without stretch.
+        """
+        return turns_as_one_body(self.mechanism.linkage.topology)
+
+    @property
+    def rigid_modes(self) -> int:
+        """Natural modes at rest without deformation: that of a shaft that turns freely."""
+        return 0 if self._free_shaft is None or self.connectors.holds_shaft else 1
+
+    @cached_property
+    def connectors(self) -> Connectors:
+        """Loads on the links and springs between them."""
+        return Connectors(self.mechanism, self.links)

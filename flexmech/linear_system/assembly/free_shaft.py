@@ -1,0 +1,300 @@
+"""A shaft that is free: its rotation is one more coordinate of the linkage.
+
+The frames of the links go on turning with the prescribed, mean motion. Against it the shaft turns
+by a small angle, by which it takes the clamped end along about its axis: of that end's coordinates
+``q = r phi``, with r the rigid rotation about the axis. The clamp becomes a pivot, and the shaft's
+inertia stands in the mass matrix by that coordinate. Its weight is on its axis.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import Self
+
+import numpy as np
+
+from flexmech.errors import InputError
+from flexmech.linear_system.links.link_model import LinkModel, RigidFields
+from flexmech.linear_system.links.link_stretch import LinkStretch
+from flexmech.linear_system.links.stressed_links import StressedLinks
+from flexmech.linkages import Clamp, Pivot, RigidMotion, Topology, shown_crank_angle
+from flexmech.linkages.motion import direction, normal
+from flexmech.mechanism import Mechanism
+from flexmech.types import FloatArray
+
+# Part of the clamped link's speed by which it may be off that of the shaft.
+ROUND_OFF = 1e-9
+
+
+@dataclass(frozen=True)
+class FreeShaft:
+    """The shaft of a mechanism, released.
+
+    Parameters
+    ----------
+    clamp : Clamp
+        The connection that it drives.
+    link : int
+        Number of the clamped link.
+    lever : tuple of float
+        From the shaft's axis to the clamped end, in the link's frame, in m.
+    inertia : float
+        About the axis, in kg m^2.
+    """
+
+    clamp: Clamp
+    link: int
+    lever: tuple[float, float]
+    inertia: float
+
+    @classmethod
+    def of(cls, mechanism: Mechanism) -> Self:
+        """The shaft of a mechanism.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+
+        Returns
+        -------
+        FreeShaft
+
+        Raises
+        ------
+        InputError
+            If nothing or more than one link is clamped, or the clamped link does not turn with
+            the shaft.
+        """
+        topology = mechanism.linkage.topology
+        if len(topology.clamps) != 1:
+            raise InputError(
+                f"shaft 'free' needs one clamp, which the shaft drives; this linkage has "
+                f"{len(topology.clamps)}: use shaft 'prescribed'"
+            )
+        clamp = topology.clamps[0]
+        link = topology.index(clamp.held.link)
+        motion = mechanism.linkage.motion(shown_crank_angle(mechanism.linkage), 1.0)
+        if abs(float(motion.angular_velocity[link]) - 1.0) > ROUND_OFF:
+            raise InputError(
+                f"shaft 'free' needs a link that turns with the shaft, and the "
+                f"{clamp.held.link} does not: use shaft 'prescribed'"
+            )
+        x = 0.0 if clamp.held.end == "start" else topology.links[link].length
+        speed, angle = motion.velocity(link, x), motion.angle[link]
+        lever = (float(speed @ normal(angle)), -float(speed @ direction(angle)))
+        return cls(clamp, link, lever, mechanism.shaft_inertia)
+
+    def topology(self, topology: Topology) -> Topology:
+        """The topology with a pivot in place of the clamp."""
+        pivot = Pivot(self.clamp.joint, self.clamp.held)
+        return replace(topology, clamps=(), pivots=(pivot, *topology.pivots))
+
+    def links(self, links: tuple[LinkModel, ...]) -> tuple[LinkModel, ...]:
+        """The links with the clamped one released.
+
+        Parameters
+        ----------
+        links : tuple of LinkModel
+            Unreduced.
+
+        Returns
+        -------
+        tuple of LinkModel
+        """
+        link, end = links[self.link], self.clamp.held.end
+        basis = self.basis(link)
+        turned = int(link.end_rotation_of(end)[0])
+        mass = basis.T @ link.mass @ basis
+        mass[turned, turned] += self.inertia
+        # What else a clamp holds a pivot would let go, but the shaft does not.
+        besides = np.concatenate([link.end_warping_of(end), link.end_rotation_of(end)[1:]])
+        back = np.linalg.inv(basis)
+        own = (back @ getattr(link.fields, field.name) for field in fields(RigidFields))
+        released = replace(
+            link,
+            mass=mass,
+            gyroscopic=basis.T @ link.gyroscopic @ basis,
+            translational_mass=basis.T @ link.translational_mass @ basis,
+            first_moment=link.first_moment @ basis,
+            stiffness=basis.T @ link.stiffness @ basis,
+            damping=basis.T @ link.damping @ basis,
+            readings=link.readings.projected(basis) if self.has_lever else link.readings,
+            fields=RigidFields(*own),
+            shaft=np.array([turned]),
+            bodies=tuple(body.projected(basis) for body in link.bodies),
+        )
+        rotation = np.array([turned])
+        if end == "start":
+            released = replace(released, start_rotation=rotation, start_warping=besides)
+        else:
+            released = replace(released, end_rotation=rotation, end_warping=besides)
+        return tuple(released if other is link else other for other in links)
+
+    def basis(self, link: LinkModel) -> FloatArray:
+        """From the released link's coordinates to those of the clamped one, (n, n)."""
+        end, basis = self.clamp.held.end, np.eye(link.size)
+        rotations = link.end_rotation_of(end)
+        turned, (x, y) = int(rotations[0]), link.end_displacement(end)
+        basis[rotations, turned] = link.fields.tangential[rotations]
+        basis[[x, y], turned] = -self.lever[1], self.lever[0]
+        return basis
+
+    def reaction(
+        self, links: tuple[LinkModel, ...], motion: RigidMotion, loads: list[FloatArray] | None
+    ) -> FloatArray | None:
+        """Force of the clamp on links that turn as one body, in the clamped link's frame.
+
+        Parameters
+        ----------
+        links : tuple of LinkModel
+            Unreduced and clamped.
+        motion : RigidMotion
+            Batch of shape (B,).
+        loads : list of ndarray, shape (B, n_link), optional
+            Told in states under load.
+
+        Returns
+        -------
+        ndarray, shape (B, 2), or None
+            None where the clamped end is on the shaft's axis.
+        """
+        if not self.has_lever:
+            return None
+        assert loads is not None
+        total = np.zeros((len(motion.crank_angle), 2))
+        for number, (link, load) in enumerate(zip(links, loads, strict=True)):
+            turn = motion.angle[:, number] - motion.angle[:, self.link]
+            along, across = load @ link.fields.along, load @ link.fields.across
+            total -= along[:, None] * direction(turn) + across[:, None] * normal(turn)
+        return total
+
+    def pull(
+        self,
+        mechanism: Mechanism,
+        links: tuple[LinkModel, ...],
+        motion: RigidMotion,
+        held: StressedLinks | None = None,
+    ) -> FloatArray | None:
+        """What flexible links that a rigid clamped one leads add to its stiffness against a turn.
+
+        Where the shaft is held their forces are no springs of the clamped link, as its far end
+        does not move; where it is free that end moves on a circle. A flexible clamped link has
+        them in its tension.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+        links : tuple of LinkModel
+            Unreduced and clamped.
+        motion : RigidMotion
+            Batch of shape (B,).
+        held : StressedLinks, optional
+            In the state with the shaft held. Without its forces, and for pins that springs alone
+            hold, those of the rigid linkage are taken.
+
+        Returns
+        -------
+        ndarray, shape (B,), or None
+            In N m/rad; None where there are none.
+        """
+        topology = mechanism.linkage.topology
+        own = topology.links[self.link]
+        led = [
+            tie
+            for tie in topology.ties
+            if tie.leader.link == own.name
+            and not topology.links[topology.index(tie.follower.link)].rigid
+        ]
+        if not own.rigid or not led:
+            return None
+        told = held is not None and None not in (held.loads, held.internal_force)
+        sprung = [bool(getattr(tie, "sprung", False)) for tie in led]
+        rigid = mechanism.inverse_dynamics(motion).joint_force if any(sprung) or not told else {}
+        total = np.zeros(len(motion.crank_angle))
+        along = direction(motion.angle[:, self.link])
+        for tie, by_spring in zip(led, sprung, strict=True):
+            if told and not by_spring:
+                assert held is not None
+                force = _on_leader(topology.index(tie.follower.link), tie.follower.end, links, held)
+                angle = motion.angle[:, topology.index(tie.follower.link)]
+                force = force[:, :1] * direction(angle) + force[:, 1:] * normal(angle)
+            else:
+                force = -rigid[tie.joint]
+            side = (tie.leader.end == "end") - (self.clamp.held.end == "end")
+            total += side * own.length * np.sum(force * along, axis=1)
+        return total
+
+    def stressed(
+        self,
+        links: tuple[LinkModel, ...],
+        stressed: StressedLinks,
+        reaction: FloatArray | None = None,
+        pull: FloatArray | None = None,
+    ) -> StressedLinks:
+        """Stressed links with the clamped one released.
+
+        Parameters
+        ----------
+        links : tuple of LinkModel
+            Unreduced and clamped.
+        stressed : StressedLinks
+            In a state with the shaft held.
+        reaction : ndarray, shape (B, 2), optional
+            Force of the clamp in that state. On a hub it is a spring against the shaft's
+            rotation, as the clamped end moves on a circle.
+        pull : ndarray, shape (B,), optional
+            Stiffness against it by links that the clamped one leads; see :meth:`pull`.
+
+        Returns
+        -------
+        StressedLinks
+        """
+        basis = self.basis(links[self.link])
+        turned = int(links[self.link].end_rotation_of(self.clamp.held.end)[0])
+        tangent = list(stressed.tangent)
+        force = None if stressed.internal_force is None else list(stressed.internal_force)
+        damping = None if stressed.damping is None else list(stressed.damping)
+        own = basis.T @ tangent[self.link] @ basis
+        if reaction is not None:
+            own = np.array(np.broadcast_to(own, (len(reaction), *basis.shape)))
+            own[:, turned, turned] -= reaction @ np.array(self.lever)
+        if pull is not None:
+            own = np.array(np.broadcast_to(own, (len(pull), *basis.shape)))
+            own[:, turned, turned] += pull
+        tangent[self.link] = own
+        if force is not None:
+            force[self.link] = force[self.link] @ basis
+        if damping is not None:
+            damping[self.link] = basis.T @ damping[self.link] @ basis
+        return replace(stressed, tangent=tangent, internal_force=force, damping=damping)
+
+    def displacements(
+        self, links: tuple[LinkModel, ...], displacement: list[FloatArray]
+    ) -> list[FloatArray]:
+        """Displacements (B, n_link) of clamped links from those of released ones."""
+        clamped = list(displacement)
+        clamped[self.link] = displacement[self.link] @ self.basis(links[self.link]).T
+        return clamped
+
+    def stretches(
+        self, links: tuple[LinkModel, ...], stretches: tuple[LinkStretch, ...]
+    ) -> tuple[LinkStretch, ...]:
+        """Second-order stretches of the links with the clamped one released."""
+        basis, own = self.basis(links[self.link]), stretches[self.link]
+        released = replace(own, gradient=own.gradient @ basis, slopes=own.slopes @ basis)
+        return tuple(released if other is own else other for other in stretches)
+
+    @property
+    def has_lever(self) -> bool:
+        """Whether the clamped end is off the shaft's axis."""
+        return bool(np.any(self.lever))
+
+
+def _on_leader(
+    link: int, end: str, links: tuple[LinkModel, ...], held: StressedLinks
+) -> FloatArray:
+    """Force of a flexible link's end on what leads it, in the link's frame, (B, 2)."""
+    assert held.loads is not None
+    assert held.internal_force is not None
+    rows = links[link].end_displacement(end)
+    return np.asarray((held.loads[link] - held.internal_force[link])[:, rows])

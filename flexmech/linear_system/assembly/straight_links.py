@@ -1,0 +1,251 @@
+"""Forces in straight links under the inertia forces of the rigid motion, and what they stiffen.
+
+Of links that pins alone tie, the rigid linkage tells them all. Welds may make a linkage statically
+indeterminate: then they are those of the linear static solution. Rigid links meet the forces of
+their joints, which keep their direction, as springs against rotation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.joints.rigid_coordinates import PoseStiffness
+from flexmech.linear_system.links.chains import LinkMatrix
+from flexmech.linear_system.links.dead_moments import DeadMoments
+from flexmech.linear_system.links.rotation_terms import RotationTerms
+from flexmech.linear_system.links.stressed_links import StressedLinks
+from flexmech.linear_system.loads.connectors import Connectors
+from flexmech.linkages import LinkMass, RigidMotion
+from flexmech.linkages.internal_forces import LinkForces
+from flexmech.linkages.motion import direction, normal
+from flexmech.mechanism import Mechanism
+from flexmech.types import FloatArray
+
+# A rigid link's stiffness against its rotation alone, by its three coordinates.
+TURN = np.diag([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True)
+class StraightForces:
+    """Forces in straight links.
+
+    Parameters
+    ----------
+    loads : list of ndarray, shape (B, n_link)
+        That they are under.
+    links : LinkForces
+    stiffness : PoseStiffness, optional
+        Of rigid links and sliders by them; None where there are none.
+    """
+
+    loads: list[FloatArray]
+    links: LinkForces
+    stiffness: PoseStiffness | None
+
+
+def ties_beyond_pins(frames: LinkFrames) -> bool:
+    """Whether there are welds, lines or rigid links: the linkage may be indeterminate."""
+    return bool(frames.topology.welds or frames.rigid.size)
+
+
+def straight_forces(
+    mechanism: Mechanism,
+    frames: LinkFrames,
+    motion: RigidMotion,
+    loads: list[FloatArray],
+    lumped: Sequence[int] | None = None,
+    connectors: Connectors | None = None,
+) -> StraightForces:
+    """Forces in straight links under loads.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    frames : LinkFrames
+        Of its unreduced links.
+    motion : RigidMotion
+        Batch of shape (B,).
+    loads : list of ndarray, shape (B, n_link)
+    lumped : sequence of int, optional
+        Number of elements of each link whose mass is lumped at their ends.
+    connectors : Connectors, optional
+        Loads and springs among the loads.
+
+    Returns
+    -------
+    StraightForces
+    """
+    if not ties_beyond_pins(frames):
+        still = mechanism.without_loads_over_time
+        return StraightForces(loads, still.inverse_dynamics(motion, lumped=lumped), None)
+    applied = () if connectors is None else connectors.applied(motion)
+    displacement = static_displacement(frames, motion, loads)
+    masses = mechanism.link_masses_in_order
+    if lumped is not None:
+        masses = tuple(mass.lumped(n) for mass, n in zip(masses, lumped, strict=True))
+    forces = forces_of_links(frames, motion, displacement, loads, masses, mechanism.gravity)
+    forces = replace(forces, applied=applied)
+    if not frames.rigid.size:
+        return StraightForces(loads, forces, None)
+    virial = None if connectors is None else connectors.virial(motion)
+    posed = frames.displaced_ties(
+        motion, np.zeros((len(motion.angle), len(frames.rigid.independent_coordinates)))
+    )
+    inner = [q @ link.stiffness for q, link in zip(displacement, frames.links, strict=True)]
+    dead = DeadMoments.of(frames.links, motion, mechanism.gravity, loads, virial)
+    beside = [load - force for load, force in zip(loads, inner, strict=True)]
+    turning = dead.by_link([np.zeros_like(load.T) for load in loads])
+    return StraightForces(loads, forces, posed.stiffness(beside, turning))
+
+
+def with_rigid_links(
+    frames: LinkFrames,
+    tangent: Mapping[int, LinkMatrix],
+    found: PoseStiffness | None,
+    loads: list[FloatArray] | None = None,
+) -> StressedLinks:
+    """Tangents of all links from those of flexible ones.
+
+    Parameters
+    ----------
+    frames : LinkFrames
+        Of the unreduced links.
+    tangent : mapping of int to ndarray, shape (n, n) or (B, n, n)
+        Of each flexible link.
+    found : PoseStiffness, optional
+        Of rigid links and sliders.
+    loads : list of ndarray, shape (B, n_link), optional
+
+    Returns
+    -------
+    StressedLinks
+        Without a displacement.
+    """
+    if found is None:
+        return StressedLinks(list(_in_order(tangent)), loads=loads)
+    tangents = [
+        np.multiply.outer(found.turning[:, number], TURN) if link.rigid else tangent[number]
+        for number, link in enumerate(frames.links)
+    ]
+    return StressedLinks(tangents, loads=loads, guiding=found.guiding)
+
+
+def _in_order(values: Mapping[int, LinkMatrix]) -> Sequence[LinkMatrix]:
+    return [values[number] for number in sorted(values)]
+
+
+def element_tensions(
+    mechanism: Mechanism,
+    nodes: Sequence[FloatArray],
+    motion: RigidMotion,
+    forces: LinkForces | None = None,
+) -> list[FloatArray]:
+    """Axial force in each element under the motion's inertia forces, in N.
+
+    With the crank held most linkages are statically determinate: the linear static
+    solution's axial force is that of the rigid linkage. It is quadratic along an element,
+    and its mean is what the element's end displacements alone would give.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    nodes : sequence of ndarray, shape (e + 1,)
+        Node positions along each link in m.
+    motion : RigidMotion
+        Batch of shape (B,).
+    forces : LinkForces, optional
+        In the links; those of the rigid linkage by default.
+
+    Returns
+    -------
+    list of ndarray, shape (B, e, 3)
+        Legendre coefficients along each element: mean, linear, quadratic.
+
+    Raises
+    ------
+    InputError
+        If ``forces`` are left out and the rigid linkage is not statically determinate.
+    """
+    if forces is None:
+        forces = mechanism.inverse_dynamics(motion)
+    tensions = []
+    for link, places in enumerate(nodes):
+        length = np.diff(places)
+        inside = 1e-9 * length  # off the point masses that may sit at the nodes
+        near, middle, far = (
+            forces.axial_force(link, at)
+            for at in (places[:-1] + inside, places[:-1] + length / 2, places[1:] - inside)
+        )
+        mean = (near + 4 * middle + far) / 6
+        quadratic = (near + far - 2 * middle) / 3
+        tensions.append(np.stack([mean, (far - near) / 2, quadratic], axis=-1))
+    return tensions
+
+
+def static_displacement(
+    frames: LinkFrames, motion: RigidMotion, loads: Sequence[FloatArray]
+) -> list[FloatArray]:
+    """Linear static displacement of straight links under loads.
+
+    Parameters
+    ----------
+    frames : LinkFrames
+        Of the unreduced links.
+    motion : RigidMotion
+        Batch of shape (B,).
+    loads : sequence of ndarray, shape (B, n_link)
+
+    Returns
+    -------
+    list of ndarray, shape (B, n_link)
+    """
+    elastic = [link.stiffness for link in frames.links]
+    matrices = frames.assemble(motion, elastic, RotationTerms.all_or_none(False))
+    force = frames.gather(motion, loads)[..., None]
+    moved = np.linalg.solve(matrices.stiffness, force)
+    return [q[..., 0] for q in frames.link_coordinates(motion, moved)]
+
+
+def forces_of_links(
+    frames: LinkFrames,
+    motion: RigidMotion,
+    displacement: Sequence[FloatArray],
+    loads: Sequence[FloatArray],
+    masses: tuple[LinkMass, ...],
+    gravity: tuple[float, float],
+) -> LinkForces:
+    """Forces in flexible links by their own displacements, determinate or not.
+
+    Parameters
+    ----------
+    frames : LinkFrames
+        Of the unreduced links.
+    motion : RigidMotion
+        Batch of shape (B,).
+    displacement, loads : sequence of ndarray, shape (B, n_link)
+        A linear static solution and what it is under.
+    masses : tuple of LinkMass
+        Of all links.
+    gravity : tuple of float
+        In ground axes, m/s^2.
+
+    Returns
+    -------
+    LinkForces
+        Of rigid links nothing is told.
+    """
+    force = np.zeros((*motion.angle.shape, 2))
+    moment = np.zeros(motion.angle.shape)
+    for number, link in enumerate(frames.links):
+        if link.rigid:
+            continue
+        needed = displacement[number] @ link.stiffness - loads[number]
+        angle = motion.angle[:, number]
+        x, y = (needed[:, row, None] for row in link.start)
+        force[:, number] = x * direction(angle) + y * normal(angle)
+        moment[:, number] = needed[:, link.start_rotation[:1]].sum(axis=1)
+    return LinkForces(motion, masses, gravity, force, moment, (), ())

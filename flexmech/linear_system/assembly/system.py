@@ -1,0 +1,213 @@
+"""The one contract between engines and analyses: a linear system over many positions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.links.chains import whole
+from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
+from flexmech.linkages import RigidMotion
+from flexmech.linkages.motion import direction, normal
+from flexmech.types import FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class LinearSystem:
+    """``M z'' + C z' + K z = 0`` about a batch of B positions of the linkage.
+
+    The coordinates z are displacements in the link frames (see
+    :mod:`flexmech.linear_system.joints.link_frames`), reduced or not.
+
+    Parameters
+    ----------
+    motion : RigidMotion
+        The positions; batch of shape (B,).
+    mass, damping, stiffness : ndarray, shape (B, n, n)
+    terms : RotationTerms
+        Terms of the turning frames that the matrices contain.
+    frames : LinkFrames
+        How z becomes the links' coordinates.
+    expansion : ndarray, shape (B, size, n), or None
+        From z to the coordinates of ``frames`` where some were condensed.
+    bases : tuple of ndarray, shape (n_full, n_link), or None
+        From each reduced link's coordinates to its unreduced ones.
+    unit_mass_from : int, optional
+        From this coordinate on the mass matrix is the unit matrix in every position, and zero
+        between these coordinates and those before.
+    circulates : bool
+        Whether forces that turn with the links, or dampers of springs, have no potential.
+    rigid_modes : int
+        Natural modes that deform nothing: 1 where the shaft turns freely. They are no
+        vibration, and modes are counted without them.
+    """
+
+    motion: RigidMotion
+    mass: FloatArray
+    damping: FloatArray
+    stiffness: FloatArray
+    terms: RotationTerms
+    frames: LinkFrames
+    expansion: FloatArray | None = None
+    bases: tuple[FloatArray, ...] | None = None
+    unit_mass_from: int | None = None
+    rigid_modes: int = 0
+    circulates: bool = False
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates n."""
+        return int(self.mass.shape[-1])
+
+    @property
+    def is_conservative(self) -> bool:
+        """Whether the matrices are symmetric with no damping: frozen inertial form."""
+        # Undamped, all positions and entries are one zero: it is looked at once.
+        own = tuple(slice(None) if stride else slice(1) for stride in self.damping.strides)
+        return not (self.terms.any or self.circulates or self.damping[own].any())
+
+    def link_coordinates(self, vectors: NDArray[Any]) -> list[NDArray[Any]]:
+        """Coordinates of each link; (B, n, m) -> list of (B, n_link, m)."""
+        full = vectors if self.expansion is None else self.expansion @ vectors
+        return self.frames.link_coordinates(self.motion, full)
+
+    def inertial_shapes(self, vectors: NDArray[Any]) -> NDArray[Any]:
+        """Shapes whose products are weighted by the mass of the links, in any position.
+
+        The coordinates z turn with the frames, and their mass matrix changes along the way;
+        the shape of each link in its own frame has the same mass everywhere.
+
+        Parameters
+        ----------
+        vectors : ndarray, shape (B, n, m)
+
+        Returns
+        -------
+        ndarray, shape (B, N, m)
+            ``y`` with ``y^H y`` equal to ``z^H M z`` of the same position.
+        """
+        parts = []
+        for link, q in zip(self.frames.links, self.link_coordinates(vectors), strict=True):
+            if link.rigid:
+                parts.append(link.mass_root.T @ q)
+                continue
+            mass, moved = whole(link.mass), q
+            if not (heavy := np.diagonal(mass) != 0).all():
+                mass, moved = mass[np.ix_(heavy, heavy)], q[:, heavy]
+            parts.append(np.linalg.cholesky(mass).T @ moved)
+        return np.concatenate(parts, axis=1)
+
+    def unreduced_vectors(self, vectors: NDArray[Any], frames: LinkFrames) -> NDArray[Any]:
+        """The same shapes in the coordinates of the unreduced system.
+
+        Parameters
+        ----------
+        vectors : ndarray, shape (B, n, m)
+        frames : LinkFrames
+            Of the unreduced links.
+
+        Returns
+        -------
+        ndarray, shape (B, frames.size, m)
+        """
+        if self.bases is None:
+            return vectors
+        pairs = zip(self.bases, self.link_coordinates(vectors), strict=True)
+        return frames.independent(self.motion, [basis @ reduced for basis, reduced in pairs])
+
+    def displacements(self, vectors: NDArray[Any]) -> NDArray[Any]:
+        """Displacement at the stations of every link, in ground axes.
+
+        Parameters
+        ----------
+        vectors : ndarray, shape (B, n, m)
+
+        Returns
+        -------
+        ndarray, shape (B, m, n_links, n_stations, 2)
+        """
+        along, across = direction(self.motion.angle), normal(self.motion.angle)
+        parts = []
+        for number, (link, q) in enumerate(
+            zip(self.frames.links, self.link_coordinates(vectors), strict=True)
+        ):
+            local = np.einsum("scn,bnm->bmsc", link.shape, q)
+            axes = np.stack([along[:, number], across[:, number]], axis=1)
+            parts.append(np.einsum("bmsc,bcd->bmsd", local, axes))
+        return np.stack(parts, axis=2)
+
+
+def condense(
+    matrices: SystemMatrices, condensed: NDArray[np.bool_], forces: FloatArray | None = None
+) -> tuple[SystemMatrices, FloatArray]:
+    """Let some coordinates follow the others statically (Guyan 1965), in every position.
+
+    ``V' X W`` with ``K W = 0`` and ``V' K = 0`` in the coordinates that go: the stiffness of
+    damped links in turning frames is not symmetric, and ``W' C W`` would take what it pulls
+    along for motion. The static answers to ``forces`` move by themselves.
+
+    Parameters
+    ----------
+    matrices : SystemMatrices
+        Over a batch B with ``size`` coordinates.
+    condensed : ndarray of bool, shape (size,)
+    forces : ndarray, shape (B, c, r), optional
+        On the c coordinates that go.
+
+    Returns
+    -------
+    SystemMatrices
+        In the remaining coordinates and the answers, n together.
+    ndarray, shape (B, size, n)
+        From these to all.
+    """
+    gone, kept = np.flatnonzero(condensed), np.flatnonzero(~condensed)
+    count = len(kept)
+    order = np.concatenate([kept, gone])
+    mass, damping, stiffness = (
+        _reordered(m, order) for m in (matrices.mass, matrices.damping, matrices.stiffness)
+    )
+    flexibility = np.linalg.inv(stiffness[:, count:, count:])
+    follow = -flexibility @ stiffness[:, count:, :count]
+    lead = -stiffness[:, :count, count:] @ flexibility
+    if forces is not None:
+        answers = flexibility @ forces
+        answers /= np.linalg.norm(answers, axis=1, keepdims=True)
+        follow = np.concatenate([follow, answers], axis=2)
+        lead = np.concatenate([lead, np.swapaxes(answers, 1, 2)], axis=1)
+    size = follow.shape[2]
+
+    def condensed_part(matrix: FloatArray) -> FloatArray:
+        columns = matrix[:, :, count:] @ follow
+        columns[:, :, :count] += matrix[:, :, :count]
+        part = lead @ columns[:, count:]
+        part[:, :count] += columns[:, :count]
+        return np.asarray(part)
+
+    expansion = np.zeros((len(stiffness), len(condensed), size))
+    expansion[:, kept, np.arange(count)] = 1.0
+    expansion[:, gone] = follow
+    none = np.broadcast_to(0.0, (len(stiffness), size, size))
+    condensed_damping = condensed_part(damping) if damping.any() else none
+    # ``V' K W`` without what is zero in it.
+    left = np.zeros((len(stiffness), size, size))
+    left[:, :count, :count] = stiffness[:, :count, count:] @ follow[:, :, :count]
+    left[:, :count, :count] += stiffness[:, :count, :count]
+    if forces is not None:
+        left[:, count:, count:] = (
+            np.swapaxes(answers, 1, 2) @ stiffness[:, count:, count:] @ answers
+        )
+    return SystemMatrices(condensed_part(mass), condensed_damping, left), expansion
+
+
+def _reordered(matrices: FloatArray, order: IntArray) -> FloatArray:
+    """Rows and columns of matrices (B, n, n) in another order."""
+    size = len(order)
+    if (order == np.arange(size)).all():
+        return matrices
+    flat = (size * order[:, None] + order).ravel()
+    return matrices.reshape(len(matrices), -1).take(flat, axis=1).reshape(-1, size, size)

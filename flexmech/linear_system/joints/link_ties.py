@@ -1,0 +1,400 @@
+"""Which coordinates of the links are independent, and what the others follow from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system.joints.joint_points import (
+    JointPoint,
+    TurningJoint,
+    joint_points,
+    turning_joints,
+)
+from flexmech.linear_system.joints.link_place import DependentRows
+from flexmech.linear_system.joints.rigid_coordinates import (
+    DEPENDENT,
+    PoseStiffness,
+    RigidCoordinates,
+)
+from flexmech.linear_system.joints.rigid_pose import (
+    CoordinateRows,
+    DisplacedRows,
+    DisplacedTies,
+    PointRows,
+    RigidPose,
+)
+from flexmech.linear_system.links.link_model import LinkModel
+from flexmech.linkages import LinkEnd, RigidMotion, Topology
+from flexmech.linkages.body_motion import BodyPoint
+from flexmech.linkages.connection_forces import end_point
+from flexmech.linkages.matrix_with_rates import MatrixWithRates
+from flexmech.linkages.motion import direction, normal
+from flexmech.types import FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class _TurningEnd:
+    """An end whose displacement is that of a flexible link's end, turned."""
+
+    rows: IntArray
+    columns: IntArray
+    leader: int
+
+
+@dataclass(frozen=True)
+class _EqualRows:
+    """Rows that equal one column: what else a welded section turns with its rotation."""
+
+    rows: IntArray
+    columns: IntArray
+
+
+@dataclass(frozen=True)
+class _LedEnd:
+    """An end whose displacement is that of a rigid link's point or of a point on a line."""
+
+    rows: IntArray
+    columns: IntArray
+    point: BodyPoint
+
+
+@dataclass(frozen=True)
+class _RigidRows:
+    """Rows that are coordinates ``among`` y of the rigid links."""
+
+    rows: IntArray
+    columns: IntArray
+    among: IntArray
+
+
+_Tie = _TurningEnd | _EqualRows | _LedEnd | _RigidRows
+
+
+class _MovingFrames:
+    """Frames of links, and points that rigid links or lines lead, over a batch of positions."""
+
+    def __init__(self, rigid: RigidCoordinates, motion: RigidMotion) -> None:
+        self.rigid, self.motion = rigid, motion
+        self._points: dict[BodyPoint, MatrixWithRates] = {}
+
+    @cached_property
+    def coordinates(self) -> MatrixWithRates:
+        """All coordinates of rigid links and sliders from the independent ones, (B, size, n)."""
+        return self.rigid.dependence(self.motion)
+
+    def point(self, point: BodyPoint) -> MatrixWithRates:
+        """Displacement of a point in ground axes, (B, 2, n)."""
+        if point not in self._points:
+            rows = self.rigid.displacement_rows(self.motion, [point])
+            self._points[point] = rows @ self.coordinates
+        return self._points[point]
+
+    def turned(self, link: int, leader: int | None = None) -> MatrixWithRates:
+        """To the frame of a link from that of another, or from ground axes, (B, 2, 2)."""
+        m = self.motion
+        of_link = [own[:, link] for own in (m.angle, m.angular_velocity, m.angular_acceleration)]
+        if leader is None:
+            return MatrixWithRates.rotation(*(-own for own in of_link))
+        others = (m.angle, m.angular_velocity, m.angular_acceleration)
+        led = zip(others, of_link, strict=True)
+        return MatrixWithRates.rotation(*(other[:, leader] - own for other, own in led))
+
+
+class LinkTies:
+    """Ties of the coordinates of all links, and the numbers of the independent ones.
+
+    Parameters
+    ----------
+    topology : Topology
+    links : sequence of LinkModel
+    last : sequence of ndarray of bool, shape (n_link,)
+        Coordinates of each link to number after all others.
+
+    Attributes
+    ----------
+    targets : list of ndarray of int, shape (n_link,)
+        See :class:`flexmech.linear_system.LinkFrames`.
+    size, end_count : int
+        Likewise.
+    rigid : RigidCoordinates
+        Of the rigid links and sliders.
+    """
+
+    def __init__(
+        self,
+        topology: Topology,
+        links: Sequence[LinkModel],
+        last: Sequence[NDArray[np.bool_]],
+    ) -> None:
+        self.topology = topology
+        self.rigid = RigidCoordinates(topology)
+        self._links = links
+        self._ties: list[list[_Tie]] = [[] for _ in links]
+        self.targets = [np.full(link.size, -2, dtype=np.intp) for link in links]
+        self._points, self._turns = joint_points(topology), turning_joints(topology)
+        self._number_rigid()
+        self._mark()
+        self.size = self._number(last)
+        self._follow()
+
+    def following(self, link: int) -> list[tuple[IntArray, IntArray]]:
+        """Rows of a link that follow and the columns that they follow, tie by tie."""
+        return [(tie.rows, tie.columns) for tie in self._ties[link]]
+
+    def leaders(self, link: int) -> list[int]:
+        """Links whose ends those of a link follow, turned; of a link where nothing else does."""
+        return [tie.leader for tie in self._ties[link] if isinstance(tie, _TurningEnd)]
+
+    def is_general(self, link: int) -> bool:
+        """Whether more follows in a link than ends that turn."""
+        return not all(isinstance(tie, _TurningEnd) for tie in self._ties[link])
+
+    def own(self, link: int) -> IntArray:
+        """Coordinates of a link that are independent ones, and follow nothing."""
+        own = self.targets[link] >= 0
+        for rows, _ in self.following(link):
+            own[rows] = False
+        return np.flatnonzero(own)
+
+    def dependent_rows(self, motion: RigidMotion) -> list[list[DependentRows]]:
+        """What follows in each link over a batch of shape (B,)."""
+        moving = _MovingFrames(self.rigid, motion)
+        return [
+            [self._led(moving, link, tie) for tie in ties] for link, ties in enumerate(self._ties)
+        ]
+
+    def displaced_ties(self, motion: RigidMotion, pose: RigidPose) -> DisplacedTies:
+        """Ties where the rigid links are displaced.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,), not displaced.
+        pose : RigidPose
+
+        Returns
+        -------
+        DisplacedTies
+        """
+        moving = _MovingFrames(self.rigid, motion)
+        rows: list[list[DisplacedRows]] = []
+        at_points, at_coordinates = [], []
+        for link, ties in enumerate(self._ties):
+            rows.append([])
+            for tie in ties:
+                place = None
+                if isinstance(tie, _LedEnd):
+                    back = moving.turned(link).value
+                    turn = (back @ pose.rows([tie.point]) @ pose.coordinates)[:, :, tie.columns]
+                    place = (back @ pose.displacement([tie.point])[:, 0, :, None])[..., 0]
+                    at_points.append(PointRows(link, tie.rows, tie.point))
+                elif isinstance(tie, _RigidRows):
+                    turn = pose.coordinates[:, tie.among][:, :, tie.columns]
+                    place = pose.y[:, tie.among]
+                    if link not in self.rigid.links:
+                        at_coordinates.append(CoordinateRows(link, tie.rows, tie.among))
+                else:
+                    turn = self._led(moving, link, tie).turn
+                rows[-1].append(DisplacedRows(tie.rows, tie.columns, turn, place))
+            if link in self.rigid.links:
+                among = self.rigid.of_link(link)
+                at_coordinates.append(CoordinateRows(link, np.arange(3), among))
+                continue
+            free = self.own(link)
+            led = free[self.targets[link][free] < len(self.rigid.independent_coordinates)]
+            among = self.rigid.independent_coordinates[self.targets[link][led]]
+            at_coordinates.append(CoordinateRows(link, led, among))
+        return DisplacedTies(pose, rows, at_points, at_coordinates)
+
+    def guided(self, motion: RigidMotion, guiding: FloatArray) -> FloatArray:
+        """Stiffness between guides' rotations and slides, by the independent coordinates."""
+        still = np.zeros((len(guiding), len(self.topology.links)))
+        dependence = self.rigid.dependence(motion).value
+        return self.rigid.projected(PoseStiffness(still, guiding), dependence)
+
+    def slides(self, motion: RigidMotion, displacement: Sequence[NDArray[Any]]) -> NDArray[Any]:
+        """Slides by the displacements (B, n_link, m) of all links, at their places among w."""
+        rigid = self.rigid
+        shape = (len(displacement[0]), rigid.size, displacement[0].shape[2])
+        y = np.zeros(shape, dtype=displacement[0].dtype)
+        for link in rigid.links:
+            y[:, rigid.of_link(link)] = displacement[link]
+        found = np.zeros_like(y)
+        for point in self._points:
+            if point.slider is None:
+                continue
+            line, end = rigid.point_on_line(point.slider), point.ends[0]
+            rows = rigid.displacement_rows(motion, [line, end_point(self.topology, end)]).value
+            slide, link = 3 * len(rigid.links) + point.slider, self.topology.index(end.link)
+            if rigid.is_rigid(end):
+                moved = rows[:, 2:] @ y
+            else:
+                to_ground = np.swapaxes(_MovingFrames(rigid, motion).turned(link).value, 1, 2)
+                moved = to_ground @ displacement[link][:, self._rows(end)]
+            along = rows[:, :2, slide]
+            found[:, slide] = np.einsum("bc,bcm->bm", along, moved - rows[:, :2] @ y)
+        return found[:, rigid.independent_coordinates]
+
+    def pose_of(self, motion: RigidMotion, displacement: Sequence[FloatArray]) -> RigidPose:
+        """Where rigid links and sliders are, by the displacements (B, n_link) of all links."""
+        held = {}
+        for number, slider in enumerate(self.topology.sliders):
+            if not self.rigid.is_rigid(slider.held):
+                link = self.topology.index(slider.held.link)
+                q = displacement[link][:, self._rows(slider.held)]
+                angle = motion.angle[:, link]
+                held[number] = q[:, :1] * direction(angle) + q[:, 1:] * normal(angle)
+        return RigidPose.displaced_by(self.rigid, motion, displacement, held)
+
+    def _led(self, moving: _MovingFrames, link: int, tie: _Tie) -> DependentRows:
+        motion = moving.motion
+        if isinstance(tie, _TurningEnd):
+            matrix = moving.turned(link, tie.leader)
+        elif isinstance(tie, _EqualRows):
+            matrix = MatrixWithRates.constant(np.ones((len(tie.rows), 1)), len(motion.crank_angle))
+        elif isinstance(tie, _LedEnd):
+            matrix = (moving.turned(link) @ moving.point(tie.point)).columns(tie.columns)
+        else:
+            matrix = moving.coordinates.rows(tie.among).columns(tie.columns)
+        return DependentRows.of(tie.rows, tie.columns, matrix)
+
+    def _rows(self, end: LinkEnd) -> IntArray:
+        return self._links[self.topology.index(end.link)].end_displacement(end.end)
+
+    def _rotations(self, end: LinkEnd) -> IntArray:
+        return self._links[self.topology.index(end.link)].end_rotation_of(end.end)
+
+    @cached_property
+    def _general(self) -> _MovingFrames:
+        """Matrices in a general position: they tell what depends on what."""
+        return _MovingFrames(self.rigid, self.rigid.general_position)
+
+    def _number_rigid(self) -> None:
+        """Number the independent coordinates of rigid links; the others follow them."""
+        place = np.full(self.rigid.size, -1, dtype=np.intp)
+        place[self.rigid.independent_coordinates] = np.arange(
+            len(self.rigid.independent_coordinates)
+        )
+        for link in self.rigid.links:
+            among = self.rigid.of_link(link)
+            self.targets[link][:] = place[among]
+            self._add_rigid(link, np.arange(3), among)
+
+    def _add_rigid(self, link: int, rows: IntArray, among: IntArray) -> None:
+        """Let rows of a link that are none of w follow those of them that they depend on."""
+        led = self.targets[link][rows] < 0
+        if not led.any():
+            return
+        rows, among = rows[led], among[led]
+        columns = _depends_on(self._general.coordinates.rows(among))
+        if len(columns):
+            self._ties[link].append(_RigidRows(rows, columns, among))
+
+    def _mark(self) -> None:
+        """Mark what is held or follows: no independent coordinates are these."""
+        for end in self.topology.joined_ends:
+            link = self.topology.index(end.link)
+            self.targets[link][self._links[link].end_warping_of(end.end)] = -1
+        for point in self._points:
+            leads = point.held or self._leads_by_rigid(point)
+            for end in point.ends if leads else point.ends[1:]:
+                if not self.rigid.is_rigid(end):
+                    self.targets[self.topology.index(end.link)][self._rows(end)] = -1
+        for turn in self._turns:
+            leads = turn.held or any(map(self.rigid.is_rigid, turn.ends))
+            for number, end in enumerate(turn.ends):
+                if not self.rigid.is_rigid(end):
+                    follow = self._rotations(end)[0 if leads or number else 1 :]
+                    self.targets[self.topology.index(end.link)][follow] = -1
+
+    def _leads_by_rigid(self, point: JointPoint) -> bool:
+        return point.slider is not None or any(map(self.rigid.is_rigid, point.ends))
+
+    def _number(self, last: Sequence[NDArray[np.bool_]]) -> int:
+        """Number the free coordinates, those of the links' ends and of a free shaft first."""
+        count = len(self.rigid.independent_coordinates)
+        ends = [~late for late in last]
+        for number, (link, end) in enumerate(zip(self._links, ends, strict=True)):
+            elsewhere = np.ones(link.size, dtype=bool)
+            elsewhere[link.start] = elsewhere[link.end] = elsewhere[link.shaft] = False
+            elsewhere[self._leading_rotations(number)] = False
+            end[elsewhere] = False
+        inner = [~(end | late) for end, late in zip(ends, last, strict=True)]
+        for group in (ends, inner, last):
+            for target, chosen in zip(self.targets, group, strict=True):
+                free = (target == -2) & chosen
+                target[free] = np.arange(count, count + free.sum())
+                count += int(free.sum())
+            if group is ends:
+                self.end_count = count
+        return count
+
+    def _leading_rotations(self, link: int) -> list[int]:
+        """Rotations of a link's welded ends that others follow."""
+        name = self.topology.links[link].name
+        return [
+            int(self._rotations(turn.ends[0])[0])
+            for turn in self._turns
+            if turn.ends[0].link == name
+            and len(turn.ends) > 1
+            and len(self._rotations(turn.ends[0]))
+        ]
+
+    def _follow(self) -> None:
+        """Tell what the marked ends of flexible links follow."""
+        for point in self._points:
+            if point.held:
+                continue
+            by_rigid = self._leads_by_rigid(point)
+            for end in point.ends if by_rigid else point.ends[1:]:
+                rows, link = self._rows(end), self.topology.index(end.link)
+                if self.rigid.is_rigid(end) or not len(rows):
+                    continue
+                if by_rigid:
+                    leader = self.rigid.leader(point)
+                    assert leader is not None
+                    columns = _depends_on(self._general.point(leader))
+                    if len(columns):
+                        self._ties[link].append(_LedEnd(rows, columns, leader))
+                else:
+                    self._follow_end(link, rows, point.ends[0])
+        for turn in self._turns:
+            if not turn.held:
+                self._follow_rotation(turn)
+
+    def _follow_end(self, link: int, rows: IntArray, leading: LinkEnd) -> None:
+        leader = self.topology.index(leading.link)
+        columns = self.targets[leader][self._rows(leading)]
+        self.targets[link][rows] = columns
+        if (columns >= 0).any():
+            self._ties[link].append(_TurningEnd(rows, columns, leader))
+
+    def _follow_rotation(self, turn: TurningJoint) -> None:
+        rigid = [end for end in turn.ends if self.rigid.is_rigid(end)]
+        if rigid:
+            among = self.rigid.of_link(self.topology.index(rigid[0].link))[2]
+            for end in turn.ends:
+                if not self.rigid.is_rigid(end):
+                    rows = self._rotations(end)
+                    link = self.topology.index(end.link)
+                    self._add_rigid(link, rows, np.full(len(rows), among))
+            return
+        root = turn.ends[0]
+        column = self.targets[self.topology.index(root.link)][self._rotations(root)[:1]]
+        for number, end in enumerate(turn.ends):
+            link, rows = self.topology.index(end.link), self._rotations(end)
+            if number:
+                self.targets[link][rows[:1]] = column
+            if len(rows) > 1:
+                self._ties[link].append(_EqualRows(rows[1:], column))
+
+
+def _depends_on(matrix: MatrixWithRates) -> IntArray:
+    """Which of the independent coordinates a matrix (1, r, n) in a general position depends on."""
+    return np.flatnonzero(np.abs(matrix.value[0]).max(axis=0, initial=0.0) > DEPENDENT)

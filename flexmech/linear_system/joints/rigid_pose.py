@@ -1,0 +1,343 @@
+"""Rigid links and sliders that are displaced by finite amounts.
+
+The place of a point at r of a rigid link is ``u + R(phi) r``: it is not linear in the rotation,
+and the ties of rigid links among themselves are conditions that Newton's method satisfies. Forces
+that keep their direction while the links turn are springs against rotation: the force F at r has
+the stiffness ``F . R(phi) r``, be it an inertia force, a weight or the force of a joint. A bar in
+tension P gets ``P / L`` between its ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+
+from flexmech.linear_system.joints.displaced_motion import DisplacedMotion, link_bodies
+from flexmech.linear_system.joints.rigid_coordinates import PoseStiffness, RigidCoordinates
+from flexmech.linkages import RigidMotion
+from flexmech.linkages.body_motion import BodyMotion, BodyPoint, dot
+from flexmech.linkages.connection_forces import end_point
+from flexmech.types import ComplexArray, FloatArray, IntArray
+
+# Newton's method takes five to eight from the straight linkage; more is out of reach.
+ITERATIONS = 30
+# Of conditions in m, to the size of the longest link, and of angles in rad: round-off.
+CLOSED = 1e-14
+
+
+class RigidPose:
+    """Rigid links and sliders at given coordinates.
+
+    Parameters
+    ----------
+    rigid : RigidCoordinates
+    motion : RigidMotion
+        Batch of shape (B,), not displaced.
+    y : ndarray, shape (B, size)
+        Coordinates of ``rigid``: displacements in the frames of the rigid motion, finite
+        rotations, slides.
+    """
+
+    def __init__(self, rigid: RigidCoordinates, motion: RigidMotion, y: FloatArray) -> None:
+        self.rigid, self.motion, self.y = rigid, motion, y
+        count = len(rigid.links)
+        turn = np.zeros((len(y), len(rigid.topology.links)))
+        turn[:, list(rigid.links)] = y[:, 2 : 3 * count : 3]
+        self.displaced = DisplacedMotion.of(motion, turn, y[:, 3 * count :])
+
+    @classmethod
+    def solve_position_constraints(
+        cls, rigid: RigidCoordinates, motion: RigidMotion, w: FloatArray
+    ) -> Self:
+        """Rigid links and sliders at given independent coordinates, by Newton's method.
+
+        Parameters
+        ----------
+        rigid : RigidCoordinates
+        motion : RigidMotion
+            Batch of shape (B,).
+        w : ndarray, shape (B, n)
+            Where no place satisfies the ties, those of the pose are out of reach: not a number.
+        """
+        y = np.zeros((len(w), rigid.size))
+        y[:, rigid.independent_coordinates] = w
+        pose = cls(rigid, motion, y)
+        if not len(rigid.dependent_coordinates):
+            return pose
+        rigid.refuse_locked(motion, pose._jacobian[:, :, rigid.dependent_coordinates])
+        length = max(link.length for link in rigid.topology.links)
+        for _ in range(ITERATIONS):
+            gap = pose._gap()
+            if np.nanmax(np.abs(gap), initial=0.0) <= CLOSED * max(1.0, length):
+                return pose
+            across = pose._jacobian[:, :, rigid.dependent_coordinates]
+            y = y.copy()
+            y[:, rigid.dependent_coordinates] -= np.linalg.solve(across, gap[..., None])[..., 0]
+            pose = cls(rigid, motion, y)
+        y = np.where((np.abs(pose._gap()).max(axis=1) <= 1e-9 * length)[:, None], y, np.nan)
+        return cls(rigid, motion, y)
+
+    @classmethod
+    def displaced_by(
+        cls,
+        rigid: RigidCoordinates,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        held: Mapping[int, FloatArray],
+    ) -> Self:
+        """Rigid links and sliders of given displacements of all links.
+
+        Parameters
+        ----------
+        rigid : RigidCoordinates
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link)
+            In the frames of the rigid motion.
+        held : mapping of int to ndarray, shape (B, 2)
+            Displacements of the ends of flexible links that slide, in ground axes, by the number
+            of the slider.
+        """
+        y = np.zeros((len(motion.crank_angle), rigid.size))
+        for link in rigid.links:
+            y[:, rigid.of_link(link)] = displacement[link]
+        pose = cls(rigid, motion, y)
+        for number, slider in enumerate(rigid.topology.sliders):
+            line = rigid.point_on_line(number)
+            moved = (
+                held[number]
+                if number in held
+                else pose.displacement([end_point(rigid.topology, slider.held)])[:, 0]
+            )
+            moved = moved - pose.displacement([line])[:, 0]  # whose slide is not there yet
+            along = line.along * pose._after[0].turn[:, line.body]
+            y[:, 3 * len(rigid.links) + number] = dot(along, moved[:, 0] + 1j * moved[:, 1])
+        return cls(rigid, motion, y)
+
+    def displacement(self, points: Sequence[BodyPoint]) -> FloatArray:
+        """Displacement of points of rigid links or of lines in ground axes, (B, P, 2)."""
+        own = self.rigid.constraints.points(points)
+        moved = own.places(*self._after) - own.places(*self._before)
+        return np.stack([moved.real, moved.imag], axis=-1)
+
+    def rows(self, points: Sequence[BodyPoint]) -> FloatArray:
+        """Derivative of the displacement of points by y, (B, 2 P, size)."""
+        bodies, slid = self._after
+        own = self.rigid.constraints.points(points)
+        return own.jacobian(bodies, self._before[0].turn, slid)
+
+    @cached_property
+    def coordinates(self) -> FloatArray:
+        """Derivative of y by the independent coordinates, (B, size, n)."""
+        rigid = self.rigid
+        moved = np.zeros((len(self.y), rigid.size, len(rigid.independent_coordinates)))
+        moved[:, rigid.independent_coordinates, np.arange(len(rigid.independent_coordinates))] = 1.0
+        if len(rigid.dependent_coordinates):
+            across, along = (
+                self._jacobian[:, :, w]
+                for w in (rigid.dependent_coordinates, rigid.independent_coordinates)
+            )
+            moved[:, rigid.dependent_coordinates] = -np.linalg.solve(across, along)
+        return moved
+
+    def stiffness(
+        self,
+        at_points: Mapping[BodyPoint, FloatArray],
+        forces: FloatArray,
+        virial: FloatArray,
+    ) -> PoseStiffness:
+        """Stiffness from forces that keep their direction, those of the joints among them.
+
+        Parameters
+        ----------
+        at_points : mapping of BodyPoint to ndarray, shape (B, 2)
+            Forces of flexible links on points that lead them, in ground axes in N.
+        forces : ndarray, shape (B, size)
+            All other forces, by y.
+        virial : ndarray, shape (B, n_links)
+            Product of force and place of what acts on each rigid link besides its joints, in
+            its displaced place, in N m.
+
+        Returns
+        -------
+        PoseStiffness
+        """
+        rigid, (bodies, slid) = self.rigid, self._after
+        turning, guiding = virial.copy(), np.zeros(slid.shape)
+        total, found = forces, []
+        if at_points:
+            points = list(at_points)
+            given = np.concatenate(list(at_points.values()), axis=1)
+            total = total + np.einsum("bci,bc->bi", self.rows(points), given)
+            led = rigid.constraints.points(points)
+            found.append(led.turning_stiffness(bodies, slid, given[:, ::2] + 1j * given[:, 1::2]))
+        if len(rigid.dependent_coordinates):
+            across = np.swapaxes(self._jacobian[:, :, rigid.dependent_coordinates], 1, 2)
+            ties = np.zeros((len(total), rigid.constraints.count))
+            ties[:, rigid.rows] = -np.linalg.solve(
+                across, total[:, rigid.dependent_coordinates, None]
+            )[..., 0]
+            found.append(rigid.constraints.turning_stiffness(bodies, slid, ties))
+        for by_arm, by_line in found:
+            turning += by_arm[:, :-1]
+            guiding += by_line
+        return PoseStiffness(turning, guiding)
+
+    def _gap(self) -> FloatArray:
+        """By how much the ties that determine the dependent coordinates are not satisfied."""
+        constraints = self.rigid.constraints
+        gap = constraints.gap(*self._after) - constraints.gap(*self._before)
+        return (gap + constraints.turned(self.y))[:, self.rigid.rows]
+
+    @cached_property
+    def _jacobian(self) -> FloatArray:
+        """Derivative of the ties by y, (B, conditions, size)."""
+        bodies, slid = self._after
+        jacobian = self.rigid.constraints.jacobian(bodies, self._before[0].turn, slid)
+        return jacobian[:, self.rigid.rows]
+
+    @cached_property
+    def _before(self) -> tuple[BodyMotion, ComplexArray]:
+        """Bodies before they are displaced, from their places, and where sliders are on them."""
+        bodies, slid = link_bodies(self.motion, self.rigid.topology)
+        return replace(bodies, place=np.zeros_like(bodies.place)), slid[0]
+
+    @cached_property
+    def _after(self) -> tuple[BodyMotion, ComplexArray]:
+        """Displaced bodies, from the places before, and where sliders are on them."""
+        bodies, slid = link_bodies(self.displaced, self.rigid.topology)
+        place, links = np.zeros_like(bodies.place), list(self.rigid.links)
+        u, v = (self.y[:, first : 3 * len(links) : 3] for first in (0, 1))
+        place[:, links] = self._before[0].turn[:, links] * (u + 1j * v)
+        return replace(bodies, place=place), slid[0]
+
+
+@dataclass(frozen=True)
+class DisplacedRows:
+    """Rows of a link that follow, where the linkage is displaced.
+
+    Parameters
+    ----------
+    rows, columns : ndarray of int, shape (r,), (c,)
+        As of :class:`flexmech.linear_system.DependentRows`.
+    turn : ndarray, shape (B, r, c)
+        Derivative of the rows by the columns.
+    place : ndarray, shape (B, r), or None
+        The rows themselves, where they are not linear in the columns.
+    """
+
+    rows: IntArray
+    columns: IntArray
+    turn: FloatArray
+    place: FloatArray | None
+
+
+@dataclass(frozen=True)
+class PointRows:
+    """Rows (r,) of a link that are the displacement of a point in the link's frame."""
+
+    link: int
+    rows: IntArray
+    point: BodyPoint
+
+
+@dataclass(frozen=True)
+class CoordinateRows:
+    """Rows (r,) of a link that are coordinates ``among`` those of rigid links."""
+
+    link: int
+    rows: IntArray
+    among: IntArray
+
+
+class DisplacedTies:
+    """Ties over a batch of positions at given coordinates of the rigid links.
+
+    Parameters
+    ----------
+    pose : RigidPose
+    rows : list of list of DisplacedRows
+        For each link.
+    at_points, at_coordinates : list
+        What of the links leads to the rigid links and lines.
+    """
+
+    def __init__(
+        self,
+        pose: RigidPose,
+        rows: list[list[DisplacedRows]],
+        at_points: list[PointRows],
+        at_coordinates: list[CoordinateRows],
+    ) -> None:
+        self.pose, self.rows = pose, rows
+        self._at_points, self._at_coordinates = at_points, at_coordinates
+
+    def link_displacement(
+        self, z: FloatArray, targets: Sequence[IntArray], sizes: Sequence[int]
+    ) -> list[FloatArray]:
+        """Coordinates of each link.
+
+        Parameters
+        ----------
+        z : ndarray, shape (B, size)
+        targets : sequence of ndarray of int, shape (n_link,)
+        sizes : sequence of int
+
+        Returns
+        -------
+        list of ndarray, shape (B, n_link)
+        """
+        result = []
+        for target, size, following in zip(targets, sizes, self.rows, strict=True):
+            q, free = np.zeros((len(z), size)), target >= 0
+            q[:, free] = z[:, target[free]]
+            for led in following:
+                q[:, led.rows] = (
+                    (led.turn @ z[:, led.columns, None])[..., 0] if led.place is None else led.place
+                )
+            result.append(q)
+        return result
+
+    def stiffness(
+        self, forces: Sequence[FloatArray], turning: Mapping[int, FloatArray]
+    ) -> PoseStiffness:
+        """Stiffness of rigid links and sliders from forces that keep their direction.
+
+        Parameters
+        ----------
+        forces : sequence of ndarray, shape (B, n_link)
+            Outer less inner ones on each link in its frame.
+        turning : mapping of int to ndarray, shape (B,)
+            Of each rigid link by its number: stiffness against its turn by what acts on it
+            besides its joints, in N m/rad.
+
+        Returns
+        -------
+        PoseStiffness
+        """
+        pose = self.pose
+        motion, rigid = pose.motion, pose.rigid
+        at_points: dict[BodyPoint, FloatArray] = {}
+        for led in self._at_points:
+            force = forces[led.link][:, led.rows]
+            angle = motion.angle[:, led.link, None]
+            cosine, sine = np.cos(angle), np.sin(angle)
+            x, y = force[:, :1], force[:, 1:]
+            ground = np.concatenate([cosine * x - sine * y, sine * x + cosine * y], axis=1)
+            at_points[led.point] = at_points.get(led.point, 0.0) + ground
+        by_y = np.zeros_like(pose.y)
+        for own in self._at_coordinates:
+            for row, coordinate in zip(own.rows, own.among, strict=True):
+                by_y[:, coordinate] += forces[own.link][:, row]
+        by_link = np.zeros(motion.angle.shape)
+        for link in rigid.links:
+            by_link[:, link] = turning[link]
+        return pose.stiffness(at_points, by_y, by_link)
+
+    def matrix(self, stiffness: PoseStiffness) -> FloatArray:
+        """A stiffness of the pose by the independent coordinates, (B, n, n)."""
+        return self.pose.rigid.projected(stiffness, self.pose.coordinates)

@@ -1,0 +1,377 @@
+"""One elastic link in its own frame: matrices of small displacements about the rigid motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system.links.chains import LinkMatrix, whole, with_entries
+from flexmech.linear_system.links.link_readings import LinkReadings
+from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
+from flexmech.linkages import LinkBody, RigidMotion
+from flexmech.linkages.motion import direction, normal
+from flexmech.types import FloatArray, IntArray
+
+NONE = np.zeros(0, dtype=np.intp)
+NO_VECTORS = np.zeros((2, 0), dtype=np.intp)
+
+
+@dataclass(frozen=True)
+class RigidFields:
+    """Coordinates of the accelerations that a rigid link can have, each of shape (n,).
+
+    Parameters
+    ----------
+    along, across : ndarray
+        Unit acceleration along the link frame's x and y.
+    centripetal : ndarray
+        Field ``x`` along the link (multiplied by ``-omega**2``).
+    tangential : ndarray
+        Field ``x`` across the link with its rotation (multiplied by ``alpha``).
+    """
+
+    along: FloatArray
+    across: FloatArray
+    centripetal: FloatArray
+    tangential: FloatArray
+
+
+@dataclass(frozen=True)
+class EndMatrices:
+    """Forces ``X E`` from displacing a link's joined ends alone; each (n, n).
+
+    Only the columns of the ends matter. In nodal coordinates these are the link's own
+    matrices. In component modes an end's coordinate carries a static shape with it, but
+    the frame that turns with the leader holds the end alone: the reduction must not change
+    the frame, because frozen eigenvalues depend on it.
+
+    Parameters
+    ----------
+    mass, gyroscopic, damping : ndarray, shape (n, n)
+    readings : LinkReadings
+        Displacements by the ends alone.
+    """
+
+    mass: LinkMatrix
+    gyroscopic: LinkMatrix
+    damping: LinkMatrix
+    readings: LinkReadings
+
+
+@dataclass(frozen=True)
+class WholeLink:
+    """Matrices of a link with all their entries, (n, n); see :class:`LinkModel`.
+
+    Parameters
+    ----------
+    mass, gyroscopic, translational_mass : ndarray, shape (n, n)
+    end_mass, end_gyroscopic : ndarray, shape (n, n)
+        See :class:`EndMatrices`.
+    """
+
+    mass: FloatArray
+    gyroscopic: FloatArray
+    translational_mass: FloatArray
+    end_mass: FloatArray
+    end_gyroscopic: FloatArray
+
+    def __add__(self, other: WholeLink) -> WholeLink:
+        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
+        return WholeLink(*(own + more for own, more in pairs))
+
+
+@dataclass(frozen=True)
+class LinkModel:
+    """Matrices of one link in the coordinates q of its link frame.
+
+    The displacement in the frame is ``u(x) = N(x) q``; ``J`` turns by a quarter.
+
+    Parameters
+    ----------
+    name : str
+    mass : ndarray, shape (n, n)
+        Consistent mass, rotary inertia included where the element has it.
+    gyroscopic : ndarray, shape (n, n)
+        ``S``, the integral of ``rho N^T J N`` (skew); the Coriolis matrix is ``2 omega S``
+        and the tangential one ``alpha S``.
+    translational_mass : ndarray, shape (n, n)
+        ``M_t``, the integral of ``rho N^T N``; the centripetal matrix is ``-omega^2 M_t``.
+        Without rotary inertia: a section that turns about its centre of mass keeps its
+        centrifugal potential.
+    first_moment : ndarray, shape (2, n)
+        ``-rho N^T J e`` and ``rho N^T e``, integrated, with e the place of matter against that
+        which the field ``centripetal`` gives it: mostly its distance from the pins' axis. Zero
+        where the centres of mass lie on that. As in ``translational_mass``, a rotation that
+        turns e has no part in the first.
+    stiffness : ndarray, shape (n, n)
+        Elastic stiffness of the unloaded, straight link.
+    damping : ndarray, shape (n, n)
+        Kelvin-Voigt damping, ``tau`` times the elastic stiffness.
+    is_axial : ndarray of bool, shape (n,)
+        Whether a coordinate moves the link along its axis.
+    start, end : ndarray of int, shape (2,) or (0,)
+        Coordinates that are the displacement of the two ends; empty where a reduction has
+        removed an end that is not joined, and of a rigid link's end.
+    start_rotation, end_rotation : ndarray of int, shape (k,)
+        Coordinates that a clamp at that end holds besides the displacement.
+    readings : LinkReadings
+        What :attr:`shape` and :attr:`curvature` are made from.
+    fields : RigidFields
+        Rigid accelerations in these coordinates (of the unreduced link only).
+    reduced_ends : EndMatrices, optional
+        Of a reduced link; see :attr:`ends`.
+    start_warping, end_warping : ndarray of int, shape (k,)
+        Coordinates that a joint at that end holds, whatever its kind: its pin sits in a fitting
+        that keeps the cross-section plane.
+    vectors : ndarray of int, shape (2, k)
+        Coordinates along x and across it of all vectors that turn with the link: displacements
+        of nodes, and their slope vectors. Of a reduced link there are none.
+    shaft : ndarray of int, shape (1,) or (0,)
+        Coordinate that is the rotation of the driven shaft, where it is free.
+    rigid : bool
+        Whether the link is rigid; see :func:`flexmech.linear_system.links.rigid_link`.
+    bodies : tuple of RigidBody
+        Whose inertia, where the link is straight, is in its matrices; a rigid link is one.
+    """
+
+    name: str
+    mass: LinkMatrix
+    gyroscopic: LinkMatrix
+    translational_mass: LinkMatrix
+    first_moment: FloatArray
+    stiffness: LinkMatrix
+    damping: LinkMatrix
+    is_axial: NDArray[np.bool_]
+    start: IntArray
+    end: IntArray
+    start_rotation: IntArray
+    end_rotation: IntArray
+    readings: LinkReadings
+    fields: RigidFields
+    reduced_ends: EndMatrices | None = None
+    start_warping: IntArray = field(default_factory=NONE.copy)
+    end_warping: IntArray = field(default_factory=NONE.copy)
+    vectors: IntArray = field(default_factory=NO_VECTORS.copy)
+    shaft: IntArray = field(default_factory=NONE.copy)
+    rigid: bool = False
+    bodies: tuple[RigidBody, ...] = ()
+
+    def with_bodies(self, bodies: Sequence[LinkBody]) -> LinkModel:
+        """The unreduced link with bodies fixed to its nodes.
+
+        Parameters
+        ----------
+        bodies : sequence of LinkBody
+            With a node at the position of each.
+
+        Returns
+        -------
+        LinkModel
+        """
+        matrices = [self.mass, self.gyroscopic, self.translational_mass]
+        moment, fixed = self.first_moment.copy(), []
+        nodes = body_nodes(self.readings.nodes, bodies)
+        for body, node in zip(bodies, nodes.tolist(), strict=True):
+            own = self.readings.per_node * node + np.array([0, 1, self.readings.slope])
+            fixed.append(RigidBody.fixed(body, np.eye(self.size)[own]))
+            (a, c), entries = fixed[-1].first_moment, np.ix_(own, own)
+            rows, columns = (each.ravel() for each in np.broadcast_arrays(*entries))
+            added = fixed[-1].matrices(np.zeros(()), on_axis=True).reshape(3, -1)
+            matrices = [
+                with_entries(matrix, rows, columns, more)
+                for matrix, more in zip(matrices, added, strict=True)
+            ]
+            moment[:, own[:2]] += [[c, -a], [a, c]]
+        mass, gyroscopic, translational = matrices
+        return replace(
+            self,
+            mass=mass,
+            gyroscopic=gyroscopic,
+            translational_mass=translational,
+            first_moment=moment,
+            bodies=tuple(fixed),
+        )
+
+    def inertia_change(self, turns: Sequence[FloatArray]) -> WholeLink | None:
+        """By what bodies that are turned change the matrices of the straight link.
+
+        Parameters
+        ----------
+        turns : sequence of ndarray, shape (B,)
+            Angle of each body in the link's frame in rad.
+
+        Returns
+        -------
+        WholeLink or None
+            Matrices (B, n, n); None where no body is off the axis.
+        """
+        parts = []
+        for body, angle in zip(self.bodies, turns, strict=True):
+            if body.is_off_axis:
+                mass, gyroscopic, centrifugal = body.inertia_change(angle)
+                rows, ends = body.rows, body.rows
+                if self.reduced_ends is not None and body.end_rows is not None:
+                    ends = body.end_rows
+                mass, gyroscopic = rows.T @ mass, rows.T @ gyroscopic
+                own = (mass @ rows, gyroscopic @ rows, rows.T @ centrifugal @ rows)
+                parts.append(WholeLink(*own, mass @ ends, gyroscopic @ ends))
+        return sum(parts[1:], parts[0]) if parts else None
+
+    def whole(self) -> WholeLink:
+        """Its matrices with all their entries."""
+        ends = self.ends
+        return WholeLink(
+            *(whole(x) for x in (self.mass, self.gyroscopic, self.translational_mass)),
+            *(whole(x) for x in (ends.mass, ends.gyroscopic)),
+        )
+
+    @property
+    def ends(self) -> EndMatrices:
+        """Forces from displacing the joined ends alone."""
+        return self.reduced_ends or EndMatrices(
+            self.mass, self.gyroscopic, self.damping, self.readings
+        )
+
+    @property
+    def shape(self) -> FloatArray:
+        """Displacement at evenly spaced stations from start to end, (n_stations, 2, n)."""
+        return self.readings.shape
+
+    @property
+    def curvature(self) -> FloatArray:
+        """Bending curvature in the middle of the link, (n,)."""
+        return self.readings.curvature
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates n."""
+        return len(self.mass)
+
+    @property
+    def mass_root(self) -> FloatArray:
+        """``L`` with ``L L^T`` the mass matrix, (n, n); of a rigid link that may be singular."""
+        if not self.rigid:
+            return np.asarray(np.linalg.cholesky(whole(self.mass)), dtype=float)
+        values, vectors = np.linalg.eigh(whole(self.mass))
+        return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)), dtype=float)
+
+    def end_displacement(self, end: str) -> IntArray:
+        """Coordinates of the displacement at ``"start"`` or ``"end"``."""
+        return self.start if end == "start" else self.end
+
+    def end_rotation_of(self, end: str) -> IntArray:
+        """Coordinate of the rotation at ``"start"`` or ``"end"``."""
+        return self.start_rotation if end == "start" else self.end_rotation
+
+    def end_warping_of(self, end: str) -> IntArray:
+        """Coordinate of the warping at ``"start"`` or ``"end"``; none in most elements."""
+        return self.start_warping if end == "start" else self.end_warping
+
+    def end_basis(self, size: int, kept: dict[str, IntArray]) -> FloatArray:
+        """Displacements of the ends alone, (n, size), from ``size`` reduced coordinates.
+
+        Parameters
+        ----------
+        size : int
+        kept : dict
+            Which of them move ``start`` and ``end``, and may turn ``start_rotation`` and
+            ``end_rotation``.
+
+        Returns
+        -------
+        ndarray, shape (n, size)
+        """
+        unit = np.zeros((self.size, size))
+        for end, place in kept.items():
+            if len(place):
+                unit[getattr(self, end), place] = 1.0
+        return unit
+
+    def projected(
+        self, basis: FloatArray, kept: dict[str, IntArray], shaft: IntArray = NONE
+    ) -> LinkModel:
+        """The link with ``q = basis @ p``.
+
+        Parameters
+        ----------
+        basis : ndarray, shape (n, m)
+        kept : dict
+            New positions of ``start`` and ``end``, and of ``start_rotation`` and
+            ``end_rotation`` where they are kept.
+        shaft : ndarray of int, shape (1,) or (0,)
+            New position of the shaft's rotation.
+        """
+
+        def project(matrix: LinkMatrix) -> FloatArray:
+            return basis.T @ matrix @ basis
+
+        unit = self.end_basis(basis.shape[1], kept)
+        ends = EndMatrices(
+            mass=basis.T @ self.mass @ unit,
+            gyroscopic=basis.T @ self.gyroscopic @ unit,
+            damping=basis.T @ self.damping @ unit,
+            readings=self.readings.projected(unit),
+        )
+        axial = np.abs(basis[self.is_axial]).sum(axis=0) > np.abs(basis[~self.is_axial]).sum(axis=0)
+        return replace(
+            self,
+            mass=project(self.mass),
+            gyroscopic=project(self.gyroscopic),
+            translational_mass=project(self.translational_mass),
+            first_moment=self.first_moment @ basis,
+            stiffness=project(self.stiffness),
+            damping=project(self.damping),
+            is_axial=axial,
+            start=kept["start"],
+            end=kept["end"],
+            start_rotation=kept.get("start_rotation", NONE),
+            end_rotation=kept.get("end_rotation", NONE),
+            start_warping=NONE,
+            end_warping=NONE,
+            vectors=NO_VECTORS,
+            shaft=shaft,
+            readings=self.readings.projected(basis),
+            reduced_ends=ends,
+            bodies=tuple(body.projected(basis, unit) for body in self.bodies),
+        )
+
+
+def inertia_loads(
+    links: Sequence[LinkModel], motion: RigidMotion, gravity: tuple[float, float]
+) -> list[FloatArray]:
+    """Distributed inertia forces of the rigid motion and weight, each in its link frame.
+
+    A rigid acceleration is linear along the link and so lies in the space of the shape
+    functions: ``-M a`` with the nodal accelerations ``a`` is the exact consistent load.
+
+    Parameters
+    ----------
+    links : sequence of LinkModel
+    motion : RigidMotion
+        Batch of shape (B,).
+    gravity : tuple of float
+        In ground axes, m/s^2.
+
+    Returns
+    -------
+    list of ndarray, shape (B, n)
+    """
+    pull = motion.origin_acceleration - np.asarray(gravity)
+    along = np.sum(pull * direction(motion.angle), axis=-1)
+    across = np.sum(pull * normal(motion.angle), axis=-1)
+    loads = []
+    for number, link in enumerate(links):
+        fields = link.fields
+        acceleration = (
+            along[:, number, None] * fields.along
+            + across[:, number, None] * fields.across
+            - motion.angular_velocity[:, number, None] ** 2 * fields.centripetal
+            + motion.angular_acceleration[:, number, None] * fields.tangential
+        )
+        # Matter that is elsewhere than the field says, as off the pins' axis, is pulled as well.
+        turning = motion.angular_velocity[:, number, None] ** 2
+        loads.append(turning * link.first_moment[1] - acceleration @ link.mass)
+    return loads

@@ -1,0 +1,240 @@
+"""Rigid bodies on links: a body on a section of an elastic link, and a rigid link, alike.
+
+A body is fixed to a point of its link, which is displaced by u and turns by phi, both in the link's
+frame. With its first moment s about that point, where the link is straight, its matter is at
+``u + R(phi) s / m``. An inertia force or weight F that keeps its direction has the moment
+``F . J R(phi) s / m`` about the point, which resists a turn by ``F . R(phi) s / m``: with the
+moment and the virial of the straight link, ``moment cos(phi) - virial sin(phi)`` and its
+derivative. Small displacements of the matter about such a place are ``du + dphi J R(phi) s / m``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+import numpy as np
+
+from flexmech.linkages import LinkBody, LinkMass, RigidMotion
+from flexmech.linkages.motion import direction, normal
+from flexmech.types import FloatArray, IntArray
+
+# Of a second moment: what round-off leaves of it.
+ROUND_OFF = 1e-12
+NOWHERE = np.zeros((3, 0))
+
+
+@dataclass(frozen=True)
+class RigidBody:
+    """Inertia of a body about the point of a link that it is fixed to.
+
+    Parameters
+    ----------
+    mass : float
+        In kg.
+    first_moment : tuple of float
+        ``s``, along and across the straight link, in kg m.
+    second_moment : float
+        Polar, in kg m^2.
+    spin : float
+        Part of it that is about centres of mass of its own: what turns about these keeps its
+        centrifugal potential.
+    on_axis : float
+        Part of it that is in the centrifugal mass of the straight link.
+    position : float
+        Distance of the point from the link's start in m.
+    rows : ndarray, shape (3, n)
+        Displacement of the point along and across, and rotation, by the link's coordinates.
+    end_rows : ndarray, shape (3, n), optional
+        The same by the link's joined ends alone; see
+        :class:`flexmech.linear_system.links.link_model.EndMatrices`. Those by all coordinates where
+        it is left out.
+    """
+
+    mass: float
+    first_moment: tuple[float, float]
+    second_moment: float
+    spin: float
+    on_axis: float = 0.0
+    position: float = 0.0
+    rows: FloatArray = field(default_factory=NOWHERE.copy)
+    end_rows: FloatArray | None = None
+
+    @classmethod
+    def fixed(cls, body: LinkBody, rows: FloatArray = NOWHERE) -> Self:
+        """A body that is fixed to a section of an elastic link.
+
+        Parameters
+        ----------
+        body : LinkBody
+        rows : ndarray, shape (3, n)
+        """
+        m, (a, c) = body.mass, body.offset
+        second = body.inertia + m * (a**2 + c**2)
+        return cls(m, (m * a, m * c), second, body.inertia, position=body.position, rows=rows)
+
+    @classmethod
+    def of_link(cls, mass: LinkMass) -> Self:
+        """A rigid link, whose coordinates are displacement of its start and rotation."""
+        beside = mass.mass_per_length * mass.length * mass.offset**2
+        beside += sum(
+            b.inertia + b.mass * (b.offset[0] ** 2 + b.offset[1] ** 2) for b in mass.bodies
+        )
+        second = mass.moment(2)
+        return cls(
+            mass.moment(0),
+            (mass.moment(1), mass.moment_across),
+            second,
+            sum(body.inertia for body in mass.bodies),
+            on_axis=second - beside,
+            rows=np.eye(3),
+        )
+
+    @property
+    def is_off_axis(self) -> bool:
+        """Whether a turn changes its inertia."""
+        beside = self.second_moment - self.spin - self.on_axis
+        return beside > ROUND_OFF * self.second_moment
+
+    def projected(self, basis: FloatArray, ends: FloatArray | None = None) -> Self:
+        """The body on a link with ``q = basis @ p``, whose joined ends move by ``ends @ p``."""
+        end_rows = None if ends is None else self.rows @ ends
+        return replace(self, rows=self.rows @ basis, end_rows=end_rows)
+
+    def matrices(self, angle: FloatArray, *, on_axis: bool = False) -> FloatArray:
+        """Mass, gyroscopic and centrifugal mass matrix of the body turned by an angle.
+
+        Parameters
+        ----------
+        angle : ndarray, shape (...)
+            In rad.
+        on_axis : bool
+            Whether the centrifugal mass is that of the straight link, which leaves out what turns
+            about its place on the axis.
+
+        Returns
+        -------
+        ndarray, shape (3, ..., 3, 3)
+            By displacement and rotation of its point. See
+            :class:`flexmech.linear_system.LinkModel` for each.
+        """
+        a, c = self._turned(angle)
+        found = np.zeros((3, *np.shape(angle), 3, 3))
+        mass, gyroscopic, centrifugal = found
+        mass[..., [0, 1], [0, 1]] = self.mass
+        mass[..., 0, 2] = mass[..., 2, 0] = -c
+        mass[..., 1, 2] = mass[..., 2, 1] = a
+        centrifugal[:] = mass
+        mass[..., 2, 2] = self.second_moment
+        centrifugal[..., 2, 2] = self.on_axis if on_axis else self.second_moment - self.spin
+        gyroscopic[..., 0, 1], gyroscopic[..., 1, 0] = -self.mass, self.mass
+        gyroscopic[..., 0, 2], gyroscopic[..., 2, 0] = -a, a
+        gyroscopic[..., 1, 2], gyroscopic[..., 2, 1] = -c, c
+        return found
+
+    def inertia_change(self, angle: FloatArray) -> FloatArray:
+        """By what a turn changes the matrices of the straight link, (3, ..., 3, 3)."""
+        still = self.matrices(np.zeros_like(angle), on_axis=True)
+        return self.matrices(angle) - still
+
+    @property
+    def about_centre(self) -> Self:
+        """The body about its centre of mass, in whose place :meth:`centre_map` puts its point."""
+        a, c = self.first_moment
+        less = (a**2 + c**2) / self.mass
+        second, on_axis = self.second_moment - less, self.on_axis - less
+        return replace(self, first_moment=(0.0, 0.0), second_moment=second, on_axis=on_axis)
+
+    def centre_map(self, angle: FloatArray) -> FloatArray:
+        """Displacement of the centre of mass and rotation by those of the point, (..., 3, 3)."""
+        a, c = self._turned(angle)
+        moved = np.zeros((*np.shape(angle), 3, 3))
+        moved[..., [0, 1, 2], [0, 1, 2]] = 1.0
+        moved[..., 0, 2], moved[..., 1, 2] = -c / self.mass, a / self.mass
+        return moved
+
+    def dead(
+        self, motion: RigidMotion, link: int, gravity: tuple[float, float]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Virial and moment about its point of inertia force and weight on the straight link.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        link : int
+            Number of the link.
+        gravity : tuple of float
+            In ground axes, m/s^2.
+
+        Returns
+        -------
+        virial, moment : ndarray, shape (B,)
+            In N m.
+        """
+        (a, c), angle = self.first_moment, motion.angle[:, link]
+        pull = motion.acceleration(link, self.position) - np.asarray(gravity)
+        x, y = np.sum(pull * direction(angle), axis=1), np.sum(pull * normal(angle), axis=1)
+        virial = self.second_moment * motion.angular_velocity[:, link] ** 2 - (a * x + c * y)
+        moment = c * x - a * y - self.second_moment * motion.angular_acceleration[:, link]
+        return virial, moment
+
+    def carried(
+        self, speed: FloatArray, change: FloatArray, q: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Inertia force of a displacement that stands still in the link's frame.
+
+        Parameters
+        ----------
+        speed, change : ndarray, shape (B,)
+            Angular velocity and acceleration of the frame.
+        q : ndarray, shape (B, 3)
+            Displacement of the point and rotation.
+
+        Returns
+        -------
+        ndarray, shape (B, 3)
+            Force and moment beyond those that keep their direction; see :meth:`dead`.
+        ndarray, shape (B, 3, 3)
+            Derivative by q.
+        """
+        turn = np.zeros((len(q), 2, 2))
+        turn[:, 0, 0] = turn[:, 1, 1] = speed**2
+        turn[:, 0, 1], turn[:, 1, 0] = change, -change
+        arm = np.stack(self._turned(q[:, 2]), axis=1)
+        lever = np.stack([-arm[:, 1], arm[:, 0]], axis=1)
+        cosine, sine = np.cos(q[:, 2]), np.sin(q[:, 2])
+        moved = self.mass * q[:, :2] + arm - np.array(self.first_moment)
+        carried = (turn @ q[:, :2, None])[..., 0]
+        force, by_q = np.zeros((len(q), 3)), np.zeros((len(q), 3, 3))
+        force[:, :2] = (turn @ moved[..., None])[..., 0]
+        force[:, 2] = np.sum(lever * carried, axis=1)
+        force[:, 2] += self.second_moment * (speed**2 * sine - change * (1 - cosine))
+        by_q[:, :2, :2] = self.mass * turn
+        by_q[:, :2, 2] = (turn @ lever[..., None])[..., 0]
+        by_q[:, 2, :2] = (lever[:, None] @ turn)[:, 0]
+        by_q[:, 2, 2] = self.second_moment * (speed**2 * cosine - change * sine)
+        by_q[:, 2, 2] -= np.sum(arm * carried, axis=1)
+        return force, by_q
+
+    def _turned(self, angle: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """First moment along and across, turned."""
+        (a, c), cosine, sine = self.first_moment, np.cos(angle), np.sin(angle)
+        return a * cosine - c * sine, a * sine + c * cosine
+
+
+def body_nodes(nodes: FloatArray, bodies: Sequence[LinkBody]) -> IntArray:
+    """Number of the node at each body's position.
+
+    Parameters
+    ----------
+    nodes : ndarray, shape (k,)
+        Node positions along the link in m.
+    bodies : sequence of LinkBody
+
+    Returns
+    -------
+    ndarray of int, shape (n_bodies,)
+    """
+    return np.array([np.argmin(np.abs(nodes - body.position)) for body in bodies], dtype=np.intp)

@@ -1,0 +1,97 @@
+"""Links at the stress that the motion puts them under."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+
+from flexmech.linear_system.links.chains import LinkMatrix, in_positions, repeated
+from flexmech.linear_system.links.link_model import LinkModel
+from flexmech.types import FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class StressedLinks:
+    """What small displacements from a stressed state of the links meet, link by link.
+
+    The internal force of a link near that state is
+    ``internal_force + tangent @ (q - displacement)``, all in its link frame.
+
+    Parameters
+    ----------
+    tangent : list of ndarray, shape (n, n) or (B, n, n)
+    displacement : list of ndarray, shape (B, n), or None
+        Displacement of the state; None for links taken as straight.
+    internal_force : list of ndarray, shape (B, n), or None
+        Internal force of the state; None for straight links, where there is none, and
+        where an engine does not tell.
+    damping : list of ndarray, shape (B, n, n), or None
+        Damping matrix in the state; None for that of the straight links. A bowed link that
+        bends further is not stretched along its axis, and must not be damped as if it were.
+    loads : list of ndarray, shape (B, n), or None
+        Forces on the links that the state is under; None where there are none, or an engine
+        does not tell.
+    guiding : ndarray, shape (B, n_sliders), or None
+        Stiffness between the rotation of a slider's guide and its slide in N/rad.
+    """
+
+    tangent: Sequence[LinkMatrix]
+    displacement: list[FloatArray] | None = None
+    internal_force: list[FloatArray] | None = None
+    damping: Sequence[LinkMatrix] | None = None
+    loads: list[FloatArray] | None = None
+    guiding: FloatArray | None = None
+
+    @classmethod
+    def unloaded(cls, links: Sequence[LinkModel]) -> Self:
+        """Straight links without stress."""
+        return cls([link.stiffness for link in links])
+
+    def repeated(self, count: int) -> StressedLinks:
+        """The state of one position at so many.
+
+        Parameters
+        ----------
+        count : int
+            Number B of positions.
+
+        Returns
+        -------
+        StressedLinks
+        """
+
+        def every(arrays: list[FloatArray] | None) -> list[FloatArray] | None:
+            return None if arrays is None else [np.repeat(each, count, axis=0) for each in arrays]
+
+        return StressedLinks(
+            [repeated(t, count) for t in self.tangent],
+            every(self.displacement),
+            every(self.internal_force),
+            self.damping and [repeated(d, count) for d in self.damping],
+            every(self.loads),
+            None if self.guiding is None else np.repeat(self.guiding, count, axis=0),
+        )
+
+    def at(self, which: slice | IntArray) -> Self:
+        """Those of some positions of a batch.
+
+        Parameters
+        ----------
+        which : slice or ndarray of int
+        """
+
+        def some(values: list[FloatArray] | None) -> list[FloatArray] | None:
+            return None if values is None else [v[which] for v in values]
+
+        return replace(
+            self,
+            tangent=[in_positions(t, which) for t in self.tangent],
+            displacement=some(self.displacement),
+            internal_force=some(self.internal_force),
+            damping=self.damping and [d[which] for d in self.damping],
+            loads=some(self.loads),
+            guiding=None if self.guiding is None else self.guiding[which],
+        )

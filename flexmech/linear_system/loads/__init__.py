@@ -1,0 +1,1 @@
+"""Loads on the links and springs between them."""

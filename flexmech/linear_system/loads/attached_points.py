@@ -1,0 +1,253 @@
+"""Points of links at which forces act: what they move by in link and ground axes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.joints.link_place import DependentRows
+from flexmech.linear_system.links.link_model import LinkModel
+from flexmech.linkages import Load, RigidMotion
+from flexmech.linkages.motion import direction, normal
+from flexmech.types import FloatArray
+
+
+@dataclass(frozen=True)
+class AttachedPoint:
+    """A point on the axis of a link.
+
+    Parameters
+    ----------
+    link : int
+        Number of the link.
+    x : float
+        Distance from the link's start in m.
+    rows : ndarray, shape (3, n_link)
+        Displacement along and across the link's frame, and rotation, by the link's coordinates;
+        of a rigid link as long as its rotation is small.
+    end_rows : ndarray, shape (3, n_link)
+        The same by the link's joined ends alone; see
+        :class:`flexmech.linear_system.links.link_model.EndMatrices`.
+    rigid : bool
+        Whether the link is rigid.
+    """
+
+    link: int
+    x: float
+    rows: FloatArray
+    end_rows: FloatArray
+    rigid: bool = False
+
+    @classmethod
+    def of(
+        cls, links: Sequence[LinkModel], link: int, fraction: float, length: float
+    ) -> AttachedPoint:
+        """A point of a link.
+
+        Parameters
+        ----------
+        links : sequence of LinkModel
+            Reduced or not.
+        link : int
+        fraction : float
+            Of the link's length from its start.
+        length : float
+            Of the link in m.
+        """
+        rows, end_rows = (
+            np.concatenate(
+                [each.displacement_at(np.array([fraction]))[0], each.rotation_at(fraction)[None]]
+            )
+            for each in (links[link].readings, links[link].ends.readings)
+        )
+        return cls(link, fraction * length, rows, end_rows, links[link].rigid)
+
+    def force(
+        self,
+        motion: RigidMotion,
+        force: FloatArray,
+        torque: FloatArray,
+        q: FloatArray | None = None,
+    ) -> FloatArray:
+        """Force on the link's coordinates.
+
+        The moment of a rigid link that has turned by phi is
+        ``cos(phi) moment - sin(phi) virial``; see
+        :mod:`flexmech.linear_system.links.dead_moments`. A torque is the same however far it has turned: its part of the moment is
+        ``torque cos(phi)``, and of the virial ``-torque sin(phi)``.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        force : ndarray, shape (B, 2)
+            In ground axes.
+        torque : ndarray, shape (B,)
+        q : ndarray, shape (B, n_link), optional
+            Displacement of the link; zero where it is left out.
+
+        Returns
+        -------
+        ndarray, shape (B, n_link)
+        """
+        angle = motion.angle[:, self.link]
+        if self.rigid and q is not None:
+            torque = torque * np.cos(q[:, 2])
+        along = np.sum(force * direction(angle), axis=1)
+        across = np.sum(force * normal(angle), axis=1)
+        return np.asarray(np.stack([along, across, torque], axis=1) @ self.rows)
+
+    def virial(
+        self,
+        motion: RigidMotion,
+        force: FloatArray,
+        torque: FloatArray,
+        q: FloatArray | None = None,
+    ) -> FloatArray:
+        """Product of a force on a rigid link and its place from the start; see :meth:`force`.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        force : ndarray, shape (B, 2)
+            In ground axes.
+        torque : ndarray, shape (B,)
+        q : ndarray, shape (B, n_link), optional
+            Displacement of the link; zero where it is left out.
+
+        Returns
+        -------
+        ndarray, shape (B,)
+            In N m.
+        """
+        along = np.sum(force * direction(motion.angle[:, self.link]), axis=1)
+        turned = np.zeros_like(along) if q is None else torque * np.sin(q[:, 2])
+        return np.asarray(self.x * along - turned)
+
+    def place(self, motion: RigidMotion, q: FloatArray | None) -> FloatArray:
+        """Where the point is, (B, 2): on a rigid link that has turned however far.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,), not displaced.
+        q : ndarray, shape (B, n_link), or None
+            Displacement of the link; zero where it is None.
+        """
+        place = motion.position(self.link, self.x)
+        if q is None:
+            return place
+        place = place + self.displacement(motion, q)[:, :2]
+        if self.rigid:
+            angle, turn = motion.angle[:, self.link], q[:, 2:3]
+            back = (np.cos(turn) - 1.0) * direction(angle)
+            place = place + self.x * (back + (np.sin(turn) - turn) * normal(angle))
+        return place
+
+    def load_force(
+        self,
+        load: Load,
+        values: FloatArray,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray] | None,
+    ) -> FloatArray:
+        """Force of a load that acts here.
+
+        Parameters
+        ----------
+        load : Load
+        values : ndarray, shape (B, 3)
+            Force and torque in the load's own axes.
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link), or None
+            Of the links; None where they are straight.
+
+        Returns
+        -------
+        ndarray, shape (B, 2)
+            In ground axes.
+        """
+        angle = motion.angle[:, self.link]
+        if displacement is not None:
+            angle = angle + displacement[self.link] @ self.rows[2]
+        return load.in_ground_axes(values, angle)
+
+    def displacement(self, motion: RigidMotion, q: FloatArray) -> FloatArray:
+        """Displacement in ground axes and rotation, (B, 3), at coordinates (B, n_link)."""
+        moved, angle = q @ self.rows.T, motion.angle[:, self.link]
+        ground = moved[:, :1] * direction(angle) + moved[:, 1:2] * normal(angle)
+        return np.concatenate([ground, moved[:, 2:]], axis=1)
+
+    def displacement_rate(self, motion: RigidMotion, q: FloatArray, rate: FloatArray) -> FloatArray:
+        """Time derivative of :meth:`displacement`.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        q, rate : ndarray, shape (B, n_link)
+            Coordinates of the link and their rates in its frame.
+
+        Returns
+        -------
+        ndarray, shape (B, 3)
+        """
+        moved, found = self.displacement(motion, q), self.displacement(motion, rate)
+        speed = motion.angular_velocity[:, self.link]
+        found[:, 0] -= speed * moved[:, 1]
+        found[:, 1] += speed * moved[:, 0]
+        return found
+
+
+@dataclass(frozen=True)
+class MovedPoint:
+    """Displacement in ground axes and rotation of a point by the linkage's coordinates.
+
+    Parameters
+    ----------
+    value, rate : ndarray, shape (B, 3, size)
+        The map, and its time derivative.
+    """
+
+    value: FloatArray
+    rate: FloatArray
+
+    @classmethod
+    def of(
+        cls,
+        point: AttachedPoint,
+        frames: LinkFrames,
+        motion: RigidMotion,
+        following: Sequence[DependentRows],
+    ) -> MovedPoint:
+        """Map of a point.
+
+        Parameters
+        ----------
+        point : AttachedPoint
+            Of the links of ``frames``.
+        frames : LinkFrames
+        motion : RigidMotion
+            Batch of shape (B,).
+        following : sequence of DependentRows
+            Of the point's link.
+        """
+        batch, link = len(motion.crank_angle), point.link
+        value, rate = np.zeros((2, batch, 3, frames.size))
+        own = frames.own(link)
+        value[:, :, frames.targets[link][own]] = point.rows[:, own]
+        for led in following:
+            value[:, :, led.columns] += point.rows[:, led.rows] @ led.turn
+            rate[:, :, led.columns] += point.end_rows[:, led.rows] @ led.rate
+        angle, speed = motion.angle[:, link], motion.angular_velocity[:, link]
+        cosine, sine = np.cos(angle), np.sin(angle)
+        turn, quarter = np.zeros((2, batch, 3, 3))
+        turn[:, 0, 0], turn[:, 0, 1], turn[:, 1, 0], turn[:, 1, 1] = cosine, -sine, sine, cosine
+        turn[:, 2, 2] = 1.0
+        quarter[:, 0], quarter[:, 1] = -turn[:, 1], turn[:, 0]
+        return cls(turn @ value, turn @ rate + speed[:, None, None] * (quarter @ value))

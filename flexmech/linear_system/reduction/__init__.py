@@ -1,0 +1,1 @@
+"""Component modes of the links (Craig and Bampton 1968)."""

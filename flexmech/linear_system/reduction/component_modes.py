@@ -1,0 +1,320 @@
+"""Component-mode reduction of each link (Craig & Bampton 1968, with inertia relief).
+
+A link keeps the displacement of its joined ends, and the rotation of welded ones, with the
+static shapes that they impose;
+the static answer to the inertia of those shapes, which stands for the modes left out
+(quasi-static compensation, MacNeal 1971; Rubin 1975); and its lowest vibration modes with
+the joined ends held. Bending and stretching are reduced apart; where the neutral axis is
+off the pins' axis, bending brings along the stretch that leaves no axial force. Axial modes
+are far above the frequencies asked for, but a bowed link stretches when it bends: some are
+kept in the basis and condensed statically in each position, unless the crank is so fast
+that Coriolis forces excite them.
+
+Where links are damped (Kelvin-Voigt) the basis also answers the damping forces. Of static
+shapes and modes these are in equilibrium only if all deformations have one damping time. A
+following end's displacement turns against its link while the rest of the link does not: in
+the frozen equations that is a velocity of the end alone, and the link's static answer to its
+damping is the end's static shape without the end itself. Damping resists that answer, which is
+``1 + lambda tau`` times smaller than the static one: what is condensed statically would be wrong
+by that. More detail than the usual one gives the answer of what is condensed, in each
+position, coordinates of its own. With ``lambda tau`` of one, frequencies are then right to 1e-7
+where they were off by 4e-4 with any number of modes.
+
+A deep bow and strong damping ask for more. Where a link has turned by theta, its axis tilts with
+``cos(theta) w' - sin(theta) u'``, and sections that keep turning with ``w'`` would be bent against
+it within every element: spurious stiffness that grows with the square of the number of elements.
+Where it is stretched by epsilon, its axis tilts less by that part, and sections that shear resist.
+A reduction in great detail lets sections turn while the axis rests, in a few smooth ways that are
+condensed like the axial modes.
+
+A link that is bowed by w0 bends on by w without stretch where its axis moves along itself by the
+integral of ``-w0' w'``. Axial modes show that slowly, and what they miss is held back by EA: of a
+slender link bowed by 4 % of its length frequencies are off by 2e-3, and by 5e-4 in great detail; of
+one clamped and welded at a tip that bows by 2.5 %, by 70 %. Frequencies over a map measure that and
+go without component modes; bodies that turn as one are never reduced.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.links.chains import LinkMatrix
+from flexmech.linear_system.links.link_model import LinkModel
+from flexmech.linear_system.reduction.fixed_interface_modes import (
+    HeldLink,
+    hold_ends,
+)
+from flexmech.linear_system.reduction.link_boundary import JoinedEnds
+from flexmech.linkages import Topology
+from flexmech.types import FloatArray
+
+# Modes of the held links are kept up to this multiple of the frequency of the highest
+# mode asked for; the frequencies asked for mostly come out within 1e-5. Maps measure their
+# own error and take more modes where that is not enough (flexmech.analyses.frequencies.reduction).
+BENDING_CUTOFF = 1.5
+# An axial mode of frequency w answers Coriolis forces at angular velocity W with a
+# relative frequency shift of about (2 W / w)^2; beyond this ratio w / W it is below 1e-5.
+AXIAL_CUTOFF = 600.0
+CONDENSED_AXIAL_MODES = 12
+# A link that stretches at up to this multiple of the usual bending cut-off is stretched by its
+# own inertia: without the static answer to that its axial modes converge slowly.
+STRETCHING_BY_INERTIA = 10.0
+# What one damping time for all of a link leaves of its damping forces is round-off if the
+# answer to it is smaller than this part of the shape that it comes from.
+ANSWER_FLOOR = 1e-6
+GREAT_DETAIL = 4.0
+"""From which on sections turn against the axis, for links that bow deeply."""
+# They turn in so many waves, or in one for so many nodes where a mesh has few.
+TURNING_WAVES = 8
+NODES_A_WAVE = 2
+
+
+@dataclass(frozen=True)
+class ReducedLink:
+    """A link in component modes.
+
+    Parameters
+    ----------
+    model : LinkModel
+        Reduced matrices.
+    basis : ndarray, shape (n_full, n_reduced)
+    condensed : ndarray of bool, shape (n_reduced,)
+        Coordinates that follow the others statically.
+    damped_ends : ndarray, shape (n_reduced, r)
+        Ways of joined ends to move. The answer of what is condensed to the damping of an end
+        that moves alone has coordinates of its own: as many as there are ways.
+    """
+
+    model: LinkModel
+    basis: FloatArray
+    condensed: NDArray[np.bool_]
+    damped_ends: FloatArray
+
+
+@dataclass(frozen=True)
+class ComponentModes:
+    """All links of a linkage in component modes.
+
+    Parameters
+    ----------
+    topology : Topology
+    links : tuple of ReducedLink
+    parts_mass : bool
+        Whether the mass couples no end with a mode.
+    """
+
+    topology: Topology
+    links: tuple[ReducedLink, ...]
+    parts_mass: bool
+
+    @property
+    def models(self) -> tuple[LinkModel, ...]:
+        """Reduced link models in order."""
+        return tuple(link.model for link in self.links)
+
+    @cached_property
+    def frames(self) -> LinkFrames:
+        """How the reduced links hang together; coordinates that are condensed stand last."""
+        return LinkFrames(self.topology, self.models, [link.condensed for link in self.links])
+
+
+def component_modes(
+    topology: Topology,
+    links: Sequence[LinkModel],
+    modes: int,
+    fastest: float,
+    *,
+    couples_axially: bool,
+    detail: float = 1.0,
+    axial_modes: int | None = None,
+    turning_sections: bool = True,
+    answers_damping: bool = False,
+    couples: Sequence[FloatArray] | None = None,
+    parts_mass: bool = False,
+) -> ComponentModes:
+    """Choose and build the component modes of every link.
+
+    Parameters
+    ----------
+    topology : Topology
+    links : sequence of LinkModel
+        Unreduced.
+    modes : int
+        Number of natural frequencies asked for.
+    fastest : float
+        Greatest angular velocity of a link in rad/s (sets which axial modes stay dynamic).
+    couples_axially : bool
+        Whether the links may bow (prestress ``equilibrium``), so that condensed axial
+        modes are wanted.
+    detail : float
+        Multiplies the frequencies up to which modes are kept and the number condensed. Above 1
+        answers to the damping of joined ends move by themselves; from :data:`GREAT_DETAIL` on
+        sections turn against the axis besides.
+    axial_modes : int, optional
+        Axial modes of each link besides the static shapes, where they couple; chosen by
+        ``detail`` where it is left out.
+    turning_sections : bool
+        False where nothing tilts the axis of a link that bows, so that its sections need not
+        turn against it.
+    answers_damping : bool
+        Keep the static answers to damping forces, on which frozen damping ratios rest.
+    couples : sequence of ndarray, shape (n_link, k), optional
+        Forces of springs in joints that turn the links' ends: static answers to them are kept.
+    parts_mass : bool
+        Take from the static shapes what the modes have in them, so that the mass couples no end
+        with a mode. Frozen matrices are then of simpler form; moving modes, which are sought
+        near a fixed basis, are smoother beside shapes that are static.
+
+    Returns
+    -------
+    ComponentModes
+    """
+    ends = JoinedEnds.of(topology)
+    if couples is None:
+        couples = [np.zeros((link.size, 0)) for link in links]
+    pairs = zip(links, couples, strict=True)
+    held = [hold_ends(ends, link, turning) for link, turning in pairs if not link.rigid]
+    every = np.sort(np.concatenate([h.bending.lowest(modes) for h in held]))
+    usual_cutoff = BENDING_CUTOFF * every[min(modes, len(every)) - 1]
+    bending_cutoff = detail * usual_cutoff
+    # Short links stretch at frequencies like those at which they bend.
+    axial_cutoff = max(bending_cutoff, detail * AXIAL_CUTOFF * abs(fastest))
+    if axial_modes is None:
+        axial_modes = round(detail * CONDENSED_AXIAL_MODES)
+    condensed = axial_modes if couples_axially else 0
+    answers = [answers_damping and bool(h.link.damping.any()) for h in held]
+    turning = fastest != 0
+    reduced = (
+        _reduce(
+            h,
+            bending_cutoff,
+            axial_cutoff,
+            condensed,
+            stretches=h.axial.below(STRETCHING_BY_INERTIA * usual_cutoff) > 0,
+            damped=damped,
+            turning=turning,
+            fine=detail > 1,
+            great_detail=detail >= GREAT_DETAIL,
+            turning_sections=turning_sections,
+            parts_mass=parts_mass,
+        )
+        for h, damped in zip(held, answers, strict=True)
+    )
+    own = (_as_it_is(link) if link.rigid else next(reduced) for link in links)
+    return ComponentModes(topology, tuple(own), parts_mass)
+
+
+def _as_it_is(link: LinkModel) -> ReducedLink:
+    """A rigid link: nothing of it is reduced."""
+    none = np.zeros(link.size, dtype=bool)
+    return ReducedLink(link, np.eye(link.size), none, np.zeros((link.size, 0)))
+
+
+def _reduce(
+    held: HeldLink,
+    bending_cutoff: float,
+    axial_cutoff: float,
+    condensed_modes: int,
+    *,
+    stretches: bool,
+    damped: bool,
+    turning: bool,
+    fine: bool,
+    great_detail: bool,
+    turning_sections: bool,
+    parts_mass: bool,
+) -> ReducedLink:
+    bending = held.bending.shapes(0, held.bending.below(bending_cutoff))
+    n_axial = held.axial.below(axial_cutoff)
+    mass, axial = held.link.mass, held.axial.shapes(0, n_axial)
+    if (bending.T @ (mass @ axial)).any():
+        axial = _complement(axial, bending, mass)
+    dynamic = np.concatenate([bending, axial], axis=1)
+    along = held.axial_relief if stretches else held.floating_relief
+    relief = np.concatenate([held.bending_relief, along], axis=1)
+    if damped:
+        shapes = np.concatenate([held.static, dynamic], axis=1)
+        relief = np.concatenate([relief, _answers_to_damping(held, shapes)], axis=1)
+    dynamic = np.concatenate([dynamic, _complement(relief, dynamic, mass)], axis=1)
+    candidates = held.axial.shapes(n_axial, max(n_axial, condensed_modes))
+    if condensed_modes and great_detail and turning_sections:
+        candidates = np.concatenate([candidates, _turning_sections(held)], axis=1)
+    if damped and turning:
+        candidates = np.concatenate([candidates, held.layers], axis=1)
+    condensed = _complement(candidates, dynamic, mass)
+    static = held.static
+    if parts_mass:
+        static = static - dynamic @ (dynamic.T @ (mass @ static))
+    basis = np.concatenate([static, dynamic, condensed], axis=1)
+    follows = np.arange(basis.shape[1]) >= basis.shape[1] - condensed.shape[1]
+    answered = damped and turning and fine
+    return ReducedLink(
+        held.link.projected(basis, held.boundary.kept, held.boundary.shaft),
+        basis,
+        follows,
+        _damped_ends(held, basis, condensed) if answered else np.zeros((basis.shape[1], 0)),
+    )
+
+
+def _damped_ends(held: HeldLink, basis: FloatArray, condensed: FloatArray) -> FloatArray:
+    """Ways (n_reduced, r) of following ends to move whose damping deforms what is condensed."""
+    link, inner, following = held.link, held.inner, held.boundary.following
+    force = link.damping @ held.boundary.unit[:, following]
+    whole = (force[inner] * held.flexibility.answers(force[inner])).sum(axis=0)
+    scale = 1 / np.sqrt(np.where(whole > 0, whole, np.inf))
+    part = condensed.T @ force * scale
+    energy = part.T @ np.linalg.solve(condensed.T @ (link.stiffness @ condensed), part)
+    values, combination = np.linalg.eigh(energy)
+    combination = combination[:, values > ANSWER_FLOOR**2]
+    ways = np.zeros((basis.shape[1], combination.shape[1]))
+    ways[following] = scale[:, None] * combination
+    return ways
+
+
+def _turning_sections(held: HeldLink) -> FloatArray:
+    """Shapes (n, m) whose sections turn and warp in waves along the link while its axis rests."""
+    link = held.link
+    of_sections = np.flatnonzero(~link.is_axial & (link.fields.across == 0))
+    nodes = int(np.count_nonzero(link.fields.across))
+    place = np.linspace(0, 1, nodes)
+    waves = np.cos(np.pi * place[:, None] * np.arange(min(TURNING_WAVES, nodes // NODES_A_WAVE)))
+    kinds = of_sections.reshape(nodes, -1)
+    shapes = np.zeros((link.size, kinds.shape[1], waves.shape[1]))
+    shapes[kinds, np.arange(kinds.shape[1])] = waves[:, None]
+    shapes[np.setdiff1d(np.arange(link.size), held.inner)] = 0.0
+    return shapes.reshape(link.size, -1)
+
+
+def _answers_to_damping(held: HeldLink, shapes: FloatArray) -> FloatArray:
+    """Static answers (n, m) to what damps shapes (n, k) otherwise than one time for all would.
+
+    Of one damping time the forces on a static shape vanish, and those on a mode leave it a mode.
+    """
+    link, inner = held.link, held.inner
+    if not len(inner):
+        return shapes[:, :0]
+    time = held.flexibility.trace_with(link.damping) / len(inner)
+    answers = np.zeros_like(shapes)
+    unlike = (link.damping @ shapes) / time - link.stiffness @ shapes
+    answers[inner] = held.flexibility.answers(unlike[inner])
+    answer, shape = ((x * (link.mass @ x)).sum(axis=0) for x in (answers, shapes))
+    return answers[:, answer > ANSWER_FLOOR**2 * shape]
+
+
+def _complement(vectors: FloatArray, others: FloatArray, mass: LinkMatrix) -> FloatArray:
+    """What ``vectors`` add to mass-orthonormal ``others``, itself mass-orthonormal."""
+    if not vectors.shape[1]:
+        return vectors
+    scale = np.sqrt((vectors * (mass @ vectors)).sum(axis=0))
+    rest = vectors / np.where(scale > 0, scale, 1.0)
+    for _ in range(2):  # twice is enough against round-off
+        rest = rest - others @ (others.T @ (mass @ rest))
+    values, combination = np.linalg.eigh(rest.T @ (mass @ rest))
+    new = values > 1e-12
+    return np.asarray(rest @ combination[:, new] / np.sqrt(values[new]), dtype=float)

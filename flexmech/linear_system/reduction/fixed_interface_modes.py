@@ -1,0 +1,281 @@
+"""A link with its joined ends held: what its component modes are made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse.linalg import LinearOperator, eigsh, splu
+
+from flexmech.linear_system.links.chains import ChainMatrix, LinkMatrix, couples, whole
+from flexmech.linear_system.links.link_model import LinkModel
+from flexmech.linear_system.reduction.link_boundary import JoinedEnds, LinkBoundary, link_boundary
+from flexmech.types import FloatArray, IntArray
+
+
+@dataclass(frozen=True)
+class HeldLink:
+    """A link with its joined ends held: static shapes and vibration modes.
+
+    Parameters
+    ----------
+    link : LinkModel
+        Of n coordinates.
+    boundary : LinkBoundary
+    static : ndarray, shape (n, b)
+        What each coordinate that the link keeps at its joints moves statically.
+    bending, axial : HeldModes
+        Vibration modes, normalized by the mass.
+    bending_relief, axial_relief : ndarray, shape (n, r)
+        Static answers to the inertia of the static shapes, and to couples at free ends.
+    floating_relief : ndarray, shape (n, r)
+        That to a motion along the link as a whole.
+    layers : ndarray, shape (n, k)
+        Static shapes of ends that follow, without the ends: they vanish at the joints.
+    flexibility : Flexibility
+        Of the coordinates that no joint holds or moves.
+    """
+
+    link: LinkModel
+    boundary: LinkBoundary
+    static: FloatArray
+    bending: HeldModes
+    axial: HeldModes
+    bending_relief: FloatArray
+    axial_relief: FloatArray
+    floating_relief: FloatArray
+    layers: FloatArray
+    flexibility: Flexibility
+
+    @property
+    def inner(self) -> IntArray:
+        """Coordinates that no joint holds or moves, (i,)."""
+        return self.flexibility.free
+
+
+def hold_ends(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> HeldLink:
+    """Static shapes and vibration modes of a flexible link.
+
+    Parameters
+    ----------
+    ends : JoinedEnds
+        Of the linkage.
+    link : LinkModel
+        Unreduced.
+    couples : ndarray, shape (n, k)
+        Forces of springs in joints that turn the link's ends.
+
+    Returns
+    -------
+    HeldLink
+    """
+    boundary = link_boundary(ends, link)
+    inner = np.flatnonzero(~(boundary.fixed | boundary.joined))
+    flexibility = Flexibility(link.stiffness, inner)
+    static = boundary.unit.copy()
+    static[inner] = -flexibility.answers((link.stiffness @ boundary.unit)[inner])
+    layers = (static - boundary.unit)[:, boundary.following]
+    relief = np.zeros_like(static)
+    relief[inner] = flexibility.answers((link.mass @ static)[inner])
+    axial_boundary = boundary.unit[link.is_axial].any(axis=0)
+    # A link that no end ties to the ground moves along itself as a whole: one axial shape.
+    # A held one only stretches: of a slender one far too little for inertia to matter.
+    floats = bool(axial_boundary.any()) and not boundary.fixed.any()
+    axial_relief = relief[:, axial_boundary]
+    floating_relief = axial_relief.sum(axis=1, keepdims=True)
+    stretching, turning = inner[link.is_axial[inner]], inner[~link.is_axial[inner]]
+    answers = [relief[:, ~axial_boundary], _turning_of_arms(link, flexibility)]
+    # Modes of a link whose ends turn freely converge slowly to a spring against that.
+    turned = np.zeros_like(couples)
+    turned[inner] = flexibility.answers(couples[inner])
+    return HeldLink(
+        link=link,
+        boundary=boundary,
+        static=static,
+        # Where an axis off the pins couples both, bending goes along without axial force.
+        bending=HeldModes(link, turning, stretching),
+        axial=HeldModes(link, stretching),
+        bending_relief=np.concatenate([*answers, turned], axis=1),
+        axial_relief=axial_relief,
+        floating_relief=floating_relief if floats else relief[:, :0],
+        layers=layers,
+        flexibility=flexibility,
+    )
+
+
+def _turning_of_arms(link: LinkModel, flexibility: Flexibility) -> FloatArray:
+    """Static answer (n, m) of a link off its pins to couples at its free ends.
+
+    The force of a pin on an arm that turns is a spring against the end's rotation, and modes
+    of the link with its ends free to turn converge slowly to that.
+    """
+    if not (couples(link.stiffness, link.is_axial, ~link.is_axial) or link.first_moment.any()):
+        return np.zeros((link.size, 0))
+    ends, inner = np.concatenate([link.start_rotation[:1], link.end_rotation[:1]]), flexibility.free
+    turned = ends[np.isin(ends, inner)]
+    shapes = np.zeros((link.size, len(turned)))
+    shapes[turned, np.arange(len(turned))] = 1.0
+    shapes[inner] = flexibility.answers(shapes[inner])
+    return shapes
+
+
+# Of many elements so many modes are found first, twice as many where these are too few.
+FIRST_MODES = 24
+# All modes are found at once where the lowest are more than this part of them.
+LARGE_PART = 1 / 4
+
+
+class HeldModes:
+    """Mass-normalized vibration modes in a space of shapes, as many as are asked for.
+
+    Parameters
+    ----------
+    link : LinkModel
+        Unreduced.
+    which : ndarray of int, shape (m,)
+        Coordinates that move, one in each shape.
+    following : ndarray of int, shape (k,), optional
+        Coordinates that follow statically.
+    """
+
+    def __init__(self, link: LinkModel, which: IntArray, following: IntArray | None = None) -> None:
+        self._link, self._which = link, which
+        self._following = which[:0] if following is None else following
+        moves, follows = (np.isin(np.arange(link.size), x) for x in (which, self._following))
+        self._couples = couples(link.stiffness, moves, follows)
+        self._frequency, self._shapes = np.zeros(0), np.zeros((link.size, 0))
+
+    def lowest(self, count: int) -> FloatArray:
+        """Angular frequencies in rad/s of so many modes, or of all if there are fewer."""
+        self._find(count)
+        return self._frequency[:count]
+
+    def below(self, frequency: float) -> int:
+        """Number of modes up to an angular frequency in rad/s."""
+        self._find(1)
+        while len(self._frequency) < len(self._which) and self._frequency[-1] <= frequency:
+            self._find(2 * len(self._frequency))
+        return int(np.sum(self._frequency <= frequency))
+
+    def shapes(self, first: int, last: int) -> FloatArray:
+        """Modes from one number up to another, (n, last - first), or up to the last one."""
+        self._find(last)
+        return self._shapes[:, first:last]
+
+    def _find(self, count: int) -> None:
+        """Find so many modes at least, if there are so many."""
+        size = len(self._which)
+        if min(count, size) <= len(self._frequency):
+            return
+        many = isinstance(self._link.stiffness, ChainMatrix)
+        count = max(count, FIRST_MODES)
+        if many and count < LARGE_PART * size:
+            self._frequency, self._shapes = self._lowest(count)
+        else:
+            self._frequency, self._shapes = self._all()
+
+    def _all(self) -> tuple[FloatArray, FloatArray]:
+        link = self._link
+        shapes = self._moved(np.eye(len(self._which)))
+        unit_mass = np.linalg.inv(np.linalg.cholesky(shapes.T @ (link.mass @ shapes))) @ shapes.T
+        values, vectors = np.linalg.eigh(unit_mass @ (link.stiffness @ unit_mass.T))
+        return np.sqrt(np.abs(values)), unit_mass.T @ vectors
+
+    def _lowest(self, count: int) -> tuple[FloatArray, FloatArray]:
+        link, which, size = self._link, self._which, len(self._which)
+        free = np.union1d(which, self._following) if self._couples else which
+        place, flexibility = np.searchsorted(free, which), Flexibility(link.stiffness, free)
+
+        def inverse(load: FloatArray) -> FloatArray:
+            forces = np.zeros((len(free), 1))
+            forces[place, 0] = load.ravel()
+            return np.asarray(flexibility.answers(forces)[place, 0])
+
+        def inertia(amplitude: FloatArray) -> FloatArray:
+            return self._load(link.mass @ self._moved(amplitude.reshape(size, -1)))[:, 0]
+
+        def elastic(amplitude: FloatArray) -> FloatArray:
+            return self._load(link.stiffness @ self._moved(amplitude.reshape(size, -1)))[:, 0]
+
+        stiffness, mass, answer = (
+            LinearOperator((size, size), matvec=product, dtype=float)
+            for product in (elastic, inertia, inverse)
+        )
+        # A start that has a part of every mode, and is the same in each run.
+        start = np.random.default_rng(0).standard_normal(size)
+        squares, vectors = eigsh(stiffness, count, mass, sigma=0.0, OPinv=answer, v0=start)
+        order = np.argsort(squares)
+        return np.sqrt(np.abs(squares[order])), self._moved(vectors[:, order])
+
+    def _moved(self, amplitudes: FloatArray) -> FloatArray:
+        """Coordinates (n, k) of the link by amplitudes (m, k) of the shapes."""
+        moved = _scattered(self._link.size, self._which, amplitudes)
+        if self._couples:
+            force = (self._link.stiffness @ moved)[self._following]
+            moved[self._following] = -self._held.answers(force)
+        return moved
+
+    def _load(self, forces: FloatArray) -> FloatArray:
+        """Loads (m, k) on the shapes of forces (n, k) on the coordinates."""
+        load = forces[self._which]
+        if self._couples:
+            answer = _scattered(
+                self._link.size, self._following, self._held.answers(forces[self._following])
+            )
+            load = load - (self._link.stiffness @ answer)[self._which]
+        return load
+
+    @cached_property
+    def _held(self) -> Flexibility:
+        """Of what follows."""
+        return Flexibility(self._link.stiffness, self._following)
+
+
+def _scattered(size: int, rows: IntArray, values: FloatArray) -> FloatArray:
+    """Vectors (size, k) with values (r, k) in some rows."""
+    whole = np.zeros((size, values.shape[1]))
+    whole[rows] = values
+    return whole
+
+
+# Of the forces that are answered at a time where all of them would fill a whole matrix.
+AT_A_TIME = 64
+
+
+class Flexibility:
+    """Inverse of a stiffness matrix with some coordinates held.
+
+    Of a chain of elements it is never made: its factors are as narrow as the matrix itself.
+
+    Parameters
+    ----------
+    stiffness : ndarray or ChainMatrix, shape (n, n)
+    free : ndarray of int, shape (i,)
+        Ascending coordinates that are not held.
+    """
+
+    def __init__(self, stiffness: LinkMatrix, free: IntArray) -> None:
+        self.free = free
+        self._factors = self._inverse = None
+        if isinstance(stiffness, ChainMatrix) and len(free):
+            self._factors = splu(stiffness.sparse()[free][:, free].tocsc())
+        else:
+            self._inverse = np.linalg.inv(whole(stiffness)[free[:, None], free])
+
+    def answers(self, forces: FloatArray) -> FloatArray:
+        """Displacements (i, k) by forces (i, k) on the free coordinates."""
+        if self._factors is not None:
+            return np.asarray(self._factors.solve(np.ascontiguousarray(forces)))
+        assert self._inverse is not None
+        return self._inverse @ forces
+
+    def trace_with(self, matrix: LinkMatrix) -> float:
+        """Trace of the product with a symmetric matrix (n, n) in the same coordinates."""
+        free, total = self.free, 0.0
+        for first in range(0, len(free), AT_A_TIME):
+            unit = np.zeros((len(matrix), len(free[first : first + AT_A_TIME])))
+            unit[free[first : first + AT_A_TIME], np.arange(unit.shape[1])] = 1.0
+            moved = self.answers((matrix @ unit)[free])
+            total += float(np.trace(moved[first : first + AT_A_TIME]))
+        return total

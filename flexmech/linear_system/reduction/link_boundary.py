@@ -1,0 +1,150 @@
+"""Which coordinates of a link its joints hold, and which of them it keeps when it is reduced."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system.joints.joint_points import joint_points
+from flexmech.linear_system.links.link_model import LinkModel
+from flexmech.linkages import LinkEnd, Topology
+from flexmech.linkages.topology import End
+from flexmech.types import FloatArray, IntArray
+
+ENDS: tuple[End, ...] = ("start", "end")
+
+
+@dataclass(frozen=True)
+class LinkBoundary:
+    """A link's coordinates at its joints.
+
+    Parameters
+    ----------
+    fixed : ndarray of bool, shape (n,)
+        Held by the ground, the shaft or the fitting of a joint.
+    unit : ndarray, shape (n, b)
+        What each kept coordinate moves at the joints themselves: one coordinate of the link, or
+        all that the rotation of a welded end turns.
+    kept : dict of str to ndarray of int
+        Which of them are displacements of ``start`` and ``end``, and ``start_rotation`` and
+        ``end_rotation``.
+    shaft : ndarray of int, shape (1,) or (0,)
+        Which of them is the rotation of a free shaft.
+    following : ndarray of int, shape (k,)
+        Which of them are displacements that follow another link, or a line.
+    """
+
+    fixed: NDArray[np.bool_]
+    unit: FloatArray
+    kept: dict[str, IntArray]
+    shaft: IntArray
+    following: IntArray
+
+    @property
+    def joined(self) -> NDArray[np.bool_]:
+        """Coordinates that the kept ones move at the joints, (n,)."""
+        return np.asarray(self.unit.any(axis=1), dtype=bool)
+
+
+@dataclass(frozen=True)
+class JoinedEnds:
+    """Link ends of a linkage by what joins them.
+
+    Parameters
+    ----------
+    topology : Topology
+    tied : set of LinkEnd
+        Tied to other links or guided, or held by springs.
+    welded : set of LinkEnd
+    led : sequence of LinkEnd
+        Ends of flexible links that follow another link's end, a rigid link or a line.
+    """
+
+    topology: Topology
+    tied: set[LinkEnd]
+    welded: set[LinkEnd]
+    led: Sequence[LinkEnd]
+
+    @classmethod
+    def of(cls, topology: Topology) -> JoinedEnds:
+        """Ends of a linkage."""
+        return cls(topology, _tied_ends(topology), _welded_ends(topology), _led_ends(topology))
+
+
+def link_boundary(ends: JoinedEnds, link: LinkModel) -> LinkBoundary:
+    """Coordinates of a flexible link at its joints.
+
+    Parameters
+    ----------
+    ends : JoinedEnds
+        Of its linkage.
+    link : LinkModel
+        Unreduced.
+
+    Returns
+    -------
+    LinkBoundary
+    """
+    fixed = np.zeros(link.size, dtype=bool)
+    for rows in _held(ends.topology, link):
+        fixed[rows] = True
+    columns: list[IntArray] = []
+    kept: dict[str, IntArray] = {}
+    for end in ENDS:
+        rows = link.end_displacement(end)
+        keeps = LinkEnd(link.name, end) in ends.tied and not fixed[rows].any()
+        kept[end] = len(columns) + np.arange(2 if keeps else 0)
+        columns += [rows[n : n + 1] for n in range(2 if keeps else 0)]
+    shaft = np.zeros(0, dtype=np.intp)
+    for end in ENDS:
+        rows = link.end_rotation_of(end)
+        keeps = LinkEnd(link.name, end) in ends.welded and not fixed[rows].any()
+        kept[f"{end}_rotation"] = len(columns) + np.arange(int(keeps))
+        columns += [rows] if keeps else []
+        if keeps and np.isin(link.shaft, rows).any():
+            shaft = kept[f"{end}_rotation"]
+    if len(link.shaft) and not len(shaft):
+        shaft = np.array([len(columns)])
+        columns.append(link.shaft)
+    unit = np.zeros((link.size, len(columns)))
+    for number, rows in enumerate(columns):
+        unit[rows, number] = 1.0
+    led = [kept[place.end] for place in ends.led if place.link == link.name]
+    following = np.concatenate([np.zeros(0, dtype=np.intp), *led])
+    return LinkBoundary(fixed, unit, kept, shaft, following)
+
+
+def _held(topology: Topology, link: LinkModel) -> Iterator[IntArray]:
+    """Coordinates that the ground, the shaft or a fitting holds."""
+    for clamp in topology.clamps:
+        if clamp.held.link == link.name:
+            yield link.end_displacement(clamp.held.end)
+            yield link.end_rotation_of(clamp.held.end)
+    for pivot in topology.pivots:
+        if pivot.held.link == link.name and not pivot.sprung:
+            yield link.end_displacement(pivot.held.end)
+    for place in topology.joined_ends:
+        if place.link == link.name:
+            yield link.end_warping_of(place.end)
+
+
+def _tied_ends(topology: Topology) -> set[LinkEnd]:
+    tied = {place for tie in topology.ties for place in (tie.leader, tie.follower)}
+    tied |= {slider.held for slider in topology.sliders}
+    return tied | {pivot.held for pivot in topology.pivots if pivot.sprung}
+
+
+def _welded_ends(topology: Topology) -> set[LinkEnd]:
+    return {place for weld in topology.welds for place in (weld.leader, weld.follower)}
+
+
+def _led_ends(topology: Topology) -> list[LinkEnd]:
+    rigid = {link.name for link in topology.links if link.rigid}
+    led: list[LinkEnd] = []
+    for point in joint_points(topology):
+        leads = point.slider is not None or any(end.link in rigid for end in point.ends)
+        led += point.ends if leads else point.ends[1:]
+    return led
