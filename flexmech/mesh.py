@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.types import FloatArray
 
 __all__ = [
     "STATIONS",

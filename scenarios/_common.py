@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from flexmech import Mechanism, load_mechanism
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 __all__ = ["MODELS", "SPEEDS", "four_bar", "mean_over_turn", "output_folder", "save_pictures"]
 

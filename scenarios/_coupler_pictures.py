@@ -13,8 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flexmech import CouplerCurve, plots
+from flexmech.arrays import FloatArray
 from flexmech.linkages import DoublePoint
-from flexmech.types import FloatArray
 
 STATES = ("dry", *RESINS)
 SATURATIONS = {"R-914": "7 %", "8551-7": "2 %"}

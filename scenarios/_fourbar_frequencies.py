@@ -21,7 +21,7 @@ from flexmech import (
     natural_frequencies,
     plots,
 )
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 __all__ = ["FULL_TURN", "FrequencyAnswer", "study_frequencies"]
 

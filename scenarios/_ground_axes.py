@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexmech.analyses import solve_modes
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.choices import MovingFrame, Prestress
 from flexmech.linear_system import Engine, LinearSystem
-from flexmech.types import FloatArray, IntArray
 
 __all__ = ["frozen_eigenvalues", "in_ground_axes"]
 

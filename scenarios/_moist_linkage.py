@@ -19,9 +19,9 @@ from flexmech import (
     moving_frequencies,
     natural_frequencies,
 )
+from flexmech.arrays import FloatArray
 from flexmech.hygrothermal import Environment
 from flexmech.modelfile import mechanism_from_toml
-from flexmech.types import FloatArray
 
 MODEL = MODELS / "moist_composite_fourbar.toml"
 SPEED, MODES = 20.0, 3

@@ -24,8 +24,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from flexmech import ComputationError, ReferenceEngine, natural_frequencies, plots
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import Prestress
-from flexmech.types import FloatArray
 from flexmech.verification import verification_cases
 
 MODES = 3

@@ -19,6 +19,7 @@ from _common import output_folder, save_pictures
 from matplotlib.figure import Figure
 
 from flexmech import ReferenceEngine, natural_frequencies, plots, strain_energy_damping
+from flexmech.arrays import FloatArray
 from flexmech.studies import (
     composite_crank_rocker,
     deviation_at_best_scale,
@@ -27,7 +28,6 @@ from flexmech.studies import (
     published_case,
     published_tables,
 )
-from flexmech.types import FloatArray
 
 # Five plies in a ground of 0.4 m; the study assumes 1 mm.
 PLY_THICKNESS = np.array([0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 3.0]) * 1e-3

@@ -28,8 +28,8 @@ from flexmech import (
     speed_sweep,
 )
 from flexmech.analyses import deflections
+from flexmech.arrays import FloatArray
 from flexmech.time_domain import DrivenLinkage, simulated_orbit
-from flexmech.types import FloatArray
 
 SPEEDS = np.linspace(8.0, 30.0, 89)
 SIMULATED = (10.0, 15.0, 20.0, 25.0)

@@ -29,7 +29,7 @@ from flexmech import (
     plots,
     response,
 )
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 from flexmech.verification import FloatingRod, verification_case
 
 SMALL = {

@@ -20,7 +20,7 @@ from _common import MODELS, output_folder, save_pictures
 from matplotlib.figure import Figure
 
 from flexmech import HammerRequest, ReferenceEngine, hammer_test, load_mechanism, plots
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 NOISE = (0.01, 0.05)
 METHODS = ("lscf", "circle-fit")

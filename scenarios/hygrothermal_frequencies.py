@@ -33,7 +33,7 @@ from _moist_linkage import (
 from matplotlib.figure import Figure
 
 from flexmech import Exposure, HygrothermalState, MovingFrequencies, plots
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 TURN = np.radians(np.arange(0.0, 361.0, 5.0))
 MOISTURES = np.linspace(0.0, GREATEST_MOISTURE, 11)

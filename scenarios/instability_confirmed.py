@@ -22,6 +22,7 @@ from _floquet_state import floquet_state
 from matplotlib.figure import Figure
 
 from flexmech import ExudynEngine, Mechanism
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import floquet_modes
 from flexmech.linkages import CrankDrive
 from flexmech.time_domain import (
@@ -31,7 +32,6 @@ from flexmech.time_domain import (
     moving_modes,
     nonlinear_orbit,
 )
-from flexmech.types import FloatArray
 
 DAMPING_TIME = 5e-6
 # Outside the band and just outside it, just inside and inside.

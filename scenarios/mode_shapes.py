@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from flexmech import Mechanism, ReferenceEngine, moving_frequencies, plots
 from flexmech.analyses import solve_modes
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 MODES = 3
 CONSISTENT = 0.9

@@ -29,7 +29,7 @@ from flexmech import (
     plots,
     stability,
 )
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 STATES = (
     HygrothermalState(),

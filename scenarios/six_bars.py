@@ -23,7 +23,7 @@ from flexmech import (
     load_mechanism,
     moving_frequencies,
 )
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 FULL_TURN = np.radians(np.arange(0, 361, 10))
 SPEEDS = np.array([0.0, 20.0])

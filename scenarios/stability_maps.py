@@ -16,7 +16,7 @@ import numpy as np
 from _common import four_bar, output_folder, save_pictures
 
 from flexmech import ReferenceEngine, StabilityMap, plots, stability
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 DAMPING_RATIO = 0.001
 RATIOS = {"aluminium": np.linspace(0.0, 0.03, 13), "steel": np.linspace(0.0, 0.006, 13)}

@@ -14,7 +14,7 @@ from pathlib import Path
 from _common import output_folder
 from _fourbar_frequencies import FULL_TURN, FrequencyAnswer, study_frequencies
 
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 
 def main(out: Path, *, crank_angles: FloatArray = FULL_TURN, elements: int = 16) -> FrequencyAnswer:

@@ -11,7 +11,7 @@ from flexmech.analyses.frequencies import Formulation
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.linear_system import Engine
-from flexmech.numbers import Bounds
+from flexmech.validation import Bounds
 
 DAMPING_RATIO = Bounds(least=0.0, below=1.0)
 """What a damping ratio of the linkage can be."""

@@ -17,10 +17,10 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine
 from flexmech.linkages import RigidMotion
 from flexmech.mechanism import Mechanism
-from flexmech.types import FloatArray
 
 
 @cache

@@ -9,12 +9,12 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.arrays import FloatArray
 from flexmech.choices import MODES, SHAFTS, ShaftChoice
 from flexmech.errors import InputError, suggestion
 from flexmech.hygrothermal import Environment, Exposure, HygrothermalState
 from flexmech.linear_system import Engine, OverdampedError, TooManyModesError, check_elastic
-from flexmech.numbers import check_choice, check_instance, checked_array
-from flexmech.types import FloatArray
+from flexmech.validation import check_choice, check_instance, checked_array
 
 # Beyond so many radians, eight turns, an angle is taken for degrees.
 MOST_RADIANS = 16 * np.pi

@@ -24,7 +24,7 @@ from flexmech.analyses.summary import Summary
 from flexmech.choices import PAGE_WIDTHS, PICTURE_FORMATS, PageWidth, PictureFormat
 from flexmech.errors import InputError
 from flexmech.files import given_path, moved_into
-from flexmech.numbers import check_flag
+from flexmech.validation import check_flag
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.sections import BeamSection
-from flexmech.types import FloatArray
 
 
 def hermite(s: FloatArray, length: FloatArray, derivatives: int = 3) -> tuple[FloatArray, ...]:

@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 import scipy.linalg
 
+from flexmech.arrays import FloatArray
 from flexmech.beams.elements import BEAM_SHAPES
 from flexmech.beams.held_ends import held_beam
 from flexmech.beams.link_matrices import build_chain
@@ -37,7 +38,6 @@ from flexmech.linkages.applied_forces import SpringLine
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection, DampingTimes
 from flexmech.threads import one_thread
-from flexmech.types import FloatArray
 
 # Theories differ by the wavelength of a mode, hardly by the crank angle.
 ANGLES = np.radians(np.arange(0.0, 360.0, 60.0))

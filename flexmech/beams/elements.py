@@ -13,11 +13,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.beams.beam_shapes import BeamFields, BeamShapes
 from flexmech.beams.theories import EulerBernoulli, Reddy, Timoshenko
 from flexmech.beams.zigzag_shapes import ZigzagBeam
 from flexmech.sections import BeamSection
-from flexmech.types import FloatArray
 
 # Which of a node's coordinates is the rotation of the section.
 ROTATION = 2
@@ -96,7 +96,7 @@ class BeamElements:
         return self._moved(self._inertia)
 
     @cached_property
-    def translational_mass(self) -> FloatArray:
+    def centrifugal_mass(self) -> FloatArray:
         """Mass of the displacements alone, as centripetal acceleration meets it.
 
         A section that turns about its centre keeps its centrifugal potential: rotary inertia

@@ -21,6 +21,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.beams.elements import BEAM_SHAPES, BeamElements
 from flexmech.beams.link_matrices import Chain, Coupling, build_chain, sum_of_elements
 from flexmech.beams.solid_link import MOST_RUNS, SHORT, SolidLink, twisted_back, twists_matter
@@ -29,7 +30,6 @@ from flexmech.linkages import LinkEnd, LinkMass
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection, LaminateSection
 from flexmech.sections.free_edges import layer_runs
-from flexmech.types import FloatArray
 
 WAVES = 3
 """Loads in half sines whose bending moments are among the distributions."""
@@ -126,7 +126,7 @@ class HeldEnds:
             model,
             mass=whole(model.mass) + inertia,
             # What twists moves in the linkage's plane too, on both sides of the axis.
-            translational_mass=whole(model.translational_mass) + inertia,
+            centrifugal_mass=whole(model.centrifugal_mass) + inertia,
             gyroscopic=whole(model.gyroscopic),
             stiffness=whole(model.stiffness) + coupling.stiffness,
             damping=whole(model.damping) + coupling.damping_time * coupling.stiffness,

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.beams.beam_shapes import BeamShapes
 from flexmech.beams.elements import BeamElements
 from flexmech.linear_system import LinkModel, LinkReadings, RigidFields, chain_matrices
 from flexmech.linkages import LinkMass
 from flexmech.mesh import node_positions
 from flexmech.sections import BeamSection
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +99,7 @@ def build_chain(
     matrices = np.stack(
         [
             beams.mass,
-            beams.translational_mass,
+            beams.centrifugal_mass,
             beams.gyroscopic,
             beams.stiffness,
             beams.damping,
@@ -118,7 +118,7 @@ def build_chain(
         name=name,
         mass=inertia,
         gyroscopic=gyroscopic,
-        translational_mass=translational,
+        centrifugal_mass=translational,
         first_moment=first_moment,
         stiffness=stiffness,
         damping=damping,
@@ -158,7 +158,7 @@ def _kinked(
 
 
 def _add_point_mass(matrices: FloatArray, node: int, mass: float) -> None:
-    """Add a point mass to the mass, the translational mass and ``S`` of elements (3, e, 2p, 2p)."""
+    """Add a point mass to the mass, the centrifugal mass and ``S`` of elements (3, e, 2p, 2p)."""
     count, per_node = matrices.shape[1], matrices.shape[2] // 2
     element = min(node, count - 1)
     u = per_node * (node - element)

@@ -19,12 +19,12 @@ import scipy.linalg
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.parabolas import Parabolas, graded, rows_of_runs
 from flexmech.linear_system import LinkModel, LinkReadings, RigidFields
 from flexmech.linkages import LinkBody, LinkMass
 from flexmech.materials import solid_stiffness
 from flexmech.sections import LaminateSection
-from flexmech.types import FloatArray, IntArray
 
 # Along the link: short elements at the ends, whose layers shear and bend by themselves.
 ALONG, GRADED = 32, 0.7
@@ -116,7 +116,7 @@ def plane_link(
         name=name,
         mass=inertia,
         gyroscopic=nothing,
-        translational_mass=inertia,
+        centrifugal_mass=inertia,
         first_moment=np.zeros((2, size)),
         stiffness=stiffness,
         damping=nothing,

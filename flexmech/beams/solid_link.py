@@ -20,6 +20,7 @@ import scipy.linalg
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
+from flexmech.arrays import FloatArray
 from flexmech.beams.elements import BEAM_SHAPES
 from flexmech.beams.link_matrices import build_chain
 from flexmech.beams.parabolas import Parabolas, graded, rows_of_runs
@@ -27,7 +28,6 @@ from flexmech.linear_system import whole
 from flexmech.linkages import LinkMass
 from flexmech.sections import BeamSection, LaminateSection
 from flexmech.sections.free_edges import FIRST_MODE, is_off_axis, layer_runs
-from flexmech.types import FloatArray
 
 MODES = 2
 """Bending modes that are compared."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.beams.beam_shapes import (
     BeamFields,
     BeamShapes,
@@ -13,7 +14,6 @@ from flexmech.beams.beam_shapes import (
     placed,
 )
 from flexmech.sections import BeamSection
-from flexmech.types import FloatArray
 
 
 class EulerBernoulli(BeamShapes):

@@ -15,10 +15,10 @@ from typing import Self
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.beams.beam_shapes import BeamFields, hermite, hermite_integral, linear, placed
 from flexmech.beams.theories import Timoshenko
 from flexmech.sections import WARPINGS, BeamSection
-from flexmech.types import FloatArray
 
 # Below this exponent over half an element, exponentials are taken by their series.
 SMALL = 0.5

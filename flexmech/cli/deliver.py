@@ -23,7 +23,7 @@ from flexmech.files import check_writable, given_path, matching, moved_into
 
 if TYPE_CHECKING:
     from flexmech.analyses import Result
-    from flexmech.types import LabelledProgress
+    from flexmech.arrays import LabelledProgress
 
 # Of a folder with more files than these its own name is printed.
 _MOST_FILES_NAMED = 30

@@ -16,8 +16,8 @@ from flexmech.errors import InputError
 
 if TYPE_CHECKING:
     from flexmech.analyses import Comparison
+    from flexmech.arrays import LabelledProgress
     from flexmech.linear_system import LinkPoint
-    from flexmech.types import LabelledProgress
 else:  # Its room is imported where a point is given.
     LinkPoint = Any
 

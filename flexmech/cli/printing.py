@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from flexmech.analyses import Summary, Table
-    from flexmech.types import LabelledProgress
+    from flexmech.arrays import LabelledProgress
 
 Printing = Literal["words", "json", "nothing"]
 """How a summary is printed."""

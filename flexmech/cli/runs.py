@@ -20,7 +20,7 @@ from flexmech.files import check_writable, given_path
 
 if TYPE_CHECKING:
     from flexmech.analyses import Response, ResponseRequest
-    from flexmech.types import LabelledProgress
+    from flexmech.arrays import LabelledProgress
 
 
 class Run(NamedTuple):

@@ -19,10 +19,10 @@ from flexmech.plausible import RUN_UP as RUN_UPS
 from flexmech.plausible import Plausible, check_plausible, of_dimension
 
 if TYPE_CHECKING:
+    from flexmech.arrays import FloatArray
     from flexmech.linear_system import LinkPoint
     from flexmech.linkages import CouplerPoint
     from flexmech.mechanism import Mechanism
-    from flexmech.types import FloatArray
 
 MOST_ANGLES = 100_000
 """More crank angles than this are taken for a slip of the keyboard."""

@@ -32,9 +32,9 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import ComputationError
-from flexmech.numbers import NOT_NEGATIVE, POSITIVE, check_number
-from flexmech.types import ComplexArray, FloatArray
+from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_number
 
 # Complex numbers that are held at a time.
 AT_ONCE = 2_000_000

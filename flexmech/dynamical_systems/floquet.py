@@ -13,6 +13,7 @@ from math import gcd
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.dynamical_systems.periodic_schur import (
     PeriodicSchurForm,
     block_eigenvalues,
@@ -26,7 +27,6 @@ from flexmech.dynamical_systems.periodic_system import (
     SampledPeriodicSystem,
     magnus_exponents,
 )
-from flexmech.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

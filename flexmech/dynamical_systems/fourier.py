@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 # The highest harmonics, this part of them, tell how large those are that the samples miss.
 TAIL = 4

@@ -26,12 +26,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.dynamical_systems.floquet import floquet_modes
 from flexmech.dynamical_systems.fourier import FourierSeries
 from flexmech.dynamical_systems.periodic_system import SampledPeriodicSystem
 from flexmech.errors import ComputationError
-from flexmech.numbers import check_count, checked_array
-from flexmech.types import ComplexArray, FloatArray, IntArray
+from flexmech.validation import check_count, checked_array
 
 # Of the products of Fourier coefficients those below this part of the greatest are round-off.
 NEGLIGIBLE = 1e-16

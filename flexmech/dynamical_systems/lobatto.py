@@ -31,7 +31,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 # Coefficients a of start, middle and end.
 _WHOLE = np.array([[0, 0, 0], [5 / 24, 8 / 24, -1 / 24], [4 / 24, 16 / 24, 4 / 24]])

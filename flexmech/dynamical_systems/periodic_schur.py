@@ -23,9 +23,9 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems.periodic_system import matrix_exponentials
 from flexmech.errors import ComputationError
-from flexmech.types import FloatArray
 
 # Logarithm of how far apart the multipliers, and singular values, of one short transition matrix
 # may be: twelve digits of the weakest remain.

@@ -23,8 +23,8 @@ from typing import Protocol
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems.fourier import FourierSeries
-from flexmech.types import FloatArray
 
 # Gauss-Legendre points of a step: their quadrature is exact to sixth order, as the expansion is.
 GAUSS_POINTS = tuple((0.5 + 0.1 * np.sqrt(15.0) * np.array([-1.0, 0.0, 1.0])).tolist())

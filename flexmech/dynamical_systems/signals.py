@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.signal import firwin, kaiser_beta, oaconvolve
 
-from flexmech.types import FloatArray, IntArray
+from flexmech.arrays import FloatArray, IntArray
 
 # Of frequencies beyond twice the band 1e-3 is left; below it the gain is 1 within 1e-3.
 ATTENUATION = 60.0

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from flexmech.numbers import NOT_NEGATIVE, Bounds, check_fields
 from flexmech.units import from_si
+from flexmech.validation import NOT_NEGATIVE, Bounds, check_fields
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,8 @@ from flexmech.hygrothermal.link_moisture import inert_links, link_profile, resin
 from flexmech.linkages import CouplerPoint, FourBar, Linkage, LinkPoint
 from flexmech.materials import Ply, PlyComposition, UnknownStiffnessError
 from flexmech.mechanism import Mechanism
-from flexmech.numbers import check_instance
 from flexmech.sections import BeamSection, swollen_section
+from flexmech.validation import check_instance
 
 
 @dataclass(frozen=True)

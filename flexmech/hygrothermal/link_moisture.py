@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.hygrothermal.environment import Environment, Exposure
 from flexmech.materials import Layer, PlyComposition, ResinContent, moisture_of
@@ -24,7 +25,6 @@ from flexmech.materials.moisture import (
 )
 from flexmech.mechanism import Mechanism
 from flexmech.sections import HygrothermalProfile
-from flexmech.types import FloatArray
 
 # Slices of a link through its thickness, each with the mean moisture inside it, and the cells
 # and the tolerance that it is computed with: good to some 1e-5 of the saturation.

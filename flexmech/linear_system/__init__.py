@@ -72,7 +72,7 @@ from flexmech.linear_system.links.rigid_link import rigid_link
 from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.loads.attached_points import AttachedPoint
-from flexmech.linear_system.loads.connector_forces import ConnectedMatrices, Push, acts_still
+from flexmech.linear_system.loads.connector_forces import ConnectedMatrices, PointForce, acts_still
 from flexmech.linear_system.loads.connectors import Connectors
 from flexmech.linear_system.loads.joint_couples import has_dampers
 from flexmech.linear_system.reduction.component_modes import (
@@ -113,9 +113,9 @@ __all__ = [
     "LinkReadings",
     "LinkStretch",
     "OverdampedError",
+    "PointForce",
     "PoseStiffness",
     "Prestress",
-    "Push",
     "RefusedPositionsError",
     "RigidBody",
     "RigidFields",

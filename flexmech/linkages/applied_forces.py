@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.attachments import JointSpring, LinkPoint, Load, Spring
 from flexmech.linkages.motion import RigidMotion, cross
 from flexmech.linkages.topology import Topology
-from flexmech.types import FloatArray
 
 # In units of the linkage's size: the ends of a spring that are nearer have met.
 MET = 1e-9

@@ -8,9 +8,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.motion import direction, normal
-from flexmech.numbers import (
+from flexmech.validation import (
     NOT_NEGATIVE,
     POSITIVE,
     check_choice,
@@ -20,7 +21,6 @@ from flexmech.numbers import (
     checked_array,
     checked_tuple,
 )
-from flexmech.types import FloatArray
 
 GROUND = "ground"
 """Where a :class:`LinkPoint` is that does not move."""

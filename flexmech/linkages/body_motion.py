@@ -14,9 +14,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
 from flexmech.linkages.motion import RigidMotion
-from flexmech.types import ComplexArray, FloatArray, IntArray
 
 GROUND_AFTER_LINKS = -1
 """Number of the ground where bodies are the links of a topology: the last body."""

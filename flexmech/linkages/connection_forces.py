@@ -8,6 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.body_motion import GROUND_AFTER_LINKS, BodyMotion, BodyPoint
 from flexmech.linkages.constraints import (
@@ -19,7 +20,6 @@ from flexmech.linkages.constraints import (
 )
 from flexmech.linkages.motion import RigidMotion, normal
 from flexmech.linkages.topology import LinkEnd, Slider, Topology
-from flexmech.types import FloatArray
 
 # Of singular values of the equations, with moments divided by the longest link, over the largest.
 RANK_TOLERANCE = 1e-9

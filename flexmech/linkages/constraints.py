@@ -13,9 +13,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.linkages.body_motion import BodyMotion, BodyPoint, BodyPoints, dot, parts_of
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
-from flexmech.types import ComplexArray, FloatArray
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,11 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.linkage import Linkage
 from flexmech.linkages.motion import RigidMotion
-from flexmech.numbers import NOT_NEGATIVE, check_number
-from flexmech.types import FloatArray
+from flexmech.validation import NOT_NEGATIVE, check_number
 
 
 @dataclass(frozen=True)

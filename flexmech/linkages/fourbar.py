@@ -10,13 +10,13 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.motion import RigidMotion, checked_drive, direction, normal
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Topology
 from flexmech.model_text import TomlTable, quantity
-from flexmech.numbers import POSITIVE, check_choice, check_number, checked_array, checked_tuple
-from flexmech.types import FloatArray
 from flexmech.units import LENGTH
+from flexmech.validation import POSITIVE, check_choice, check_number, checked_array, checked_tuple
 
 Branch = Literal["open", "crossed"]
 GrashofClass = Literal[

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linkages.applied_forces import ForceOnLink
 from flexmech.linkages.link_mass import LinkBody, LinkMass
 from flexmech.linkages.motion import RigidMotion, direction, normal
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.arrays import FloatArray
 from flexmech.linkages.applied_forces import (
     ForceOnLink,
     forces_of_joint_springs,
@@ -30,7 +31,6 @@ from flexmech.linkages.link_mass import LinkMass
 from flexmech.linkages.motion import RigidMotion, cross, direction, normal
 from flexmech.linkages.topology import Topology
 from flexmech.short_repr import shapes, short_repr
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True)

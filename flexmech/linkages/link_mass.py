@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from flexmech.linkages.topology import Topology
-from flexmech.numbers import NOT_NEGATIVE, check_number
+from flexmech.validation import NOT_NEGATIVE, check_number
 
 LEAST_DISTANCE = 1 / 500
 """Of point masses, bodies, loads and springs, in lengths of their link."""

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, Protocol, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.topology import LinkEnd, Topology
 from flexmech.model_text import TomlTable
-from flexmech.types import FloatArray
 
 if TYPE_CHECKING:
     import xarray as xr

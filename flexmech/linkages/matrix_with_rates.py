@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from flexmech.types import FloatArray, IntArray
+from flexmech.arrays import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,10 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError
-from flexmech.numbers import checked_array
 from flexmech.short_repr import shapes, short_repr
-from flexmech.types import FloatArray, IntArray
+from flexmech.validation import checked_array
 
 # In rad/s: no shaft turns faster.
 FASTEST = 1e9

@@ -12,8 +12,8 @@ from flexmech.errors import InputError
 from flexmech.linkages.motion import RigidMotion, checked_drive, direction, normal
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Topology
 from flexmech.model_text import TomlTable, quantity
-from flexmech.numbers import NOT_NEGATIVE, POSITIVE, check_number
 from flexmech.units import LENGTH
+from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_number
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.fourbar import CHANGE_POINT_TOLERANCE, FourBar
-from flexmech.numbers import checked_array
 from flexmech.short_repr import short_repr
-from flexmech.types import FloatArray
+from flexmech.validation import checked_array
 
 RIGHT_ANGLE = np.pi / 2
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.short_repr import short_repr
-from flexmech.types import FloatArray
 
 End = Literal["start", "end"]
 

@@ -13,7 +13,6 @@ from flexmech.errors import InputError
 from flexmech.materials.hygrothermal import Hygrothermal
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
 from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity
-from flexmech.numbers import FINITE, NOT_NEGATIVE, POSITIVE, Bounds, check_fields, check_number
 from flexmech.short_repr import short_repr
 from flexmech.units import (
     DENSITY,
@@ -24,6 +23,7 @@ from flexmech.units import (
     TEMPERATURE,
     TEMPERATURE_DIFFERENCE,
 )
+from flexmech.validation import FINITE, NOT_NEGATIVE, POSITIVE, Bounds, check_fields, check_number
 
 # Properties by the names of their fields.
 DIMENSIONS = {

@@ -14,7 +14,6 @@ import numpy as np
 from flexmech.errors import InputError
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
 from flexmech.model_text import TomlTable, fields_table, stated
-from flexmech.numbers import NOT_NEGATIVE, POSITIVE, Bounds, check_fields
 from flexmech.short_repr import short_repr
 from flexmech.units import (
     ACTIVATION_ENERGY,
@@ -25,6 +24,7 @@ from flexmech.units import (
     TEMPERATURE,
     ZERO_CELSIUS,
 )
+from flexmech.validation import NOT_NEGATIVE, POSITIVE, Bounds, check_fields
 
 REFERENCE_TEMPERATURE = 293.15
 """Temperature in K at which dimensions and moduli are stated unless a model says otherwise."""

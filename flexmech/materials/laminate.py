@@ -14,16 +14,16 @@ from typing import Self
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.materials.composition import PlyComposition
 from flexmech.materials.micromechanics import ply_of
 from flexmech.materials.ply import MODULI, Ply
 from flexmech.materials.stacking import stacking_text
 from flexmech.model_text import SharedTables, TomlTable, quantity, stated
-from flexmech.numbers import POSITIVE, check_angle, check_fields, check_instance, checked_tuple
 from flexmech.short_repr import short_repr
-from flexmech.types import FloatArray
 from flexmech.units import ANGLE, DENSITY, EXPANSION, LENGTH, MOISTURE_EXPANSION, RATIO, STRESS
+from flexmech.validation import POSITIVE, check_angle, check_fields, check_instance, checked_tuple
 
 # Thickness of a layer over that of the stack, below which rounding takes over.
 THINNEST = 1e-9

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from flexmech.materials.hygrothermal import Hygrothermal
 from flexmech.model_text import TomlTable, quantity
-from flexmech.numbers import POSITIVE, Bounds, check_fields
 from flexmech.short_repr import short_repr
 from flexmech.units import DENSITY, RATIO, STRESS
+from flexmech.validation import POSITIVE, Bounds, check_fields
 
 UNKNOWN = Hygrothermal()
 

@@ -22,7 +22,7 @@ from flexmech.errors import InputError
 from flexmech.materials.composition import RULES, PlyComposition, Rule
 from flexmech.materials.constituents import Fibre, Matrix
 from flexmech.materials.ply import Ply, PlyDamping
-from flexmech.numbers import check_choice, check_instance, check_number, checked_tuple
+from flexmech.validation import check_choice, check_instance, check_number, checked_tuple
 
 # Round fibres in hexagonal array that touch.
 PACKING_LIMIT = float(np.pi / (2 * np.sqrt(3)))

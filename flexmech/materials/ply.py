@@ -7,13 +7,13 @@ from typing import Self
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.materials.composition import PlyComposition
 from flexmech.materials.hygrothermal import Hygrothermal, ResinContent
 from flexmech.materials.material import Material
-from flexmech.numbers import NOT_NEGATIVE, POSITIVE, check_fields, check_number, check_pair
 from flexmech.short_repr import short_repr
-from flexmech.types import FloatArray
+from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_fields, check_number, check_pair
 
 MODULI = (
     "longitudinal_modulus",

@@ -11,12 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.files import given_path
 from flexmech.measured_data.headers import Header, read_header
 from flexmech.measured_data.record import GREATEST, Abscissa, MeasuredQuantity, MeasuredRecord
 from flexmech.measured_data.uff_files import read_uff_record
-from flexmech.types import FloatArray
 from flexmech.units import NUMBER
 
 UFF_ENDINGS = (".uff", ".unv", ".uf", ".bunv")

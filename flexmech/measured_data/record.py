@@ -9,9 +9,9 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError, suggestion
-from flexmech.numbers import check_choice, checked_array, checked_tuple
-from flexmech.types import FloatArray
+from flexmech.validation import check_choice, checked_array, checked_tuple
 
 Abscissa = Literal["time", "frequency", "crank_angle"]
 ABSCISSA_UNITS: dict[Abscissa, str] = {"time": "s", "frequency": "Hz", "crank_angle": "rad"}

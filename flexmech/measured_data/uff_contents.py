@@ -8,8 +8,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError
-from flexmech.types import ComplexArray, FloatArray
 
 UffFunctionKind = Literal[
     "general",

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError, one_line
 from flexmech.measured_data.uff_contents import (
     UffDegreeOfFreedom,
@@ -26,7 +27,6 @@ from flexmech.measured_data.uff_units import (
     quantity_of,
     si_unit,
 )
-from flexmech.types import FloatArray
 
 KINDS: dict[UffFunctionKind, int] = {
     "general": 0,

@@ -16,12 +16,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError, one_line
 from flexmech.files import given_path, moved_into
 from flexmech.measured_data.record import GREATEST, MeasuredQuantity, MeasuredRecord
 from flexmech.measured_data.uff_contents import UffFile, UffFunction
 from flexmech.measured_data.uff_datasets import contents_of, datasets_of
-from flexmech.types import FloatArray
 
 EXTRA = 'a universal file needs pyuff, which is not installed: pip install "flexmech[modal-test]"'
 

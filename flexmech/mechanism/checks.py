@@ -16,7 +16,7 @@ from flexmech.linkages import (
     Topology,
 )
 from flexmech.mechanism.parts import AttachedBody, PointMass, Wetting
-from flexmech.numbers import (
+from flexmech.validation import (
     NOT_NEGATIVE,
     check_instance,
     check_number,

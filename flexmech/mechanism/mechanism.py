@@ -49,10 +49,10 @@ from flexmech.mechanism.tables import (
 )
 from flexmech.mechanism.words import attachment_lines
 from flexmech.model_text import SharedTables, TomlTable, quantity
-from flexmech.numbers import NOT_NEGATIVE, POSITIVE, check_instance, check_number, check_pair
 from flexmech.sections import BeamSection, LaminateSection, sections_between_joints
 from flexmech.short_repr import short_repr
 from flexmech.units import EXPANSION
+from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_instance, check_number, check_pair
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,8 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import find_peaks
 
+from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.modal_testing.identified import fit_residues, modal_sum
-from flexmech.types import ComplexArray, FloatArray, IntArray
 
 LEAST_PROMINENCE = 2.0
 """Of a peak over the valleys beside it, as a factor of amplitude."""

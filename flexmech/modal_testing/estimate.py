@@ -19,8 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import signal
 
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError
-from flexmech.types import ComplexArray, FloatArray
 
 
 @dataclass(frozen=True)

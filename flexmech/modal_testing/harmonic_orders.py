@@ -18,9 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError
-from flexmech.numbers import check_count
-from flexmech.types import ComplexArray, FloatArray
+from flexmech.validation import check_count
 
 # Condition number of the equations above which impacts do not tell the orders apart.
 WORST_CONDITION = 1e3

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.modal_testing.lscf import StabilisationChart
-from flexmech.types import ComplexArray, FloatArray
 
 UPPER_TERMS = 2
 """Of the series of what modes above the band give, beyond its constant. Without them a mode near

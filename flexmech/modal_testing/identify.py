@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import linear_sum_assignment
 
+from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.errors import InputError
 from flexmech.modal_testing.circle_fit import circle_fit_poles, highest_near, peaks
 from flexmech.modal_testing.identified import IdentifiedModes, fit_residues, modal_sum
 from flexmech.modal_testing.lscf import has_lscf, lscf_poles, stabilisation_chart
 from flexmech.modal_testing.refine import refined_poles, significant_poles
-from flexmech.types import ComplexArray, FloatArray, IntArray
 
 IdentificationMethod = Literal["lscf", "circle-fit"]
 

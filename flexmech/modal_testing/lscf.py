@@ -16,8 +16,8 @@ from importlib.util import find_spec
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.errors import InputError
-from flexmech.types import ComplexArray, FloatArray, IntArray
 
 EXTRA = (
     'identification by LSCF needs sdypy-EMA, which is not installed: pip install "flexmech'

@@ -22,8 +22,8 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.stats import chi2
 
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.modal_testing.identified import residue_columns
-from flexmech.types import ComplexArray, FloatArray
 
 MOST_STEPS = 30
 FAR = 0.05

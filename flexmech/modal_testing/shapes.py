@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.types import FloatArray
 
 
 def mac(first: NDArray[Any], second: NDArray[Any]) -> FloatArray:

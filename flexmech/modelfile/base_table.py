@@ -27,7 +27,6 @@ from pydantic_core import (
 
 from flexmech import units
 from flexmech.errors import InputError, suggestion
-from flexmech.numbers import FINITE, NOT_NEGATIVE, POSITIVE, Bounds
 from flexmech.plausible import (
     LINK_LENGTH,
     LOAD,
@@ -39,6 +38,7 @@ from flexmech.plausible import (
     of_dimension,
 )
 from flexmech.units import Dimension, parse_quantity
+from flexmech.validation import FINITE, NOT_NEGATIVE, POSITIVE, Bounds
 
 
 @dataclass(frozen=True)

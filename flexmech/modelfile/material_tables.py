@@ -11,8 +11,8 @@ from flexmech.materials import REFERENCE_TEMPERATURE, Hygrothermal, ResinContent
 from flexmech.materials.constituents import DIMENSIONS
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
 from flexmech.modelfile import base_table as base
-from flexmech.numbers import NOT_NEGATIVE
 from flexmech.units import TEMPERATURE, TEMPERATURE_DIFFERENCE, parse_quantity
+from flexmech.validation import NOT_NEGATIVE
 
 
 class HygrothermalTable(base.Table):

@@ -18,7 +18,7 @@ from flexmech.mechanism import Mechanism
 from flexmech.modelfile.build import build_mechanism
 from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.messages import input_error, refuse_unseen_characters
-from flexmech.numbers import check_instance
+from flexmech.validation import check_instance
 
 KINDS = ("four-bar", "composite-four-bar", "rotating-arm", "slider-crank", "planar")
 """Kinds of linkages that a model file can describe."""

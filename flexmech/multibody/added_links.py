@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import RigidBody, body_nodes
 from flexmech.linkages import LinkBody
 from flexmech.mechanism import Mechanism
@@ -23,7 +24,6 @@ from flexmech.multibody.items import ItemNumber, SystemItems
 from flexmech.multibody.link_parts import RIGID_SIZE, BeamPart, LinkPart, RigidPart
 from flexmech.multibody.node_bodies import NodeBodies, point_masses_at
 from flexmech.multibody.node_directions import PolarSlopes, gripped_places, held_places
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 # Coordinates of a node: place along and across, rotation.
 PER_NODE = 3

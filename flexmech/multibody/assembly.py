@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linkages import LinkBody, LinkEnd
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.added_links import add_attached_bodies, add_links
@@ -22,7 +23,6 @@ from flexmech.multibody.link_parts import RIGID_SIZE, BeamPart, LinkPart, RigidP
 from flexmech.multibody.node_bodies import point_masses_at
 from flexmech.multibody.node_directions import turned_bodies
 from flexmech.multibody.running.user_functions import turned_frame
-from flexmech.types import FloatArray
 
 
 class LinkAssembly:

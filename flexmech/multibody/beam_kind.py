@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import RigidFields
 from flexmech.multibody.items import ItemNumber, SystemItems
 from flexmech.multibody.strains import Strain
 from flexmech.sections import BeamSection
-from flexmech.types import FloatArray, IntArray
 
 
 class BeamKind(ABC):

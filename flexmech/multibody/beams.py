@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linear_system import RigidFields
 from flexmech.mechanism import Mechanism
@@ -20,7 +21,6 @@ from flexmech.multibody.strains import (
     exact_beam_strains,
 )
 from flexmech.sections import BeamSection
-from flexmech.types import FloatArray
 
 
 class AncfCable(BeamKind):

@@ -9,6 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from flexmech.arrays import FloatArray, StepProgress
 from flexmech.beams import compare_theories
 from flexmech.choices import (
     ELEMENTS,
@@ -48,9 +49,8 @@ from flexmech.multibody.running.model import RunningModel
 from flexmech.multibody.running.simulation import PointRecorder, Simulation
 from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
-from flexmech.numbers import POSITIVE, check_choice, check_number, checked_array
 from flexmech.time_domain.recorded_runs import Impact, LinkState, Recorder, Trajectory
-from flexmech.types import FloatArray, StepProgress
+from flexmech.validation import POSITIVE, check_choice, check_number, checked_array
 
 
 class ExudynEngine(Engine):
@@ -127,7 +127,7 @@ class ExudynEngine(Engine):
         return link_models(self.model)
 
     @property
-    def held_links(self) -> tuple[LinkModel, ...]:
+    def clamped_links(self) -> tuple[LinkModel, ...]:
         """Unreduced link models in Exudyn's coordinates, node by node."""
         return self._links
 
@@ -135,7 +135,7 @@ class ExudynEngine(Engine):
     def _unit_tension(self) -> list[FloatArray]:
         return unit_tension_stiffness(self.model.assembly)
 
-    def stressed_held_links(
+    def stressed_clamped_links(
         self,
         motion: RigidMotion,
         prestress: Prestress,
@@ -154,7 +154,7 @@ class ExudynEngine(Engine):
                 f"{other}prestress 'equilibrium'"
             )
         if straight:
-            return StressedLinks.unloaded(self.held_links)
+            return StressedLinks.unloaded(self.clamped_links)
         if prestress == "axial":
             return self._axial(motion)
 
@@ -166,7 +166,7 @@ class ExudynEngine(Engine):
         loads, dead = under.loads, self._dead(motion, under.loads, under.at)
         equilibrium = static_equilibrium(self.model, motion, loads, dead)
         topology = self.mechanism.linkage.topology
-        refuse_large_displacements(topology, self.held_links, motion, equilibrium.displacement)
+        refuse_large_displacements(topology, self.clamped_links, motion, equilibrium.displacement)
         return StressedLinks(
             equilibrium.tangent,
             equilibrium.displacement,
@@ -230,7 +230,7 @@ class ExudynEngine(Engine):
         recorder = Recorder(sample_time, step, band)
         torque = self._torque_on_free_shaft(drive, step, recorder.steps)
         model = RunningModel(
-            self.mechanism, self.elements, self.element, drive, self.held_links, impacts, torque
+            self.mechanism, self.elements, self.element, drive, self.clamped_links, impacts, torque
         )
         Simulation(model, step, recorder.steps, integrator).run(start, recorder, progress)
         trajectory = recorder.finish()
@@ -289,9 +289,9 @@ class ExudynEngine(Engine):
         self.require_prescribed_shaft("a record of points")
         check_number(step, "step", "s", POSITIVE)
         model = RunningModel(
-            self.mechanism, self.elements, self.element, drive, self.held_links, impacts
+            self.mechanism, self.elements, self.element, drive, self.clamped_links, impacts
         )
-        recorder = PointRecorder(self.mechanism.linkage.topology, self.held_links, points)
+        recorder = PointRecorder(self.mechanism.linkage.topology, self.clamped_links, points)
         Simulation(model, step, steps, "trapezoidal").run(start, recorder, progress)
         return recorder.finish()
 
@@ -331,16 +331,16 @@ class ExudynEngine(Engine):
         self.require_prescribed_shaft("the exported system")
         check_number(step, "step", "s", POSITIVE)
         check_choice(integrator, INTEGRATORS, "integrator")
-        model = RunningModel(self.mechanism, self.elements, self.element, drive, self.held_links)
+        model = RunningModel(self.mechanism, self.elements, self.element, drive, self.clamped_links)
         simulation = Simulation(model, step, steps, integrator)
         return ExudynSystem.of(simulation, drive, start, stride)
 
-    def running_held_links(
+    def running_clamped_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
     ) -> StressedLinks:
         """Stiffness and internal forces in running states; see :meth:`Engine.running_links`."""
         tangent, damping = running_tangents(self.model, motion, displacement)
-        force, links = internal_forces(self.model, displacement), self.held_links
+        force, links = internal_forces(self.model, displacement), self.clamped_links
         # Bodies alone: what joints do to rigid links that turn is not told.
         elastic = {n: tangent[n] for n, link in enumerate(links) if not link.rigid}
         dead = self._dead(motion, inertia_loads(links, motion, self.mechanism.gravity))
@@ -350,17 +350,17 @@ class ExudynEngine(Engine):
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links in tension."""
-        frames = LinkFrames(self.tied_topology, self.held_links)
+        frames = LinkFrames(self.tied_topology, self.clamped_links)
         loads = self._straight_loads(motion)
         straight = straight_forces(
-            self.mechanism, frames, motion, loads, connectors=self.held_connectors
+            self.mechanism, frames, motion, loads, connectors=self.clamped_connectors
         )
-        nodes = [link.readings.nodes for link in self.held_links]
+        nodes = [link.readings.nodes for link in self.clamped_links]
         tensions = element_tensions(self.mechanism, nodes, motion, straight.links)
         tangent: dict[int, LinkMatrix] = {
             number: whole(link.stiffness) + np.tensordot(tensions[number][..., 0], unit, axes=1)
             for number, (link, unit) in enumerate(
-                zip(self.held_links, self._unit_tension, strict=True)
+                zip(self.clamped_links, self._unit_tension, strict=True)
             )
             if not link.rigid
         }

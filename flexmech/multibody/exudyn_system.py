@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.files import given_path, moved_into
 from flexmech.linkages import CrankDrive, Link
 from flexmech.multibody.assembly import LinkAssembly
@@ -28,7 +29,6 @@ from flexmech.multibody.running.user_functions import (
 )
 from flexmech.short_repr import short_repr
 from flexmech.time_domain.recorded_runs import LinkState
-from flexmech.types import FloatArray
 
 # Kept in memory, at every step.
 _KEPT = {"writeToFile": False, "storeInternal": True}

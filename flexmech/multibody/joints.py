@@ -14,12 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linkages import LinkEnd, Pin, Slider, Weld
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.link_parts import RigidPart
 from flexmech.multibody.node_directions import leading_end
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True)

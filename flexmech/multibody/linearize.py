@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import LESS_LOADED, LOAD_STEPS, ROUND_OFF, DeadMoments, refuse_positions
 from flexmech.linkages import RigidMotion
 from flexmech.multibody.assembly import LinkAssembly
@@ -20,7 +21,6 @@ from flexmech.multibody.static_model import (
     simulation_settings,
     solve_static,
 )
-from flexmech.types import FloatArray, IntArray
 
 # How often dampers are turned into their lines. Each time leaves a small part of the change.
 DAMPER_TURNS = 8
@@ -118,7 +118,7 @@ def static_equilibrium(
         if not solve_static(assembly, settings, assembly.arms.to_nodes(start)):
             _solve_afresh(model, settings, pose, applied, motion, number)
         for _ in range(DAMPER_TURNS):
-            if model.applied is None or not model.applied.settle():
+            if model.applied is None or not model.applied.converge():
                 break
             solved = np.array(assembly.mbs.systemData.GetODE2Coordinates())
             solve_static(assembly, settings, solved)

@@ -17,6 +17,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.topology import End
 from flexmech.multibody.arms import Arms
@@ -25,7 +26,6 @@ from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.node_bodies import NodeBodies
 from flexmech.multibody.node_directions import PolarSlopes
 from flexmech.sections import BeamSection
-from flexmech.types import FloatArray, IntArray
 
 # Coordinates of a rigid link.
 RIGID_SIZE = 3

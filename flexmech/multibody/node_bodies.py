@@ -26,11 +26,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.items import ItemNumber, Made, SystemItems
 from flexmech.multibody.running.user_functions import difference_mass
 from flexmech.sections import BeamSection
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True)

@@ -20,10 +20,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linkages import LinkBody, LinkEnd, LinkMass, Load, Topology
 from flexmech.linkages.link_mass import LEAST_DISTANCE
 from flexmech.mechanism import Mechanism
-from flexmech.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linkages import LinkEnd
 from flexmech.linkages.motion import direction
 from flexmech.multibody.link_parts import RigidPart
 from flexmech.multibody.static_model import StaticModel
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linkages import LinkPoint, RigidMotion, continuous_angles
 from flexmech.linkages.motion import direction, normal
 from flexmech.multibody.assembly import LinkAssembly
@@ -20,7 +21,6 @@ from flexmech.multibody.connectors import Connectors, JointSpringItem, SpringIte
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import BeamPart, RigidPart
-from flexmech.types import FloatArray
 
 
 class StaticLoads:
@@ -181,7 +181,7 @@ class StaticConnectors:
             if item.torque is not None:
                 mbs.SetLoadParameter(item.torque, "loadVector", [0.0, 0.0, part * torque])
 
-    def settle(self) -> bool:
+    def converge(self) -> bool:
         """Let dampers act along their lines as they are now; whether that changes their forces."""
         mbs, changed = self._all.assembly.mbs, False
         for item in self._all.springs:

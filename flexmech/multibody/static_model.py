@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import LAST_STEP, MAX_ITERATIONS, RELATIVE_RESIDUAL, free_load
 from flexmech.linkages import LinkEnd, RigidMotion, shown_crank_angle
 from flexmech.mechanism import Mechanism
@@ -26,7 +27,6 @@ from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.joints import SliderJoint, TieJoint, add_sliders, add_ties
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.static_loads import StaticConnectors, StaticLoads
-from flexmech.types import FloatArray
 
 
 class StaticModel:

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import LinkModel, LinkReadings, rigid_link
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.linearize import linearized
 from flexmech.multibody.link_parts import RigidPart
 from flexmech.multibody.static_model import StaticModel, simulation_settings
-from flexmech.types import FloatArray, IntArray
 
 
 def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
@@ -42,13 +42,13 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
         if part.bodies is not None:
             # Mass along a rigid segment is mass of displacements, no rotary inertia.
             turns = np.arange(2, size, kind.per_node)
-            inertia.translational_mass[turns, turns] += part.bodies.segment
+            inertia.centrifugal_mass[turns, turns] += part.bodies.segment
         last = size - kind.per_node
         link = LinkModel(
             name=name,
             mass=own[0],
             gyroscopic=inertia.gyroscopic,
-            translational_mass=inertia.translational_mass,
+            centrifugal_mass=inertia.centrifugal_mass,
             first_moment=inertia.first_moment,
             stiffness=own[1],
             damping=own[2],
@@ -110,7 +110,7 @@ class _Inertia:
     """Integrals over a link besides its mass; see :class:`LinkModel`."""
 
     gyroscopic: FloatArray
-    translational_mass: FloatArray
+    centrifugal_mass: FloatArray
     first_moment: FloatArray
 
 
@@ -128,7 +128,7 @@ def _inertia(mass: FloatArray, quarter: FloatArray, across: IntArray) -> _Inerti
     moment[across] = 0.0
     return _Inertia(
         gyroscopic=turned @ quarter + quarter @ coupling - (quarter @ coupling).T,
-        translational_mass=turned + coupling + coupling.T,
+        centrifugal_mass=turned + coupling + coupling.T,
         first_moment=np.stack([moment, quarter @ moment]),
     )
 

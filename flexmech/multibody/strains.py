@@ -19,8 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.sections import BeamSection
-from flexmech.types import FloatArray
 
 
 def element_shear_stiffness(section: BeamSection, length: FloatArray) -> FloatArray:

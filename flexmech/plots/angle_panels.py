@@ -17,6 +17,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 
+from flexmech.arrays import FloatArray
 from flexmech.plots import scales
 from flexmech.plots.layout import AxesLike, Layout, Sheet, sheet
 from flexmech.plots.reading import degrees, engine_label, mode_label, speed_unit
@@ -29,7 +30,6 @@ from flexmech.plots.style import (
     series_line,
     series_style,
 )
-from flexmech.types import FloatArray
 from flexmech.units import from_si
 
 # Size in points of the marks of further engines.

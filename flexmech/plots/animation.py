@@ -17,6 +17,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 from PIL import Image
 
+from flexmech.arrays import FloatArray, StepProgress, silent
 from flexmech.errors import InputError
 from flexmech.plots import reading, style
 from flexmech.plots.layout import grid, height_of, round_enlargement, sheet
@@ -25,7 +26,6 @@ from flexmech.plots.linkage_parts import LinkageParts, extent_of, parts_of
 from flexmech.plots.linkage_sketch import RIGID, LinkageSketch
 from flexmech.plots.linkage_symbols import add_symbols, move_symbols
 from flexmech.plots.style import Look, line_handle, publication_style, series_style
-from flexmech.types import FloatArray, StepProgress, silent
 
 # As many pictures as make a film of six seconds, which nobody waits for too long.
 MOST_FRAMES, FRAMES_A_SECOND = 120, 20

@@ -7,11 +7,11 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from flexmech.arrays import FloatArray
 from flexmech.plots import scales
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import names_of, values_of
 from flexmech.plots.style import Look, line_handle, series_handle, series_line, series_style
-from flexmech.types import FloatArray
 
 # Of one position, three of which fit a page, in inches.
 PANEL = 1.9

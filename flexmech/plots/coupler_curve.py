@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
 
+from flexmech.arrays import FloatArray
 from flexmech.plots import scales, style
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.linkage_parts import drawn_posture
@@ -15,7 +16,6 @@ from flexmech.plots.linkage_sketch import RIGID, LinkageSketch
 from flexmech.plots.linkage_symbols import add_symbols
 from flexmech.plots.reading import degrees, names_of, values_of
 from flexmech.plots.style import line_handle, series_handles, series_line, series_style, told_apart
-from flexmech.types import FloatArray
 
 # Of two square panels beside each other, of three, and of four panels of angles, in inches.
 HEIGHT, HEIGHT_OF_THREE, ANGLE_HEIGHT = 3.6, 2.45, 4.2

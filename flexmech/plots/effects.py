@@ -8,6 +8,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.plots import angle_panels, scales
 from flexmech.plots.angle_panels import colour_bar, has_many_speeds, speed_lines
@@ -32,7 +33,6 @@ from flexmech.plots.style import (
     series_line,
     series_style,
 )
-from flexmech.types import FloatArray
 
 # Narrowest y axis in Hz: far below what can be measured, far above round-off.
 LEAST_BAND = 2e-4

@@ -11,13 +11,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.plots import scales, style
 from flexmech.plots.layout import AxesLike, grid, sheet, tiles
 from flexmech.plots.reading import cell_edges, speed_unit, speeds_of, spread, values_of
 from flexmech.plots.stability import NOTHING, shade_speeds, unstable_handles
 from flexmech.plots.style import Look, line_handle, series_style
-from flexmech.types import FloatArray
 
 # Of a figure on a wide and on a narrow page and of its axes, and of a panel, in inches.
 HEIGHT, NARROW_HEIGHT, AXES_HEIGHT, PANEL_HEIGHT = 3.9, 3.2, 0.9, 1.45

@@ -10,11 +10,11 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.plots import scales
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import amplitudes_of, complex_values, signed, speed_text
 from flexmech.plots.style import MID_GREY, Look, is_narrow, line_handle, line_handles, series_style
-from flexmech.types import ComplexArray, FloatArray
 
 # What a row of panels and what the axes take, in inches.
 ROW_HEIGHT, AXES_HEIGHT = 1.7, 0.5

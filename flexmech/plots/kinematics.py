@@ -8,9 +8,9 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from flexmech.arrays import FloatArray
 from flexmech.plots import angle_panels, reading, scales, style
 from flexmech.plots.layout import AxesLike, grid, sheet
-from flexmech.types import FloatArray
 
 POWER: reading.Units = ((1.0, "W"), (1e3, "mW"), (1e6, "µW"))
 # Motion of a link: variable, what it is, factor from the SI unit, and unit.

@@ -18,10 +18,10 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.plots.reading import mechanism_name
 from flexmech.plots.style import figure_width, is_narrow, new_figure, publication_style
-from flexmech.types import FloatArray
 
 # Mean width of a letter of the font as a fraction of its size, on the safe side.
 MEAN_LETTER = 0.62

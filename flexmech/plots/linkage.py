@@ -11,6 +11,7 @@ from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.plots import linkage_symbols as symbols
 from flexmech.plots import style
 from flexmech.plots.layout import AxesLike, grid, height_of, sheet
@@ -19,7 +20,6 @@ from flexmech.plots.linkage_sketch import MASS, LinkageSketch, clearance
 from flexmech.plots.linkage_springs import dashpot, rotary_dashpot
 from flexmech.plots.reading import mechanism_name, names_of, values_of
 from flexmech.plots.style import Look, line_handle
-from flexmech.types import FloatArray
 
 # Of a figure in inches: a flat linkage has room for names, a tall one fits on half a page.
 LEAST_HEIGHT, MOST_HEIGHT = 1.6, 3.6

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 # Places closer than this part of the linkage's extent are the same place.
 SAME_PLACE = 1e-6

@@ -12,6 +12,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.transforms import Bbox
 
+from flexmech.arrays import FloatArray
 from flexmech.plots import linkage_symbols as symbols
 from flexmech.plots.layout import round_length
 from flexmech.plots.linkage_parts import SAME_PLACE, LinkageParts, Part, Posture, parts_of
@@ -19,7 +20,6 @@ from flexmech.plots.linkage_springs import joint_spring_symbols, spring_symbols,
 from flexmech.plots.linkage_symbols import OUTLINE, Symbol, add_symbols
 from flexmech.plots.reading import values_of
 from flexmech.plots.style import Look
-from flexmech.types import FloatArray
 
 RIGID: Look = {"color": "0.65", "lw": 0.9}
 """Look of undeformed links."""

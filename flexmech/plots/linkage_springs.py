@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.plots import linkage_symbols as symbols
 from flexmech.plots.linkage_parts import LinkageParts, Posture
 from flexmech.plots.linkage_symbols import OUTLINE, Symbol, below
 from flexmech.plots.style import Look
-from flexmech.types import FloatArray
 
 LOOK: Look = {"color": "0.25", "lw": 0.9}
 # Half the length of a cup over its half width, and the most of the whole length that it takes.

@@ -12,8 +12,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from matplotlib.transforms import Transform
 
+from flexmech.arrays import FloatArray
 from flexmech.plots.style import Look
-from flexmech.types import FloatArray
 
 OUTLINE = "0.35"
 GRAVITY_COLOR = "0.5"

@@ -12,13 +12,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Polygon, Rectangle
 from matplotlib.transforms import Bbox
 
+from flexmech.arrays import FloatArray
 from flexmech.plots import scales, style
 from flexmech.plots.layout import AxesLike, Layout, height_of, round_length, sheet
 from flexmech.plots.linkage import name_joints, part_handles
 from flexmech.plots.linkage_sketch import LinkageSketch
 from flexmech.plots.reading import degrees, names_of, values_of
 from flexmech.plots.style import Look, line_handle, series_style
-from flexmech.types import FloatArray
 
 # Least and greatest height of the posture, and height of a row below it, in inches.
 POSTURE_HEIGHT = (1.7, 3.4)

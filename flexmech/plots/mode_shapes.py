@@ -11,6 +11,7 @@ from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from flexmech.arrays import FloatArray
 from flexmech.plots import angle_panels, style
 from flexmech.plots.angle_panels import has_many_speeds
 from flexmech.plots.layout import AxesLike, Layout, height_of, sheet, tiles
@@ -19,7 +20,6 @@ from flexmech.plots.linkage_parts import parts_of
 from flexmech.plots.linkage_sketch import RIGID, LinkageSketch
 from flexmech.plots.reading import engine_label, highest_speed, mode_label, speed_texts, values_of
 from flexmech.plots.style import line_handle, series_handle, series_line
-from flexmech.types import FloatArray
 
 # Panels a row on a wide and on a narrow page, and points drawn between two stations of a link.
 PANELS_A_ROW, NARROW_ROW, POINTS_A_STATION = 4, 2, 4

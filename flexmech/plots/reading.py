@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError
-from flexmech.types import ComplexArray, FloatArray
 from flexmech.units import ANGULAR_SPEED, from_si
 
 STARTS = {

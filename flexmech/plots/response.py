@@ -8,10 +8,10 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from flexmech.arrays import FloatArray
 from flexmech.plots import reading, scales
 from flexmech.plots.layout import AxesLike, sheet
 from flexmech.plots.style import Look, line_handle, series_handles, series_line
-from flexmech.types import FloatArray
 
 STRAIN_UNITS: reading.Units = ((1e6, "µm/m"),)
 ROTATION_UNITS: reading.Units = ((np.degrees(1.0), "deg"),)

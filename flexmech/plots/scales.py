@@ -10,10 +10,10 @@ from matplotlib import ticker
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.plots.layout import Layout, Sheet, grid
 from flexmech.plots.reading import speed_unit, speeds_of
 from flexmech.plots.style import LIGHT_GREY, few_points
-from flexmech.types import ComplexArray, FloatArray
 from flexmech.units import from_si
 
 DEGREE_STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 90.0, 180.0, 360.0)

@@ -13,11 +13,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
+from flexmech.arrays import FloatArray
 from flexmech.plots import scales, style
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import spread, values_of
 from flexmech.plots.style import Look, line_handle, series_handle, series_line
-from flexmech.types import FloatArray
 
 # Two rows and the legend fill half a page, in inches.
 PANEL_HEIGHT = 2.2

@@ -10,12 +10,12 @@ from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.plots import reading, scales, style
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
 from flexmech.plots.response import engine_lines
 from flexmech.plots.style import Look, line_handle, series_line, series_style
-from flexmech.types import FloatArray
 
 ONE_LINK = "choose one link (links=...)"
 

@@ -11,13 +11,13 @@ from matplotlib.colors import LinearSegmentedColormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.plots import scales
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import cell_edges, engine_label, speed_unit, speeds_of
 from flexmech.plots.stability import GAP, gap_handles
 from flexmech.plots.style import Look, line_handle
-from flexmech.types import FloatArray
 
 # Of a panel in inches.
 PANEL_HEIGHT = 2.9

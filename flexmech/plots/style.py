@@ -17,8 +17,8 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.types import FloatArray
 
 # In inches.
 MILLIMETRE = 1 / 25.4

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 
 def factorize(band: FloatArray) -> FloatArray:

@@ -24,9 +24,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.elements import BeamElements
 from flexmech.reference.rigid_arms import RigidArms
-from flexmech.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.link_matrices import Coupling
 from flexmech.linear_system import LinkFrames
 from flexmech.reference.turning_element import Ties
-from flexmech.types import FloatArray, IntArray
 
 
 class CoupledLinks:

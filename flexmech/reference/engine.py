@@ -9,6 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.beams.comparison import compare_theories
 from flexmech.beams.elements import BEAM_SHAPES
 from flexmech.beams.held_ends import held_beam
@@ -40,7 +41,6 @@ from flexmech.linkages.internal_forces import LinkForces
 from flexmech.mechanism import Mechanism
 from flexmech.reference.equilibrium import Equilibrium
 from flexmech.reference.stretch import chain_stretch
-from flexmech.types import FloatArray
 
 
 class ReferenceEngine(Engine):
@@ -108,7 +108,7 @@ class ReferenceEngine(Engine):
         return tuple(mass.lumped(n) for mass, n in zip(masses, self._lumped, strict=True))
 
     @cached_property
-    def held_links(self) -> tuple[LinkModel, ...]:
+    def clamped_links(self) -> tuple[LinkModel, ...]:
         """Unreduced link models, coordinates (u, v, phi, ...) node by node."""
         return tuple(
             rigid_link(link.name, self._masses[number]) if link.rigid else self.chains[number].model
@@ -116,7 +116,7 @@ class ReferenceEngine(Engine):
         )
 
     @cached_property
-    def held_stretches(self) -> tuple[LinkStretch, ...] | None:
+    def clamped_stretches(self) -> tuple[LinkStretch, ...] | None:
         """Second-order stretch of each link; see :attr:`Engine.stretches`."""
         if self.mechanism.is_free_strained:
             return None
@@ -124,25 +124,25 @@ class ReferenceEngine(Engine):
             chain_stretch(self.chains[number])
             if number in self.chains
             else LinkStretch.none(link.size)
-            for number, link in enumerate(self.held_links)
+            for number, link in enumerate(self.clamped_links)
         )
 
     @property
     def nodes(self) -> list[FloatArray]:
         """Node positions of each link in m; the ends of a rigid one."""
-        return [link.readings.nodes for link in self.held_links]
+        return [link.readings.nodes for link in self.clamped_links]
 
     @cached_property
     def _tied_frames(self) -> LinkFrames:
         """Frames of links whose sprung joints hold as rigid ones do."""
         if self.tied_topology == self.mechanism.linkage.topology:
             return self.equilibrium.frames
-        return LinkFrames(self.tied_topology, self.held_links)
+        return LinkFrames(self.tied_topology, self.clamped_links)
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
         """Solver for the quasi-static equilibrium on this mesh."""
-        frames = LinkFrames(self.mechanism.linkage.topology, self.held_links)
+        frames = LinkFrames(self.mechanism.linkage.topology, self.clamped_links)
         return Equilibrium(
             frames,
             {n: chain.elements for n, chain in self.chains.items()},
@@ -156,7 +156,7 @@ class ReferenceEngine(Engine):
         """Of links of off-axis plies between joints, by their number."""
         return {n: chain.coupling for n, chain in self.chains.items() if chain.coupling is not None}
 
-    def stressed_held_links(
+    def stressed_clamped_links(
         self,
         motion: RigidMotion,
         prestress: Prestress,
@@ -164,7 +164,7 @@ class ReferenceEngine(Engine):
     ) -> StressedLinks:
         """Tangent stiffness of each link; see :meth:`Engine.stressed_links`."""
         if self._is_straight(motion, prestress):
-            return StressedLinks.unloaded(self.held_links)
+            return StressedLinks.unloaded(self.clamped_links)
         if prestress == "axial":
             return self._axial(motion)
         return self._equilibrium(motion, near)
@@ -180,10 +180,10 @@ class ReferenceEngine(Engine):
         under = self._quasi_static_loads(motion, displaced)
         displacement, loads = displaced(under), under.loads
         topology = self.mechanism.linkage.topology
-        refuse_large_displacements(topology, self.held_links, motion, displacement)
+        refuse_large_displacements(topology, self.clamped_links, motion, displacement)
         return replace(self._displaced(motion, displacement, varying, loads), loads=loads)
 
-    def running_held_links(
+    def running_clamped_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
     ) -> StressedLinks:
         """Stiffness and internal forces in running states; see :meth:`Engine.running_links`.
@@ -193,7 +193,7 @@ class ReferenceEngine(Engine):
         of the element length. Their mean is that of the state.
         """
         varying = self._varying(motion)
-        inertia = inertia_loads(self.held_links, motion, self.mechanism.gravity)
+        inertia = inertia_loads(self.clamped_links, motion, self.mechanism.gravity)
         loads = self._with_connectors(inertia, motion, displacement)
         return self._displaced(motion, displacement, varying, loads)
 
@@ -205,7 +205,7 @@ class ReferenceEngine(Engine):
         loads: list[FloatArray],
     ) -> StressedLinks:
         force, of_chains = self.equilibrium.response(displacement, varying)
-        frames, links = self.equilibrium.frames, self.held_links
+        frames, links = self.equilibrium.frames, self.clamped_links
         found, dead = None, self._dead(motion, loads, displacement)
         columns = [q.T for q in displacement]
         of_chains = dead.stiffen(of_chains, columns)
@@ -231,7 +231,7 @@ class ReferenceEngine(Engine):
         bent = self.equilibrium.damping(displacement)
         found = [
             np.zeros((len(q), 3, 3)) if link.rigid else chain_matrix(bent[number])
-            for number, (link, q) in enumerate(zip(self.held_links, displacement, strict=True))
+            for number, (link, q) in enumerate(zip(self.clamped_links, displacement, strict=True))
         ]
         for number, coupling in self._couplings.items():
             found[number] = whole(found[number]) + coupling.damping_time * coupling.stiffness
@@ -242,7 +242,7 @@ class ReferenceEngine(Engine):
         frames = self._tied_frames
         loads = self._straight_loads(motion)
         straight = straight_forces(
-            self.mechanism, frames, motion, loads, self._lumped, self.held_connectors
+            self.mechanism, frames, motion, loads, self._lumped, self.clamped_connectors
         )
         tensions = element_tensions(self.mechanism, self.nodes, motion, straight.links)
         tangent: dict[int, LinkMatrix] = {
@@ -271,7 +271,7 @@ class ReferenceEngine(Engine):
                 gravity,
                 nothing,
                 nothing[..., 0],
-                self.held_connectors.applied(motion),
+                self.clamped_connectors.applied(motion),
                 (),
             )
         else:

@@ -20,6 +20,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.beams.elements import BeamElements
 from flexmech.beams.link_matrices import Coupling
 from flexmech.linear_system import (
@@ -44,7 +45,6 @@ from flexmech.reference.linkage_tangents import LinkageTangents, turned_by
 from flexmech.reference.newton_state import Imbalance, Problem, State
 from flexmech.reference.nodal_chains import element_ends, node_forces, relative_coordinates
 from flexmech.reference.radial_springs import RadialSprings
-from flexmech.types import FloatArray
 
 logger = logging.getLogger(__name__)
 

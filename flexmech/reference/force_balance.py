@@ -11,6 +11,7 @@ from itertools import chain
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import DeadMoments
 from flexmech.reference.corotational import CorotationalElements, LinearStrain
 from flexmech.reference.coupled_links import CoupledLinks
@@ -19,7 +20,6 @@ from flexmech.reference.newton_state import Imbalance, Problem
 from flexmech.reference.nodal_chains import node_forces, relative_coordinates
 from flexmech.reference.radial_springs import RadialSprings
 from flexmech.reference.turning_element import Ties
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True)

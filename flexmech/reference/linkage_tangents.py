@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 import scipy.sparse
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.elements import BeamElements
 from flexmech.linear_system import LinkFrames
 from flexmech.linkages import RigidMotion
 from flexmech.reference.corotational import CorotationalElements
 from flexmech.reference.turning_element import Ties, TurningElement
-from flexmech.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import DeadMoments
 from flexmech.linkages import RigidMotion
 from flexmech.reference.corotational import LinearStrain
 from flexmech.reference.turning_element import Ties
-from flexmech.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 
 def element_ends(q: FloatArray, per_node: int) -> FloatArray:

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import LinkFrames
 from flexmech.linkages import JointSpring, LinkEnd, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.reference.turning_element import Ties
-from flexmech.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.beams.elements import BeamElements
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True)

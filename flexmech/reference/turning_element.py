@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import DisplacedTies
-from flexmech.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -22,15 +22,15 @@ from flexmech.analyses import response as response_analysis
 from flexmech.analyses.frequencies.request import operating_speeds
 from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import engine_of
+from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.choices import MODES, MOST_MODES, REPORT_PARTS, TOLERANCE, ReportPart
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, Exposure, absorbing_links, mechanism_in_state
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive, FourBar
 from flexmech.mechanism import Mechanism
-from flexmech.numbers import check_choice, check_count, check_instance, checked_tuple
 from flexmech.report.results import Results
-from flexmech.types import FloatArray, LabelledProgress
+from flexmech.validation import check_choice, check_count, check_instance, checked_tuple
 
 # The Campbell diagram goes beyond the greatest speed asked for by this factor.
 BEYOND = 2.0

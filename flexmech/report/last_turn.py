@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.report.words import crank_degrees
-from flexmech.types import FloatArray, IntArray
 
 # Round-off must not lose the sample a full turn before the last one.
 ROUND_OFF = 1e-6

@@ -14,8 +14,8 @@ from importlib import resources
 from typing import Any, Literal
 
 from flexmech.analyses import Summary, Table
+from flexmech.arrays import FloatArray
 from flexmech.report.results import Kind, Results
-from flexmech.types import FloatArray
 from flexmech.units import from_si
 
 Choice = Mapping[str, str]

@@ -27,7 +27,7 @@ from flexmech.analyses import (
 from flexmech.analyses.netcdf import read_netcdf, told_as_damaged
 from flexmech.errors import InputError
 from flexmech.files import given_path
-from flexmech.numbers import check_instance, checked_tuple
+from flexmech.validation import check_instance, checked_tuple
 
 KINDS: tuple[type[Result], ...] = (
     ModelCheck,

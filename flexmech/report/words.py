@@ -8,8 +8,8 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
+from flexmech.arrays import FloatArray
 from flexmech.report.results import Results
-from flexmech.types import FloatArray
 from flexmech.units import from_si
 
 # More decimals are below the solver's own tolerance.

@@ -15,9 +15,9 @@ from typing import Literal
 
 import numpy as np
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError
 from flexmech.materials import Laminate
-from flexmech.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

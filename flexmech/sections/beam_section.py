@@ -10,14 +10,6 @@ import numpy as np
 from flexmech.errors import InputError
 from flexmech.materials import Laminate, Layer, Material, Ply
 from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity, stated
-from flexmech.numbers import (
-    FINITE,
-    NOT_NEGATIVE,
-    POSITIVE,
-    check_fields,
-    check_instance,
-    check_number,
-)
 from flexmech.sections.damping import DampingTimes, SpecificDamping
 from flexmech.sections.laminate_section import LaminateSection
 from flexmech.sections.shear_theories import ThirdOrder, Zigzag, rectangular_zigzag
@@ -32,6 +24,14 @@ from flexmech.units import (
     RATIO,
     ROTARY_INERTIA,
     TIME,
+)
+from flexmech.validation import (
+    FINITE,
+    NOT_NEGATIVE,
+    POSITIVE,
+    check_fields,
+    check_instance,
+    check_number,
 )
 
 # What no section is without.

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.model_text import TomlTable, quantity
-from flexmech.numbers import NOT_NEGATIVE, POSITIVE, check_number
 from flexmech.units import RATIO, TIME
+from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_number
 
 
 @dataclass(frozen=True)

@@ -37,10 +37,10 @@ from typing import Literal, get_args
 import numpy as np
 import scipy.linalg
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.materials import Laminate, solid_stiffness
 from flexmech.sections.beam_reduction import ALONG, OTHERS, TWIST_HELD
 from flexmech.sections.solid_section import CURVATURE, STRETCH, TWIST, SolidSection, solid_section
-from flexmech.types import FloatArray, IntArray
 
 Twist = Literal["free", "held"]
 TWISTS: tuple[Twist, ...] = get_args(Twist)

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.materials import (
     Laminate,
@@ -23,12 +24,11 @@ from flexmech.materials import (
     ply_in_state,
     through_thickness_strain,
 )
-from flexmech.numbers import check_fields
 from flexmech.sections.beam_reduction import Reduction
 from flexmech.sections.beam_section import BeamSection
 from flexmech.sections.laminate_section import LaminateSection
 from flexmech.sections.solid_section import CURVATURE, STRETCH, TWIST
-from flexmech.types import FloatArray
+from flexmech.validation import check_fields
 
 # Of a symmetric stack: strains below this part of the largest are rounding.
 ROUNDING = 1e-12

@@ -13,10 +13,10 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.materials import Laminate
 from flexmech.model_text import SharedTables, TomlTable, quantity
-from flexmech.numbers import POSITIVE, check_choice, check_instance, check_number
 from flexmech.sections.beam_reduction import (
     REDUCTIONS,
     PlaneState,
@@ -44,8 +44,8 @@ from flexmech.sections.shear_theories import (
 )
 from flexmech.sections.solid_section import SolidSection
 from flexmech.short_repr import shapes, short_repr
-from flexmech.types import FloatArray
 from flexmech.units import LENGTH
+from flexmech.validation import POSITIVE, check_choice, check_instance, check_number
 
 ShearTheory = Literal["equilibrium", "third-order"]
 SHEAR_THEORIES: tuple[ShearTheory, ...] = get_args(ShearTheory)

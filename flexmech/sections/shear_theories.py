@@ -24,6 +24,7 @@ from functools import cache
 import numpy as np
 import scipy.linalg
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.materials import Laminate, Layer, Material, Ply
 from flexmech.sections.beam_reduction import (
     PlaneState,
@@ -35,7 +36,6 @@ from flexmech.sections.beam_reduction import (
     shear_across,
 )
 from flexmech.short_repr import shapes, short_repr
-from flexmech.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

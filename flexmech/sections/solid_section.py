@@ -23,9 +23,9 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 from numpy.polynomial.legendre import leggauss
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import ComputationError
 from flexmech.short_repr import shapes, short_repr
-from flexmech.types import FloatArray, IntArray
 
 STRETCH, TWIST, CURVATURE = 0, 3, 5
 """Strains of a section by number; the curvature is that in the plane of the linkage."""

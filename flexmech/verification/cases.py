@@ -12,8 +12,8 @@ from typing import Any, Literal
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import FlexmechError, InputError, suggestion
-from flexmech.types import FloatArray
 from flexmech.verification.methods import METHODS
 
 Verdict = Literal["passed", "failed", "skipped"]

@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.datasets import versions
+from flexmech.arrays import FloatArray, LabelledProgress, silent
 from flexmech.errors import InputError
 from flexmech.threads import one_thread
-from flexmech.types import FloatArray, LabelledProgress, silent
 from flexmech.verification.cases import Outcome, VerificationCase, verification_cases
 from flexmech.verification.result import Verification
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import erfc
 
+from flexmech.arrays import FloatArray
 from flexmech.materials.moisture import Faces
 from flexmech.materials.moisture.slab import (
     EXPONENT,
@@ -21,7 +22,6 @@ from flexmech.materials.moisture.slab import (
     diffusion_length,
     fourier_number,
 )
-from flexmech.types import FloatArray
 from flexmech.verification.methods.moisture import slab_uptake
 
 

@@ -8,6 +8,7 @@ import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import (
     FloquetModes,
     StatedPeriodicSystem,
@@ -15,7 +16,6 @@ from flexmech.dynamical_systems import (
     transition_matrices,
 )
 from flexmech.errors import ComputationError
-from flexmech.types import FloatArray
 from flexmech.verification import VerificationCase, verification_cases
 from flexmech.verification.methods.periodic_systems import known_system
 

@@ -60,7 +60,7 @@ def test_a_heavy_shaft_turns_as_prescribed(engine: type[Engine], balance: float)
 
 def bent_arm(engine: Engine) -> Trajectory:
     """Run of an arm that is let go with its tip off, on a shaft that turns freely with it."""
-    [link] = engine.held_links
+    [link] = engine.clamped_links
     tip = np.zeros(link.size)
     tip[link.end_displacement("end")[1]] = 0.5
     held = link.end_displacement("start"), link.end_rotation_of("start")
@@ -91,7 +91,7 @@ def test_an_arm_on_a_free_shaft_keeps_energy_and_angular_momentum_and_rings_as_p
     place = found.displacement[0] + link.fields.centripetal + hub * link.fields.along
     rate = found.rate[0]
     speed = SPEED + shaft.rate
-    momentum = speed * np.sum(place * (place @ link.translational_mass), axis=1)
+    momentum = speed * np.sum(place * (place @ link.centrifugal_mass), axis=1)
     momentum -= np.sum(place * (rate @ link.gyroscopic.T), axis=1)
     momentum += SHAFT_INERTIA * speed
     assert np.ptp(momentum) < closes * abs(momentum).max()

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import (
     FloquetModes,
     StatedPeriodicSystem,
@@ -14,7 +15,6 @@ from flexmech.dynamical_systems import (
     krein_signature,
     transition_matrices,
 )
-from flexmech.types import FloatArray
 
 SYMPLECTIC = 1e-8
 

@@ -17,6 +17,7 @@ from flexmech import (
     load_mechanism,
 )
 from flexmech.analyses.stability.solver import LinkageSolver
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.dynamical_systems import (
     FloquetModes,
     ForcedPeriodicSystem,
@@ -29,7 +30,6 @@ from flexmech.dynamical_systems import (
 from flexmech.linear_system import Engine, LinearSystem, point_rows
 from flexmech.time_domain.periodic_motion import forced_linkage
 from flexmech.time_domain.periodic_motion.forced_linkage import static_remainder
-from flexmech.types import ComplexArray, FloatArray
 
 ORDERS = np.arange(-2, 3)
 CENTRE = 2

@@ -14,12 +14,12 @@ from _ground_axes import frozen_eigenvalues, in_ground_axes
 
 from flexmech import ExudynEngine, Mechanism, ReferenceEngine, load_mechanism
 from flexmech.analyses.frequencies.eigenproblem import solve_eigenvalues
+from flexmech.arrays import FloatArray
 from flexmech.choices import MovingFrame
 from flexmech.dynamical_systems import FloquetModes, floquet_modes, transition_matrices
 from flexmech.linear_system import Engine, Prestress
 from flexmech.time_domain import SampledTurn, counts_of_modes, moving_modes
 from flexmech.time_domain.periodic_motion.nodal_frames import NodalFrame
-from flexmech.types import FloatArray
 
 SAMPLES = 128
 MODES = 6
@@ -252,7 +252,7 @@ def test_cables_have_no_terms_of_turning_frames_in_ground_axes(mechanisms):
     for link in engine.links:
         frame, size = NodalFrame(link), np.abs(link.mass).max()
         assert np.abs(frame.gyroscopic).max() < 1e-12 * size
-        assert np.abs(frame.translational_mass).max() < 1e-12 * size
+        assert np.abs(frame.centrifugal_mass).max() < 1e-12 * size
     link, inertial = in_both_frames(engine, 20.0, "axial")
     assert farthest(inertial, link) < 1e-8
 

@@ -181,7 +181,7 @@ def test_inertia_follows_from_the_kinetic_energy_of_sections_that_turn(kind: str
     curved = np.stack([(slope(step * d) - slope(-step * d)) / (2 * step) for d in unit])
     field = 0.8 * unit[size]
     assert beam.mass[0] @ field + beam.first_moment[1, 0] == pytest.approx(pull, abs=1e-6)
-    assert beam.translational_mass[0] == pytest.approx(curved, abs=2e-6)
+    assert beam.centrifugal_mass[0] == pytest.approx(curved, abs=2e-6)
 
     rates = np.stack(
         [

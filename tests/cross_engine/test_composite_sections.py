@@ -203,7 +203,7 @@ def test_rigid_fields_meet_the_same_inertia():
             for model in (first, second)
         ]
         scale = np.abs(fields[1].T @ second.mass @ fields[1]).max()
-        for name in ("mass", "gyroscopic", "translational_mass"):
+        for name in ("mass", "gyroscopic", "centrifugal_mass"):
             one, other = (
                 f.T @ getattr(model, name) @ f
                 for model, f in zip((first, second), fields, strict=True)

@@ -120,7 +120,7 @@ def test_term_by_term(aluminium):
                 [
                     fields.across @ link.mass @ fields.tangential,
                     fields.across @ link.gyroscopic @ fields.centripetal,
-                    fields.centripetal @ link.translational_mass @ fields.centripetal,
+                    fields.centripetal @ link.centrifugal_mass @ fields.centripetal,
                     fields.along @ link.gyroscopic @ fields.tangential,
                 ]
             )

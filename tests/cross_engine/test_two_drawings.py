@@ -24,12 +24,12 @@ from flexmech import (
 )
 from flexmech.analyses.frequencies.eigenproblem import solve_modes
 from flexmech.analyses.hammer.locked_linkage import LockedLinkage
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine, LinkPoint
 from flexmech.linkages.motion import direction
 from flexmech.materials import Material
 from flexmech.mechanism import AttachedBody
 from flexmech.sections import BeamSection
-from flexmech.types import FloatArray
 
 ENGINES = pytest.mark.parametrize("make", [ReferenceEngine, ExudynEngine])
 SAME = 1e-6

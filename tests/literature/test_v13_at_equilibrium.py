@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from flexmech import BeamSection, ExudynEngine, Material, Mechanism, ReferenceEngine
 from flexmech.analyses import solve_modes
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine
-from flexmech.types import FloatArray
 from tests.cross_engine.joined_linkages import LArm
 
 SPEED = 6.0

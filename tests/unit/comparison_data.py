@@ -10,8 +10,8 @@ import xarray as xr
 
 import flexmech
 from flexmech.analyses.damping_ratios import with_damping_ratio
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine
-from flexmech.types import FloatArray
 
 MODEL = Path(__file__).parents[2] / "models" / "aluminium_fourbar.toml"
 SPEED = 20.0

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from flexmech.types import ComplexArray
+from flexmech.arrays import ComplexArray
 
 FREQUENCY = np.linspace(0.0, 90.0, 451)
 ORDERS = (-1, 0, 1)

@@ -22,10 +22,7 @@ from flexmech.linear_system import (
     whole,
 )
 from flexmech.linear_system.links.chains import MOST_WHOLE, couples, diagonal, with_entries
-from flexmech.linear_system.reduction.fixed_interface_modes import (
-    Flexibility,
-    HeldModes,
-)
+from flexmech.linear_system.reduction.fixed_interface_modes import FixedInterfaceModes, Flexibility
 from flexmech.linkages import LinkMass
 from flexmech.mechanism import AttachedBody, Mechanism
 from flexmech.threads import one_thread
@@ -156,7 +153,7 @@ def test_lowest_modes_of_many_elements_are_those_of_all(
     inner = np.setdiff1d(np.arange(link.size), [*link.start, *link.end])
     stretching, turning = inner[link.is_axial[inner]], inner[~link.is_axial[inner]]
     for which, following in ((turning, stretching), (stretching, None)):
-        few, every = (HeldModes(each, which, following) for each in (link, dense))
+        few, every = (FixedInterfaceModes(each, which, following) for each in (link, dense))
         shapes = np.zeros((link.size, len(which)))
         shapes[which, np.arange(len(which))] = 1.0
         if following is not None:

@@ -12,10 +12,10 @@ from typer.testing import CliRunner
 
 from flexmech import InputError, load_mechanism
 from flexmech.analyses.stability import EngineStability, StabilityRequest, against, compute
+from flexmech.arrays import LabelledProgress
 from flexmech.cli import app
 from flexmech.cli.typed import DAMPING_RATIO, STEPS, parameter_range
 from flexmech.linear_system import Engine
-from flexmech.types import LabelledProgress
 from tests.unit.stability_data import bands, engine_stability
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")

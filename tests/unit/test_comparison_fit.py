@@ -10,8 +10,8 @@ import pytest
 from scipy.signal import lfilter
 
 from flexmech.analyses.comparison.fit import Fit, Parameter, autoregression, fitted
+from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError
-from flexmech.types import FloatArray
 
 TIME = np.linspace(0.0, 1.0, 400)
 RATE, WAVE = 3.0, 40.0

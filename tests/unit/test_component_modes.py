@@ -123,7 +123,7 @@ def test_reduced_matrices_are_projections() -> None:
         ReferenceEngine(section_damped, 8).links, reduction(section_damped).links, strict=True
     ):
         basis = reduced.basis
-        for name in ("mass", "stiffness", "gyroscopic", "translational_mass", "damping"):
+        for name in ("mass", "stiffness", "gyroscopic", "centrifugal_mass", "damping"):
             projected = basis.T @ getattr(full, name) @ basis
             scale = np.abs(projected).max()
             assert getattr(reduced.model, name) == pytest.approx(projected, abs=1e-14 * scale)

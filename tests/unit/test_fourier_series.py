@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import FourierSeries
-from flexmech.types import FloatArray
 
 HARMONICS = 5
 

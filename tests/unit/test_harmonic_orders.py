@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from flexmech import InputError
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.modal_testing import estimate_harmonics
-from flexmech.types import ComplexArray, FloatArray
 
 ORDER, SHIFT, BINS, COUNT = 2, 4, 30, 64
 ORDERS = np.arange(-ORDER, ORDER + 1)

@@ -25,14 +25,14 @@ ORDER = [
     "unit_registry",
     "errors",
     "example_models",
-    "types",
+    "arrays",
     "choices",
     "threads",
     "files",
     "dimensions",
     "units",
     "plausible",
-    "numbers",
+    "validation",
     "short_repr",
     "runs",
     "model_text",
@@ -66,7 +66,7 @@ STRANGERS = {
     "analyses": {"reference", "multibody"},
 }
 # A figure is drawn from a dataset: it knows nothing of what computed it.
-PLOTS_KNOW = {"errors", "types", "units", "runs", "plots"}
+PLOTS_KNOW = {"arrays", "errors", "units", "runs", "plots"}
 MOST_LINES = 400
 MOST_LINES_OF_A_COMMAND = 120
 

@@ -11,8 +11,8 @@ import pytest
 from flexmech import ComputationError, RunningHammerRequest
 from flexmech.analyses.running_hammer.measured import MeasuredResponse, measured_response
 from flexmech.analyses.running_hammer.plan import RunPlan
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.dynamical_systems import HalfSinePulse
-from flexmech.types import ComplexArray, FloatArray
 
 STEPS, TURNS = 200, 8
 PLAN = RunPlan(

@@ -30,8 +30,8 @@ from flexmech.materials import (
 )
 from flexmech.mechanism import Mechanism, PointMass
 from flexmech.modelfile import load_mechanism
-from flexmech.numbers import Bounds, check_number, check_pair, checked_array
 from flexmech.sections import BeamSection, DampingTimes, LaminateSection
+from flexmech.validation import Bounds, check_number, check_pair, checked_array
 from tests.strategies import ALUMINIUM_LINKAGE, STEEL, fourbar
 
 STEEL_PLY = Ply.isotropic(STEEL)

@@ -13,9 +13,9 @@ from flexmech import InputError, Mechanism, MovingFrequencies, ReferenceEngine, 
 from flexmech.analyses.frequencies import Formulation, FrequencyRequest, frequencies_at, pictured
 from flexmech.analyses.frequencies.frequency_map import systems_at
 from flexmech.analyses.frequencies.pictured import SEEN, bent_angles
+from flexmech.arrays import FloatArray
 from flexmech.cli import app
 from flexmech.plots import plot_frequencies, plot_mode_shapes
-from flexmech.types import FloatArray
 from tests.unit.figure_checks import check_layout, heading
 
 TURN = np.radians(np.arange(0.0, 360.1, 5.0))

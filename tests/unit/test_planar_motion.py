@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages import FourBar, PlanarJoint, PlanarLink, PlanarLinkage, RigidMotion
 from flexmech.linkages.planar.newton import NewtonGroup
 from flexmech.linkages.planar.plan import _Order
 from flexmech.linkages.topology import LinkEnd
-from flexmech.types import FloatArray
 from tests.random_planar import planar_linkages
 from tests.strategies import postures
 

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from flexmech.analyses.frequencies.extremes import extremes_between
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
+from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError
 from flexmech.linear_system import RefusedPositionsError
-from flexmech.types import FloatArray
 
 # Of a turn at a speed in doubt, every so many crank angles are tried first.
 PROBE_EVERY = 6

@@ -32,11 +32,11 @@ from flexmech.analyses.frequencies import Formulation
 from flexmech.analyses.remarks import left_out_attributes
 from flexmech.analyses.requests import as_many_modes, engines_of
 from flexmech.analyses.response import probes
+from flexmech.arrays import IntArray, LabelledProgress, silent
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
 from flexmech.linear_system import Engine
-from flexmech.numbers import POSITIVE, check_choice, check_flag, check_number, checked_array
 from flexmech.threads import one_thread
-from flexmech.types import IntArray, LabelledProgress, silent
+from flexmech.validation import POSITIVE, check_choice, check_flag, check_number, checked_array
 
 
 def dataset_of(

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.runs import unbroken_runs
-from flexmech.types import FloatArray, IntArray
 
 LOWEST, HIGHEST = 0, 2
 """Rows of both ends of a band."""

@@ -19,7 +19,7 @@ from flexmech.analyses.campbell.crossings import LOWEST, Edge, ray
 from flexmech.analyses.campbell.sampling import SampledBands
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
-from flexmech.types import FloatArray, IntArray
+from flexmech.arrays import FloatArray, IntArray
 
 logger = logging.getLogger(__name__)
 

@@ -18,8 +18,8 @@ import numpy as np
 
 from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
 from flexmech.analyses.frequencies.formulation import Systems
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import LinearSystem, StressedLinks
-from flexmech.types import FloatArray
 
 logger = logging.getLogger(__name__)
 

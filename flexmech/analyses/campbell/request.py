@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike
 
 from flexmech.analyses.frequencies import Formulation, FrequencyRequest
 from flexmech.analyses.requests import without_end
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError
-from flexmech.numbers import checked_array
-from flexmech.types import FloatArray, IntArray
+from flexmech.validation import checked_array
 
 ORDERS = tuple(range(1, 11))
 """Of the crank's speed, drawn by default."""

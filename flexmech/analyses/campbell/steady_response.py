@@ -14,10 +14,10 @@ from flexmech.analyses.speed_sweep import (
     quasi_static_peaks,
     vibrating_linkage,
 )
+from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
-from flexmech.types import FloatArray
 
 logger = logging.getLogger(__name__)
 

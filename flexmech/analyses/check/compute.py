@@ -17,6 +17,7 @@ from flexmech.analyses.frequencies.discretisation import mesh_error
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.requests import engine_of
 from flexmech.analyses.section_profile.properties import LINK_PROPERTIES, section_properties
+from flexmech.arrays import FloatArray
 from flexmech.choices import MODES
 from flexmech.errors import ComputationError, InputError
 from flexmech.hygrothermal import absorbing_links, inert_links
@@ -32,11 +33,10 @@ from flexmech.linkages import (
 )
 from flexmech.linkages.topology import End
 from flexmech.mechanism import Mechanism, drawing
-from flexmech.numbers import checked_number
 from flexmech.sections import BeamSection
 from flexmech.threads import one_thread
-from flexmech.types import FloatArray
 from flexmech.units import ZERO_CELSIUS
+from flexmech.validation import checked_number
 
 
 def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCheck:

@@ -12,10 +12,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linkages import FourBar
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection
-from flexmech.types import FloatArray
 from flexmech.units import ZERO_CELSIUS
 
 # Ashby, Materials Selection in Mechanical Design: foams and soft rubber, diamond.

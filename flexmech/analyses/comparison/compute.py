@@ -16,12 +16,12 @@ from flexmech.analyses.comparison.result import Comparison
 from flexmech.analyses.datasets import provenance, with_units
 from flexmech.analyses.remarks import left_out_attributes
 from flexmech.analyses.requests import engine_of
+from flexmech.arrays import LabelledProgress, silent
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord, read_record
-from flexmech.numbers import check_instance
 from flexmech.threads import one_thread
-from flexmech.types import LabelledProgress, silent
+from flexmech.validation import check_instance
 
 _PROBLEMS: dict[str, Callable[[Engine, MeasuredRecord, ComparisonRequest], RecordProblem]] = {
     "time": time_problem,

@@ -19,8 +19,8 @@ import scipy.optimize
 import scipy.signal
 import scipy.stats
 
+from flexmech.arrays import FloatArray, StepProgress
 from flexmech.errors import ComputationError
-from flexmech.types import FloatArray, StepProgress
 
 # Of the intervals, as laboratories state them.
 _CONFIDENCE = 0.95

@@ -21,10 +21,10 @@ from flexmech.analyses.comparison.problem import RecordProblem, rows_taken_at
 from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.requests import in_radians
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError, suggestion
 from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord
-from flexmech.types import FloatArray, IntArray
 
 # Crank speeds of a record that are those asked for, but for rounding, in rad/s.
 _SAME_SPEED = 1e-6

@@ -20,12 +20,12 @@ from flexmech.analyses.comparison.parameters import (
 from flexmech.analyses.comparison.problem import RecordProblem, rows_taken_at
 from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.frequencies import natural_frequencies
+from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.choices import MOST_MODES
 from flexmech.dynamical_systems import direct_receptance
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine, LinkPoint, point_rows
 from flexmech.measured_data import MeasuredQuantity, MeasuredRecord
-from flexmech.types import ComplexArray, FloatArray, IntArray
 
 # What a response over a force is called by its SI unit, and how often it is differentiated.
 _KINDS: dict[str, tuple[str, int]] = {

@@ -30,12 +30,12 @@ from flexmech.analyses.comparison.quantities import Gauge, gauges, matched
 from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.damping_ratios import lowest_frequency
 from flexmech.analyses.response.spectra import amplitude_spectrum
+from flexmech.arrays import FloatArray
 from flexmech.choices import MODES
 from flexmech.errors import CRANK_SPEED, InputError
 from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord, sampling_interval
 from flexmech.time_domain.periodic_motion import ForcedModes, FreeAndForced, forced_modes
-from flexmech.types import FloatArray
 
 # Singular values of the free vibrations below this part of the greatest are round-off.
 _ROUND_OFF = 1e-9

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from flexmech.analyses.comparison.fit import Fit, Parameter
 from flexmech.analyses.comparison.parameters import USUAL_RATIO, free_parameters
 from flexmech.analyses.comparison.request import ComparisonRequest
+from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord
-from flexmech.types import ComplexArray, FloatArray, IntArray
 
 CURVES = ("measured", "computed", "residual")
 

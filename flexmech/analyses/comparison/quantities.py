@@ -9,10 +9,10 @@ import numpy as np
 
 from flexmech.analyses.response import probes
 from flexmech.analyses.response.measurements import surface_strain
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError, suggestion
 from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredQuantity, MeasuredRecord
-from flexmech.types import FloatArray
 
 # Columns that tell where a sample was taken, not what was measured there.
 _COMPANIONS = ("crank_angle", "crank_speed", "mode", "branch", "coherence", "engine")

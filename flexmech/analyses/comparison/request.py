@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from flexmech.errors import InputError
-from flexmech.numbers import check_angle, check_instance, check_number, checked_tuple
+from flexmech.validation import check_angle, check_instance, check_number, checked_tuple
 
 
 @dataclass(frozen=True)

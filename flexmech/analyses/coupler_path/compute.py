@@ -14,6 +14,7 @@ from flexmech.analyses.coupler_path.result import CouplerPaths
 from flexmech.analyses.datasets import origin
 from flexmech.analyses.remarks import environment_lines, state_name
 from flexmech.analyses.requests import environment_of, in_radians
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError, suggestion
 from flexmech.hygrothermal import (
     Environment,
@@ -37,8 +38,7 @@ from flexmech.linkages import (
 )
 from flexmech.linkages.motion import direction
 from flexmech.mechanism import Mechanism, drawing
-from flexmech.numbers import check_instance
-from flexmech.types import FloatArray
+from flexmech.validation import check_instance
 
 # Points of a finely drawn loop: more than a figure's width has dots of a printer.
 _FINE = 400

@@ -22,14 +22,14 @@ from flexmech.analyses.frequencies.request import FrequencyRequest, operating_sp
 from flexmech.analyses.frequencies.result import MovingFrequencies
 from flexmech.analyses.remarks import environment_lines, left_out_attributes, state_name
 from flexmech.analyses.requests import as_many_modes, engines_of
+from flexmech.arrays import FloatArray, LabelledProgress, silent
 from flexmech.choices import MapPrestress, ShaftChoice
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine
 from flexmech.mechanism import drawing
-from flexmech.numbers import checked_array
 from flexmech.threads import one_thread
-from flexmech.types import FloatArray, LabelledProgress, silent
+from flexmech.validation import checked_array
 
 
 def joined(

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from flexmech.analyses.frequencies.eigenproblem import solve_eigenvalues
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.reduction import unreduced_eigenvalues
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.choices import MOST_ELEMENTS
-from flexmech.types import FloatArray, IntArray
 
 CHECK_ANGLES = 12
 # A mesh is compared with one of four times the elements if that is no more than this, else of

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies.quadratic_eigenproblem import QuadraticModes, quadratic_modes
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
     LinearSystem,
     OverdampedError,
@@ -17,7 +18,6 @@ from flexmech.linear_system import (
     inverse_mass_root,
     refuse_positions,
 )
-from flexmech.types import FloatArray
 
 # Round-off that is allowed in a squared frequency, relatively.
 BLUR = 1e-10

@@ -30,8 +30,8 @@ from flexmech.analyses.frequencies.refinement import Positions, same_shapes
 from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.analyses.frequencies.shaft_mode import shaft_readings
 from flexmech.analyses.frequencies.tracking import Tracker
+from flexmech.arrays import FloatArray, IntArray, LabelledProgress
 from flexmech.linear_system import Engine
-from flexmech.types import FloatArray, IntArray, LabelledProgress
 
 logger = logging.getLogger(__name__)
 

@@ -21,7 +21,7 @@ from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.analyses.frequencies.quartic import predicted_minimum
 from flexmech.analyses.requests import without_end
-from flexmech.types import FloatArray, IntArray
+from flexmech.arrays import FloatArray, IntArray
 
 # The change of an extreme by the last round over the error that is reported of it.
 SHARE_OF_ERROR = 0.1

@@ -11,10 +11,10 @@ import numpy as np
 from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
 from flexmech.analyses.frequencies.formulation import Formulation, RunningStates, Systems
 from flexmech.analyses.frequencies.request import FrequencyRequest
+from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.choices import Prestress
 from flexmech.linear_system import Engine, RotationTerms, StressedLinks
 from flexmech.threads import one_thread
-from flexmech.types import FloatArray, LabelledProgress
 
 
 def systems_at(

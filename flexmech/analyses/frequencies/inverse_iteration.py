@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import LinearSystem, SparseMatrices
-from flexmech.types import FloatArray, IntArray
 
 # Relative change of an eigenvalue below which further steps change it by round-off alone.
 STILL = 1e-10

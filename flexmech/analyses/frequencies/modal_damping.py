@@ -26,10 +26,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies.eigenproblem import Modes
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine, LinearSystem, LinkMatrix, Prestress
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection, DampingTimes
-from flexmech.types import FloatArray
 
 
 def links_without_loss(mechanism: Mechanism) -> tuple[str, ...]:

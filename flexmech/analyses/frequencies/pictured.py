@@ -18,7 +18,7 @@ from flexmech.analyses.frequencies.eigenproblem import solve_modes
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.analyses.frequencies.request import FrequencyRequest
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 # Distance of a line from its curve that is seen, over the range of the curve; a range is at
 # least this part of the frequency, as in the pictures.

@@ -11,12 +11,12 @@ from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
 from flexmech.analyses.frequencies.reduction import converged_modes
 from flexmech.analyses.requests import as_many_modes, engine_of, in_radians
+from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
-from flexmech.numbers import checked_array
 from flexmech.threads import one_thread
-from flexmech.types import FloatArray
+from flexmech.validation import checked_array
 
 
 def natural_frequencies(

@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import LinearSystem, inverse_mass_root
-from flexmech.types import FloatArray, IntArray
 
 
 def _without_rigid_modes(

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from flexmech.types import FloatArray, IntArray
+from flexmech.arrays import FloatArray, IntArray
 
 # Abscissae between the second and the fourth node at which quartics are looked at.
 SAMPLES = 65

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from flexmech.analyses.frequencies.eigenproblem import Modes, solve_eigenvalues, solve_modes
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.inverse_iteration import Pencil, inverse_iteration
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
     GREAT_DETAIL,
     ChainMatrix,
@@ -22,7 +23,6 @@ from flexmech.linear_system import (
     StressedLinks,
     diagonal,
 )
-from flexmech.types import FloatArray
 
 logger = logging.getLogger(__name__)
 

@@ -25,8 +25,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import FlexmechError
-from flexmech.types import FloatArray, IntArray
 
 
 def cross_amplitude(first: NDArray[Any], second: NDArray[Any]) -> FloatArray:

@@ -9,10 +9,10 @@ import numpy as np
 
 from flexmech.analyses.frequencies.formulation import Formulation
 from flexmech.analyses.requests import in_radians
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError
 from flexmech.mechanism import Mechanism
-from flexmech.numbers import POSITIVE, check_flag, check_instance, check_number, checked_array
-from flexmech.types import FloatArray, IntArray
+from flexmech.validation import POSITIVE, check_flag, check_instance, check_number, checked_array
 
 FORMULATION = Formulation()
 # Each with the mode shape of three links at nine stations, 1 kB.

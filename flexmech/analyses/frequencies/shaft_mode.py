@@ -8,7 +8,7 @@ import xarray as xr
 
 from flexmech.analyses.datasets import DEGREES, table_over
 from flexmech.analyses.frequencies.eigenproblem import Modes
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 RIGID = 1e-3
 """Frequency in Hz below which the shaft's mode is a rigid one."""

@@ -23,7 +23,7 @@ from flexmech.analyses.frequencies.refinement import (
     assign,
     refined,
 )
-from flexmech.types import FloatArray, IntArray
+from flexmech.arrays import FloatArray, IntArray
 
 # Branches veer when they come this close (relative to their mean frequency) ...
 VEERING_GAP = 0.25

@@ -19,11 +19,11 @@ from flexmech.analyses.hammer.result import HammerTest
 from flexmech.analyses.hammer.uff import geometry_variables
 from flexmech.analyses.remarks import left_out_attributes
 from flexmech.analyses.requests import engine_of
+from flexmech.arrays import ComplexArray, FloatArray, LabelledProgress, silent
 from flexmech.linear_system import Engine
 from flexmech.modal_testing import StabilisationChart
-from flexmech.numbers import check_instance
 from flexmech.threads import one_thread
-from flexmech.types import ComplexArray, FloatArray, LabelledProgress, silent
+from flexmech.validation import check_instance
 
 
 def hammer_test(

@@ -8,11 +8,11 @@ from functools import cached_property
 
 import numpy as np
 
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.choices import LinkDirection, Prestress
 from flexmech.dynamical_systems import HalfSinePulse, StateModes, pulse_response, state_modes
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine, LinearSystem, LinkPoint, point_rows
-from flexmech.types import ComplexArray, FloatArray
 
 # Unreduced systems beyond so many coordinates take longer than their last digits are worth.
 _MOST_COORDINATES = 400

@@ -16,6 +16,7 @@ from flexmech.analyses.hammer.locked_linkage import LockedLinkage
 from flexmech.analyses.hammer.plan import RecordPlan
 from flexmech.analyses.hammer.request import HammerRequest
 from flexmech.analyses.hammer.transient import taken_record
+from flexmech.arrays import ComplexArray, FloatArray, LabelledProgress
 from flexmech.choices import LinkDirection
 from flexmech.dynamical_systems import direct_receptance
 from flexmech.linear_system import Engine, LinkPoint
@@ -29,7 +30,6 @@ from flexmech.modal_testing import (
     mac,
     with_noise,
 )
-from flexmech.types import ComplexArray, FloatArray, LabelledProgress
 
 # Modes up to this multiple of the bandwidth are superposed; the rest adds its flexibility.
 _SUPERPOSED = 2.0

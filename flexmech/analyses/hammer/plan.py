@@ -9,10 +9,10 @@ import numpy as np
 
 from flexmech.analyses.hammer.locked_linkage import LockedLinkage
 from flexmech.analyses.hammer.request import HammerRequest
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.errors import InputError
 from flexmech.modal_testing import ExponentialWindow, ForceWindow
-from flexmech.types import FloatArray
 
 _ABOVE_MODES = 1.25
 """Bandwidth over the highest natural frequency wanted."""

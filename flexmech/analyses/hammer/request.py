@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.analyses.requests import in_radians
+from flexmech.arrays import FloatArray
 from flexmech.choices import (
     LINK_DIRECTIONS,
     MODES,
@@ -19,7 +20,7 @@ from flexmech.choices import (
 from flexmech.errors import InputError
 from flexmech.linear_system import LinkPoint
 from flexmech.modal_testing import IdentificationMethod
-from flexmech.numbers import (
+from flexmech.validation import (
     NOT_NEGATIVE,
     POSITIVE,
     check_choice,
@@ -28,7 +29,6 @@ from flexmech.numbers import (
     check_instance,
     check_number,
 )
-from flexmech.types import FloatArray
 
 _MIDDLE = LinkPoint("coupler", 0.5)
 # Noise falls by the root of their number: more are taken for a slip of the keyboard.

@@ -17,10 +17,10 @@ from flexmech.analyses.hammer.uff import uff_contents
 from flexmech.analyses.remarks import left_out_warnings
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.files import given_path, moved_into
 from flexmech.measured_data import write_uff
-from flexmech.types import FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

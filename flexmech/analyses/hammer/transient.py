@@ -23,6 +23,7 @@ from scipy.interpolate import CubicSpline
 
 from flexmech.analyses.hammer.locked_linkage import LockedLinkage
 from flexmech.analyses.hammer.plan import RecordPlan
+from flexmech.arrays import FloatArray, StepProgress
 from flexmech.choices import LinkDirection
 from flexmech.errors import InputError
 from flexmech.linear_system import LinkPoint
@@ -30,7 +31,6 @@ from flexmech.linkages import LockedCrank
 from flexmech.time_domain import LinkState
 from flexmech.time_domain.integrators import simulator
 from flexmech.time_domain.recorded_runs import Impact
-from flexmech.types import FloatArray, StepProgress
 
 _ATTENUATION = 80.0
 """In dB, of what sampling would fold into the band."""

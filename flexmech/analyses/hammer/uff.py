@@ -17,6 +17,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from flexmech.analyses.datasets import DEGREES
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.linear_system import Engine, LinkPoint
 from flexmech.measured_data import (
     UffDegreeOfFreedom,
@@ -27,7 +28,6 @@ from flexmech.measured_data import (
     UffNodes,
     UffTrace,
 )
-from flexmech.types import ComplexArray, FloatArray
 
 Variables = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
 # Room for the points of a link: labels of neighbouring links never meet.

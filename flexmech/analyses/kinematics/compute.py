@@ -11,6 +11,7 @@ import xarray as xr
 from flexmech.analyses.datasets import origin, with_units
 from flexmech.analyses.kinematics.result import Kinematics
 from flexmech.analyses.requests import in_radians
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linear_system import checked_mechanism
 from flexmech.linkages import (
@@ -23,8 +24,7 @@ from flexmech.linkages import (
 )
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
-from flexmech.numbers import check_count, check_instance, check_number, checked_tuple
-from flexmech.types import FloatArray
+from flexmech.validation import check_count, check_instance, check_number, checked_tuple
 
 _MOST_LUMPS = 1000
 """Elements of a link whose mass is lumped."""

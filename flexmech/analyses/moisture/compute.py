@@ -10,6 +10,7 @@ import xarray as xr
 from flexmech.analyses.datasets import origin
 from flexmech.analyses.moisture.result import MoistureUptake
 from flexmech.analyses.requests import link_of
+from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError, InputError
 from flexmech.hygrothermal import LinkDiffusion, absorbing_links, link_diffusion
 from flexmech.linear_system import checked_mechanism
@@ -21,9 +22,8 @@ from flexmech.materials.moisture import (
     time_to_saturation,
 )
 from flexmech.mechanism import Mechanism
-from flexmech.numbers import POSITIVE, Bounds, checked_number
 from flexmech.sections import BeamSection
-from flexmech.types import FloatArray
+from flexmech.validation import POSITIVE, Bounds, checked_number
 
 # Profiles at these parts of the time, uptake at so many times evenly in its root.
 _PARTS = np.array([0.01, 0.05, 0.2, 0.5, 1.0])

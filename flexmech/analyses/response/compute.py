@@ -15,15 +15,15 @@ from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.result import Response
 from flexmech.analyses.response.run import mesh_error, run_engine
 from flexmech.analyses.response.start import simulation_start
+from flexmech.arrays import LabelledProgress, silent
 from flexmech.choices import Integrator
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
-from flexmech.numbers import check_flag
 from flexmech.threads import one_thread
 from flexmech.time_domain import LinkState
-from flexmech.types import LabelledProgress, silent
+from flexmech.validation import check_flag
 
 System = TypeVar("System", covariant=True)
 # How far a sample may be off a step by round-off, in steps.

@@ -22,11 +22,11 @@ from flexmech.analyses.response.spectra import (
     spectrogram,
     window_duration,
 )
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.mechanism import drawing
 from flexmech.time_domain import Trajectory
-from flexmech.types import FloatArray, IntArray
 
 # Positions at which the length of the spectrogram's window is chosen.
 _PREDICTIONS = 145

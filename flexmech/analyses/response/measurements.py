@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine, LinkModel
 from flexmech.linkages import LinkEnd, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain import Trajectory
-from flexmech.types import FloatArray
 
 NO_DEFLECTION = 1e-12
 """Part of the links' lengths below which deflections are the round-off of none at all."""

@@ -13,11 +13,11 @@ from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import engines_of, sampled_turn
 from flexmech.analyses.response.request import MOST_SAMPLES, NO_PERIODIC_START, ResponseRequest
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine, LinkFrames, LinkModel, OverdampedError, RotationTerms
-from flexmech.numbers import check_instance
-from flexmech.types import FloatArray
+from flexmech.validation import check_instance
 
 SPECTRUM_REACH = 1.5
 """Spectra reach this far above the highest natural frequency asked for."""

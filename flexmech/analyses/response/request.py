@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from flexmech import choices
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages import CrankDrive
-from flexmech.numbers import POSITIVE, check_choice, check_count, check_instance, check_number
-from flexmech.types import FloatArray
+from flexmech.validation import POSITIVE, check_choice, check_count, check_instance, check_number
 
 # More samples or steps than this are taken for a slip of the keyboard: a run would take hours.
 MOST_SAMPLES = 2_000_000

@@ -27,10 +27,10 @@ from flexmech.analyses.response.dataset import needed
 from flexmech.analyses.response.measurements import NO_DEFLECTION
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
+from flexmech.arrays import LabelledProgress, silent
 from flexmech.choices import STORES, PageWidth, PictureFormat, Store
 from flexmech.files import given_path, moved_into
-from flexmech.numbers import check_choice
-from flexmech.types import LabelledProgress, silent
+from flexmech.validation import check_choice
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

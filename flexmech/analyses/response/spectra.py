@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import ShortTimeFFT, get_window, periodogram
 
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 _WINDOW = "hann"
 WHOLE_PERIODS = "boxcar"

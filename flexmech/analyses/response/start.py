@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmech.analyses.response.request import ResponseRequest
+from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.dynamical_systems import VibrationState
 from flexmech.linear_system import Engine, LinkFrames, RotationTerms
 from flexmech.linkages import CrankDrive, Load, RigidMotion
 from flexmech.time_domain import DrivenLinkage, LinkState, periodic_state
-from flexmech.types import FloatArray
 
 # Time over which a quasi-static start differentiates its displacement, in turns.
 _START_INTERVAL = 1e-4

@@ -20,12 +20,12 @@ from flexmech.analyses.running_hammer.prediction import (
 )
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.analyses.running_hammer.result import RunningHammerTest
+from flexmech.arrays import ComplexArray, IntArray, LabelledProgress, silent
 from flexmech.linear_system import Engine
-from flexmech.numbers import check_instance
 from flexmech.threads import one_thread
 from flexmech.time_domain.equations_of_motion import stretches_in_runs
 from flexmech.time_domain.integrators import step_lag
-from flexmech.types import ComplexArray, IntArray, LabelledProgress, silent
+from flexmech.validation import check_instance
 
 # Of the first natural frequency at rest: the bandwidth, if none is asked for. It holds the first
 # resonance and the beginning of what lies between it and the second.

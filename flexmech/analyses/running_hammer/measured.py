@@ -12,6 +12,7 @@ from flexmech.analyses.response.start import linear_start
 from flexmech.analyses.running_hammer.plan import RunPlan
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.analyses.stability.parallel import in_order
+from flexmech.arrays import ComplexArray, FloatArray, LabelledProgress, StepProgress
 from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linear_system import Engine
@@ -21,7 +22,6 @@ from flexmech.time_domain import DrivenLinkage, LinkState, nonlinear_orbit
 from flexmech.time_domain.equations_of_motion import stretches_in_runs
 from flexmech.time_domain.integrators import StruckLinkage, simulator
 from flexmech.time_domain.recorded_runs import Impact
-from flexmech.types import ComplexArray, FloatArray, LabelledProgress, StepProgress
 
 _HALVING = 0.01
 """Greatest change of any order by halving the impacts, over its greatest amplitude."""

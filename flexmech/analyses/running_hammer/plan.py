@@ -8,10 +8,10 @@ import numpy as np
 
 from flexmech.analyses.running_hammer.prediction import Prediction
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.dynamical_systems import ForcedPeriodicSystem, HalfSinePulse, harmonic_response
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
-from flexmech.types import FloatArray, IntArray
 
 _DECAYED = 1e-4
 """Part of its greatest response to which an impact has died out before the next one comes."""

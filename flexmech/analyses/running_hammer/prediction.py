@@ -11,6 +11,7 @@ from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.analyses.stability import LinkageSolver
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
+from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.dynamical_systems import (
     ForcedPeriodicSystem,
     balanced_response,
@@ -22,7 +23,6 @@ from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.linear_system import Engine, LinearSystem, LinkPoint, StressedLinks, point_rows
 from flexmech.linkages import RigidMotion
 from flexmech.time_domain.periodic_motion import forced_linkage
-from flexmech.types import ComplexArray, FloatArray, IntArray
 
 # Natural modes up to this part of the highest frequency of input and response are kept, and tried.
 _DETAIL = 1.5

@@ -8,7 +8,7 @@ from flexmech import choices
 from flexmech.analyses.damping_ratios import DAMPING_RATIO
 from flexmech.errors import InputError
 from flexmech.linear_system import LinkPoint
-from flexmech.numbers import (
+from flexmech.validation import (
     NOT_NEGATIVE,
     POSITIVE,
     check_choice,

@@ -13,12 +13,12 @@ from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import environment_of, link_of
 from flexmech.analyses.section_profile.properties import COUPLINGS, section_properties
 from flexmech.analyses.section_profile.result import DIRECTIONS, QUANTITIES, SectionProfiles
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import checked_mechanism
 from flexmech.mechanism import Mechanism
 from flexmech.sections import SHEAR_THEORIES, LaminateSection
-from flexmech.types import FloatArray
 
 # Places in a layer, and about how many in all layers of a link with few.
 _FEWEST_PLACES, _SMOOTH = 9, 60

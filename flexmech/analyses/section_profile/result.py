@@ -15,9 +15,9 @@ from flexmech.analyses.requests import link_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.section_profile.properties import COUPLINGS, PROPERTIES, STORED
 from flexmech.analyses.summary import Summary, Table
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.materials.stacking import stacking_text
-from flexmech.types import FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -21,16 +21,16 @@ from flexmech.analyses.requests import engine_of, sampled_turn
 from flexmech.analyses.response import deflections_of, probes
 from flexmech.analyses.response.run import STEPS_PER_PERIOD
 from flexmech.analyses.speed_sweep.result import SpeedSweep
+from flexmech.arrays import FloatArray, LabelledProgress, silent
 from flexmech.choices import MOST_MODES, PRESTRESS_LEVELS, Prestress
 from flexmech.dynamical_systems import VibrationState
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
-from flexmech.numbers import check_choice, check_count, checked_array
 from flexmech.threads import one_thread
 from flexmech.time_domain.equations_of_motion import DrivenLinkage
 from flexmech.time_domain.periodic_motion import periodic_turn
-from flexmech.types import FloatArray, LabelledProgress, silent
+from flexmech.validation import check_choice, check_count, checked_array
 
 LEAST_STEPS = 720
 QUASI_STATIC_ANGLES = 360

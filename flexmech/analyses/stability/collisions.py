@@ -24,8 +24,8 @@ from flexmech.analyses.stability.engine_stability import TrackedSpeed
 from flexmech.analyses.stability.growth import Sample, SignedGrowth
 from flexmech.analyses.stability.selected_modes import SelectedModes, wrapped
 from flexmech.analyses.stability.solver import LinkageSolver
+from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError
-from flexmech.types import FloatArray
 
 # After so many orders one after the other that are far from growing, a pair is left.
 HOPELESS = 3

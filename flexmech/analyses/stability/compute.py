@@ -24,14 +24,14 @@ from flexmech.analyses.stability.engine_map import map_engine
 from flexmech.analyses.stability.engine_stability import EngineStability
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.result import StabilityMap
+from flexmech.arrays import FloatArray, LabelledProgress, silent
 from flexmech.choices import KEPT_MODES, MapPrestress, MovingFrame, Prestress, ShaftChoice
 from flexmech.errors import ComputationError
 from flexmech.interruption import tidying
 from flexmech.linear_system import Engine, stressed_along_turn
-from flexmech.numbers import checked_array
 from flexmech.threads import one_thread
 from flexmech.time_domain.periodic_motion import SampledTurn
-from flexmech.types import FloatArray, LabelledProgress, silent
+from flexmech.validation import checked_array
 
 MOST_SPEEDS = 9
 ANGLES = 36

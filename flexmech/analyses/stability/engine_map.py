@@ -45,9 +45,9 @@ from flexmech.analyses.stability.speed_range import (
     speeds_without_equilibrium,
     window_ends,
 )
+from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.linear_system import Engine
-from flexmech.types import FloatArray, LabelledProgress
 
 logger = logging.getLogger(__name__)
 

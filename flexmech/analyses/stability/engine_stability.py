@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.analyses.stability.selected_modes import GROWS, FloquetExponents
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import Engine
-from flexmech.types import FloatArray, IntArray
 
 Kind = Literal["principal", "sum", "difference", "unnamed"]
 KINDS: tuple[Kind, ...] = ("principal", "sum", "difference", "unnamed")

@@ -16,7 +16,7 @@ import scipy.optimize
 from numpy.typing import NDArray
 
 from flexmech.analyses.stability.selected_modes import GROWS, SelectedModes
-from flexmech.types import FloatArray, IntArray
+from flexmech.arrays import FloatArray, IntArray
 
 # Modes that turn the other way round are taken for a branch only where no other is left.
 OTHER_SENSE = 0.3

@@ -10,7 +10,7 @@ import numpy as np
 from flexmech.analyses.stability.engine_stability import Kind, TrackedSpeed
 from flexmech.analyses.stability.mode_tracking import TrackedModes, likeness
 from flexmech.analyses.stability.selected_modes import SelectedModes, wrapped
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 # Of a frequency that is zero, in Hz: a positive number whose logarithm can be taken.
 TINY = 1e-300

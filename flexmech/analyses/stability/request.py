@@ -8,6 +8,7 @@ import numpy as np
 
 from flexmech.analyses.damping_ratios import DAMPING_RATIO
 from flexmech.analyses.stability.vibrating_linkage import MOST_STEPS, SHAPE_ANGLES
+from flexmech.arrays import FloatArray
 from flexmech.choices import (
     KEPT_MODES,
     MAP_PRESTRESS_LEVELS,
@@ -17,8 +18,7 @@ from flexmech.choices import (
     MovingFrame,
 )
 from flexmech.errors import InputError
-from flexmech.numbers import check_choice, check_count, check_number, checked_array
-from flexmech.types import FloatArray
+from flexmech.validation import check_choice, check_count, check_number, checked_array
 
 LEAST_STEPS = 2 * SHAPE_ANGLES
 

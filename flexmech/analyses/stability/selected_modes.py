@@ -14,9 +14,9 @@ import scipy.optimize
 from numpy.typing import NDArray
 
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.dynamical_systems import SampledPeriodicSystem, floquet_modes, krein_signature
 from flexmech.errors import CRANK_SPEED, ComputationError
-from flexmech.types import FloatArray, IntArray
 
 GROWS = 1e-7
 """Logarithm of a multiplier's modulus that is growth, and not round-off."""

@@ -19,6 +19,7 @@ from flexmech.analyses.stability.vibrating_linkage import (
     VibratingLinkage,
     steps_of_turn,
 )
+from flexmech.arrays import FloatArray
 from flexmech.choices import MapPrestress, MovingFrame
 from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linear_system import Engine, Prestress, is_constant_turn, stressed_along_turn
@@ -30,7 +31,6 @@ from flexmech.time_domain.periodic_motion import (
     moving_modes,
     nonlinear_orbit,
 )
-from flexmech.types import FloatArray
 
 BY_REFINEMENT = 4 / 3
 """Error by the mesh over what half the element length changes: of second order, or less."""

@@ -10,9 +10,9 @@ import numpy as np
 
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.analyses.stability.speed_window import NODES, SpeedWindow
+from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError
 from flexmech.linear_system.joints.position_errors import RefusedPositionsError
-from flexmech.types import FloatArray
 
 TURN = np.radians(np.arange(0.0, 360.0, 15.0))
 

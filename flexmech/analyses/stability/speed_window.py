@@ -14,8 +14,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import FourierSeries
-from flexmech.types import FloatArray
 
 # Of polynomials in the square of the crank speed, which the inertia forces are in proportion to.
 MOST_SPEEDS = 3

@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem
 from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linear_system import whole
 from flexmech.time_domain.periodic_motion import MovingModes
-from flexmech.types import FloatArray
 
 MOST_STEPS = 1_000_000
 SHAPE_ANGLES = 16

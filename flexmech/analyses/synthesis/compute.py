@@ -8,7 +8,7 @@ import xarray as xr
 from flexmech.analyses.datasets import versions
 from flexmech.analyses.synthesis.result import CrankRockerSynthesis
 from flexmech.linkages import rocker_swing, synthesize_crank_rocker, time_ratio, transmission_design
-from flexmech.numbers import POSITIVE, checked_number
+from flexmech.validation import POSITIVE, checked_number
 
 TURN = np.radians(np.arange(361.0))
 

@@ -2,9 +2,9 @@
 
 These are the forces of springs, forces that turn with links, and the inertia forces of links that
 turn as one body (:mod:`flexmech.linear_system.links.carried_inertia`). An engine's solver displaces
-the links under given forces. Those are sought that are the right ones at that displacement: from the
-last one a step of Newton's method with the links' tangent stiffness predicts where the links will
-be, and the forces there are the next load.
+the links under given forces. Those are sought that are the right ones at that displacement: from
+the last one a step of Newton's method with the links' tangent stiffness predicts where the links
+will be, and the forces there are the next load.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system.assembly.quasi_static import greatest
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.position_errors import LESS_LOADED, refuse_positions
@@ -22,7 +23,6 @@ from flexmech.linear_system.links.chains import LinkMatrix, whole
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.loads.connectors import Connectors
 from flexmech.linkages import RigidMotion
-from flexmech.types import FloatArray
 
 MOST_PASSES = 60
 # Greatest change of a load in the last pass, relative to the greatest.
@@ -105,7 +105,7 @@ def balanced_loads(
         stiffness = tangents(displacement)
         gap = frames.gather(motion, acting.beyond(force, displacement))
     apart = np.full(len(motion.crank_angle), np.inf)
-    settled = np.zeros(len(apart), dtype=bool)
+    converged = np.zeros(len(apart), dtype=bool)
     for number in range(MOST_PASSES):
         held = acting.stiffness(frames, stiffness, displacement)
         step = frames.link_coordinates(motion, np.linalg.solve(held, gap[..., None]))
@@ -114,8 +114,8 @@ def balanced_loads(
         last, apart = apart, greatest([b - a for a, b in zip(before, force, strict=True)])
         size = np.maximum(greatest(force), greatest(loads))
         still = (apart <= ROUND_OFF * size) & (2 * apart >= last)
-        settled |= (apart <= LAST_PASS * size) | still
-        if number and settled.all():
+        converged |= (apart <= LAST_PASS * size) | still
+        if number and converged.all():
             if carried is not None:
                 _refuse_instability(motion, held)
             return BalancedLoads(_sum(loads, force), moved)
@@ -124,7 +124,7 @@ def balanced_loads(
         gap = frames.gather(motion, acting.beyond(force, displacement))
     refuse_positions(
         motion,
-        ~settled,
+        ~converged,
         "no equilibrium with the forces that depend on the displacement of the links",
         f": they still change by {float((apart / size).max()):.3g} of the greatest after "
         f"{MOST_PASSES} passes; use softer springs, smaller loads or a lower crank speed, or "

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.linear_system.assembly.engine import Engine
 from flexmech.linear_system.joints.link_frames import LinkFrames
@@ -13,7 +14,6 @@ from flexmech.linear_system.links.link_model import inertia_loads
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
 from flexmech.linkages import RigidMotion, Topology
-from flexmech.types import FloatArray
 
 # Change along the turn, relative to the greatest value, that round-off makes.
 UNCHANGED = 1e-13
@@ -90,7 +90,7 @@ def is_constant_turn(engine: Engine, motion: RigidMotion) -> bool:
     """
     if turns_or_slides(engine.topology):
         return False
-    links, connectors = engine.held_links, engine.held_connectors
+    links, connectors = engine.clamped_links, engine.clamped_connectors
     loads = inertia_loads(links, motion, engine.mechanism.gravity)
     if connectors.any:
         # Together: a spring without tension pulls by round-off, which differs at all positions.

@@ -9,9 +9,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.choices import MODES
 from flexmech.mechanism import Mechanism
-from flexmech.types import FloatArray
 
 
 class ElementKinds(ABC):

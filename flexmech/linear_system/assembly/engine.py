@@ -10,6 +10,7 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.arrays import FloatArray
 from flexmech.choices import (
     MODES,
     MOST_MODES,
@@ -40,8 +41,7 @@ from flexmech.linear_system.reduction.component_modes import ComponentModes, com
 from flexmech.linkages import RigidMotion, lumped_elements
 from flexmech.linkages.motion import checked_drive
 from flexmech.mechanism import Mechanism
-from flexmech.numbers import POSITIVE, check_choice, check_count, check_flag, check_number
-from flexmech.types import FloatArray
+from flexmech.validation import POSITIVE, check_choice, check_count, check_flag, check_number
 
 # What a map of that many frequencies asks for: it tracks modes among two more.
 SYSTEM_MODES = MODES + 2

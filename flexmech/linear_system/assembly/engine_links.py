@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
 
+from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.errors import InputError
 from flexmech.linear_system.assembly.balanced_loads import BalancedLoads, Solve, balanced_loads
@@ -23,7 +24,6 @@ from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
 from flexmech.linear_system.loads.connectors import Connectors
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.mechanism import Mechanism
-from flexmech.types import FloatArray
 
 
 class EngineLinks(ElementKinds):
@@ -64,7 +64,7 @@ class EngineLinks(ElementKinds):
     @cached_property
     def links(self) -> tuple[LinkModel, ...]:
         """Unreduced link models in the topology's order; the shaft is as it is asked for."""
-        held = self.held_links
+        held = self.clamped_links
         return held if self._free_shaft is None else self._free_shaft.links(held)
 
     @cached_property
@@ -74,7 +74,7 @@ class EngineLinks(ElementKinds):
 
     @property
     @abstractmethod
-    def held_links(self) -> tuple[LinkModel, ...]:
+    def clamped_links(self) -> tuple[LinkModel, ...]:
         """Unreduced link models in the topology's order, the clamped one in its clamp."""
 
     @property
@@ -83,14 +83,14 @@ class EngineLinks(ElementKinds):
 
         None as well where links bend or stretch without load: it is that of straight links.
         """
-        held, shaft = self.held_stretches, self._free_shaft
+        held, shaft = self.clamped_stretches, self._free_shaft
         if held is None or shaft is None:
             return held
-        return shaft.stretches(self.held_links, held)
+        return shaft.stretches(self.clamped_links, held)
 
     @property
-    def held_stretches(self) -> tuple[LinkStretch, ...] | None:
-        """As :attr:`stretches`, of :attr:`held_links`."""
+    def clamped_stretches(self) -> tuple[LinkStretch, ...] | None:
+        """As :attr:`stretches`, of :attr:`clamped_links`."""
         return None
 
     def stressed_links(
@@ -121,7 +121,7 @@ class EngineLinks(ElementKinds):
         ComputationError
             If the equilibrium does not converge or is unstable; names the crank angle.
         """
-        held = self.stressed_held_links(motion, prestress, near)
+        held = self.stressed_clamped_links(motion, prestress, near)
         if not self._is_straight(motion, prestress):
             held = self._without_own_turning(motion, held)
         shaft = self._free_shaft
@@ -131,18 +131,18 @@ class EngineLinks(ElementKinds):
         if not self._is_straight(motion, prestress):
             # An equilibrium may have it in its tangents.
             if not (self.equilibrium_has_pull and prestress == "equilibrium"):
-                pull = shaft.pull(self.mechanism, self.held_links, motion, held)
-            reaction = shaft.reaction(self.held_links, motion, held.loads)
-        return shaft.stressed(self.held_links, held, reaction, pull)
+                pull = shaft.pull(self.mechanism, self.clamped_links, motion, held)
+            reaction = shaft.reaction(self.clamped_links, motion, held.loads)
+        return shaft.stressed(self.clamped_links, held, reaction, pull)
 
     @abstractmethod
-    def stressed_held_links(
+    def stressed_clamped_links(
         self,
         motion: RigidMotion,
         prestress: Prestress,
         near: Sequence[FloatArray] | None = None,
     ) -> StressedLinks:
-        """As :meth:`stressed_links`, of :attr:`held_links`.
+        """As :meth:`stressed_links`, of :attr:`clamped_links`.
 
         Parameters
         ----------
@@ -181,13 +181,13 @@ class EngineLinks(ElementKinds):
         return "equilibrium" if bent else "none"
 
     @cached_property
-    def held_connectors(self) -> Connectors:
-        """As :attr:`connectors`, of :attr:`held_links`."""
-        return Connectors(self.mechanism, self.held_links)
+    def clamped_connectors(self) -> Connectors:
+        """As :attr:`connectors`, of :attr:`clamped_links`."""
+        return Connectors(self.mechanism, self.clamped_links)
 
     def _straight_loads(self, motion: RigidMotion) -> list[FloatArray]:
         """Loads (B, n_link) on the held links as long as nothing has moved."""
-        loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
+        loads = inertia_loads(self.clamped_links, motion, self.mechanism.gravity)
         return self._with_connectors(loads, motion, None)
 
     def _with_connectors(
@@ -197,16 +197,16 @@ class EngineLinks(ElementKinds):
         displacement: Sequence[FloatArray] | None,
     ) -> list[FloatArray]:
         """Loads (B, n_link) and those of connectors at a displacement of the held links."""
-        if not self.held_connectors.any:
+        if not self.clamped_connectors.any:
             return loads
-        acting = self.held_connectors.forces(motion, displacement)
+        acting = self.clamped_connectors.forces(motion, displacement)
         return [a + b for a, b in zip(loads, acting, strict=True)]
 
     def _without_own_turning(self, motion: RigidMotion, stressed: StressedLinks) -> StressedLinks:
-        return without_own_turning(self.held_links, motion, stressed, self._carried(motion))
+        return without_own_turning(self.clamped_links, motion, stressed, self._carried(motion))
 
     def _carried(self, motion: RigidMotion) -> CarriedInertia | None:
-        return CarriedInertia.of(self.mechanism.linkage.topology, self.held_links, motion)
+        return CarriedInertia.of(self.mechanism.linkage.topology, self.clamped_links, motion)
 
     def _dead(
         self,
@@ -215,28 +215,28 @@ class EngineLinks(ElementKinds):
         displacement: Sequence[FloatArray] | None = None,
     ) -> DeadMoments:
         """Moments on bodies and rigid links of loads (B, n_link) at a displacement."""
-        links, gravity, virial, beside = self.held_links, self.mechanism.gravity, None, None
-        if self.held_connectors.any and not self.solves_connectors:
-            virial = self.held_connectors.virial(motion, displacement)
+        links, gravity, virial, beside = self.clamped_links, self.mechanism.gravity, None, None
+        if self.clamped_connectors.any and not self.solves_connectors:
+            virial = self.clamped_connectors.virial(motion, displacement)
         if displacement is not None and (carried := self._carried(motion)) is not None:
             beside = carried.moments(displacement)
         return DeadMoments.of(links, motion, gravity, loads, virial, beside)
 
     def _quasi_static_loads(self, motion: RigidMotion, solve: Solve) -> BalancedLoads:
         """Loads on the held links, which ``solve`` displaces under them."""
-        loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
+        loads = inertia_loads(self.clamped_links, motion, self.mechanism.gravity)
         carried = self._carried(motion)
-        connectors = self.held_connectors
+        connectors = self.clamped_connectors
         if carried is None and (self.solves_connectors or not connectors.any):
             return BalancedLoads(loads, None)
-        frames = LinkFrames(self.mechanism.linkage.topology, self.held_links)
+        frames = LinkFrames(self.mechanism.linkage.topology, self.clamped_links)
         return balanced_loads(
             connectors,
             frames,
             motion,
             loads,
             solve,
-            lambda displacement: self.running_held_links(motion, displacement).tangent,
+            lambda displacement: self.running_clamped_links(motion, displacement).tangent,
             carried=carried,
             solve_connects=self.solves_connectors,
         )
@@ -277,18 +277,18 @@ class EngineLinks(ElementKinds):
         """
         shaft = self._free_shaft
         if shaft is None:
-            held = self.running_held_links(motion, displacement)
+            held = self.running_clamped_links(motion, displacement)
             return self._without_own_turning(motion, held)
-        clamped = shaft.displacements(self.held_links, list(displacement))
-        held = self._without_own_turning(motion, self.running_held_links(motion, clamped))
-        pull = shaft.pull(self.mechanism, self.held_links, motion)
-        free = shaft.stressed(self.held_links, held, pull=pull)
+        clamped = shaft.displacements(self.clamped_links, list(displacement))
+        held = self._without_own_turning(motion, self.running_clamped_links(motion, clamped))
+        pull = shaft.pull(self.mechanism, self.clamped_links, motion)
+        free = shaft.stressed(self.clamped_links, held, pull=pull)
         return replace(free, displacement=list(displacement))
 
-    def running_held_links(
+    def running_clamped_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
     ) -> StressedLinks:
-        """As :meth:`running_links`, of :attr:`held_links`.
+        """As :meth:`running_links`, of :attr:`clamped_links`.
 
         Parameters
         ----------

@@ -13,6 +13,7 @@ from typing import Self
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linear_system.links.link_model import LinkModel, RigidFields
 from flexmech.linear_system.links.link_stretch import LinkStretch
@@ -20,7 +21,6 @@ from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linkages import Clamp, Pivot, RigidMotion, Topology, shown_crank_angle
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
-from flexmech.types import FloatArray
 
 # Part of the clamped link's speed by which it may be off that of the shaft.
 ROUND_OFF = 1e-9
@@ -114,7 +114,7 @@ class FreeShaft:
             link,
             mass=mass,
             gyroscopic=basis.T @ link.gyroscopic @ basis,
-            translational_mass=basis.T @ link.translational_mass @ basis,
+            centrifugal_mass=basis.T @ link.centrifugal_mass @ basis,
             first_moment=link.first_moment @ basis,
             stiffness=basis.T @ link.stiffness @ basis,
             damping=basis.T @ link.damping @ basis,

@@ -13,13 +13,13 @@ from typing import Self
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.choices import LINK_DIRECTIONS, LinkDirection
 from flexmech.errors import InputError, suggestion
 from flexmech.linear_system.assembly.system import LinearSystem
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import Topology
-from flexmech.numbers import Bounds, check_choice, check_instance, check_number
-from flexmech.types import FloatArray
+from flexmech.validation import Bounds, check_choice, check_instance, check_number
 
 ON_THE_LINK = Bounds(least=0.0, most=1.0)
 EXAMPLE = "write LINK:FRACTION, such as coupler:0.5 for the middle of the coupler"

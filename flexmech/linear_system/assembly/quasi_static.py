@@ -10,11 +10,11 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system.joints.position_errors import LESS_LOADED, refuse_positions
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.sections import BeamSection
-from flexmech.types import FloatArray
 
 MAX_ITERATIONS = 40
 """Of Newton's method in one load step."""

@@ -7,6 +7,7 @@ from dataclasses import fields
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system.assembly.system import LinearSystem, condense
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.chains import LinkMatrix, diagonal, in_positions, whole
@@ -16,7 +17,6 @@ from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTer
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.reduction.component_modes import ComponentModes, ReducedLink
 from flexmech.linkages import RigidMotion
-from flexmech.types import FloatArray
 
 Connect = Callable[[LinkFrames, RigidMotion, SystemMatrices, slice], SystemMatrices]
 """Adds to matrices in some positions, those of a slice, what connects the links."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import coo_array, csc_array
 
+from flexmech.arrays import IntArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.link_place import DependentRows
 from flexmech.linear_system.links.chains import ChainMatrix, LinkMatrix, in_positions
@@ -19,7 +20,6 @@ from flexmech.linear_system.links.dead_moments import body_turns
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linkages import RigidMotion
-from flexmech.types import IntArray
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class SparsePositions:
         self._turns = body_turns(frames.links, stressed.displacement)
         self._following = frames.dependent_rows(self._motion)
         self._steady = [
-            tuple(map(_sparse, (link.mass, link.gyroscopic, link.translational_mass)))
+            tuple(map(_sparse, (link.mass, link.gyroscopic, link.centrifugal_mass)))
             for link in frames.links
         ]
 

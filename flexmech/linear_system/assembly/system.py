@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.chains import whole
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
-from flexmech.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.linkages.body_motion import BodyMotion, dot
 from flexmech.linkages.connection_forces import slider_line
-from flexmech.types import ComplexArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.link_place import DependentRows, LinkPlace
 from flexmech.linear_system.joints.link_ties import LinkTies
 from flexmech.linear_system.joints.rigid_coordinates import RigidCoordinates
@@ -32,7 +33,6 @@ from flexmech.linear_system.links.chains import LinkMatrix, whole
 from flexmech.linear_system.links.link_model import LinkModel, WholeLink
 from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
 from flexmech.linkages import RigidMotion, Topology
-from flexmech.types import FloatArray, IntArray
 
 
 class LinkFrames:
@@ -363,7 +363,7 @@ def _tangent(
     """Stiffness of a link with what its frame's turning adds; (n, n) or (B, n, n)."""
     if terms.centripetal:
         speed = motion.angular_velocity[:, number, None, None]
-        stiffness = stiffness - speed**2 * link.translational_mass
+        stiffness = stiffness - speed**2 * link.centrifugal_mass
     if terms.tangential:
         change = motion.angular_acceleration[:, number, None, None]
         stiffness = stiffness + change * link.gyroscopic

@@ -8,9 +8,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
-from flexmech.types import FloatArray, IntArray
 
 Numbers = slice | IntArray
 

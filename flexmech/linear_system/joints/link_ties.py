@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.joint_points import (
     JointPoint,
     TurningJoint,
@@ -35,7 +36,6 @@ from flexmech.linkages.body_motion import BodyPoint
 from flexmech.linkages.connection_forces import end_point
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
 from flexmech.linkages.motion import direction, normal
-from flexmech.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

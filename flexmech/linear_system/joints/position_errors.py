@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.linkages import RigidMotion
-from flexmech.types import FloatArray
 
 LESS_LOADED = "{less_loaded}"
 """Where an advice says what lowers the loads: the crank speed and what acts at rest, or that alone.

@@ -15,6 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.displaced_motion import general_position, link_bodies
 from flexmech.linear_system.joints.joint_points import JointPoint, joint_points, turning_joints
 from flexmech.linear_system.joints.position_errors import refuse_positions
@@ -23,7 +24,6 @@ from flexmech.linkages.body_motion import GROUND_AFTER_LINKS, BodyPoint
 from flexmech.linkages.connection_forces import end_point, slider_line
 from flexmech.linkages.constraints import Coincidence, Constraints, EqualAngle
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
-from flexmech.types import FloatArray, IntArray
 
 # Singular values of the conditions, relative to the greatest, that count as none.
 DEPENDENT = 1e-9

@@ -16,12 +16,12 @@ from typing import Self
 
 import numpy as np
 
+from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.linear_system.joints.displaced_motion import DisplacedMotion, link_bodies
 from flexmech.linear_system.joints.rigid_coordinates import PoseStiffness, RigidCoordinates
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.body_motion import BodyMotion, BodyPoint, dot
 from flexmech.linkages.connection_forces import end_point
-from flexmech.types import ComplexArray, FloatArray, IntArray
 
 # Newton's method takes five to eight from the straight linkage; more is out of reach.
 ITERATIONS = 30

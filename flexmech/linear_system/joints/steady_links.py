@@ -7,12 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system.joints.link_place import LinkPlace
 from flexmech.linear_system.joints.link_ties import LinkTies
 from flexmech.linear_system.links.chains import whole
 from flexmech.linear_system.links.link_map import LinkMap, SteadySum, TurningFactors
 from flexmech.linear_system.links.link_model import LinkModel
-from flexmech.types import FloatArray
 
 
 class SteadyLinks:

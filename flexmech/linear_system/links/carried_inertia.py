@@ -18,11 +18,11 @@ from typing import Self
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system.links.chains import whole
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rigid_body import RigidBody
 from flexmech.linkages import RigidMotion, Topology
-from flexmech.types import FloatArray
 
 
 def turns_as_one_body(topology: Topology) -> bool:
@@ -82,7 +82,7 @@ class CarriedInertia:
             self.links, self.speed[..., None, None], self.change[..., None, None], strict=True
         )
         return [
-            speed**2 * whole(link.translational_mass) - change * whole(link.gyroscopic)
+            speed**2 * whole(link.centrifugal_mass) - change * whole(link.gyroscopic)
             for link, speed, change in rates
         ]
 

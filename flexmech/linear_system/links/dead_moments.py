@@ -9,13 +9,13 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.links.carried_inertia import CarriedInertia
 from flexmech.linear_system.links.chains import LinkMatrix, with_entries
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rigid_body import RigidBody
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linkages import RigidMotion
-from flexmech.types import FloatArray, IntArray
 
 
 def body_turns(

@@ -14,7 +14,7 @@ from functools import cache
 
 import numpy as np
 
-from flexmech.types import FloatArray, IntArray
+from flexmech.arrays import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.links.chains import LinkMatrix, whole, with_entries
 from flexmech.linear_system.links.link_readings import LinkReadings
 from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
 from flexmech.linkages import LinkBody, RigidMotion
 from flexmech.linkages.motion import direction, normal
-from flexmech.types import FloatArray, IntArray
 
 NONE = np.zeros(0, dtype=np.intp)
 NO_VECTORS = np.zeros((2, 0), dtype=np.intp)
@@ -67,14 +67,14 @@ class WholeLink:
 
     Parameters
     ----------
-    mass, gyroscopic, translational_mass : ndarray, shape (n, n)
+    mass, gyroscopic, centrifugal_mass : ndarray, shape (n, n)
     end_mass, end_gyroscopic : ndarray, shape (n, n)
         See :class:`EndMatrices`.
     """
 
     mass: FloatArray
     gyroscopic: FloatArray
-    translational_mass: FloatArray
+    centrifugal_mass: FloatArray
     end_mass: FloatArray
     end_gyroscopic: FloatArray
 
@@ -97,14 +97,14 @@ class LinkModel:
     gyroscopic : ndarray, shape (n, n)
         ``S``, the integral of ``rho N^T J N`` (skew); the Coriolis matrix is ``2 omega S``
         and the tangential one ``alpha S``.
-    translational_mass : ndarray, shape (n, n)
+    centrifugal_mass : ndarray, shape (n, n)
         ``M_t``, the integral of ``rho N^T N``; the centripetal matrix is ``-omega^2 M_t``.
         Without rotary inertia: a section that turns about its centre of mass keeps its
         centrifugal potential.
     first_moment : ndarray, shape (2, n)
         ``-rho N^T J e`` and ``rho N^T e``, integrated, with e the place of matter against that
         which the field ``centripetal`` gives it: mostly its distance from the pins' axis. Zero
-        where the centres of mass lie on that. As in ``translational_mass``, a rotation that
+        where the centres of mass lie on that. As in ``centrifugal_mass``, a rotation that
         turns e has no part in the first.
     stiffness : ndarray, shape (n, n)
         Elastic stiffness of the unloaded, straight link.
@@ -140,7 +140,7 @@ class LinkModel:
     name: str
     mass: LinkMatrix
     gyroscopic: LinkMatrix
-    translational_mass: LinkMatrix
+    centrifugal_mass: LinkMatrix
     first_moment: FloatArray
     stiffness: LinkMatrix
     damping: LinkMatrix
@@ -171,7 +171,7 @@ class LinkModel:
         -------
         LinkModel
         """
-        matrices = [self.mass, self.gyroscopic, self.translational_mass]
+        matrices = [self.mass, self.gyroscopic, self.centrifugal_mass]
         moment, fixed = self.first_moment.copy(), []
         nodes = body_nodes(self.readings.nodes, bodies)
         for body, node in zip(bodies, nodes.tolist(), strict=True):
@@ -190,7 +190,7 @@ class LinkModel:
             self,
             mass=mass,
             gyroscopic=gyroscopic,
-            translational_mass=translational,
+            centrifugal_mass=translational,
             first_moment=moment,
             bodies=tuple(fixed),
         )
@@ -224,7 +224,7 @@ class LinkModel:
         """Its matrices with all their entries."""
         ends = self.ends
         return WholeLink(
-            *(whole(x) for x in (self.mass, self.gyroscopic, self.translational_mass)),
+            *(whole(x) for x in (self.mass, self.gyroscopic, self.centrifugal_mass)),
             *(whole(x) for x in (ends.mass, ends.gyroscopic)),
         )
 
@@ -320,7 +320,7 @@ class LinkModel:
             self,
             mass=project(self.mass),
             gyroscopic=project(self.gyroscopic),
-            translational_mass=project(self.translational_mass),
+            centrifugal_mass=project(self.centrifugal_mass),
             first_moment=self.first_moment @ basis,
             stiffness=project(self.stiffness),
             damping=project(self.damping),

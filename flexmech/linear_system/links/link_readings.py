@@ -8,8 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.mesh import middle_curvature, shapes_at, station_shapes
-from flexmech.types import FloatArray
 
 # Of the link's length: a place so near to a node is at it.
 AT_NODE = 1e-9

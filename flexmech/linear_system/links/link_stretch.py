@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 # Combinations of strains that no coordinate moves, to this part of the one moved most.
 _NOT_MOVED = 1e-9

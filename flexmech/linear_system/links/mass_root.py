@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 # Up to this size rows are eliminated over the whole batch at once; larger matrices are halved.
 # Measured with some hundred positions: half to a third of the time of going row by row.

@@ -16,9 +16,9 @@ from typing import Self
 
 import numpy as np
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linkages import LinkBody, LinkMass, RigidMotion
 from flexmech.linkages.motion import direction, normal
-from flexmech.types import FloatArray, IntArray
 
 # Of a second moment: what round-off leaves of it.
 ROUND_OFF = 1e-12

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system.links.link_model import NONE, LinkModel, RigidFields
 from flexmech.linear_system.links.link_readings import LinkReadings
 from flexmech.linear_system.links.rigid_body import RigidBody
 from flexmech.linkages import LinkMass
-from flexmech.types import FloatArray
 
 
 def rigid_link(name: str, mass: LinkMass) -> LinkModel:
@@ -42,7 +42,7 @@ def rigid_link(name: str, mass: LinkMass) -> LinkModel:
         name=name,
         mass=inertia,
         gyroscopic=gyroscopic,
-        translational_mass=translational,
+        centrifugal_mass=translational,
         first_moment=np.array([[across, -along, -body.on_axis], [along, across, 0.0]]),
         stiffness=nothing,
         damping=nothing,

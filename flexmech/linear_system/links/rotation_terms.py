@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system.links.chains import LinkMatrix, in_positions, whole
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ from typing import Self
 
 import numpy as np
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.links.chains import LinkMatrix, in_positions, repeated
 from flexmech.linear_system.links.link_model import LinkModel
-from flexmech.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.link_place import DependentRows
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import Load, RigidMotion
 from flexmech.linkages.motion import direction, normal
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True)
@@ -76,8 +76,9 @@ class AttachedPoint:
 
         The moment of a rigid link that has turned by phi is
         ``cos(phi) moment - sin(phi) virial``; see
-        :mod:`flexmech.linear_system.links.dead_moments`. A torque is the same however far it has turned: its part of the moment is
-        ``torque cos(phi)``, and of the virial ``-torque sin(phi)``.
+        :mod:`flexmech.linear_system.links.dead_moments`. A torque is the same
+        however far it has turned: its part of the moment is ``torque cos(phi)``, and of the virial
+        ``-torque sin(phi)``.
 
         Parameters
         ----------

@@ -8,12 +8,12 @@ from typing import Self
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.loads.attached_points import AttachedPoint, MovedPoint
 from flexmech.linkages import JointSpring, RigidMotion, Spring
 from flexmech.linkages.applied_forces import SpringLine
 from flexmech.mechanism import Mechanism
-from flexmech.types import FloatArray
 
 
 def acts_still(mechanism: Mechanism) -> bool:
@@ -23,7 +23,7 @@ def acts_still(mechanism: Mechanism) -> bool:
 
 
 @dataclass(frozen=True)
-class Push:
+class PointForce:
     """Force of connectors on one point: ground axes (B, 2) and torque (B,)."""
 
     point: AttachedPoint

@@ -17,6 +17,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.linear_system.joints.displaced_motion import DisplacedMotion
 from flexmech.linear_system.joints.link_frames import LinkFrames
@@ -26,7 +27,7 @@ from flexmech.linear_system.loads.attached_points import AttachedPoint
 from flexmech.linear_system.loads.connector_forces import (
     Answer,
     ConnectedMatrices,
-    Push,
+    PointForce,
     SpringEnd,
     SpringState,
     acts_still,
@@ -44,7 +45,6 @@ from flexmech.linkages import (
 )
 from flexmech.linkages.applied_forces import ForceOnLink, SpringLine
 from flexmech.mechanism import Mechanism
-from flexmech.types import FloatArray
 
 
 class Connectors:
@@ -115,7 +115,7 @@ class Connectors:
         list of ndarray, shape (B, n_link)
         """
         total = [np.zeros((len(motion.crank_angle), link.size)) for link in self.links]
-        for push in self.pushes(motion, displacement, time):
+        for push in self.point_forces(motion, displacement, time):
             link = push.point.link
             q = None if displacement is None else displacement[link]
             total[link] += push.point.force(motion, push.force, push.torque, q)
@@ -125,7 +125,7 @@ class Connectors:
         """The same forces on straight links, each by itself, for a batch of shape (B,)."""
         return tuple(
             ForceOnLink(push.point.link, push.point.x, push.force, push.torque)
-            for push in self.pushes(motion)
+            for push in self.point_forces(motion)
         )
 
     def virial(
@@ -138,7 +138,7 @@ class Connectors:
         """
         total = np.zeros(motion.angle.shape)
         rigid = any(link.rigid for link in self.links)
-        for push in self.pushes(motion, displacement) if rigid else ():
+        for push in self.point_forces(motion, displacement) if rigid else ():
             point = push.point
             if point.rigid:
                 q = None if displacement is None else displacement[point.link]
@@ -217,12 +217,12 @@ class Connectors:
         answers = self.answers(drawn, displacement, time, stressed=prestress != "none")
         return connected_matrices(frames, motion, answers, is_conservative=self.is_conservative)
 
-    def pushes(
+    def point_forces(
         self,
         motion: RigidMotion,
         displacement: Sequence[FloatArray] | None = None,
         time: FloatArray | None = None,
-    ) -> list[Push]:
+    ) -> list[PointForce]:
         """Forces on points of the links, one by one.
 
         Parameters
@@ -236,25 +236,25 @@ class Connectors:
 
         Returns
         -------
-        list of Push
+        list of PointForce
             First those of loads, then those of springs.
         """
-        pushes = []
+        point_forces = []
         for load in self._acting(time):
             at, values = self.point_of(load), self._values(load, motion, time)
             force = at.load_force(load, values, motion, displacement)
-            pushes.append(Push(at, force, values[:, 2]))
+            point_forces.append(PointForce(at, force, values[:, 2]))
         for spring in self._mechanism.springs:
             state = self._spring_state(spring, motion, displacement)
             force = state.line.tension[:, None] * state.line.along
             for point, sign in ((state.first, 1.0), (state.second, -1.0)):
                 if point is not None:
-                    pushes.append(Push(point, sign * force, np.zeros(len(force))))
+                    point_forces.append(PointForce(point, sign * force, np.zeros(len(force))))
         own_springs = self._mechanism.joint_springs
         angles = continuous_angles(self._mechanism.linkage, motion) if own_springs else motion.angle
         for own in own_springs:
-            pushes += self._joint_pushes(own, motion, angles, displacement)
-        return pushes
+            point_forces += self._joint_point_forces(own, motion, angles, displacement)
+        return point_forces
 
     def answers(
         self,
@@ -311,13 +311,13 @@ class Connectors:
         assert point is not None
         return point
 
-    def _joint_pushes(
+    def _joint_point_forces(
         self,
         own: JointSpring,
         motion: RigidMotion,
         angles: FloatArray,
         displacement: Sequence[FloatArray] | None,
-    ) -> list[Push]:
+    ) -> list[PointForce]:
         """Torques of a joint's torsional spring; a radial one carries what the joint carries."""
         second, first = self.joint_points(own)
         sides = [(point, sign) for point, sign in ((second, 1.0), (first, -1.0)) if point]
@@ -329,7 +329,7 @@ class Connectors:
             )
         torque = own.torque(np.asarray(opening), rate)
         nothing = np.zeros((len(torque), 2))
-        return [Push(point, nothing, sign * torque) for point, sign in sides]
+        return [PointForce(point, nothing, sign * torque) for point, sign in sides]
 
     def joint_points(self, own: JointSpring) -> tuple[AttachedPoint, AttachedPoint | None]:
         """Ends of the following and the leading link of a joint; None on the ground."""

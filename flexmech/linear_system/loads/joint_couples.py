@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system.loads.connectors import Connectors
 from flexmech.mechanism import Mechanism
-from flexmech.types import FloatArray
 
 
 def has_dampers(mechanism: Mechanism) -> bool:

@@ -43,16 +43,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.chains import LinkMatrix
 from flexmech.linear_system.links.link_model import LinkModel
-from flexmech.linear_system.reduction.fixed_interface_modes import (
-    HeldLink,
-    hold_ends,
-)
+from flexmech.linear_system.reduction.fixed_interface_modes import FixedInterfaceLink, fix_interface
 from flexmech.linear_system.reduction.link_boundary import JoinedEnds
 from flexmech.linkages import Topology
-from flexmech.types import FloatArray
 
 # Modes of the held links are kept up to this multiple of the frequency of the highest
 # mode asked for; the frequencies asked for mostly come out within 1e-5. Maps measure their
@@ -179,7 +176,7 @@ def component_modes(
     if couples is None:
         couples = [np.zeros((link.size, 0)) for link in links]
     pairs = zip(links, couples, strict=True)
-    held = [hold_ends(ends, link, turning) for link, turning in pairs if not link.rigid]
+    held = [fix_interface(ends, link, turning) for link, turning in pairs if not link.rigid]
     every = np.sort(np.concatenate([h.bending.lowest(modes) for h in held]))
     usual_cutoff = BENDING_CUTOFF * every[min(modes, len(every)) - 1]
     bending_cutoff = detail * usual_cutoff
@@ -217,7 +214,7 @@ def _as_it_is(link: LinkModel) -> ReducedLink:
 
 
 def _reduce(
-    held: HeldLink,
+    held: FixedInterfaceLink,
     bending_cutoff: float,
     axial_cutoff: float,
     condensed_modes: int,
@@ -262,7 +259,7 @@ def _reduce(
     )
 
 
-def _damped_ends(held: HeldLink, basis: FloatArray, condensed: FloatArray) -> FloatArray:
+def _damped_ends(held: FixedInterfaceLink, basis: FloatArray, condensed: FloatArray) -> FloatArray:
     """Ways (n_reduced, r) of following ends to move whose damping deforms what is condensed."""
     link, inner, following = held.link, held.inner, held.boundary.following
     force = link.damping @ held.boundary.unit[:, following]
@@ -277,7 +274,7 @@ def _damped_ends(held: HeldLink, basis: FloatArray, condensed: FloatArray) -> Fl
     return ways
 
 
-def _turning_sections(held: HeldLink) -> FloatArray:
+def _turning_sections(held: FixedInterfaceLink) -> FloatArray:
     """Shapes (n, m) whose sections turn and warp in waves along the link while its axis rests."""
     link = held.link
     of_sections = np.flatnonzero(~link.is_axial & (link.fields.across == 0))
@@ -291,7 +288,7 @@ def _turning_sections(held: HeldLink) -> FloatArray:
     return shapes.reshape(link.size, -1)
 
 
-def _answers_to_damping(held: HeldLink, shapes: FloatArray) -> FloatArray:
+def _answers_to_damping(held: FixedInterfaceLink, shapes: FloatArray) -> FloatArray:
     """Static answers (n, m) to what damps shapes (n, k) otherwise than one time for all would.
 
     Of one damping time the forces on a static shape vanish, and those on a mode leave it a mode.

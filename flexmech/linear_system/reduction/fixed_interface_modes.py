@@ -1,4 +1,10 @@
-"""A link with its joined ends held: what its component modes are made of."""
+"""Fixed-interface modes of a link: its vibration with the ends held at which it is joined.
+
+Component modes are these and static shapes (Craig & Bampton, *AIAA Journal* 6, 1968). Of few
+elements all modes are found at once. Of many the lowest are found alone, by Lanczos' method on the
+inverse of the stiffness (shift-invert, ARPACK), so that nothing grows with the square of the number
+of elements.
+"""
 
 from __future__ import annotations
 
@@ -8,14 +14,14 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.links.chains import ChainMatrix, LinkMatrix, couples, whole
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.reduction.link_boundary import JoinedEnds, LinkBoundary, link_boundary
-from flexmech.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True)
-class HeldLink:
+class FixedInterfaceLink:
     """A link with its joined ends held: static shapes and vibration modes.
 
     Parameters
@@ -25,7 +31,7 @@ class HeldLink:
     boundary : LinkBoundary
     static : ndarray, shape (n, b)
         What each coordinate that the link keeps at its joints moves statically.
-    bending, axial : HeldModes
+    bending, axial : FixedInterfaceModes
         Vibration modes, normalized by the mass.
     bending_relief, axial_relief : ndarray, shape (n, r)
         Static answers to the inertia of the static shapes, and to couples at free ends.
@@ -40,8 +46,8 @@ class HeldLink:
     link: LinkModel
     boundary: LinkBoundary
     static: FloatArray
-    bending: HeldModes
-    axial: HeldModes
+    bending: FixedInterfaceModes
+    axial: FixedInterfaceModes
     bending_relief: FloatArray
     axial_relief: FloatArray
     floating_relief: FloatArray
@@ -54,7 +60,7 @@ class HeldLink:
         return self.flexibility.free
 
 
-def hold_ends(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> HeldLink:
+def fix_interface(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> FixedInterfaceLink:
     """Static shapes and vibration modes of a flexible link.
 
     Parameters
@@ -68,7 +74,7 @@ def hold_ends(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> HeldLin
 
     Returns
     -------
-    HeldLink
+    FixedInterfaceLink
     """
     boundary = link_boundary(ends, link)
     inner = np.flatnonzero(~(boundary.fixed | boundary.joined))
@@ -89,13 +95,13 @@ def hold_ends(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> HeldLin
     # Modes of a link whose ends turn freely converge slowly to a spring against that.
     turned = np.zeros_like(couples)
     turned[inner] = flexibility.answers(couples[inner])
-    return HeldLink(
+    return FixedInterfaceLink(
         link=link,
         boundary=boundary,
         static=static,
         # Where an axis off the pins couples both, bending goes along without axial force.
-        bending=HeldModes(link, turning, stretching),
-        axial=HeldModes(link, stretching),
+        bending=FixedInterfaceModes(link, turning, stretching),
+        axial=FixedInterfaceModes(link, stretching),
         bending_relief=np.concatenate([*answers, turned], axis=1),
         axial_relief=axial_relief,
         floating_relief=floating_relief if floats else relief[:, :0],
@@ -126,7 +132,7 @@ FIRST_MODES = 24
 LARGE_PART = 1 / 4
 
 
-class HeldModes:
+class FixedInterfaceModes:
     """Mass-normalized vibration modes in a space of shapes, as many as are asked for.
 
     Parameters

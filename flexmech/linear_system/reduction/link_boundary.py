@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.joint_points import joint_points
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import LinkEnd, Topology
 from flexmech.linkages.topology import End
-from flexmech.types import FloatArray, IntArray
 
 ENDS: tuple[End, ...] = ("start", "end")
 

@@ -9,14 +9,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.fourbar import FourBar
 from flexmech.linkages.motion import RigidMotion, cross, direction
 from flexmech.model_text import TomlTable, fields_table
-from flexmech.numbers import POSITIVE, check_angle, check_instance, check_number
 from flexmech.short_repr import short_repr
-from flexmech.types import FloatArray
 from flexmech.units import ANGLE, LENGTH
+from flexmech.validation import POSITIVE, check_angle, check_instance, check_number
 
 # Number of the coupler among the links of a four-bar.
 COUPLER = 1

@@ -43,12 +43,12 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.coupler_curves.curve import CouplerPoint, CouplerTriangle
 from flexmech.linkages.coupler_curves.focal_cubic import FocalCubic
 from flexmech.linkages.fourbar import FourBar
-from flexmech.numbers import check_instance
-from flexmech.types import FloatArray
+from flexmech.validation import check_instance
 
 Circuit = Literal["open", "crossed", "upper", "lower", "whole"]
 CrankMotion = Literal["turns", "swings in two ranges", "swings in one range"]

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.body_motion import BodyMotion
 from flexmech.linkages.motion import RigidMotion
@@ -14,7 +15,6 @@ from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, bodies_of
 from flexmech.linkages.planar.drawing import Drawing
 from flexmech.linkages.planar.newton import FollowedPath, NewtonGroup
 from flexmech.linkages.planar.plan import assembly_order
-from flexmech.types import FloatArray
 
 
 class Assembly:

@@ -12,11 +12,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.body_motion import BodyPoint
 from flexmech.linkages.constraints import Coincidence, PointOnLine
 from flexmech.linkages.planar.drawing import Drawing
-from flexmech.types import FloatArray
 
 GROUND_BODY, CRANK = 0, 1
 

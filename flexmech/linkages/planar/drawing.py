@@ -13,7 +13,7 @@ from typing import Literal
 from flexmech.errors import InputError, suggestion
 from flexmech.linkages.attachments import GROUND
 from flexmech.linkages.topology import LinkEnd
-from flexmech.numbers import (
+from flexmech.validation import (
     check_angle,
     check_choice,
     check_flag,

@@ -15,9 +15,9 @@ from typing import Protocol
 
 import numpy as np
 
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.linkages.body_motion import BodyMotion, dot
 from flexmech.linkages.planar.bodies import Refusal
-from flexmech.types import ComplexArray, FloatArray
 
 Known = Mapping[int, BodyMotion]
 # Below this sine between two loci velocities are set by round-off: the position is locked.

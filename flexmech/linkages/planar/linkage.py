@@ -20,8 +20,8 @@ from flexmech.linkages.planar.joints import derived_topology
 from flexmech.linkages.planar.resizing import resized_points
 from flexmech.linkages.topology import Topology
 from flexmech.model_text import TomlTable, quantity
-from flexmech.numbers import check_angle, check_instance, check_pair, checked_tuple
 from flexmech.units import ANGLE, LENGTH
+from flexmech.validation import check_angle, check_instance, check_pair, checked_tuple
 
 # Fields that hold several things: of which type, and what to give.
 _PARTS: tuple[tuple[str, type, str], ...] = (

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError, InputError
 from flexmech.linkages.body_motion import BodyMotion
 from flexmech.linkages.constraints import Constraints
@@ -26,7 +27,6 @@ from flexmech.linkages.planar.bodies import (
     degrees,
 )
 from flexmech.linkages.planar.drawing import Drawing
-from flexmech.types import FloatArray
 
 Known = Callable[[FloatArray], Mapping[int, BodyMotion]]
 """Motion of the bodies that are known before, at crank angles of shape (B,)."""

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, Bodies, GuidedPoint, SharedPoint
 from flexmech.linkages.planar.drawing import Drawing
-from flexmech.types import FloatArray
 
 ITERATIONS = 30
 # Of the size.

@@ -8,10 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError
 from flexmech.materials.moisture.diffusivity import Diffusivity
 from flexmech.materials.moisture.slab import Faces
-from flexmech.types import FloatArray, IntArray
 
 FEWEST_CELLS = 4
 # Cells at a fine end are cosh(2)^2 = 14 times smaller than in the middle: with more, the error in

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.types import FloatArray
 
 GAS_CONSTANT = 8.31446261815324
 

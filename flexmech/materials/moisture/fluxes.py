@@ -18,11 +18,11 @@ import numpy as np
 import scipy.sparse
 from scipy.integrate import solve_ivp
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError
 from flexmech.materials.moisture.cells import DiffusionMesh, Waves
 from flexmech.materials.moisture.history import Ambient, Period
 from flexmech.materials.moisture.slab import Faces
-from flexmech.types import FloatArray
 
 SparseMatrix = Any  # SciPy's sparse arrays, whose types its stubs parametrize differently
 

@@ -9,8 +9,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError
-from flexmech.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.materials.moisture.cells import DiffusionLayer, Waves, graded, layer_mesh, side_waves
 from flexmech.materials.moisture.fluxes import Fluxes
 from flexmech.materials.moisture.history import Ambient
 from flexmech.materials.moisture.slab import Faces, checked_faces
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.special import erfc
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.numbers import check_choice
-from flexmech.types import FloatArray
+from flexmech.validation import check_choice
 
 Faces = Literal["both", "lower", "upper"]
 """The faces of a slab that are exposed; the other one is sealed."""

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import LinkModel
 from flexmech.linkages import LinkEnd, LinkPoint, RigidMotion, continuous_angles
 from flexmech.linkages.motion import direction, normal
@@ -15,7 +16,6 @@ from flexmech.multibody.link_parts import BeamPart, RigidPart
 from flexmech.multibody.node_directions import leading_end
 from flexmech.multibody.running.user_functions import Shaft, load_history
 from flexmech.time_domain.equations_of_motion import ConnectorWork
-from flexmech.types import FloatArray
 
 
 class RunningConnectors:

@@ -8,13 +8,13 @@ from itertools import chain
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linkages import LinkEnd, Pin, RigidMotion, Topology, Weld
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.link_parts import RigidPart
 from flexmech.multibody.node_directions import leading_end
 from flexmech.multibody.running.closure import AngleGap, ClosedJoints, JoinedEnd, LineGap, PlaceGap
 from flexmech.multibody.running.user_functions import AxisPoint, HubClamp, Joints, Shaft
-from flexmech.types import FloatArray
 
 
 def place_at_start(assembly: LinkAssembly, start: RigidMotion, held: LinkEnd) -> FloatArray:

@@ -21,6 +21,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linear_system import LinkModel, whole
 from flexmech.linkages import CrankDrive, Linkage, LockedCrank
@@ -33,7 +34,6 @@ from flexmech.multibody.link_parts import BeamPart, RigidPart
 from flexmech.multibody.node_bodies import NodeBodies
 from flexmech.multibody.running.user_functions import torque_history
 from flexmech.time_domain.recorded_runs import Impact, rigid_torque
-from flexmech.types import FloatArray
 
 
 class LinkEnergies:

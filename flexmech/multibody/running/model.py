@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import LinkModel
 from flexmech.linkages import Clamp, CrankDrive, LockedCrank
 from flexmech.linkages.motion import normal
@@ -38,7 +39,6 @@ from flexmech.multibody.running.loads import (
 )
 from flexmech.multibody.running.user_functions import Shaft
 from flexmech.time_domain.recorded_runs import Impact
-from flexmech.types import FloatArray
 
 
 class RunningModel:

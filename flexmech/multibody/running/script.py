@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields
 from itertools import groupby
 from textwrap import wrap
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import one_line
 from flexmech.linkages import CrankDrive
 from flexmech.mechanism import Provenance
@@ -29,7 +30,6 @@ from flexmech.multibody.running.script_text import (
     statement,
 )
 from flexmech.multibody.running.user_functions import Joints
-from flexmech.types import FloatArray
 
 WIDTH = 88
 _COORDINATES = {"NodePoint2DSlope1": 4, "NodeRigidBody2D": 3, "NodePointGround": 0}

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.choices import Integrator, LinkDirection
 from flexmech.errors import InputError
 from flexmech.linear_system import LinkModel, LinkPoint, displacement_row
@@ -20,7 +21,6 @@ from flexmech.multibody.link_parts import MovingFrames
 from flexmech.multibody.running.model import RunningModel
 from flexmech.time_domain.integrators import UnbalancedStepError
 from flexmech.time_domain.recorded_runs import LinkState, Recorder, ShaftMotion, StepBlock
-from flexmech.types import FloatArray
 
 # How far a start may tear a joint apart, relative to the length of all links.
 START_GAP = 1e-6

@@ -6,10 +6,10 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses import Comparison
+from flexmech.arrays import FloatArray
 from flexmech.plots.reading import complex_values
 from flexmech.report.panel import Panel, Plot, Trace, YAxis, over_angle, panel_of, shows
 from flexmech.report.results import Results
-from flexmech.types import FloatArray
 
 # Strains are read in µm/m; what has a unit is drawn in it.
 STRAIN = (1e6, "µm/m")

@@ -7,6 +7,7 @@ import xarray as xr
 
 from flexmech.analyses import MovingFrequencies, Table
 from flexmech.analyses.frequencies.extremes import known_error
+from flexmech.arrays import FloatArray
 from flexmech.report.panel import (
     Choice,
     Panel,
@@ -28,7 +29,6 @@ from flexmech.report.words import (
     state_of,
     with_error,
 )
-from flexmech.types import FloatArray
 from flexmech.units import from_si
 
 # Of an axis, and of what stands around all of them, in pixels.

@@ -8,11 +8,11 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses import CouplerPaths, Kinematics, ModelCheck
+from flexmech.arrays import FloatArray
 from flexmech.plots.reading import names_of
 from flexmech.report.panel import Choice, Panel, Plot, Trace, YAxis, over_angle, panel_of, shows
 from flexmech.report.results import Results
 from flexmech.report.words import crank_degrees, speed_name, speed_unit_of
-from flexmech.types import FloatArray
 
 
 def kinematics_panel(results: Results) -> Panel | None:

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses import Response, Table
+from flexmech.arrays import FloatArray
 from flexmech.plots.reading import STARTS, names_of
 from flexmech.report.last_turn import MOST_POINTS, LastTurn, last_turn
 from flexmech.report.panel import (
@@ -32,7 +33,6 @@ from flexmech.report.words import (
     state_of,
     with_error,
 )
-from flexmech.types import FloatArray
 
 
 def response_panel(results: Results) -> Panel | None:

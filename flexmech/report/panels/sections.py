@@ -7,12 +7,12 @@ import xarray as xr
 
 from flexmech.analyses import ModelCheck, MoistureUptake, SectionProfiles
 from flexmech.analyses.section_profile.result import property_table
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.plots.reading import names_of
 from flexmech.report.last_turn import thinning
 from flexmech.report.panel import Look, Panel, Plot, Trace, YAxis, panel_of, shows
 from flexmech.report.results import Results
 from flexmech.report.words import state_of
-from flexmech.types import FloatArray, IntArray
 from flexmech.units import from_si
 
 # Variable, number of the unit load, title of the axis, and its units in a Pa.

@@ -20,10 +20,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from flexmech.arrays import FloatArray
 from flexmech.linkages import synthesize_crank_rocker
 from flexmech.studies.claim import REPRODUCED_WITHIN, Claim, verdict_on, within_a_tenth
 from flexmech.studies.composite_crank_rockers import linkages, structure
-from flexmech.types import FloatArray
 
 # Printed limits are held to half a degree.
 _LIMIT_TOLERANCE = 0.5

@@ -16,10 +16,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from flexmech.arrays import FloatArray
 from flexmech.linkages import FourBar
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile import mechanism_from_toml
-from flexmech.types import FloatArray
 
 
 def stored_text(name: str) -> str:

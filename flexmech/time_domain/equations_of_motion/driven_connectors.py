@@ -16,19 +16,19 @@ from typing import Self
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linear_system import (
     AttachedPoint,
     Connectors,
     Engine,
     LinkFrames,
-    Push,
+    PointForce,
     RotationTerms,
     SystemMatrices,
 )
 from flexmech.linkages import CrankDrive, Load, RigidMotion, continuous_angles
 from flexmech.linkages.applied_forces import SpringLine
-from flexmech.types import FloatArray
 
 LinkMotion = Sequence[tuple[FloatArray, FloatArray, FloatArray]]
 
@@ -245,7 +245,7 @@ class DrivenConnectors:
         shapes = [np.zeros((len(time), link.size)) for link in links]
         fields = [np.zeros((len(time), 4)) for _ in links]
         virtual = np.zeros(len(time))
-        for push, carried in self._pushes(time, motion, elastic):
+        for push, carried in self._point_forces(time, motion, elastic):
             point, number = push.point, push.point.link
             moved = _moved(point, unit_motion, unit_elastic)
             virtual += np.sum(push.force * moved[:, :2], axis=1) + push.torque * moved[:, 2]
@@ -306,11 +306,11 @@ class DrivenConnectors:
                     own_way = apart[:, way], own.radial_damping, parting[:, way]
                     yield own.radial_stiffness, *own_way
 
-    def _pushes(
+    def _point_forces(
         self, time: FloatArray, motion: RigidMotion, elastic: LinkMotion
-    ) -> list[tuple[Push, bool]]:
+    ) -> list[tuple[PointForce, bool]]:
         """Forces one by one, and whether a joint with a radial spring carries them."""
-        found = [(push, False) for push in self._all.pushes(motion, None, time)]
+        found = [(push, False) for push in self._all.point_forces(motion, None, time)]
         for answer in self._all.answers(motion, None, time):
             ends = ((answer.second, 1.0), (answer.first, -1.0))
             apart, drift = np.zeros((2, len(time), 3, 1))
@@ -326,10 +326,10 @@ class DrivenConnectors:
                     continue
                 force, torque = -sign * back[:, :2], -sign * back[:, 2]
                 if answer.in_joint:
-                    found.append((Push(point, force, nothing[:, 2]), True))
-                    found.append((Push(point, nothing[:, :2], torque), False))
+                    found.append((PointForce(point, force, nothing[:, 2]), True))
+                    found.append((PointForce(point, nothing[:, :2], torque), False))
                 else:
-                    found.append((Push(point, force, torque), False))
+                    found.append((PointForce(point, force, torque), False))
         return found
 
     def _loads(
@@ -357,7 +357,7 @@ def _moved(point: AttachedPoint, motion: RigidMotion, elastic: LinkMotion) -> Fl
     return moved
 
 
-def _on_fields(push: Push, motion: RigidMotion) -> FloatArray:
+def _on_fields(push: PointForce, motion: RigidMotion) -> FloatArray:
     """A force on the rigid fields of its link: along, across, turning, and by the distance."""
     place = push.point
     unit = AttachedPoint(place.link, place.x, np.eye(3), np.eye(3))

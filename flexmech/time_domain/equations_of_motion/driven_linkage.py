@@ -20,6 +20,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.choices import MODES
 from flexmech.dynamical_systems import VibrationState
 from flexmech.errors import ComputationError
@@ -46,7 +47,6 @@ from flexmech.time_domain.equations_of_motion.reduced_links import (
 )
 from flexmech.time_domain.equations_of_motion.stress_history import StressHistory
 from flexmech.time_domain.recorded_runs import LinkState
-from flexmech.types import FloatArray
 
 # Newton's method for a start in balance, from close by.
 MOST_PASSES = 30

@@ -14,11 +14,11 @@ from typing import Self
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine, LinkFrames, LinkModel
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain.recorded_runs import ShaftMotion, StepBlock, rigid_torque
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import VibrationState
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.linkages.connection_forces import connections, line_normal, solve_connections
@@ -19,7 +20,6 @@ from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkag
 from flexmech.time_domain.equations_of_motion.equations import Following
 from flexmech.time_domain.equations_of_motion.link_inertia import LinkInertia, MovingLink, dot
 from flexmech.time_domain.recorded_runs import StepBlock
-from flexmech.types import FloatArray
 
 
 class LinkageDynamics:

@@ -8,10 +8,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import EquationsOfMotion, VibrationState
 from flexmech.linear_system import SystemMatrices, condense
 from flexmech.linkages import RigidMotion
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True)

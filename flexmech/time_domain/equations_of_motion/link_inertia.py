@@ -7,10 +7,10 @@ from typing import Self
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import LinkModel
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
-from flexmech.types import FloatArray
 
 # Rigid fields of a link, in this order: unit translation along and across, unit turn about
 # the start, and the field of points at their distance from the start.
@@ -143,7 +143,7 @@ class LinkInertia:
         rigid[distance] += across @ fields
         mass[:, distance] += basis.T @ across
         turned[:, distance] -= basis.T @ along
-        return cls(model, rigid, mass, turned, basis.T @ full.translational_mass @ fields)
+        return cls(model, rigid, mass, turned, basis.T @ full.centrifugal_mass @ fields)
 
     def shape_forces(self, link: MovingLink) -> FloatArray:
         """Mass times acceleration, weighted with each shape; (m, n)."""
@@ -153,7 +153,7 @@ class LinkInertia:
             link.acceleration @ self.mass.T
             + link.change @ self.model.mass
             + turned
-            - omega**2 * (link.displacement @ self.model.translational_mass)
+            - omega**2 * (link.displacement @ self.model.centrifugal_mass)
         )
 
     def field_forces(self, link: MovingLink) -> FloatArray:
@@ -174,7 +174,7 @@ class LinkInertia:
             2 * link.angular_velocity[:, None] * link.rate + link.angular_acceleration[:, None] * p
         )
         return (
-            dot(p, turning @ self.model.translational_mass)
+            dot(p, turning @ self.model.centrifugal_mass)
             - dot(p, link.acceleration @ self.turned.T)
             - dot(p, link.change @ self.model.gyroscopic.T)
         )
@@ -187,7 +187,7 @@ class LinkInertia:
             + dot(c, rate @ self.mass)
             + dot(rate, rate @ self.model.mass) / 2
             + omega * (dot(rate, p @ self.model.gyroscopic.T) - dot(c, p @ self.turned))
-            + omega**2 * dot(p, p @ self.model.translational_mass) / 2
+            + omega**2 * dot(p, p @ self.model.centrifugal_mass) / 2
         )
 
     def gravity_energy(

@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 
 
 @dataclass(frozen=True)

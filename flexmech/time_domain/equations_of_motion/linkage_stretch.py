@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import LinkFrames, LinkStretch
 from flexmech.linkages import RigidMotion
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True)

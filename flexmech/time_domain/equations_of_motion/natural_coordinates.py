@@ -22,10 +22,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.linalg
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import Engine, LinkMatrix, LinkModel, LinkStretch, body_nodes, whole
 from flexmech.linear_system.links.link_model import NO_VECTORS, NONE, RigidFields
 from flexmech.linkages import Topology
-from flexmech.types import FloatArray, IntArray
 
 # Stiffness of a rigid body's bar against that of the stiffest elastic link along itself. Between
 # 100 and 1000 deflections beside a rigid coupler change by 4e-6 of their peak, between 10 and 100
@@ -227,7 +227,7 @@ def _bar(
         name=rigid.name,
         mass=inertia,
         gyroscopic=from_own.T @ spread.weighted(_QUARTER) @ from_own,
-        translational_mass=translational,
+        centrifugal_mass=translational,
         first_moment=np.zeros((2, size)),
         stiffness=axial * (np.outer(from_own[2], from_own[2]) + np.outer(shear, shear)),
         damping=np.zeros((size, size)),
@@ -304,7 +304,7 @@ def _with_body(
         return np.block([[whole(matrix), column], [row, added[2:3, 2:3]]])
 
     held = np.diag([0.0, 0.0, stiffness, 0.0])
-    centrifugal = bordered(link.translational_mass, mass)
+    centrifugal = bordered(link.centrifugal_mass, mass)
     centrifugal[:-1, :-1] += matter.second * np.outer(rows[2], rows[2])
     # What the field of centripetal accelerations says of the body's place from now on.
     moved = np.stack([-_QUARTER @ matter.first, matter.first]) @ rows[:2]
@@ -313,7 +313,7 @@ def _with_body(
         link,
         mass=bordered(link.mass, mass),
         gyroscopic=bordered(link.gyroscopic, coriolis),
-        translational_mass=centrifugal,
+        centrifugal_mass=centrifugal,
         first_moment=_wider(link.first_moment - moved),
         stiffness=bordered(link.stiffness, held),
         damping=bordered(link.damping, damping_time * held),

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
     ComponentModes,
     Engine,
@@ -21,7 +22,6 @@ from flexmech.time_domain.equations_of_motion.natural_coordinates import (
     natural_links,
     with_turning_bodies,
 )
-from flexmech.types import FloatArray
 
 # A start at speed shakes more than the lowest modes: component modes are kept up to this
 # many times the frequency that the natural frequencies themselves would need.

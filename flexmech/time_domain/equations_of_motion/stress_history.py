@@ -15,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
     CarriedInertia,
     Engine,
@@ -26,7 +27,6 @@ from flexmech.linear_system import (
 )
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.equations_of_motion.link_stress import LinkStress, StressShapes
-from flexmech.types import FloatArray
 
 # Positions a turn; halving the spacing moves deflections by less than 1e-4 of their peak.
 SAMPLES_PER_TURN = 120

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import StepOperators, VibrationState, march, step_operators
 from flexmech.time_domain.equations_of_motion import DrivenLinkage, Following
 from flexmech.time_domain.integrators.position_table import PositionTable
-from flexmech.types import FloatArray
 
 # Steps whose operators are interpolated at once.
 CACHED_STEPS = 64

@@ -13,8 +13,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.time_domain.equations_of_motion import DrivenLinkage
-from flexmech.types import FloatArray, IntArray
 
 # Greatest angle in rad by which a link turns, or turns from another, between two positions.
 # Of the k-th harmonic of its angle the interpolation misses 0.00024 times the tenth power of k

@@ -14,6 +14,7 @@ from typing import Protocol, cast
 
 import numpy as np
 
+from flexmech.arrays import FloatArray, StepProgress
 from flexmech.choices import Integrator, LinkDirection
 from flexmech.dynamical_systems import HalfSinePulse, VibrationState, initial_state
 from flexmech.dynamical_systems.lobatto import STAGES
@@ -24,7 +25,6 @@ from flexmech.time_domain.equations_of_motion import DrivenLinkage, LinkageDynam
 from flexmech.time_domain.integrators.linear_march import LinearMarch
 from flexmech.time_domain.integrators.stretch_march import StretchMarch
 from flexmech.time_domain.recorded_runs import Impact, LinkState, Recorder, Trajectory
-from flexmech.types import FloatArray, StepProgress
 
 # Steps that are recorded at once.
 BLOCK_STEPS = 1024

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems.lobatto import POSITION, RATE, RATE_BY_POSITION, STAGES
 from flexmech.time_domain.equations_of_motion import Equations, LinkageStretch, PinTurns
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import VibrationState
 from flexmech.dynamical_systems.lobatto import MARCH_ON, PREDICTION, RATE_BY_POSITION, STAGES
 from flexmech.errors import ComputationError
@@ -28,7 +29,6 @@ from flexmech.time_domain.equations_of_motion import (
 )
 from flexmech.time_domain.integrators.position_table import PositionTable
 from flexmech.time_domain.integrators.stage_operators import StageOperators, stage_operators
-from flexmech.types import FloatArray
 
 logger = logging.getLogger(__name__)
 

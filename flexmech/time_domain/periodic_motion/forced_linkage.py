@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.choices import LinkDirection
 from flexmech.dynamical_systems import ForcedPeriodicSystem, FourierSeries
 from flexmech.linear_system import (
@@ -23,7 +24,6 @@ from flexmech.linear_system import (
     in_positions,
 )
 from flexmech.time_domain.periodic_motion.moving_modes import MovingModes
-from flexmech.types import FloatArray
 
 # Crank angles whose unreduced matrices are held in memory at a time.
 BATCH = 64

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem, transition_matrices
 from flexmech.linear_system import (
     CarriedInertia,
@@ -30,7 +31,6 @@ from flexmech.time_domain.periodic_motion.moving_modes import (
     moving_modes,
 )
 from flexmech.time_domain.periodic_motion.sampled_turn import SampledTurn
-from flexmech.types import FloatArray
 
 Readings = Sequence[Sequence[FloatArray | None]]
 

@@ -28,12 +28,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.choices import MovingFrame
 from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem
 from flexmech.linear_system import LinkMatrix, LinkModel
 from flexmech.time_domain.periodic_motion.nodal_frames import NodalFrame, quarter_turn
 from flexmech.time_domain.periodic_motion.sampled_turn import SampledTurn
-from flexmech.types import FloatArray
 
 # A subspace turns fast where its highest frequency comes nearer than this part to the next one,
 # and is far from its fixed basis where a direction of it has less than this part in common.
@@ -291,7 +291,7 @@ def _inertia(
     rates: FloatArray,
 ) -> _Inertia:
     """Of a link."""
-    return _energy((mass, link.gyroscopic, link.translational_mass), speed, shapes, rates)
+    return _energy((mass, link.gyroscopic, link.centrifugal_mass), speed, shapes, rates)
 
 
 def _energy(

@@ -19,9 +19,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import FourierSeries
 from flexmech.linear_system import LinkModel, whole
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True)
@@ -42,12 +42,12 @@ class NodalFrame:
         return np.asarray(whole(self.link.gyroscopic) - self.link.mass @ quarter_turn(self.link))
 
     @property
-    def translational_mass(self) -> FloatArray:
+    def centrifugal_mass(self) -> FloatArray:
         """``M_t*``, (n, n)."""
         turn, link = quarter_turn(self.link), self.link
         crossed = turn.T @ link.gyroscopic
         turned = turn.T @ link.mass @ turn
-        return np.asarray(whole(link.translational_mass) + turned - crossed - crossed.T)
+        return np.asarray(whole(link.centrifugal_mass) + turned - crossed - crossed.T)
 
     def rates(self, shapes: FloatArray, angle: FloatArray, period: float) -> FloatArray:
         """Rates ``v`` of shapes along a turn, in the link's axes.

@@ -14,14 +14,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
-from flexmech.numbers import check_count
 from flexmech.threads import one_thread
 from flexmech.time_domain.periodic_motion.orbit_equations import OrbitEquations, at_angles
 from flexmech.time_domain.periodic_motion.orbit_newton import NewtonRun, newton
-from flexmech.types import FloatArray
+from flexmech.validation import check_count
 
 logger = logging.getLogger(__name__)
 

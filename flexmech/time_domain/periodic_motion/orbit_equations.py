@@ -20,6 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
     Engine,
     LinkDamping,
@@ -32,7 +33,6 @@ from flexmech.linear_system import (
     whole,
 )
 from flexmech.linkages import RigidMotion
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,9 @@ import numpy as np
 from scipy.linalg import lapack
 from scipy.sparse.linalg import LinearOperator, gmres
 
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import StressedLinks, SystemMatrices
 from flexmech.time_domain.periodic_motion.orbit_equations import OrbitEquations, OrbitState, times
-from flexmech.types import FloatArray
 
 logger = logging.getLogger(__name__)
 

@@ -8,6 +8,7 @@ from typing import Self
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import FourierSeries
 from flexmech.linear_system import (
     ConnectedMatrices,
@@ -26,7 +27,6 @@ from flexmech.linear_system import (
 )
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.equations_of_motion import ReducedLinks, prestressed_links
-from flexmech.types import FloatArray
 
 # Times the frequency up to which component modes are kept for the natural frequencies alone.
 DETAIL = 2.0

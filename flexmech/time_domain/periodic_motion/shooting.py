@@ -18,12 +18,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import VibrationState, initial_state, march
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.time_domain.equations_of_motion import DrivenLinkage, Equations, Following
 from flexmech.time_domain.integrators import StepTable
 from flexmech.time_domain.recorded_runs import LinkState, Trajectory
-from flexmech.types import FloatArray
 
 # Steps whose matrices are solved at once; fewer than in a single run, because a motion from a
 # unit of each coordinate is kept for all of them.

@@ -11,6 +11,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import (
     ON_A_STEP,
     LowPass,
@@ -21,7 +22,6 @@ from flexmech.dynamical_systems import (
 )
 from flexmech.dynamical_systems.lobatto import WEIGHTS
 from flexmech.time_domain.recorded_runs.states import ShaftMotion
-from flexmech.types import FloatArray
 
 
 @dataclass(frozen=True)

@@ -8,14 +8,14 @@ from typing import Self
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.choices import LINK_DIRECTIONS, LinkDirection
 from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.errors import ComputationError
 from flexmech.linear_system import LinkModel, LinkPoint
 from flexmech.linkages import CrankDrive, LockedCrank
 from flexmech.mechanism import Mechanism
-from flexmech.numbers import check_choice, check_instance
-from flexmech.types import FloatArray
+from flexmech.validation import check_choice, check_instance
 
 # A shaft that is ahead or behind by more than this, in rad, no longer turns the linkage through
 # the positions for which its torque is made.

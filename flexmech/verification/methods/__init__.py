@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from inspect import Parameter, getmembers, isfunction, signature
 from types import ModuleType
 
-from flexmech.types import FloatArray
+from flexmech.arrays import FloatArray
 from flexmech.verification.methods import (
     composites,
     floating_rod,

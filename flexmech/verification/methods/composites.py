@@ -10,6 +10,7 @@ import numpy as np
 import scipy.linalg
 
 from flexmech.analyses import natural_frequencies
+from flexmech.arrays import FloatArray
 from flexmech.beams import BEAM_SHAPES, build_chain
 from flexmech.linear_system import whole
 from flexmech.linkages import LinkMass
@@ -26,7 +27,6 @@ from flexmech.reference import ReferenceEngine
 from flexmech.sections import BeamSection, LaminateSection
 from flexmech.studies import composite_crank_rocker, position_angles, published_case
 from flexmech.studies.composite_crank_rockers.linkages import CASES, LAMINATES
-from flexmech.types import FloatArray
 
 # Khdeir & Reddy: E1 = 40 E2, G12 = G13 = 0.6 E2, G23 = 0.5 E2, nu12 = 0.25.
 ACROSS = 1e9

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from flexmech.types import ComplexArray, FloatArray
+from flexmech.arrays import ComplexArray, FloatArray
 
 CRANK_LENGTH, ROD_LENGTH, CRANK_SPEED = 0.15, 0.30, 150.0
 END_TIME = 0.1

@@ -9,12 +9,12 @@ import numpy as np
 from scipy.optimize import brentq
 
 from flexmech.analyses import natural_frequencies, solve_modes
+from flexmech.arrays import FloatArray
 from flexmech.choices import ElementName, EngineName, Prestress
 from flexmech.errors import InputError
 from flexmech.linkages import RotatingArm
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection
-from flexmech.types import FloatArray
 from flexmech.verification.methods.engines import SLENDER, engine_of_name, example
 
 _FREE_SHAFT = "slider_crank_free_shaft"

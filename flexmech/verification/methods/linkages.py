@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import brentq
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError, InputError
 from flexmech.hygrothermal import HygrothermalState, coupler_point_in_state, linkage_in_state
 from flexmech.linkages import (
@@ -20,7 +21,6 @@ from flexmech.linkages import (
     synthesize_crank_rocker,
 )
 from flexmech.studies import published_case
-from flexmech.types import FloatArray
 from flexmech.verification.methods.engines import example
 
 # In percent of water, to which the moisture at a cusp is solved for.

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.materials.moisture import (
     Ambient,
     DiffusionLayer,
@@ -22,7 +23,6 @@ from flexmech.materials.moisture.slab import (
     fourier_number,
     remaining_uptake,
 )
-from flexmech.types import FloatArray
 
 THICKNESS, DIFFUSIVITY = 2e-3, 1e-12
 UNIT = THICKNESS**2 / DIFFUSIVITY

@@ -8,8 +8,8 @@ from typing import Literal
 import numpy as np
 import scipy.optimize
 
+from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import FloquetModes, StatedPeriodicSystem, floquet_modes
-from flexmech.types import FloatArray
 
 Combination = Literal["sum", "difference"]
 """Of the coupling: two oscillators that push each other alike, or oppositely."""

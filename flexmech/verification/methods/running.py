@@ -13,6 +13,7 @@ import pandas as pd
 
 from flexmech.analyses import deflections
 from flexmech.analyses.response import ResponseRequest, response
+from flexmech.arrays import FloatArray
 from flexmech.choices import EngineName
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
@@ -20,7 +21,6 @@ from flexmech.mechanism import Mechanism
 from flexmech.multibody import ExudynEngine
 from flexmech.reference import ReferenceEngine
 from flexmech.time_domain import DrivenLinkage, LinkState, Trajectory, linear_run, periodic_state
-from flexmech.types import FloatArray
 from flexmech.verification.methods.engines import SLENDER, engine_of_name, example
 from flexmech.verification.methods.floating_rod import CRANK_SPEED, END_TIME
 

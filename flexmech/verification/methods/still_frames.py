@@ -8,12 +8,12 @@ import numpy as np
 from scipy.optimize import brentq
 
 from flexmech.analyses import solve_modes
+from flexmech.arrays import FloatArray
 from flexmech.choices import EngineName
 from flexmech.linkages import PlanarJoint, PlanarLink, PlanarLinkage
 from flexmech.materials import Material
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection
-from flexmech.types import FloatArray
 from flexmech.verification.methods.engines import SLENDER, engine_of_name
 
 SECTION = BeamSection.rectangle(Material(200e9, 7800.0), 10e-3, 30e-3)
