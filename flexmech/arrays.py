@@ -1,4 +1,4 @@
-"""Types of arrays and of progress reports, each spelt once."""
+"""Types of arrays and of progress reports, each spelt once, and unbroken runs in an array."""
 
 from __future__ import annotations
 
@@ -8,7 +8,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ComplexArray", "FloatArray", "IntArray", "LabelledProgress", "StepProgress", "silent"]
+__all__ = [
+    "ComplexArray",
+    "FloatArray",
+    "IntArray",
+    "LabelledProgress",
+    "StepProgress",
+    "silent",
+    "unbroken_runs",
+]
 
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
 FloatArray = NDArray[np.float64]
@@ -22,3 +30,24 @@ LabelledProgress = Callable[[str, int, int], None]
 
 def silent(*told: object) -> None:
     """Progress of either kind that is reported to nobody."""
+
+
+def unbroken_runs(flags: NDArray[np.bool_]) -> list[range]:
+    """Places of each unbroken run of true values, in order.
+
+    Parameters
+    ----------
+    flags : ndarray of bool, shape (N,)
+
+    Returns
+    -------
+    list of range
+
+    Examples
+    --------
+    >>> from flexmech.arrays import unbroken_runs
+    >>> unbroken_runs(np.array([True, False, True, True]))
+    [range(0, 1), range(2, 4)]
+    """
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
+    return [range(start, stop) for start, stop in edges.reshape(-1, 2).tolist()]

@@ -1,4 +1,4 @@
-"""How a mechanism is written as a model file: quantities as text, tables with names.
+"""How records are written: in one line that says what they are, and as tables of a model file.
 
 Text is exact: it reads back to the float that it was written from, to the last bit.
 """
@@ -11,13 +11,26 @@ from dataclasses import fields, is_dataclass
 from decimal import Context, Decimal
 from typing import Any
 
+import numpy as np
+
 from flexmech import units
 from flexmech.unit_registry import base_units, zero_of_scale
 from flexmech.units import Dimension, parse_quantity
 
-__all__ = ["SharedTables", "TomlTable", "fields_table", "quantity", "stated"]
+__all__ = [
+    "SharedTables",
+    "TomlTable",
+    "fields_table",
+    "quantity",
+    "shapes",
+    "short_repr",
+    "stated",
+]
 
 TomlTable = dict[str, Any]
+
+# Of a line that says what an object is: two lines of a terminal.
+_MOST_CHARACTERS = 160
 
 # Units that are read more easily than the SI unit, the best first.
 _READABLE = {
@@ -168,3 +181,18 @@ class SharedTables:
                 return name
             number += 1
             name = f"{stem}_{number}"
+
+
+def short_repr(record: object, *words: str) -> str:
+    """Write what an object is in one line: its class, and words that are not empty."""
+    line = " ".join(", ".join(word for word in words if word).split())
+    if len(line) > _MOST_CHARACTERS:
+        line = f"{line[:_MOST_CHARACTERS]}..."
+    return f"<{type(record).__name__}: {line}>"
+
+
+def shapes(record: object) -> tuple[str, ...]:
+    """Words for the arrays that a record of the fields of a dataclass holds."""
+    assert is_dataclass(record)
+    held = ((field.name, getattr(record, field.name)) for field in fields(record))
+    return tuple(f"{name} {value.shape}" for name, value in held if isinstance(value, np.ndarray))

@@ -1,7 +1,16 @@
 """Linear systems in link frames: the contract between engines and analyses."""
 
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
-from flexmech.linear_system.assembly.balanced_loads import BalancedLoads
+from flexmech.linear_system.assembly.balanced_loads import (
+    LAST_STEP,
+    LOAD_STEPS,
+    MAX_ITERATIONS,
+    RELATIVE_RESIDUAL,
+    ROUND_OFF,
+    BalancedLoads,
+    free_load,
+    refuse_large_displacements,
+)
 from flexmech.linear_system.assembly.batches import check_elastic, checked_mechanism
 from flexmech.linear_system.assembly.constant_turn import (
     is_constant_turn,
@@ -19,15 +28,6 @@ from flexmech.linear_system.assembly.element_kinds import (
 )
 from flexmech.linear_system.assembly.engine import Engine
 from flexmech.linear_system.assembly.link_points import LinkPoint, displacement_row, point_rows
-from flexmech.linear_system.assembly.quasi_static import (
-    LAST_STEP,
-    LOAD_STEPS,
-    MAX_ITERATIONS,
-    RELATIVE_RESIDUAL,
-    ROUND_OFF,
-    free_load,
-    refuse_large_displacements,
-)
 from flexmech.linear_system.assembly.sparse_positions import SparseMatrices, SparsePositions
 from flexmech.linear_system.assembly.straight_links import (
     StraightForces,

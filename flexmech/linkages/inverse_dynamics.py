@@ -30,7 +30,7 @@ from flexmech.linkages.internal_forces import LinkForces
 from flexmech.linkages.link_mass import LinkMass
 from flexmech.linkages.motion import RigidMotion, cross, direction, normal
 from flexmech.linkages.topology import Topology
-from flexmech.short_repr import shapes, short_repr
+from flexmech.model_text import shapes, short_repr
 
 
 @dataclass(frozen=True)

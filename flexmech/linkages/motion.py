@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError
-from flexmech.short_repr import shapes, short_repr
+from flexmech.model_text import shapes, short_repr
 from flexmech.validation import checked_array
 
 # In rad/s: no shaft turns faster.

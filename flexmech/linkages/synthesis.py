@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.fourbar import CHANGE_POINT_TOLERANCE, FourBar
-from flexmech.short_repr import short_repr
+from flexmech.model_text import short_repr
 from flexmech.validation import checked_array
 
 RIGHT_ANGLE = np.pi / 2

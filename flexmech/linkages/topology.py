@@ -9,7 +9,7 @@ from typing import Literal
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.short_repr import short_repr
+from flexmech.model_text import short_repr
 
 End = Literal["start", "end"]
 

@@ -7,8 +7,7 @@ from typing import Literal, get_args
 
 from flexmech.materials.constituents import Fibre, Matrix
 from flexmech.materials.hygrothermal import ResinContent
-from flexmech.model_text import SharedTables, TomlTable
-from flexmech.short_repr import short_repr
+from flexmech.model_text import SharedTables, TomlTable, short_repr
 from flexmech.validation import check_instance
 
 Rule = Literal["chamis", "halpin-tsai", "rule-of-mixtures"]

@@ -12,8 +12,7 @@ from typing import Any, ClassVar
 from flexmech.errors import InputError
 from flexmech.materials.hygrothermal import Hygrothermal
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
-from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity
-from flexmech.short_repr import short_repr
+from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity, short_repr
 from flexmech.units import (
     DENSITY,
     EXPANSION,

@@ -13,8 +13,7 @@ import numpy as np
 
 from flexmech.errors import InputError
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
-from flexmech.model_text import TomlTable, fields_table, stated
-from flexmech.short_repr import short_repr
+from flexmech.model_text import TomlTable, fields_table, short_repr, stated
 from flexmech.units import (
     ACTIVATION_ENERGY,
     DIFFUSIVITY,

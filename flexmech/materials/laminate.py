@@ -20,8 +20,7 @@ from flexmech.materials.composition import PlyComposition
 from flexmech.materials.micromechanics import ply_of
 from flexmech.materials.ply import MODULI, Ply
 from flexmech.materials.stacking import stacking_text
-from flexmech.model_text import SharedTables, TomlTable, quantity, stated
-from flexmech.short_repr import short_repr
+from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr, stated
 from flexmech.units import ANGLE, DENSITY, EXPANSION, LENGTH, MOISTURE_EXPANSION, RATIO, STRESS
 from flexmech.validation import POSITIVE, check_angle, check_fields, check_instance, checked_tuple
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from flexmech.materials.hygrothermal import Hygrothermal
-from flexmech.model_text import TomlTable, quantity
-from flexmech.short_repr import short_repr
+from flexmech.model_text import TomlTable, quantity, short_repr
 from flexmech.units import DENSITY, RATIO, STRESS
 from flexmech.validation import POSITIVE, Bounds, check_fields
 

@@ -12,7 +12,7 @@ from flexmech.errors import InputError
 from flexmech.materials.composition import PlyComposition
 from flexmech.materials.hygrothermal import Hygrothermal, ResinContent
 from flexmech.materials.material import Material
-from flexmech.short_repr import short_repr
+from flexmech.model_text import short_repr
 from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_fields, check_number, check_pair
 
 MODULI = (

@@ -48,9 +48,8 @@ from flexmech.mechanism.tables import (
     springs_table,
 )
 from flexmech.mechanism.words import attachment_lines
-from flexmech.model_text import SharedTables, TomlTable, quantity
+from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr
 from flexmech.sections import BeamSection, LaminateSection, sections_between_joints
-from flexmech.short_repr import short_repr
 from flexmech.units import EXPANSION
 from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_instance, check_number, check_pair
 

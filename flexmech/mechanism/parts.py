@@ -6,8 +6,7 @@ from dataclasses import dataclass, field
 
 from flexmech.errors import InputError, is_plain
 from flexmech.materials.moisture import Faces
-from flexmech.model_text import TomlTable, fields_table
-from flexmech.short_repr import short_repr
+from flexmech.model_text import TomlTable, fields_table, short_repr
 from flexmech.units import LENGTH, MASS
 from flexmech.validation import NOT_NEGATIVE, check_number, check_pair
 

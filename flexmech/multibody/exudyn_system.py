@@ -15,6 +15,7 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.files import given_path, moved_into
 from flexmech.linkages import CrankDrive, Link
+from flexmech.model_text import short_repr
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import Choice, Item, ItemKind, ItemNumber, SystemItems, applied
 from flexmech.multibody.joints import SliderJoint
@@ -27,7 +28,6 @@ from flexmech.multibody.running.user_functions import (
     guide_line_force,
     middle_deflection,
 )
-from flexmech.short_repr import short_repr
 from flexmech.time_domain.recorded_runs import LinkState
 
 # Kept in memory, at every step.

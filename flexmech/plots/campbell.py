@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, unbroken_runs
 from flexmech.plots import reading, scales, style
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
 from flexmech.plots.style import (
@@ -20,7 +20,6 @@ from flexmech.plots.style import (
     series_line,
     series_style,
 )
-from flexmech.runs import unbroken_runs
 from flexmech.units import from_si
 
 # Of the panel of bands, which is read closely, and of that of peaks, in inches.

@@ -9,13 +9,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, unbroken_runs
 from flexmech.errors import InputError
 from flexmech.plots import angle_panels, reading, scales, style
 from flexmech.plots.angle_panels import Between, colour_bar, has_many_speeds, speed_lines
 from flexmech.plots.layout import AxesLike, sheet
 from flexmech.plots.style import Look, line_handle
-from flexmech.runs import unbroken_runs
 
 # Two modes whose bands are this close in ratio can exchange branches; modes further apart
 # only seem to, where the crank angles are too coarse to follow a branch.

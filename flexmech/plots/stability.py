@@ -12,13 +12,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, unbroken_runs
 from flexmech.errors import InputError
 from flexmech.plots import scales, style
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import cell_edges, engine_label, speed_unit, speeds_of, subscripts
 from flexmech.plots.style import Look, series_handles, series_line, series_style
-from flexmech.runs import unbroken_runs
 from flexmech.units import from_si
 
 # Kinds of bands: what meets in words, and a hatch, so that kinds differ without colour too.

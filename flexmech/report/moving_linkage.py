@@ -13,7 +13,7 @@ import numpy as np
 
 from flexmech.analyses import MovingFrequencies, Response
 from flexmech.analyses.response.dataset import needed
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, unbroken_runs
 from flexmech.errors import InputError
 from flexmech.linkages import CouplerCurve, FourBar, LinkEnd, Topology, standing
 from flexmech.mechanism import Mechanism, drawn_parts
@@ -25,7 +25,6 @@ from flexmech.report.last_turn import over_a_turn, thinning
 from flexmech.report.panels.frequencies import in_each_state
 from flexmech.report.results import Results
 from flexmech.report.words import crank_degrees, engine_names, speed_name, speed_unit_of, state_of
-from flexmech.runs import unbroken_runs
 
 # Of a run's turn: the script interpolates between samples every three degrees.
 MOST_FRAMES = 120

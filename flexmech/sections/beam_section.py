@@ -9,11 +9,10 @@ import numpy as np
 
 from flexmech.errors import InputError
 from flexmech.materials import Laminate, Layer, Material, Ply
-from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity, stated
+from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity, short_repr, stated
 from flexmech.sections.damping import DampingTimes, SpecificDamping
 from flexmech.sections.laminate_section import LaminateSection
 from flexmech.sections.shear_theories import ThirdOrder, Zigzag, rectangular_zigzag
-from flexmech.short_repr import short_repr
 from flexmech.units import (
     BENDING_STIFFNESS,
     CURVATURE,

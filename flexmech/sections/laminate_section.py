@@ -16,7 +16,7 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.materials import Laminate
-from flexmech.model_text import SharedTables, TomlTable, quantity
+from flexmech.model_text import SharedTables, TomlTable, quantity, shapes, short_repr
 from flexmech.sections.beam_reduction import (
     REDUCTIONS,
     PlaneState,
@@ -43,7 +43,6 @@ from flexmech.sections.shear_theories import (
     zigzag_of,
 )
 from flexmech.sections.solid_section import SolidSection
-from flexmech.short_repr import shapes, short_repr
 from flexmech.units import LENGTH
 from flexmech.validation import POSITIVE, check_choice, check_instance, check_number
 

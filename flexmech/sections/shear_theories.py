@@ -26,6 +26,7 @@ import scipy.linalg
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.materials import Laminate, Layer, Material, Ply
+from flexmech.model_text import shapes, short_repr
 from flexmech.sections.beam_reduction import (
     PlaneState,
     Reduction,
@@ -35,7 +36,6 @@ from flexmech.sections.beam_reduction import (
     gauss_points,
     shear_across,
 )
-from flexmech.short_repr import shapes, short_repr
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from numpy.polynomial.legendre import leggauss
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import ComputationError
-from flexmech.short_repr import shapes, short_repr
+from flexmech.model_text import shapes, short_repr
 
 STRETCH, TWIST, CURVATURE = 0, 3, 5
 """Strains of a section by number; the curvature is that in the plane of the linkage."""

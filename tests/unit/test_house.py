@@ -33,8 +33,6 @@ ORDER = [
     "units",
     "plausible",
     "validation",
-    "short_repr",
-    "runs",
     "model_text",
     "plots",
     "materials",
@@ -66,7 +64,7 @@ STRANGERS = {
     "analyses": {"reference", "multibody"},
 }
 # A figure is drawn from a dataset: it knows nothing of what computed it.
-PLOTS_KNOW = {"arrays", "errors", "units", "runs", "plots"}
+PLOTS_KNOW = {"arrays", "errors", "units", "plots"}
 MOST_LINES = 400
 MOST_LINES_OF_A_COMMAND = 120
 

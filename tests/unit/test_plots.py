@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from flexmech.analyses import MovingFrequencies
+from flexmech.arrays import unbroken_runs
 from flexmech.errors import InputError
 from flexmech.plots import (
     plot_agreement,
@@ -24,7 +25,6 @@ from flexmech.plots.frequencies import mode_groups
 from flexmech.plots.layout import legend_columns
 from flexmech.plots.reading import speed_label
 from flexmech.plots.style import SERIES_STYLES
-from flexmech.runs import unbroken_runs
 from tests.unit.figure_checks import check_layout, heading, legend_texts, lines_in, panels
 from tests.unit.plot_data import FULL_TURN, TERMS, arm_dataset, frequency_dataset
 

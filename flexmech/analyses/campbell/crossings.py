@@ -10,8 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.arrays import FloatArray, IntArray
-from flexmech.runs import unbroken_runs
+from flexmech.arrays import FloatArray, IntArray, unbroken_runs
 
 LOWEST, HIGHEST = 0, 2
 """Rows of both ends of a band."""

@@ -16,10 +16,9 @@ from flexmech.analyses.campbell.request import CampbellRequest
 from flexmech.analyses.campbell.sampling import SampledBands, sampled_bands
 from flexmech.analyses.frequencies.discretisation import check_angle_indices, mesh_error
 from flexmech.analyses.frequencies.formulation import Systems
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import FloatArray, IntArray, unbroken_runs
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
-from flexmech.runs import unbroken_runs
 
 logger = logging.getLogger(__name__)
 

@@ -23,8 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.analyses.campbell.bands import Bands, BandSolver
-from flexmech.arrays import FloatArray, IntArray
-from flexmech.runs import unbroken_runs
+from flexmech.arrays import FloatArray, IntArray, unbroken_runs
 
 NODES_OF_A_CUBIC = 4
 # Relative distance by which curves continued from both sides miss the node beyond a bend.

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from dataclasses import dataclass
+from functools import cache, cached_property
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.link_place import LinkPlace
 from flexmech.linear_system.joints.link_ties import LinkTies
 from flexmech.linear_system.links.chains import whole
-from flexmech.linear_system.links.link_map import LinkMap, SteadySum, TurningFactors
 from flexmech.linear_system.links.link_model import LinkModel
 
 
@@ -74,3 +74,166 @@ class SteadyLinks:
             self._places[number].add_resting(resting, matrix)
         terms = [m.turning_terms(matrices.get(n), ends) for n, m in enumerate(self._maps)]
         return SteadySum.of(resting, np.concatenate(terms))
+
+
+@dataclass(frozen=True)
+class LinkMap:
+    """``N_i``: a link's coordinates from those of the linkage, term by term.
+
+    Parameters
+    ----------
+    parts : ndarray, shape (m, n, size)
+        Factors of 1, and of the cosine and the sine of each following end's angle.
+    """
+
+    parts: FloatArray
+
+    @classmethod
+    def of(cls, target: IntArray, pairs: Sequence[IntArray], size: int) -> LinkMap:
+        """Map of a link.
+
+        Parameters
+        ----------
+        target : ndarray of int, shape (n,)
+            Coordinate of the linkage of each of the link; -1 where held.
+        pairs : sequence of ndarray of int, shape (2,)
+            Coordinates of the link's ends that follow.
+        size : int
+            Number of coordinates of the linkage.
+        """
+        parts = np.zeros((1 + 2 * len(pairs), len(target), size))
+        free = np.flatnonzero(target >= 0)
+        parts[0, free, target[free]] = 1.0
+        for pair, cosine, sine in zip(pairs, parts[1::2], parts[2::2], strict=True):
+            parts[0, pair] = 0.0
+            cosine[pair, target[pair]] = 1.0
+            sine[pair, target[pair[::-1]]] = [-1.0, 1.0]
+        return cls(parts)
+
+    def turning_terms(self, matrix: FloatArray | None, rows: int) -> FloatArray:
+        """What multiplies the products of factors in rows of ``N'XN``.
+
+        Parameters
+        ----------
+        matrix : ndarray, shape (n, n), or None
+            Symmetric; None for zero.
+        rows : int
+            How many, the first ones.
+
+        Returns
+        -------
+        ndarray, shape (r, rows, size)
+            Of ``f_i f_j`` for i <= j without the first, which rests; r = m (m + 1) / 2 - 1.
+        """
+        first, second = _two_of(len(self.parts))
+        if matrix is None or not len(first):
+            return np.zeros((len(first), rows, self.parts.shape[2]))
+        left = np.swapaxes(self.parts[:, None, :, :rows], 2, 3) @ matrix
+        products = left @ self.parts
+        mirrored = np.where(first == second, 0.0, 1.0)[:, None, None]
+        return np.asarray(products[first, second] + mirrored * products[second, first])
+
+
+@dataclass(frozen=True)
+class TurningFactors:
+    """Products ``f_i f_j`` of the factors of all links, by the angles of their frames.
+
+    Parameters
+    ----------
+    leaders, followers : ndarray of int, shape (k,)
+        Links whose ends lead others and those whose ends follow, end by end.
+    first, second : ndarray of int, shape (1 + r,)
+        Numbers of two factors: the first is 1, those of end e are 1 + 2 e and 2 + 2 e. The first
+        product is 1, then come those of one link after the other.
+    """
+
+    leaders: IntArray
+    followers: IntArray
+    first: IntArray
+    second: IntArray
+
+    @classmethod
+    def of(cls, leaders: Sequence[Sequence[int]]) -> TurningFactors:
+        """Factors of links of which each follows so many leaders."""
+        first, second = [np.zeros(1, dtype=np.intp)], [np.zeros(1, dtype=np.intp)]
+        followers: list[int] = []
+        for link, led in enumerate(leaders):
+            own = np.concatenate([[0], 1 + 2 * len(followers) + np.arange(2 * len(led))])
+            for products, numbers in zip((first, second), _two_of(len(own)), strict=True):
+                products.append(own[numbers])
+            followers += [link] * len(led)
+        every = np.array([leader for led in leaders for leader in led], dtype=np.intp)
+        numbers = np.array(followers, dtype=np.intp)
+        return cls(every, numbers, np.concatenate(first), np.concatenate(second))
+
+    def at(self, angle: FloatArray) -> FloatArray:
+        """Products at angles of the frames.
+
+        Parameters
+        ----------
+        angle : ndarray, shape (B, n_links)
+            In rad.
+
+        Returns
+        -------
+        ndarray, shape (1 + r, B)
+        """
+        turned = angle.T[self.leaders] - angle.T[self.followers]
+        factors = np.ones((1 + 2 * len(turned), len(angle)))
+        np.cos(turned, out=factors[1::2])
+        np.sin(turned, out=factors[2::2])
+        return np.asarray(factors[self.first] * factors[self.second])
+
+
+@dataclass(frozen=True)
+class SteadySum:
+    """Sum of ``N'XN`` over links whose matrices are the same in all positions.
+
+    Parameters
+    ----------
+    resting : ndarray, shape (size, size)
+        The part that does not turn.
+    terms : ndarray, shape (1 + r, e, w)
+        First rows and columns of that part and of what multiplies the products of factors. No
+        other rows turn but, by symmetry, columns.
+    """
+
+    resting: FloatArray
+    terms: FloatArray
+
+    @classmethod
+    def of(cls, resting: FloatArray, terms: FloatArray) -> SteadySum:
+        """Sum without the columns in which nothing turns.
+
+        Parameters
+        ----------
+        resting : ndarray, shape (size, size)
+        terms : ndarray, shape (r, e, size)
+        """
+        ends = terms.shape[1]
+        turning = np.flatnonzero(terms.any(axis=(0, 1)))
+        width = max(ends, 1 + int(turning[-1]) if len(turning) else 0)
+        every = np.concatenate([resting[None, :ends], terms])
+        return cls(resting, np.ascontiguousarray(every[:, :, :width]))
+
+    def write(self, total: FloatArray, factors: FloatArray) -> None:
+        """Write the sum in all positions.
+
+        Parameters
+        ----------
+        total : ndarray, shape (B, size, size)
+        factors : ndarray, shape (1 + r, B)
+            See :class:`TurningFactors`.
+        """
+        count, ends, width = self.terms.shape
+        turned = (factors.T @ self.terms.reshape(count, -1)).reshape(len(total), ends, width)
+        total[:] = self.resting
+        total[:, :ends, :width] = turned
+        total[:, ends:width, :ends] = np.swapaxes(turned[:, :, ends:], 1, 2)
+
+
+@cache
+def _two_of(count: int) -> tuple[IntArray, IntArray]:
+    """Numbers i <= j of two factors, without those of 1 alone."""
+    first, second = np.triu_indices(count)
+    return first[1:], second[1:]

@@ -13,8 +13,7 @@ from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.fourbar import FourBar
 from flexmech.linkages.motion import RigidMotion, cross, direction
-from flexmech.model_text import TomlTable, fields_table
-from flexmech.short_repr import short_repr
+from flexmech.model_text import TomlTable, fields_table, short_repr
 from flexmech.units import ANGLE, LENGTH
 from flexmech.validation import POSITIVE, check_angle, check_instance, check_number
 
