@@ -29,7 +29,7 @@ from flexmech import (
 from flexmech.analyses import solve_frequencies, solve_modes
 from flexmech.analyses.response.measurements import deflections
 from flexmech.beams.theories import Timoshenko
-from flexmech.linear_system import inertia_loads
+from flexmech.linear_system import DeadMoments, inertia_loads
 from flexmech.linkages import CrankDrive, inverse_dynamics
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.linearize import static_equilibrium
@@ -267,7 +267,8 @@ def bent():
     engine = exudyn(laden((0.3, -0.2), stiffness=2e5), 6)
     motion = engine.mechanism.linkage.motion(ANGLES, 80.0)
     loads = inertia_loads(engine.links, motion, engine.mechanism.gravity)
-    equilibrium = static_equilibrium(engine.model, motion, loads)
+    dead = DeadMoments.of(engine.links, motion, engine.mechanism.gravity, loads)
+    equilibrium = static_equilibrium(engine.model, motion, loads, dead)
     assert max(np.abs(q).max() for q in equilibrium.displacement) > 0.05
     return engine, motion, loads, equilibrium
 
@@ -375,7 +376,8 @@ def test_stiff_links_have_the_forces_of_rigid_ones(integrator):
     drive = CrankDrive(-8.0, run_up_time=0.2, start_angle=1.0)
     motion = mechanism.linkage.motion(drive.crank_angle(np.zeros(1)))
     loads = inertia_loads(engine.links, motion, mechanism.gravity)
-    sagging = static_equilibrium(engine.model, motion, loads).displacement
+    dead = DeadMoments.of(engine.links, motion, mechanism.gravity, loads)
+    sagging = static_equilibrium(engine.model, motion, loads, dead).displacement
     start = LinkState([q[0] for q in sagging], LinkState.rigid(engine.links).rate)
     time = np.linspace(0.0, 0.4, 41)
     run = engine.simulate(drive, start, time, 5e-4, integrator=integrator)

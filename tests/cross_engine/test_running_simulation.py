@@ -17,7 +17,7 @@ from flexmech import (
     PointMass,
     RotatingArm,
 )
-from flexmech.linear_system import inertia_loads
+from flexmech.linear_system import DeadMoments, inertia_loads
 from flexmech.linkages import CrankDrive, inverse_dynamics
 from flexmech.multibody.linearize import linearized, static_equilibrium
 from flexmech.multibody.running import simulation
@@ -95,7 +95,8 @@ def test_static_force_is_the_derivative_of_the_strain_energy(element):
     model, assembly = engine.model, engine.model.assembly
     motion = engine.mechanism.linkage.motion(np.array([0.7]), 0.4, 5.0)
     loads = inertia_loads(engine.links, motion, (0.0, 0.0))
-    bent = static_equilibrium(model, motion, loads).displacement[0][0]
+    dead = DeadMoments.of(engine.links, motion, (0.0, 0.0), loads)
+    bent = static_equilibrium(model, motion, loads, dead).displacement[0][0]
     assert np.abs(bent[engine.links[0].end]).max() > 0.1
     free = np.arange(assembly.size) >= assembly.kind.per_node
     away = 1e-6 * np.eye(assembly.size)[free]
@@ -159,7 +160,8 @@ def sagging(engine, drive):
     """Start under weight alone."""
     motion = engine.mechanism.linkage.motion(drive.crank_angle(np.zeros(1)))
     loads = inertia_loads(engine.links, motion, engine.mechanism.gravity)
-    displacement = static_equilibrium(engine.model, motion, loads).displacement
+    dead = DeadMoments.of(engine.links, motion, engine.mechanism.gravity, loads)
+    displacement = static_equilibrium(engine.model, motion, loads, dead).displacement
     return LinkState([q[0] for q in displacement], LinkState.rigid(engine.links).rate)
 
 
