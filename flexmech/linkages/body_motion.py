@@ -54,7 +54,6 @@ class BodyMotion:
     @classmethod
     def of_links(cls, motion: RigidMotion) -> Self:
         """Links, from their starts, and the ground after them; a batch of shape (B,)."""
-
         batch, links = motion.angle.shape
         place = np.zeros((3, batch, links + 1), dtype=complex)
         vectors = motion.origin, motion.origin_velocity, motion.origin_acceleration
