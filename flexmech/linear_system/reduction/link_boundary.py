@@ -120,12 +120,12 @@ def link_boundary(ends: JoinedEnds, link: LinkModel) -> LinkBoundary:
 def _held(topology: Topology, link: LinkModel) -> Iterator[IntArray]:
     """Coordinates that the ground, the shaft or a fitting holds."""
     for clamp in topology.clamps:
-        if clamp.held.link == link.name:
-            yield link.end_displacement(clamp.held.end)
-            yield link.end_rotation_of(clamp.held.end)
+        if clamp.link_end.link == link.name:
+            yield link.end_displacement(clamp.link_end.end)
+            yield link.end_rotation_of(clamp.link_end.end)
     for pivot in topology.pivots:
-        if pivot.held.link == link.name and not pivot.sprung:
-            yield link.end_displacement(pivot.held.end)
+        if pivot.link_end.link == link.name and not pivot.sprung:
+            yield link.end_displacement(pivot.link_end.end)
     for place in topology.joined_ends:
         if place.link == link.name:
             yield link.end_warping_of(place.end)
@@ -133,8 +133,8 @@ def _held(topology: Topology, link: LinkModel) -> Iterator[IntArray]:
 
 def _tied_ends(topology: Topology) -> set[LinkEnd]:
     tied = {place for tie in topology.ties for place in (tie.leader, tie.follower)}
-    tied |= {slider.held for slider in topology.sliders}
-    return tied | {pivot.held for pivot in topology.pivots if pivot.sprung}
+    tied |= {slider.link_end for slider in topology.sliders}
+    return tied | {pivot.link_end for pivot in topology.pivots if pivot.sprung}
 
 
 def _welded_ends(topology: Topology) -> set[LinkEnd]:
