@@ -28,7 +28,7 @@ from flexmech.multibody.running.user_functions import (
     guide_line_force,
     middle_deflection,
 )
-from flexmech.time_domain.recorded_runs import LinkState
+from flexmech.time_domain import LinkState
 
 # Kept in memory, at every step.
 _KEPT = {"writeToFile": False, "storeInternal": True}

@@ -24,7 +24,7 @@ from flexmech.dynamical_systems import step_operators
 from flexmech.linear_system import Engine, Prestress
 from flexmech.linkages import GROUND, AttachmentPoint, JointSpring, Load, Spring
 from flexmech.time_domain import DrivenLinkage, linear_run, periodic_state
-from flexmech.time_domain.integrators import StepTable
+from flexmech.time_domain.integrators.linear_march import StepTable
 from tests.cross_engine.joined_linkages import SliderCrank, Ternary
 from tests.cross_engine.test_exudyn_connectors import strips
 from tests.cross_engine.test_exudyn_joints import FOUR_BAR
@@ -174,7 +174,7 @@ def test_tables_of_loads_are_not_smoothed_by_the_interpolation_of_steps() -> Non
     time = np.linspace(0.28, 0.52, 41) / SPEED
     table = StepTable(linkage, 1e-4)
     assert linkage.connectors.is_interpolated
-    found = table.rows(time).linear.forced
+    found = table.rows(time)[0].forced
     wanted = step_operators(linkage.equations(time), 1e-4).forced
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-5 * np.abs(wanted).max())
 

@@ -109,6 +109,11 @@ def link_boundary(ends: JoinedEnds, link: LinkModel) -> LinkBoundary:
     if len(link.shaft) and not len(shaft):
         shaft = np.array([len(columns)])
         columns.append(link.shaft)
+    # The section of a body off the axis is a joint too: a rigid link is welded to it.
+    arms = [body.rows.any(axis=0) for body in link.bodies if body.is_off_axis]
+    taken = fixed.copy()
+    taken[np.concatenate([*columns, np.zeros(0, dtype=np.intp)])] = True
+    columns += list(np.flatnonzero(np.any(arms, axis=0) & ~taken)[:, None]) if arms else []
     unit = np.zeros((link.size, len(columns)))
     for number, rows in enumerate(columns):
         unit[rows, number] = 1.0

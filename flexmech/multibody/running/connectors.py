@@ -15,7 +15,7 @@ from flexmech.multibody.items import Made
 from flexmech.multibody.link_parts import BeamPart, RigidPart
 from flexmech.multibody.node_directions import leading_end
 from flexmech.multibody.running.user_functions import Shaft, load_history
-from flexmech.time_domain.equations_of_motion import ConnectorWork
+from flexmech.time_domain import ConnectorWork
 
 
 class RunningConnectors:

@@ -38,7 +38,7 @@ from flexmech.multibody.running.loads import (
     add_running_loads,
 )
 from flexmech.multibody.running.user_functions import Shaft
-from flexmech.time_domain.recorded_runs import Impact
+from flexmech.time_domain import Impact
 
 
 class RunningModel:
