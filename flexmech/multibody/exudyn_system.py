@@ -52,7 +52,7 @@ def add_sensors(model: RunningModel) -> None:
     model : RunningModel
     """
     assembly, items, topology = model.assembly, model.assembly.items, model.assembly.topology
-    clamped = {clamp.held.link for clamp in topology.clamps}
+    clamped = {clamp.link_end.link for clamp in topology.clamps}
     for link, part in zip(topology.links, assembly.parts, strict=True):
         if isinstance(part, RigidPart):
             continue

@@ -167,8 +167,8 @@ class LinkageDynamics:
             needed[link] = needed[link] - force
             leader = topology.index(pin.leader.link)
             needed[leader] = needed[leader] + force
-        held = [(clamp.joint, clamp.held) for clamp in topology.clamps]
-        held += [(pivot.joint, pivot.held) for pivot in topology.pivots]
+        held = [(clamp.joint, clamp.link_end) for clamp in topology.clamps]
+        held += [(pivot.joint, pivot.link_end) for pivot in topology.pivots]
         for joint, end in held:
             forces[joint] = needed[topology.index(end.link)]
         return np.stack([forces[name] for name in topology.joint_names], axis=1)
