@@ -13,9 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.arrays import FloatArray
-
-# Combinations of strains that no coordinate moves, to this part of the one moved most.
-_NOT_MOVED = 1e-9
+from flexmech.linkages.connection_forces import RANK_TOLERANCE
 
 
 @dataclass(frozen=True)
@@ -64,7 +62,7 @@ class LinkStretch:
         """
         gradient = self.gradient @ basis
         shown, size, _ = np.linalg.svd(gradient, full_matrices=False)
-        shown = shown[:, size > _NOT_MOVED * size.max(initial=0.0)]
+        shown = shown[:, size > RANK_TOLERANCE * size.max(initial=0.0)]
         return LinkStretch(
             shown.T @ gradient, self.slopes @ basis, shown.T @ self.weights, self.damping_time
         )

@@ -20,8 +20,9 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.linkages import LinkBody, LinkMass, RigidMotion
 from flexmech.linkages.motion import direction, normal
 
-# Of a second moment: what round-off leaves of it.
-ROUND_OFF = 1e-12
+# Of a second moment: what its differences leave of a body on the axis. An arm a millionth of the
+# radius of gyration long counts.
+ON_AXIS = 1e-12
 NOWHERE = np.zeros((3, 0))
 
 
@@ -95,7 +96,7 @@ class RigidBody:
     def is_off_axis(self) -> bool:
         """Whether a turn changes its inertia."""
         beside = self.second_moment - self.spin - self.on_axis
-        return beside > ROUND_OFF * self.second_moment
+        return beside > ON_AXIS * self.second_moment
 
     def projected(self, basis: FloatArray, ends: FloatArray | None = None) -> Self:
         """The body on a link with ``q = basis @ p``, whose joined ends move by ``ends @ p``."""
