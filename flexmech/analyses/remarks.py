@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, SupportsFloat
+
+import xarray as xr
 
 from flexmech.analyses.requests import environment_of
 from flexmech.hygrothermal import Environment, inert_links, resin_retention, swollen_links
@@ -100,7 +102,17 @@ def left_out_warnings(attributes: Mapping[Any, Any]) -> tuple[str, ...]:
     )
 
 
+def speed_unit(dataset: xr.Dataset) -> str:
+    """Unit in which a result speaks of crank speeds."""
+    return str(dataset.attrs.get("speed_unit", "rad/s"))
+
+
+def speed_text(speed: SupportsFloat, unit: str) -> str:
+    """A crank speed in rad/s, in a unit to six digits."""
+    return f"{from_si(float(speed), unit):.6g}"
+
+
 def crank_speed_text(attributes: Mapping[Any, Any]) -> str:
     """Crank speed of a result, in the unit in which it speaks of speeds."""
     unit = str(attributes["speed_unit"])
-    return f"{from_si(float(attributes['crank_speed']), unit):.6g} {unit}"
+    return f"{speed_text(attributes['crank_speed'], unit)} {unit}"

@@ -11,8 +11,8 @@ from flexmech import ExudynEngine, ReferenceEngine, load_mechanism
 from flexmech.analyses.stability import (
     Band,
     BandEdge,
-    CheckedErrors,
     EngineStability,
+    ExponentErrors,
     NoEquilibrium,
     StabilityRequest,
     TrackedSpeed,
@@ -108,7 +108,7 @@ def engine_stability(
     known: dict[str, Any] = {
         "speeds": [solved(speed) for speed in speeds.tolist()],
         "bands": bands(),
-        "errors": CheckedErrors(np.array([20.0, 90.0]), np.full(2, 2e-5), np.array([1e-4, 4e-4])),
+        "errors": [ExponentErrors(20.0, 2e-5, 1e-4), ExponentErrors(90.0, 2e-5, 4e-4)],
         "is_definite": True,
         "moving_modes": 9,
         "closed_early": 3,

@@ -1,5 +1,6 @@
 """Natural frequencies of the moving linkage: over crank angle and crank speed, and at positions."""
 
+from flexmech.analyses.frequencies.agreement import EngineAgreement
 from flexmech.analyses.frequencies.compute import moving_frequencies
 from flexmech.analyses.frequencies.eigenproblem import Modes, solve_frequencies, solve_modes
 from flexmech.analyses.frequencies.formulation import Formulation
@@ -10,7 +11,7 @@ from flexmech.analyses.frequencies.positions import (
     strain_energy_damping,
 )
 from flexmech.analyses.frequencies.request import FrequencyRequest
-from flexmech.analyses.frequencies.result import EngineAgreement, MovingFrequencies
+from flexmech.analyses.frequencies.result import MovingFrequencies
 
 __all__ = [
     "EngineAgreement",

@@ -43,8 +43,8 @@ MATRIX_BYTES = 4_000_000
 
 
 @dataclass(frozen=True)
-class ReductionError:
-    """How far reduced modes are from those of the unreduced matrices; each of shape (B, m).
+class ModeErrors:
+    """How far the lowest modes are off, by component modes or by the mesh; positive, (B, m) each.
 
     Parameters
     ----------
@@ -56,6 +56,10 @@ class ReductionError:
 
     frequency: FloatArray
     damping_ratio: FloatArray
+
+    def at(self, positions: slice) -> ModeErrors:
+        """The errors at some of the positions."""
+        return ModeErrors(self.frequency[positions], self.damping_ratio[positions])
 
     def is_small(self, modes: Modes, *, damped: bool) -> bool:
         """Whether the reduction will do for modes; their damping ratios too, if ``damped``."""
@@ -79,14 +83,14 @@ class CheckedModes:
         Batch of B positions.
     modes : Modes
         The modes asked for and spare ones.
-    reduction_error : ReductionError
+    reduction_error : ModeErrors
         Of the modes asked for.
     """
 
     systems: Systems
     system: LinearSystem
     modes: Modes
-    reduction_error: ReductionError
+    reduction_error: ModeErrors
 
 
 def converged_modes(
@@ -128,7 +132,7 @@ def converged_modes(
         modes = solve_modes(system, count, max(0, min(spare, system.size - count)))
         if not systems.engine.component_modes:
             none = np.zeros((len(modes.frequency), count))
-            return CheckedModes(detailed, system, modes, ReductionError(none, none))
+            return CheckedModes(detailed, system, modes, ModeErrors(none, none))
         error = reduction_error(exact, system, modes.lowest(count))
         if error.is_small(modes, damped=systems.is_damped):
             return CheckedModes(detailed, system, modes, error)
@@ -206,7 +210,7 @@ class UnreducedPositions:
 
 def reduction_error(
     unreduced: UnreducedPositions, reduced: LinearSystem, modes: Modes
-) -> ReductionError:
+) -> ModeErrors:
     """Error of reduced modes against the unreduced matrices.
 
     The reduced modes are improved by one step of inverse iteration on the unreduced
@@ -223,7 +227,7 @@ def reduction_error(
 
     Returns
     -------
-    ReductionError
+    ModeErrors
     """
     shapes = reduced.unreduced_vectors(modes.vectors, unreduced.systems.engine.frames)
     better = Modes(
@@ -237,7 +241,7 @@ def reduction_error(
         ),
         modes.vectors,
     )
-    return ReductionError(
+    return ModeErrors(
         frequency=np.abs(modes.frequency / better.frequency - 1),
         damping_ratio=np.abs(modes.damping_ratio - better.damping_ratio),
     )

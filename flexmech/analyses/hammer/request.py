@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.analyses.requests import in_radians
+from flexmech.analyses.requests import check_list, in_radians
 from flexmech.arrays import FloatArray
 from flexmech.choices import (
     LINK_DIRECTIONS,
@@ -128,8 +128,5 @@ class HammerRequest:
 def _checked_angles(values: ArrayLike) -> FloatArray:
     """Crank angles in rad, one or more that increase."""
     angles = np.atleast_1d(in_radians("crank_angles", values))
-    if angles.ndim != 1 or not len(angles):
-        raise InputError("crank_angles must be a list of one value or more")
-    if np.any(np.diff(angles) <= 0):
-        raise InputError("crank_angles must increase; give each angle once")
+    check_list("crank_angles", angles, increasing=True)
     return angles

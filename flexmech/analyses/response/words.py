@@ -122,16 +122,6 @@ def _greatest(errors: xr.DataArray) -> xr.DataArray:
     return errors.max([name for name in errors.dims if name != "engine"])
 
 
-def shaft_columns(data: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Columns of a free shaft's rotation and speed over (engine, time); none where it is not."""
-    if "shaft_rotation" not in data:
-        return {}
-    return {
-        "shaft_rotation_deg": DEGREES * data["shaft_rotation"],
-        "crank_speed_fluctuation_rad_s": data["crank_speed_fluctuation"],
-    }
-
-
 def shaft_lines(data: xr.Dataset) -> list[str]:
     """Report how far a free shaft leaves its prescribed motion, and what linear theory makes of it.
 

@@ -5,8 +5,8 @@ from flexmech.analyses.stability.compute import stability
 from flexmech.analyses.stability.engine_stability import (
     Band,
     BandEdge,
-    CheckedErrors,
     EngineStability,
+    ExponentErrors,
     NoEquilibrium,
     TrackedSpeed,
 )
@@ -17,8 +17,8 @@ from flexmech.analyses.stability.solver import LinkageSolver
 __all__ = [
     "Band",
     "BandEdge",
-    "CheckedErrors",
     "EngineStability",
+    "ExponentErrors",
     "LinkageSolver",
     "NoEquilibrium",
     "StabilityMap",
