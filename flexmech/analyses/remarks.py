@@ -7,6 +7,7 @@ from typing import Any, SupportsFloat
 
 import xarray as xr
 
+from flexmech.analyses.beam_theory import theory_warnings
 from flexmech.analyses.requests import environment_of
 from flexmech.hygrothermal import Environment, inert_links, resin_retention, swollen_links
 from flexmech.mechanism import Mechanism
@@ -100,6 +101,11 @@ def left_out_warnings(attributes: Mapping[Any, Any]) -> tuple[str, ...]:
         f"loads over time are left out here: {attributes[LEFT_OUT]}; they have no value at a crank "
         "angle, and flexmech response counts them",
     )
+
+
+def warnings_of(attributes: Mapping[Any, Any]) -> tuple[str, ...]:
+    """Warnings of a result on what it leaves out: loads over time, and what beam theories do."""
+    return (*left_out_warnings(attributes), *theory_warnings(attributes))
 
 
 def speed_unit(dataset: xr.Dataset) -> str:

@@ -8,16 +8,16 @@ import numpy as np
 import xarray as xr
 
 from flexmech import ExudynEngine, ReferenceEngine, load_mechanism
-from flexmech.analyses.stability import (
+from flexmech.analyses.stability.dataset import dataset_of
+from flexmech.analyses.stability.engine_stability import (
     Band,
     BandEdge,
     EngineStability,
     ExponentErrors,
     NoEquilibrium,
-    StabilityRequest,
     TrackedSpeed,
 )
-from flexmech.analyses.stability.dataset import dataset_of
+from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.example_models import example_model
 from flexmech.linear_system import Engine
 

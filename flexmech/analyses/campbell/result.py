@@ -9,10 +9,10 @@ import numpy as np
 import pandas as pd
 
 from flexmech import plots
-from flexmech.analyses.beam_theory import theory_lines, theory_warnings
+from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.campbell import words
 from flexmech.analyses.datasets import Columns, columns_along, table_of
-from flexmech.analyses.remarks import left_out_warnings
+from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.requests import fewer_modes_lines
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
@@ -142,5 +142,4 @@ class CampbellDiagram(Result):
             *words.error_lines(data),
             *words.response_lines(data),
         )
-        warned = (*left_out_warnings(data.attrs), *theory_warnings(data.attrs))
-        return Summary(parts, words.verdict(data), warned)
+        return Summary(parts, words.verdict(data), warnings_of(data.attrs))

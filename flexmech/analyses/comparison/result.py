@@ -14,7 +14,7 @@ from flexmech import plots
 from flexmech.analyses.comparison.parameters import DAMPING, STIFFNESS
 from flexmech.analyses.comparison.problem import CURVES
 from flexmech.analyses.datasets import table_of
-from flexmech.analyses.remarks import crank_speed_text, left_out_warnings
+from flexmech.analyses.remarks import crank_speed_text, warnings_of
 from flexmech.analyses.response.agreement import LARGE_BOW
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
@@ -160,8 +160,7 @@ class Comparison(Result):
             *_correlation_lines(data),
             *_residual_lines(data),
         )
-        warned = (*_warnings(data), *left_out_warnings(data.attrs))
-        return Summary(parts, _verdict(data), warned)
+        return Summary(parts, _verdict(data), (*_warnings(data), *warnings_of(data.attrs)))
 
 
 # Part of the record's variance from which a model is said to miss what was measured.

@@ -62,7 +62,11 @@ def mesh_error(systems: Systems, crank_angles: FloatArray, crank_speed: float) -
     elements = systems.engine.elements
     compared = _compared_mesh(elements)
     meshed = [_on_mesh(systems, mesh) for mesh in (elements, compared)]
-    here, there = (_eigenvalues(each, crank_angles, crank_speed) for each in meshed)
+    count = systems.formulation.modes
+    here, there = (
+        np.concatenate([solve_eigenvalues(s, count) for s in m.batches(crank_angles, crank_speed)])
+        for m in meshed
+    )
     # Of half the mesh, where a finer one does not fit into memory, the distance is the error
     # itself in first order and more than it in a higher one.
     share = np.sqrt(1 - elements / compared) if compared > elements else 1.0
@@ -114,11 +118,3 @@ def _on_mesh(systems: Systems, elements: int) -> Systems:
         running=None,
         detail=max(DETAIL, systems.detail),
     )
-
-
-def _eigenvalues(
-    systems: Systems, crank_angles: FloatArray, crank_speed: float
-) -> NDArray[np.complex128]:
-    """Lowest eigenvalues, shape (A, modes)."""
-    batches = systems.batches(crank_angles, crank_speed)
-    return np.concatenate([solve_eigenvalues(s, systems.formulation.modes) for s in batches])

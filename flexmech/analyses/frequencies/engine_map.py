@@ -118,7 +118,8 @@ class _CheckedSpeed:
 
 def _checked_speeds(engine: Engine, request: FrequencyRequest) -> list[_CheckedSpeed]:
     """Reductions and errors at each speed."""
-    asked, angles, checks = _answered_by(engine, request), _check_angles(request), []
+    asked, checks = _answered_by(engine, request), []
+    angles = request.crank_angles[check_angle_indices(request.crank_angles, request.full_turn)]
     for speed in asked.crank_speeds.tolist():
         checked = converged_modes(systems_at(engine, asked, speed), angles, speed, SPARE_MODES)
         checks.append(
@@ -136,10 +137,6 @@ def _answered_by(engine: Engine, request: FrequencyRequest) -> FrequencyRequest:
     """What an engine can answer: about the quasi-static state if it does not simulate."""
     still = replace(request, formulation=request.formulation.quasi_static)
     return request if engine.simulates else still
-
-
-def _check_angles(request: FrequencyRequest) -> FloatArray:
-    return request.crank_angles[check_angle_indices(request.crank_angles, request.full_turn)]
 
 
 def _map_on_mesh(

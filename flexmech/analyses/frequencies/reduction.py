@@ -185,27 +185,23 @@ class UnreducedPositions:
     def pencils(self) -> Iterator[Pencil]:
         """Sparse matrices of each position."""
         count = len(self.crank_angle)
+        at_a_time = max(1, MATRIX_BYTES // (8 * self.systems.engine.frames.size**2))
         if self.sparse is not None:
             yield from (Pencil.of(self.sparse.at(place)) for place in range(count))
-        elif self._at_a_time >= count:
+        elif at_a_time >= count:
             yield from self._every
         else:
-            for start in range(0, count, self._at_a_time):
-                yield from self._at(slice(start, start + self._at_a_time))
+            for start in range(0, count, at_a_time):
+                yield from self._at(slice(start, start + at_a_time))
 
     @cached_property
     def _every(self) -> list[Pencil]:
+        """Of few positions, which are asked for once for each detail."""
         return list(self._at(slice(None)))
 
-    @property
-    def _at_a_time(self) -> int:
-        return max(1, MATRIX_BYTES // (8 * self.systems.engine.frames.size**2))
-
     def _at(self, part: slice) -> Iterator[Pencil]:
-        stressed = self.stressed.at(part)
-        return Pencil.of_positions(
-            self.systems.at(self.crank_angle[part], self.crank_speed[part], stressed)
-        )
+        at = self.crank_angle[part], self.crank_speed[part], self.stressed.at(part)
+        return Pencil.of_positions(self.systems.at(*at))
 
 
 def reduction_error(

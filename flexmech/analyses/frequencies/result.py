@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.beam_theory import theory_lines, theory_warnings
+from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.datasets import table_of
 from flexmech.analyses.frequencies import words
 from flexmech.analyses.frequencies.agreement import (
@@ -19,7 +19,7 @@ from flexmech.analyses.frequencies.agreement import (
     engine_agreement,
     verdict,
 )
-from flexmech.analyses.remarks import left_out_warnings
+from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.errors import InputError
@@ -326,8 +326,7 @@ class MovingFrequencies(Result):
         if "speed_effect" in self.dataset and "speed_effect" not in data:
             lines.append("effect of speed: not split by term, since links bend without load")
         table = words.extremes_table(last.extremes(), data, title)
-        attributes = self.dataset.attrs
-        warnings = (*left_out_warnings(attributes), *theory_warnings(attributes))
+        warnings = warnings_of(self.dataset.attrs)
         return Summary((table, *lines), verdict(data, last.vibration_effect()), warnings)
 
 

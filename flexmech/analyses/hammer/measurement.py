@@ -199,7 +199,7 @@ def measured(
     Raises
     ------
     InputError
-        As of :func:`flexmech.analyses.hammer.hammer_test`.
+        As of :func:`flexmech.hammer_test`.
     ComputationError
         If a step of Exudyn does not converge.
     """

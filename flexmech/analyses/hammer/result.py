@@ -11,10 +11,10 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.beam_theory import theory_lines, theory_warnings
+from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.datasets import DEGREES, table_of
 from flexmech.analyses.hammer.uff import uff_contents
-from flexmech.analyses.remarks import left_out_warnings
+from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.arrays import FloatArray
@@ -173,11 +173,7 @@ class HammerTest(Result):
             *_record_lines(data),
             *theory_lines(data.attrs),
         )
-        warned = (
-            *_unfound_warnings(data),
-            *left_out_warnings(data.attrs),
-            *theory_warnings(data.attrs),
-        )
+        warned = (*_unfound_warnings(data), *warnings_of(data.attrs))
         return Summary(parts, _verdict(data), warned)
 
     def save_uff(self, folder: str | Path) -> list[Path]:

@@ -12,9 +12,9 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.beam_theory import theory_lines, theory_warnings
+from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.datasets import Columns, columns_along, table_of
-from flexmech.analyses.remarks import crank_speed_text
+from flexmech.analyses.remarks import crank_speed_text, warnings_of
 from flexmech.analyses.response import words
 from flexmech.analyses.response.agreement import (
     agreement_line,
@@ -311,4 +311,4 @@ class Response(Result):
             *data.attrs["environment_lines"].splitlines(),
         )
         verdict = agreement_line(agreement, data)
-        return Summary(parts, verdict, theory_warnings(data.attrs))
+        return Summary(parts, verdict, warnings_of(data.attrs))

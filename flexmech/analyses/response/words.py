@@ -33,7 +33,7 @@ def peak_table(
     Parameters
     ----------
     peaks : xarray.Dataset
-        Of :meth:`flexmech.analyses.response.Response.peaks`.
+        Of :meth:`flexmech.analyses.Response.peaks`.
     start : float
         Crank angle at time zero in rad.
     title : str
@@ -160,7 +160,7 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
     Parameters
     ----------
     peaks : xarray.Dataset
-        Of :meth:`flexmech.analyses.response.Response.peaks`.
+        Of :meth:`flexmech.analyses.Response.peaks`.
     data : xarray.Dataset
         Of the response.
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.analyses.response import ResponseRequest
+from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.start import linear_start
 from flexmech.analyses.running_hammer.plan import RunPlan
 from flexmech.analyses.running_hammer.request import RunningHammerRequest

@@ -9,9 +9,9 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.beam_theory import theory_lines, theory_warnings
+from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.datasets import table_of
-from flexmech.analyses.remarks import crank_speed_text
+from flexmech.analyses.remarks import crank_speed_text, warnings_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.running_hammer.measured import FAINT
 from flexmech.analyses.summary import Summary, Table
@@ -122,7 +122,7 @@ class RunningHammerTest(Result):
             *theory_lines(data.attrs),
             *_error_lines(data),
         )
-        return Summary(parts, _verdict(data), tuple(theory_warnings(data.attrs)))
+        return Summary(parts, _verdict(data), warnings_of(data.attrs))
 
 
 # Of the acceptance of a test: amplitudes within this part, and frequencies within so many bins.

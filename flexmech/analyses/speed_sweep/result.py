@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from flexmech import plots
-from flexmech.analyses.beam_theory import theory_lines, theory_warnings
+from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.datasets import Columns, columns_along, table_of
-from flexmech.analyses.remarks import speed_text
+from flexmech.analyses.remarks import speed_text, warnings_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 
@@ -84,4 +84,4 @@ class SpeedSweep(Result):
         title = f"greatest steady-state deflection, {self.dataset.attrs['mechanism']}"
         table = Table(title, ("link", "mm", f"at {unit}"), (rows,))
         attributes = self.dataset.attrs
-        return Summary((table, *theory_lines(attributes)), warnings=theory_warnings(attributes))
+        return Summary((table, *theory_lines(attributes)), warnings=warnings_of(attributes))

@@ -10,9 +10,9 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.beam_theory import theory_lines, theory_warnings
+from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.datasets import Columns, table_of
-from flexmech.analyses.remarks import left_out_warnings
+from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.stability import words
 from flexmech.analyses.stability.dataset import EDGES, NOT_COMPUTED, PARTS
@@ -215,11 +215,7 @@ class StabilityMap(Result):
             *words.motion_lines(data),
             *words.shaft_lines(data),
         )
-        warned = (
-            *words.interrupted_warnings(data),
-            *left_out_warnings(data.attrs),
-            *theory_warnings(data.attrs),
-        )
+        warned = (*words.interrupted_warnings(data), *warnings_of(data.attrs))
         return Summary(parts, words.verdict(data), warned)
 
 
