@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linkages.attachments import JointSpring, LinkPoint, Load, Spring
+from flexmech.linkages.attachments import AttachmentPoint, JointSpring, Load, Spring
 from flexmech.linkages.motion import RigidMotion, cross
 from flexmech.linkages.topology import Topology
 
@@ -263,7 +263,7 @@ def _sides(topology: Topology, spring: JointSpring) -> list[tuple[float, int, fl
 
 
 def _point_motion(
-    topology: Topology, motion: RigidMotion, point: LinkPoint, moved: Moved | None
+    topology: Topology, motion: RigidMotion, point: AttachmentPoint, moved: Moved | None
 ) -> tuple[FloatArray, FloatArray]:
     """Position and velocity of a point in ground axes, each of shape (..., 2)."""
     if point.is_ground:

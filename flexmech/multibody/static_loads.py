@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linkages import LinkPoint, RigidMotion, continuous_angles
+from flexmech.linkages import AttachmentPoint, RigidMotion, continuous_angles
 from flexmech.linkages.motion import direction, normal
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.connectors import Connectors, JointSpringItem, SpringItem, angle_of_end
@@ -282,7 +282,7 @@ class StaticConnectors:
         return self._angles
 
     def _point(
-        self, motion: RigidMotion, number: int, point: LinkPoint
+        self, motion: RigidMotion, number: int, point: AttachmentPoint
     ) -> tuple[FloatArray, FloatArray]:
         """Place and velocity of a point of the rigid linkage in ground axes."""
         if point.is_ground:

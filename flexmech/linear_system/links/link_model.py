@@ -134,8 +134,8 @@ class LinkModel:
     rigid : bool
         Whether the link is rigid; see :func:`flexmech.linear_system.links.rigid_link`.
     bodies : tuple of RigidBody
-        Whose inertia, where the link is straight, is in its matrices; a rigid link is one. After
-        bodies fixed to the link, the matter of its sections where that is off the axis.
+        Whose inertia, where the link is straight, is in its matrices; a rigid link is one, and the
+        matter of sections is in so many where it is off the axis.
     """
 
     name: str
@@ -194,7 +194,8 @@ class LinkModel:
             shares = mass.mass_per_length * np.convolve(np.diff(nodes), [0.5, 0.5])
             for node, (x, share) in enumerate(zip(nodes.tolist(), shares.tolist(), strict=True)):
                 matter = LinkBody(x, share, offset=(0.0, mass.offset))
-                fixed.append(RigidBody.fixed(matter, self._section(node)[1]))
+                own_part = RigidBody.fixed(matter, self._section(node)[1])
+                fixed.append(replace(own_part, of_section=True))
         inertia, gyroscopic, translational = matrices
         return replace(
             self,

@@ -50,6 +50,8 @@ class RigidBody:
         The same by the link's joined ends alone; see
         :class:`flexmech.linear_system.links.link_model.EndMatrices`. Those by all coordinates where
         it is left out.
+    of_section : bool
+        Whether it is matter of the link's own sections.
     """
 
     mass: float
@@ -60,6 +62,7 @@ class RigidBody:
     position: float = 0.0
     rows: FloatArray = field(default_factory=NOWHERE.copy)
     end_rows: FloatArray | None = None
+    of_section: bool = False
 
     @classmethod
     def fixed(cls, body: LinkBody, rows: FloatArray = NOWHERE) -> Self:

@@ -32,9 +32,9 @@ from flexmech.linear_system.loads.connector_forces import (
     connected_matrices,
 )
 from flexmech.linkages import (
+    AttachmentPoint,
     JointSpring,
     LinkEnd,
-    LinkPoint,
     Load,
     RigidMotion,
     continuous_angles,
@@ -364,6 +364,6 @@ class Connectors:
             self._points[link, x] = AttachedPoint.of(self.links, link, x / length, length)
         return self._points[link, x]
 
-    def point(self, point: LinkPoint) -> AttachedPoint | None:
+    def point(self, point: AttachmentPoint) -> AttachedPoint | None:
         """Where a point of a link is attached; None on the ground."""
         return None if point.is_ground else self.at(self._topology.index(point.link), point.x)

@@ -33,7 +33,7 @@ from flexmech.multibody.items import ItemNumber, Made
 from flexmech.multibody.link_parts import BeamPart, RigidPart
 from flexmech.multibody.node_bodies import NodeBodies
 from flexmech.multibody.running.user_functions import torque_history
-from flexmech.time_domain.recorded_runs import Impact, rigid_torque
+from flexmech.time_domain import Impact, rigid_torque
 
 
 class LinkEnergies:
@@ -51,8 +51,8 @@ class LinkEnergies:
         self._links = links
         # Without attached bodies, which turn with their nodes.
         self._mass = [whole(link.mass) for link in links]
-        for number, part in assembly.beams:
-            for body in links[number].bodies[: len(assembly.mechanism.link_mass(part.name).bodies)]:
+        for number, _ in assembly.beams:
+            for body in (own for own in links[number].bodies if not own.of_section):
                 own = body.matrices(np.zeros(()))[0]
                 self._mass[number] = self._mass[number] - body.rows.T @ own @ body.rows
 

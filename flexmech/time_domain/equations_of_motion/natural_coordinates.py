@@ -100,7 +100,7 @@ def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
     topology = engine.topology
     if has_turning_lines(topology):
         return topology, links
-    clamped = {clamp.held.link for clamp in topology.clamps}
+    clamped = {clamp.link_end.link for clamp in topology.clamps}
     bars = {link.name for link in topology.links if link.rigid} - clamped
     stiffness = RIGIDITY * _greatest_stiffness(engine)
     for number, link in enumerate(topology.links):
