@@ -18,7 +18,8 @@ from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine, LinkFrames, LinkModel
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.linkages.motion import direction, normal
-from flexmech.time_domain.recorded_runs import ShaftMotion, StepBlock, rigid_torque
+from flexmech.time_domain.recorded_runs.recording import StepBlock
+from flexmech.time_domain.recorded_runs.states import ShaftMotion, rigid_torque
 
 
 @dataclass(frozen=True)
