@@ -47,7 +47,6 @@ from flexmech.linkages.applied_forces import (
     forces_of_loads,
     joint_gap,
 )
-from flexmech.linkages.motion import direction
 from flexmech.mechanism import Mechanism
 
 
@@ -145,30 +144,6 @@ class Connectors:
             if point.rigid:
                 q = None if displacement is None else displacement[point.link]
                 total[:, point.link] += point.virial(motion, push.force, push.torque, q)
-        return total
-
-    def turning_stiffness(
-        self, motion: RigidMotion, displacement: Sequence[FloatArray]
-    ) -> FloatArray:
-        """Stiffness of rigid links against turning by forces on them that keep their direction.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-        displacement : sequence of ndarray, shape (B, n_link)
-
-        Returns
-        -------
-        ndarray, shape (B, n_links)
-            In N m/rad; zero of flexible ones.
-        """
-        total = np.zeros(motion.angle.shape)
-        for push in self.point_forces(motion, displacement):
-            link, x = push.point.link, push.point.x
-            if push.point.rigid:
-                along = direction(motion.angle[:, link] + displacement[link][:, 2])
-                total[:, link] += x * np.sum(push.force * along, axis=1)
         return total
 
     def added(
