@@ -102,28 +102,14 @@ class FreeShaft:
         tuple of LinkModel
         """
         link, end = links[self.link], self.clamp.held.end
-        basis = self.basis(link)
-        turned = int(link.end_rotation_of(end)[0])
-        mass = basis.T @ link.mass @ basis
-        mass[turned, turned] += self.inertia
+        released = in_coordinates(link, self.basis(link))
+        rotation = link.end_rotation_of(end)[:1]
+        mass = np.array(released.mass)
+        mass[rotation, rotation] += self.inertia
         # What else a clamp holds a pivot would let go, but the shaft does not.
         besides = np.concatenate([link.end_warping_of(end), link.end_rotation_of(end)[1:]])
-        back = np.linalg.inv(basis)
-        own = (back @ getattr(link.fields, field.name) for field in fields(RigidFields))
-        released = replace(
-            link,
-            mass=mass,
-            gyroscopic=basis.T @ link.gyroscopic @ basis,
-            centrifugal_mass=basis.T @ link.centrifugal_mass @ basis,
-            first_moment=link.first_moment @ basis,
-            stiffness=basis.T @ link.stiffness @ basis,
-            damping=basis.T @ link.damping @ basis,
-            readings=link.readings.projected(basis) if self.has_lever else link.readings,
-            fields=RigidFields(*own),
-            shaft=np.array([turned]),
-            bodies=tuple(body.projected(basis) for body in link.bodies),
-        )
-        rotation = np.array([turned])
+        readings = released.readings if self.has_lever else link.readings
+        released = replace(released, mass=mass, readings=readings, shaft=rotation)
         if end == "start":
             released = replace(released, start_rotation=rotation, start_warping=besides)
         else:
@@ -288,6 +274,36 @@ class FreeShaft:
     def has_lever(self) -> bool:
         """Whether the clamped end is off the shaft's axis."""
         return bool(np.any(self.lever))
+
+
+def in_coordinates(link: LinkModel, basis: FloatArray) -> LinkModel:
+    """A link in other coordinates p of the same number: ``q = basis @ p``.
+
+    Parameters
+    ----------
+    link : LinkModel
+        Unreduced.
+    basis : ndarray, shape (n, n)
+
+    Returns
+    -------
+    LinkModel
+        Its ends are the same coordinates.
+    """
+    back = np.linalg.inv(basis)
+    own = (back @ getattr(link.fields, field.name) for field in fields(RigidFields))
+    return replace(
+        link,
+        mass=basis.T @ link.mass @ basis,
+        gyroscopic=basis.T @ link.gyroscopic @ basis,
+        centrifugal_mass=basis.T @ link.centrifugal_mass @ basis,
+        first_moment=link.first_moment @ basis,
+        stiffness=basis.T @ link.stiffness @ basis,
+        damping=basis.T @ link.damping @ basis,
+        readings=link.readings.projected(basis),
+        fields=RigidFields(*own),
+        bodies=tuple(body.projected(basis) for body in link.bodies),
+    )
 
 
 def _on_leader(

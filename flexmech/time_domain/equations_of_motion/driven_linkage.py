@@ -117,11 +117,12 @@ class DrivenLinkage:
         self.bases = reduced.engine_bases
         self.frames = LinkFrames(reduced.topology, self.links)
         self.stretch = LinkageStretch(self.frames, reduced.stretches) if stretches else None
-        self.connectors = DrivenConnectors(engine, self.frames, drive)
+        self.shaft = DrivenShaft.of(engine, drive, self.frames, reduced.unreduced, self.own_bases)
+        follows = self.shaft is not None and self.shaft.is_natural
+        self.connectors = DrivenConnectors(engine, self.frames, drive, torque_follows=follows)
         self._condensed = np.zeros(self.frames.size, dtype=bool)
         for target, condensed in zip(self.frames.targets, reduced.follows, strict=True):
             self._condensed[target[condensed]] = True
-        self.shaft = DrivenShaft.of(engine, drive, self.frames, self.links, self.bases)
         guided = stretches and has_turning_lines(reduced.topology)
         level: Prestress = prestress
         if stretches:
@@ -143,10 +144,12 @@ class DrivenLinkage:
 
     @property
     def shaft_coordinates(self) -> list[int]:
-        """The independent coordinate that is a free shaft's rotation; none where it is not."""
+        """Of linear equations that which is a free shaft's rotation; none where it is not."""
         if self.shaft is None:
             return []
-        return [int(np.sum(~self._condensed[: self.shaft.column]))]
+        number = self.shaft.link
+        column = self.frames.targets[number][self.links[number].shaft[0]]
+        return [int(np.sum(~self._condensed[:column]))]
 
     @property
     def is_condensed(self) -> bool:
@@ -188,14 +191,20 @@ class DrivenLinkage:
         Equations
         """
         motion, stress = self.motion(time), self._stress.at(time)
+        torque = None
         if load is None:
-            force = self._force(motion, stress)
+            force = np.zeros((len(time), self.frames.size))
+            if self._stress.tells_forces:
+                force += self.frames.gather(motion, self.loads(motion))
             if self.connectors.any:
-                pushed = self.connectors.force(motion, time, tables=tables)
-                force = force + self._with_torque(motion, pushed)
+                force += self.connectors.force(motion, time, tables=tables)
+            if self.shaft is not None:
+                torque = self.shaft.torque(motion, force)
+                force += self.shaft.force(motion, torque)
+            force += self.frames.gather(motion, [-s.prestress for s in stress])
         else:
             force = self.frames.gather(motion, [np.tile(f, (len(time), 1)) for f in load])
-        matrices = self._matrices(time, motion, stress, still=still)
+        matrices = self._matrices(time, motion, stress, still=still, torque=torque)
         return Equations.condensed(motion, matrices, force, self._condensed)
 
     def unit_equations(
@@ -220,10 +229,10 @@ class DrivenLinkage:
         motion = self.motion(time)
         matrices = self._matrices(time, motion, self._stress.at(time))
         units = self.connectors.unit_forces(motion)
-        return [
-            Equations.condensed(motion, matrices, self._with_torque(motion, force), self._condensed)
-            for force in units
-        ] + own
+        if self.shaft is not None:
+            units = [f + self.shaft.force(motion, self.shaft.torque(motion, f)) for f in units]
+        found = [Equations.condensed(motion, matrices, f, self._condensed) for f in units]
+        return found + own
 
     def _matrices(
         self,
@@ -232,12 +241,16 @@ class DrivenLinkage:
         stress: list[LinkStress],
         *,
         still: bool = False,
+        torque: FloatArray | None = None,
     ) -> SystemMatrices:
-        """Matrices of all coordinates of the frames."""
+        """Matrices of all coordinates of the frames, under the torque (m,) of a free shaft."""
         terms = RotationTerms.all_or_none(not still)
+        tangents = [s.stiffness for s in stress]
+        if self.shaft is not None and torque is not None:
+            tangents[self.shaft.link] = tangents[self.shaft.link] + self.shaft.stiffness(torque)
         matrices = self.frames.assemble(
             motion,
-            [s.stiffness for s in stress],
+            tangents,
             terms,
             [LinkDamping(s.damping, s.damping) for s in stress],
             self._stress.guiding(time),
@@ -366,13 +379,17 @@ class DrivenLinkage:
         assert self.stretch is not None
         equations = self.standing(np.array([time]))
         turns = self.stretch.pin_turns(equations.motion)
-        moved = np.setdiff1d(np.arange(self.size), self.shaft_coordinates)
+        held = np.zeros((0, self.size))
+        if self.shaft is not None:
+            held = self.shaft.force(equations.motion, np.ones(1))
+        count = len(held)
         stiffness, force, z = equations.stiffness[0], equations.force[0], np.array(position)
         for _ in range(MOST_PASSES):
             pulled, tangent = self.stretch.still(turns, z)
-            gap = (force - stiffness @ z - pulled)[moved]
-            change = np.linalg.solve((stiffness + tangent)[np.ix_(moved, moved)], gap)
-            z[moved] += change
+            gap = np.concatenate([force - stiffness @ z - pulled, -held @ z])
+            bordered = np.block([[stiffness + tangent, held.T], [held, np.zeros((count, count))]])
+            change = np.linalg.solve(bordered, gap)[: self.size]
+            z += change
             if np.abs(change).max() <= CONVERGED * np.abs(z).max():
                 return z
         raise ComputationError(
@@ -388,13 +405,3 @@ class DrivenLinkage:
             own = self.frames.own(number)
             axial[target[own[link.is_axial[own]]]] = True
         return axial
-
-    def _force(self, motion: RigidMotion, stress: list[LinkStress]) -> FloatArray:
-        force = self.frames.gather(motion, [-s.prestress for s in stress])
-        if not self._stress.tells_forces:
-            return force
-        return force + self._with_torque(motion, self.frames.gather(motion, self.loads(motion)))
-
-    def _with_torque(self, motion: RigidMotion, force: FloatArray) -> FloatArray:
-        """Forces (m, size) of the frames, and the torque of a free shaft that balances them."""
-        return force if self.shaft is None else self.shaft.with_torque(motion, force)

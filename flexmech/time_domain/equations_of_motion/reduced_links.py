@@ -19,6 +19,7 @@ from flexmech.linear_system import (
 from flexmech.linkages import CrankDrive, Topology
 from flexmech.time_domain.equations_of_motion.natural_coordinates import (
     NaturalLink,
+    has_turning_lines,
     natural_links,
     with_turning_bodies,
 )
@@ -117,11 +118,11 @@ def is_reduced(engine: Engine) -> bool:
 def can_stretch(engine: Engine) -> bool:
     """Whether an engine tells how its links stretch by the square of their slopes.
 
-    What turns with a free shaft must be stiffened by what pulls at it, which neither rigid links
-    nor a hub tell by a stretch.
+    What turns with a free shaft must be stiffened by what pulls at it, which rigid links tell by a
+    stretch in natural coordinates alone.
     """
-    topology = engine.mechanism.linkage.topology
-    stiff = any(link.rigid for link in topology.links) or any(c.hub for c in topology.clamps)
+    topology = engine.topology
+    stiff = any(link.rigid for link in topology.links) and has_turning_lines(topology)
     return engine.stretches is not None and not (stiff and engine.shaft == "free")
 
 
