@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy.linalg
 
 from flexmech.beams.link_matrices import Chain
 from flexmech.linear_system import LinkStretch
@@ -47,4 +48,38 @@ def chain_stretch(chain: Chain) -> LinkStretch:
     spread = np.zeros((count, len(slopes)))
     for column, (number, weight) in enumerate(weights):
         spread[number, column] = weight
-    return LinkStretch(gradient, np.stack(slopes), spread, elements.section.damping.axial)
+    axial = LinkStretch(
+        gradient, np.stack(slopes), spread, np.full(count, elements.section.damping.axial)
+    )
+    import os
+    return axial if not os.environ.get("TURN") else _turning(chain, axial)
+
+
+def _turning(chain, axial):
+    elements, size = chain.elements, chain.model.size
+    count, per_node = len(elements.length), elements.shapes.per_node
+    to_neutral = elements.to_neutral_axis
+    rows, slopes, weights = [], [], []
+    for number in range(count):
+        own = slice(per_node * number, per_node * (number + 2))
+        elongation = np.zeros(2 * per_node)
+        elongation[[0, per_node]] = np.array([-1.0, 1.0]) / elements.length[number]
+        matrix = elements.neutral_stiffness[number]
+        matrix = matrix - np.outer(elongation, elongation) * (elongation @ matrix @ elongation) / (elongation @ elongation) ** 2
+        values, vectors = np.linalg.eigh(matrix)
+        g = np.zeros(size); g[own] = elongation @ to_neutral
+        for k in np.flatnonzero(values > 1e-10 * values.max()):
+            v = np.zeros(size); v[own] = vectors[:, k] @ to_neutral
+            root = np.sqrt(values[k])
+            rows.append(root * v)
+            slopes += [v + g, v - g]
+            weights.append(root / 2)
+    spread = np.zeros((len(rows), len(slopes)))
+    for n, w in enumerate(weights):
+        spread[n, 2 * n : 2 * n + 2] = -w, w
+    return LinkStretch(
+        np.concatenate([axial.gradient, np.stack(rows)]),
+        np.concatenate([axial.slopes, np.stack(slopes)]),
+        scipy.linalg.block_diag(axial.weights, spread),
+        np.append(axial.damping_time, np.full(len(rows), elements.section.damping.bending)),
+    )

@@ -33,19 +33,19 @@ class LinkStretch:
     slopes : ndarray, shape (g, n)
         Slopes whose squares count.
     weights : ndarray, shape (s, g)
-    damping_time : float
-        Kelvin-Voigt: the tension is the strain plus this time in s its rate.
+    damping_time : ndarray, shape (s,)
+        Kelvin-Voigt: a tension is its strain plus this time in s its rate.
     """
 
     gradient: FloatArray
     slopes: FloatArray
     weights: FloatArray
-    damping_time: float
+    damping_time: FloatArray
 
     @classmethod
     def none(cls, size: int) -> LinkStretch:
         """Of a link of ``size`` coordinates that does not stretch."""
-        return cls(np.zeros((0, size)), np.zeros((0, size)), np.zeros((0, 0)), 0.0)
+        return cls(np.zeros((0, size)), np.zeros((0, size)), np.zeros((0, 0)), np.zeros(0))
 
     def projected(self, basis: FloatArray) -> LinkStretch:
         """The same with ``q = basis @ p``.
@@ -62,11 +62,18 @@ class LinkStretch:
         -------
         LinkStretch
         """
-        gradient = self.gradient @ basis
-        shown, size, _ = np.linalg.svd(gradient, full_matrices=False)
-        shown = shown[:, size > _NOT_MOVED * size.max(initial=0.0)]
+        gradient, found = self.gradient @ basis, []
+        for time in np.unique(self.damping_time):
+            own = np.flatnonzero(self.damping_time == time)
+            shown, size, _ = np.linalg.svd(gradient[own], full_matrices=False)
+            shown = shown[:, size > _NOT_MOVED * size.max(initial=0.0)]
+            combined = shown.T @ gradient[own], shown.T @ self.weights[own]
+            found.append((*combined, np.full(shown.shape[1], time)))
+        gradients, weights, times = zip(*found, strict=True) if found else ([], [], [])
+        if not found:
+            return LinkStretch(gradient, self.slopes @ basis, self.weights, self.damping_time)
         return LinkStretch(
-            shown.T @ gradient, self.slopes @ basis, shown.T @ self.weights, self.damping_time
+            np.concatenate(gradients), self.slopes @ basis, np.concatenate(weights), np.concatenate(times)
         )
 
     def remainder(self, displacement: FloatArray, rate: FloatArray) -> tuple[FloatArray, ...]:
@@ -82,7 +89,7 @@ class LinkStretch:
         """
         slope, linear, second = self._strain(displacement)
         elastic = self._force(slope, linear, second)
-        if not self.damping_time:
+        if not self.damping_time.any():
             return elastic, np.zeros_like(elastic)
         linear_rate = rate @ self.gradient.T
         second_rate = (slope * (rate @ self.slopes.T)) @ self.weights.T

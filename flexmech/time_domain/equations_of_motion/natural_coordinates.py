@@ -149,7 +149,7 @@ def with_turning_bodies(
         offset = np.array(body.offset)
         matter = _Matter(body.mass, body.mass * offset, body.inertia + body.mass * arm**2)
         stiffness = _stiffness(engine, arm)
-        time = link.stretch.damping_time
+        time = float(link.stretch.damping_time[0])
         link = _link_with_body(link, place, matter, stiffness)
         reduced = _with_body(reduced, basis[place], matter, stiffness, time)
         basis = scipy.linalg.block_diag(basis, 1.0)
@@ -170,7 +170,7 @@ def _on_shaft(
     place = np.concatenate([own.end_displacement(shaft.clamp.held.end), own.shaft])
     arm = float(np.hypot(*shaft.lever)) or float(own.readings.nodes[-1])
     matter = _Matter(0.0, np.zeros(2), shaft.inertia)
-    stiffness, time = _stiffness(engine, arm, shaft.inertia), link.stretch.damping_time
+    stiffness, time = _stiffness(engine, arm, shaft.inertia), float(link.stretch.damping_time[0])
     link = _link_with_body(link, place, matter, stiffness)
     reduced = _with_body(reduced, basis[place], matter, stiffness, time)
     basis = scipy.linalg.block_diag(basis, 1.0)
@@ -301,7 +301,7 @@ def _rigid_arm(stretch: FloatArray, turn: FloatArray, stiffness: float) -> LinkS
     """The condition of a body whose d are two rows (n,) by a link's coordinates."""
     rows = np.stack([stretch, turn])
     root = float(np.sqrt(stiffness))
-    return LinkStretch(root * rows[:1], rows, root * np.ones((1, 2)), 0.0)
+    return LinkStretch(root * rows[:1], rows, root * np.ones((1, 2)), np.zeros(1))
 
 
 def _link_with_body(
@@ -317,9 +317,10 @@ def _link_with_body(
         gradient=np.vstack([_wider(before.gradient), arm.gradient]),
         slopes=np.vstack([_wider(before.slopes), arm.slopes]),
         weights=scipy.linalg.block_diag(before.weights, arm.weights),
+        damping_time=np.append(before.damping_time, before.damping_time[0]),
     )
     return NaturalLink(
-        _with_body(link.model, rows, matter, stiffness, before.damping_time),
+        _with_body(link.model, rows, matter, stiffness, float(before.damping_time[0])),
         stretch,
         _wider(link.to_engine),
         np.vstack([link.from_engine, np.zeros((1, count))]),
