@@ -10,9 +10,11 @@ from flexmech.linear_system import LinkStretch
 
 # Directions in which an element's slopes are none but for round-off, to the greatest.
 _NO_SLOPE = 1e-12
+# Ways of an element to move without bending, to the stiffest: round-off.
+_NO_BENDING = 1e-10
 
 
-def chain_stretch(chain: Chain) -> LinkStretch:
+def chain_stretch(chain: Chain, *, turns_far: bool = False) -> LinkStretch:
     """Mean axial strain of each element of a link, to second order about the straight link.
 
     The strain of a corotational element (:mod:`flexmech.reference.corotational`) for small
@@ -22,6 +24,8 @@ def chain_stretch(chain: Chain) -> LinkStretch:
     Parameters
     ----------
     chain : Chain
+    turns_far : bool
+        Whether the link turns so far against its frame that bending must not depend on it.
 
     Returns
     -------
@@ -51,35 +55,40 @@ def chain_stretch(chain: Chain) -> LinkStretch:
     axial = LinkStretch(
         gradient, np.stack(slopes), spread, np.full(count, elements.section.damping.axial)
     )
-    import os
-    return axial if not os.environ.get("TURN") else _turning(chain, axial)
+    return _with_bending(chain, axial) if turns_far else axial
 
 
-def _turning(chain, axial):
+def _with_bending(chain: Chain, axial: LinkStretch) -> LinkStretch:
+    """Strains of a chain that may turn far against its frame.
+
+    Where an element's chord is at the angle beta, its ends turn against it by the difference of
+    their sines over ``cos(beta)``, which to second order is less than one by what the chord is
+    shorter along the frame. A product is a difference of squares:
+    ``4 b u = (b + u)^2 - (b - u)^2``.
+    """
     elements, size = chain.elements, chain.model.size
-    count, per_node = len(elements.length), elements.shapes.per_node
-    to_neutral = elements.to_neutral_axis
-    rows, slopes, weights = [], [], []
-    for number in range(count):
+    per_node, to_neutral = elements.shapes.per_node, elements.to_neutral_axis
+    gradient, slopes, weights = [], [], []
+    for number, length in enumerate(elements.length):
         own = slice(per_node * number, per_node * (number + 2))
-        elongation = np.zeros(2 * per_node)
-        elongation[[0, per_node]] = np.array([-1.0, 1.0]) / elements.length[number]
-        matrix = elements.neutral_stiffness[number]
-        matrix = matrix - np.outer(elongation, elongation) * (elongation @ matrix @ elongation) / (elongation @ elongation) ** 2
-        values, vectors = np.linalg.eigh(matrix)
-        g = np.zeros(size); g[own] = elongation @ to_neutral
-        for k in np.flatnonzero(values > 1e-10 * values.max()):
-            v = np.zeros(size); v[own] = vectors[:, k] @ to_neutral
-            root = np.sqrt(values[k])
-            rows.append(root * v)
-            slopes += [v + g, v - g]
-            weights.append(root / 2)
-    spread = np.zeros((len(rows), len(slopes)))
-    for n, w in enumerate(weights):
-        spread[n, 2 * n : 2 * n + 2] = -w, w
+        longer = np.zeros(2 * per_node)
+        longer[[0, per_node]] = -1.0, 1.0
+        stretching = elements.neutral_stiffness[number] @ longer
+        bending = elements.neutral_stiffness[number] - np.outer(stretching, longer) / 2
+        values, vectors = np.linalg.eigh(bending)
+        rows = np.zeros((1 + 2 * per_node, size))
+        rows[0, own] = longer @ to_neutral / length
+        rows[1:, own] = vectors.T @ to_neutral
+        for bent in np.flatnonzero(values > _NO_BENDING * values.max()):
+            root = float(np.sqrt(values[bent]))
+            gradient.append(root * rows[1 + bent])
+            slopes += [rows[1 + bent] + rows[0], rows[1 + bent] - rows[0]]
+            weights.append(root / 2 * np.array([[-1.0, 1.0]]))
+    # Of the second order alone is the damping of all bending that of curvature.
+    time = np.full(len(gradient), elements.section.damping.bending)
     return LinkStretch(
-        np.concatenate([axial.gradient, np.stack(rows)]),
-        np.concatenate([axial.slopes, np.stack(slopes)]),
-        scipy.linalg.block_diag(axial.weights, spread),
-        np.append(axial.damping_time, np.full(len(rows), elements.section.damping.bending)),
+        np.concatenate([axial.gradient, gradient]),
+        np.concatenate([axial.slopes, slopes]),
+        scipy.linalg.block_diag(axial.weights, *weights),
+        np.append(axial.damping_time, time),
     )

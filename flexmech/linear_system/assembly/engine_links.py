@@ -81,11 +81,14 @@ class EngineLinks(ElementKinds):
     def stretches(self) -> tuple[LinkStretch, ...] | None:
         """Second-order stretch of each link; None where an engine does not tell.
 
-        None as well where links bend or stretch without load: it is that of straight links.
+        None as well where links bend or stretch without load: it is that of straight links; and of
+        a free shaft with rigid links that guide others.
         """
         held, shaft = self.clamped_stretches, self.free_shaft
         if held is None or shaft is None:
             return held
+        if shaft.is_stiff and not shaft.turns_far:
+            return None
         return shaft.stretches(self.clamped_links, held)
 
     @property

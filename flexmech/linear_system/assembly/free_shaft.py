@@ -40,12 +40,18 @@ class FreeShaft:
         From the shaft's axis to the clamped end, in the link's frame, in m.
     inertia : float
         About the axis, in kg m^2.
+    is_stiff : bool
+        Whether there are rigid links or a hub: a turn of these meets no tension of their own.
+    turns_far : bool
+        Whether these may turn by finite angles in a run in time: no links guide others.
     """
 
     clamp: Clamp
     link: int
     lever: tuple[float, float]
     inertia: float
+    is_stiff: bool
+    turns_far: bool
 
     @classmethod
     def of(cls, mechanism: Mechanism) -> Self:
@@ -82,7 +88,9 @@ class FreeShaft:
         x = 0.0 if clamp.held.end == "start" else topology.links[link].length
         speed, angle = motion.velocity(link, x), motion.angle[link]
         lever = (float(speed @ normal(angle)), -float(speed @ direction(angle)))
-        return cls(clamp, link, lever, mechanism.shaft_inertia)
+        stiff = any(each.rigid for each in topology.links) or any(lever)
+        guided = any(slider.guide for slider in topology.sliders)
+        return cls(clamp, link, lever, mechanism.shaft_inertia, stiff, stiff and not guided)
 
     def topology(self, topology: Topology) -> Topology:
         """The topology with a pivot in place of the clamp."""

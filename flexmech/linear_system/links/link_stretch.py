@@ -24,7 +24,8 @@ class LinkStretch:
 
     Each of the ``s`` strains ``gradient @ q + weights @ (slopes @ q)**2 / 2`` is a mean over a
     part of the link times the square root of that part's stiffness, ``EA`` times length: the
-    strain energy is half the sum of their squares, and a strain is its own tension.
+    strain energy is half the sum of their squares, and a strain is its own tension. Of a link that
+    turns far there are strains of bending among them.
 
     Parameters
     ----------
@@ -62,18 +63,18 @@ class LinkStretch:
         -------
         LinkStretch
         """
-        gradient, found = self.gradient @ basis, []
+        gradient = self.gradient @ basis
+        combined, times = [gradient[:, :0]], [self.damping_time[:0]]
         for time in np.unique(self.damping_time):
             own = np.flatnonzero(self.damping_time == time)
             shown, size, _ = np.linalg.svd(gradient[own], full_matrices=False)
             shown = shown[:, size > _NOT_MOVED * size.max(initial=0.0)]
-            combined = shown.T @ gradient[own], shown.T @ self.weights[own]
-            found.append((*combined, np.full(shown.shape[1], time)))
-        gradients, weights, times = zip(*found, strict=True) if found else ([], [], [])
-        if not found:
-            return LinkStretch(gradient, self.slopes @ basis, self.weights, self.damping_time)
+            combined.append(np.zeros((len(gradient), shown.shape[1])))
+            combined[-1][own] = shown
+            times.append(np.full(shown.shape[1], time))
+        kept = np.concatenate(combined, axis=1).T
         return LinkStretch(
-            np.concatenate(gradients), self.slopes @ basis, np.concatenate(weights), np.concatenate(times)
+            kept @ gradient, self.slopes @ basis, kept @ self.weights, np.concatenate(times)
         )
 
     def remainder(self, displacement: FloatArray, rate: FloatArray) -> tuple[FloatArray, ...]:

@@ -118,14 +118,14 @@ class DrivenLinkage:
         self.frames = LinkFrames(reduced.topology, self.links)
         self.stretch = LinkageStretch(self.frames, reduced.stretches) if stretches else None
         self.shaft = DrivenShaft.of(engine, drive, self.frames, reduced.unreduced, self.own_bases)
-        follows = self.shaft is not None and self.shaft.is_natural
-        self.connectors = DrivenConnectors(engine, self.frames, drive, torque_follows=follows)
+        turns_far = self.shaft is not None and self.shaft.is_natural
+        self.connectors = DrivenConnectors(engine, self.frames, drive, torque_follows=turns_far)
         self._condensed = np.zeros(self.frames.size, dtype=bool)
         for target, condensed in zip(self.frames.targets, reduced.follows, strict=True):
             self._condensed[target[condensed]] = True
         guided = stretches and has_turning_lines(reduced.topology)
         level: Prestress = prestress
-        if stretches:
+        if stretches and not turns_far:
             level = "axial" if guided else "none"
         self._stress = StressHistory(
             engine,
@@ -135,6 +135,7 @@ class DrivenLinkage:
             level,
             with_energy=with_energy,
             rigid_links_only=guided,
+            equilibrium_of=self.bases if turns_far else None,
         )
 
     @property

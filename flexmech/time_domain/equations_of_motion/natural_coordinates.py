@@ -154,7 +154,7 @@ def with_turning_bodies(
         reduced = _with_body(reduced, basis[place], matter, stiffness, time)
         basis = scipy.linalg.block_diag(basis, 1.0)
     shaft = engine.free_shaft
-    if as_they_are or shaft is None or shaft.link != number:
+    if as_they_are or shaft is None or shaft.link != number or not shaft.turns_far:
         return link, reduced, basis
     if not (shaft.inertia or shaft.has_lever):
         # Without mass its d_1 would be no coordinate.

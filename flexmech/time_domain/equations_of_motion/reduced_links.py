@@ -19,7 +19,6 @@ from flexmech.linear_system import (
 from flexmech.linkages import CrankDrive, Topology
 from flexmech.time_domain.equations_of_motion.natural_coordinates import (
     NaturalLink,
-    has_turning_lines,
     natural_links,
     with_turning_bodies,
 )
@@ -116,14 +115,8 @@ def is_reduced(engine: Engine) -> bool:
 
 
 def can_stretch(engine: Engine) -> bool:
-    """Whether an engine tells how its links stretch by the square of their slopes.
-
-    What turns with a free shaft must be stiffened by what pulls at it, which rigid links tell by a
-    stretch in natural coordinates alone.
-    """
-    topology = engine.topology
-    stiff = any(link.rigid for link in topology.links) and has_turning_lines(topology)
-    return engine.stretches is not None and not (stiff and engine.shaft == "free")
+    """Whether an engine tells how its links stretch by the square of their slopes."""
+    return engine.stretches is not None
 
 
 def stretches_in_runs(engine: Engine, prestress: Prestress) -> bool:
