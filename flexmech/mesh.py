@@ -9,15 +9,6 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 
-__all__ = [
-    "STATIONS",
-    "middle_curvature",
-    "node_positions",
-    "pieces",
-    "shapes_at",
-    "station_shapes",
-]
-
 STATIONS = 21
 
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linkages.attachments import JointSpring, LinkPoint, Load, Spring
+from flexmech.linkages.attachments import AttachmentPoint, JointSpring, Load, Spring
 from flexmech.linkages.motion import RigidMotion, cross
 from flexmech.linkages.topology import Topology
 
@@ -229,7 +229,7 @@ def forces_of_joint_springs(
 
 
 def _point_motion(
-    topology: Topology, motion: RigidMotion, point: LinkPoint
+    topology: Topology, motion: RigidMotion, point: AttachmentPoint
 ) -> tuple[FloatArray, FloatArray]:
     """Position and velocity of a point in ground axes, each of shape (..., 2)."""
     if point.is_ground:

@@ -56,10 +56,10 @@ class InverseDynamics(LinkForces):
     inertia_moment : ndarray, shape (..., n_links)
         Its moment about the link's start, N m.
     joint_force : dict of str to ndarray, shape (..., 2)
-        Force on the held or following link at each joint, ground axes, N. A slider's is
+        Force on the grounded or following link at each joint, ground axes, N. A slider's is
         across its line.
     joint_moment : dict of str to ndarray, shape (...)
-        Couple on the held or following link at each joint, N m: of clamps and welds, zero at
+        Couple on the grounded or following link at each joint, N m: of clamps and welds, zero at
         the others. A torsional spring in a joint is not part of it.
     driving_torque : ndarray, shape (...)
         Torque of the shaft on the clamped link about the shaft's axis, N m. The inertia of
@@ -98,7 +98,7 @@ def inverse_dynamics(
     Parameters
     ----------
     topology : Topology
-        With as many connections as hold the linkage once the shaft is held.
+        With as many constraint forces as unknown, once the shaft is fixed.
     motion : RigidMotion
         Positions at which to solve.
     masses : sequence of LinkMass
@@ -226,6 +226,6 @@ def _driving_torque(
     for clamp in topology.clamps:
         torque = torque + joint_moment[clamp.joint]
         if clamp.hub:
-            arm = clamp.hub * direction(motion.angle[..., topology.index(clamp.held.link)])
+            arm = clamp.hub * direction(motion.angle[..., topology.index(clamp.link_end.link)])
             torque = torque + cross(arm, joint_force[clamp.joint])
     return torque

@@ -49,7 +49,7 @@ from flexmech.multibody.running.model import RunningModel
 from flexmech.multibody.running.simulation import PointRecorder, Simulation
 from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
-from flexmech.time_domain.recorded_runs import Impact, LinkState, Recorder, Trajectory
+from flexmech.time_domain import Impact, LinkState, Recorder, Trajectory
 from flexmech.validation import POSITIVE, check_choice, check_number, checked_array
 
 

@@ -28,7 +28,7 @@ from flexmech.multibody.running.user_functions import (
     guide_line_force,
     middle_deflection,
 )
-from flexmech.time_domain.recorded_runs import LinkState
+from flexmech.time_domain import LinkState
 
 # Kept in memory, at every step.
 _KEPT = {"writeToFile": False, "storeInternal": True}
@@ -52,7 +52,7 @@ def add_sensors(model: RunningModel) -> None:
     model : RunningModel
     """
     assembly, items, topology = model.assembly, model.assembly.items, model.assembly.topology
-    clamped = {clamp.held.link for clamp in topology.clamps}
+    clamped = {clamp.link_end.link for clamp in topology.clamps}
     for link, part in zip(topology.links, assembly.parts, strict=True):
         if isinstance(part, RigidPart):
             continue

@@ -76,7 +76,7 @@ def joint_forces(model: StaticModel, state: FloatArray) -> Iterator[JointForce]:
             angle = state[assembly.parts[guide].coordinates][2]
             cosine, sine = np.cos(angle), np.sin(angle)
             normal = np.array([cosine * x - sine * y, sine * x + cosine * y])
-        held = on(line.slider.held, own(line.constraint)[0] * normal)
+        held = on(line.slider.link_end, own(line.constraint)[0] * normal)
         yield held
         if line.slider.guide:
             yield JointForce(guide, held.place, -held.force)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linkages import LinkPoint, RigidMotion, continuous_angles
+from flexmech.linkages import AttachmentPoint, RigidMotion, continuous_angles
 from flexmech.linkages.motion import direction, normal
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.connectors import Connectors, JointSpringItem, SpringItem, angle_of_end
@@ -209,7 +209,7 @@ class StaticConnectors:
         assembly = self._all.assembly
         total = np.zeros(len(assembly.parts))
 
-        def add(point: LinkPoint, force: FloatArray, in_link_axes: bool = False) -> None:
+        def add(point: AttachmentPoint, force: FloatArray, in_link_axes: bool = False) -> None:
             link = -1 if point.is_ground else assembly.topology.index(point.link)
             part = assembly.parts[link]
             if link < 0 or not isinstance(part, RigidPart):
@@ -233,7 +233,7 @@ class StaticConnectors:
                 if end is not None and joint.radial is not None:
                     link = assembly.topology.links[assembly.topology.index(end.link)]
                     x = 0.0 if end.end == "start" else link.length
-                    add(LinkPoint(end.link, x), sign * force)
+                    add(AttachmentPoint(end.link, x), sign * force)
         return total
 
     def _radial_force(self, item: JointSpringItem, state: FloatArray) -> FloatArray:
@@ -305,7 +305,7 @@ class StaticConnectors:
         return self._angles
 
     def _point(
-        self, motion: RigidMotion, number: int, point: LinkPoint
+        self, motion: RigidMotion, number: int, point: AttachmentPoint
     ) -> tuple[FloatArray, FloatArray]:
         """Place and velocity of a point of the rigid linkage in ground axes."""
         if point.is_ground:

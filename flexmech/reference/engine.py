@@ -12,8 +12,8 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.beams.comparison import compare_theories
 from flexmech.beams.elements import BEAM_SHAPES
-from flexmech.beams.held_ends import held_beam
 from flexmech.beams.link_matrices import Chain, Coupling, build_chain
+from flexmech.beams.restrained_ends import restrained_beam
 from flexmech.choices import ELEMENTS, MASSES, MassChoice
 from flexmech.linear_system import (
     BalancedLoads,
@@ -88,10 +88,10 @@ class ReferenceEngine(Engine):
     def _chain(self, number: int, name: str) -> Chain:
         """One flexible link."""
         mass, at = self._masses[number], self.mechanism.acting_at(name)
-        section, held = held_beam(self.mechanism, name)
+        section, held = restrained_beam(self.mechanism, name)
         shapes = BEAM_SHAPES[self.element]
         chain = build_chain(name, section, mass, self.elements, shapes, at)
-        return chain if held is None else held.hold(chain, mass.mass_per_length)
+        return chain if held is None else held.restrain(chain, mass.mass_per_length)
 
     @cached_property
     def _lumped(self) -> tuple[int, ...] | None:

@@ -12,7 +12,7 @@ from flexmech.errors import InputError
 from flexmech.linear_system import LinkPoint, displacement_row, point_rows
 from flexmech.linkages.motion import direction, normal
 from flexmech.reference import ReferenceEngine
-from flexmech.time_domain.recorded_runs import Impact
+from flexmech.time_domain import Impact
 
 ANGLES = np.radians([20.0, 130.0])
 FOURBAR = ReferenceEngine(

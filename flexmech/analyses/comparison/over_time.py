@@ -35,7 +35,7 @@ from flexmech.choices import MODES
 from flexmech.errors import CRANK_SPEED, InputError
 from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord, sampling_interval
-from flexmech.time_domain.periodic_motion import ForcedModes, FreeAndForced, forced_modes
+from flexmech.time_domain import ForcedModes, FreeAndForced, forced_modes
 
 # Singular values of the free vibrations below this part of the greatest are round-off.
 _ROUND_OFF = 1e-9

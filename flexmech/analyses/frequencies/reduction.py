@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies.eigenproblem import Modes, solve_eigenvalues, solve_modes
 from flexmech.analyses.frequencies.formulation import Systems
-from flexmech.analyses.frequencies.inverse_iteration import Pencil, inverse_iteration
+from flexmech.analyses.frequencies.inverse_iteration import Pencil, newton_values, ritz_values
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
     GREAT_DETAIL,
@@ -226,17 +226,13 @@ def reduction_error(
     ReductionError
     """
     shapes = reduced.unreduced_vectors(modes.vectors, unreduced.systems.engine.frames)
-    better = Modes(
-        np.stack(
-            [
-                inverse_iteration(
-                    *position, symmetric=reduced.is_conservative, rigid=reduced.rigid_modes > 0
-                )
-                for position in zip(unreduced.pencils(), modes.eigenvalues, shapes, strict=True)
-            ]
-        ),
-        modes.vectors,
-    )
+    if reduced.is_conservative:
+        pencils = list(unreduced.pencils())
+        improved = ritz_values(pencils, shapes, rigid=reduced.rigid_modes > 0)
+    else:
+        positions = zip(unreduced.pencils(), modes.eigenvalues, shapes, strict=True)
+        improved = np.stack([newton_values(*position) for position in positions])
+    better = Modes(improved, modes.vectors)
     return ReductionError(
         frequency=np.abs(modes.frequency / better.frequency - 1),
         damping_ratio=np.abs(modes.damping_ratio - better.damping_ratio),
@@ -274,9 +270,7 @@ def unreduced_eigenvalues(
         exact = UnreducedPositions(unreduced, angle, np.full(1, crank_speed), stressed)
         shapes = reduced.unreduced_vectors(modes.vectors, frames)[0]
         pencil = next(exact.pencils())
-        values = inverse_iteration(
-            pencil, modes.eigenvalues[0], shapes, symmetric=False, steps=MOST_STEPS
-        )
+        values = newton_values(pencil, modes.eigenvalues[0], shapes, steps=MOST_STEPS)
         values = values[np.argsort(np.abs(values))]
         alike = np.abs(np.diff(values)) <= SAME * np.abs(values[1:])
         if np.any(alike) or not np.all(np.isfinite(values)):

@@ -269,7 +269,7 @@ def lowest_axial_frequency(engine: Engine, crank_angle: FloatArray) -> float:
         [link.stiffness for link in links],
         RotationTerms.all_or_none(False),
     )
-    clamped = [topology.index(clamp.held.link) for clamp in topology.clamps]
+    clamped = [topology.index(clamp.link_end.link) for clamp in topology.clamps]
     turning = [frames.targets[number][-2:] for number in clamped]
     free = np.setdiff1d(np.arange(frames.size), turning)
     loose = bool(topology.welds or any(link.rigid for link in links))

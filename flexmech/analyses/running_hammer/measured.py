@@ -18,10 +18,15 @@ from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
 from flexmech.modal_testing import HarmonicEstimate, estimate_harmonics, with_noise
-from flexmech.time_domain import DrivenLinkage, LinkState, nonlinear_orbit
-from flexmech.time_domain.equations_of_motion import stretches_in_runs
-from flexmech.time_domain.integrators import StruckLinkage, simulator
-from flexmech.time_domain.recorded_runs import Impact
+from flexmech.time_domain import (
+    DrivenLinkage,
+    Impact,
+    LinkState,
+    StruckLinkage,
+    nonlinear_orbit,
+    simulator,
+    stretches_in_runs,
+)
 
 _HALVING = 0.01
 """Greatest change of any order by halving the impacts, over its greatest amplitude."""

@@ -22,7 +22,7 @@ from flexmech.dynamical_systems import (
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.linear_system import Engine, LinearSystem, LinkPoint, StressedLinks, point_rows
 from flexmech.linkages import RigidMotion
-from flexmech.time_domain.periodic_motion import forced_linkage
+from flexmech.time_domain import forced_linkage
 
 # Natural modes up to this part of the highest frequency of input and response are kept, and tried.
 _DETAIL = 1.5

@@ -28,8 +28,7 @@ from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
 from flexmech.threads import one_thread
-from flexmech.time_domain.equations_of_motion import DrivenLinkage
-from flexmech.time_domain.periodic_motion import periodic_turn
+from flexmech.time_domain import DrivenLinkage, periodic_turn
 from flexmech.validation import check_choice, check_count, checked_array
 
 LEAST_STEPS = 720
@@ -182,7 +181,7 @@ def quasi_static_peaks(linkage: DrivenLinkage) -> FloatArray:
     """Greatest deflections over a turn if nothing vibrated, in m, shape (n_links,)."""
     turn = linkage.drive.revolution_time
     time = turn * np.arange(QUASI_STATIC_ANGLES) / QUASI_STATIC_ANGLES
-    equations = linkage.standing(time)
+    equations = linkage.quasi_static_equations(time)
     position = equations.quasi_static()
     at_rest = VibrationState(position, np.zeros_like(position), np.zeros_like(position))
     links = linkage.link_motion(equations, at_rest)

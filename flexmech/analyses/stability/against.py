@@ -31,13 +31,12 @@ from flexmech.analyses.stability.speed_range import (
 from flexmech.analyses.stability.speed_window import NODES
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.arrays import FloatArray, LabelledProgress
-from flexmech.dimensions import TEMPERATURE_DIFFERENCE, Dimension
 from flexmech.errors import ComputationError, InputError, suggestion
 from flexmech.hygrothermal import HygrothermalState, mechanism_in_state
 from flexmech.linear_system import Engine
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile import mechanism_with, quantities_of
-from flexmech.units import RATIO
+from flexmech.units import RATIO, TEMPERATURE_DIFFERENCE, Dimension
 from flexmech.validation import check_number, checked_array
 
 DAMPING_PARAMETER, MOISTURE, TEMPERATURE_RISE = "damping-ratio", "moisture", "temperature-rise"

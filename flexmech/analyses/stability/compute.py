@@ -30,7 +30,7 @@ from flexmech.errors import ComputationError
 from flexmech.interruption import tidying
 from flexmech.linear_system import Engine, stressed_along_turn
 from flexmech.threads import one_thread
-from flexmech.time_domain.periodic_motion import SampledTurn
+from flexmech.time_domain import SampledTurn
 from flexmech.validation import checked_array
 
 MOST_SPEEDS = 9

@@ -78,14 +78,14 @@ class FreeShaft:
                 f"{len(topology.clamps)}: use shaft 'prescribed'"
             )
         clamp = topology.clamps[0]
-        link = topology.index(clamp.held.link)
+        link = topology.index(clamp.link_end.link)
         motion = mechanism.linkage.motion(shown_crank_angle(mechanism.linkage), 1.0)
         if abs(float(motion.angular_velocity[link]) - 1.0) > ROUND_OFF:
             raise InputError(
                 f"shaft 'free' needs a link that turns with the shaft, and the "
-                f"{clamp.held.link} does not: use shaft 'prescribed'"
+                f"{clamp.link_end.link} does not: use shaft 'prescribed'"
             )
-        x = 0.0 if clamp.held.end == "start" else topology.links[link].length
+        x = 0.0 if clamp.link_end.end == "start" else topology.links[link].length
         speed, angle = motion.velocity(link, x), motion.angle[link]
         lever = (float(speed @ normal(angle)), -float(speed @ direction(angle)))
         stiff = any(each.rigid for each in topology.links) or any(lever)
@@ -94,7 +94,7 @@ class FreeShaft:
 
     def topology(self, topology: Topology) -> Topology:
         """The topology with a pivot in place of the clamp."""
-        pivot = Pivot(self.clamp.joint, self.clamp.held)
+        pivot = Pivot(self.clamp.joint, self.clamp.link_end)
         return replace(topology, clamps=(), pivots=(pivot, *topology.pivots))
 
     def links(self, links: tuple[LinkModel, ...]) -> tuple[LinkModel, ...]:
@@ -109,7 +109,7 @@ class FreeShaft:
         -------
         tuple of LinkModel
         """
-        link, end = links[self.link], self.clamp.held.end
+        link, end = links[self.link], self.clamp.link_end.end
         released = in_coordinates(link, self.basis(link))
         rotation = link.end_rotation_of(end)[:1]
         mass = np.array(released.mass)
@@ -126,7 +126,7 @@ class FreeShaft:
 
     def basis(self, link: LinkModel) -> FloatArray:
         """From the released link's coordinates to those of the clamped one, (n, n)."""
-        end, basis = self.clamp.held.end, np.eye(link.size)
+        end, basis = self.clamp.link_end.end, np.eye(link.size)
         rotations = link.end_rotation_of(end)
         turned, (x, y) = int(rotations[0]), link.end_displacement(end)
         basis[rotations, turned] = link.fields.tangential[rotations]
@@ -214,7 +214,7 @@ class FreeShaft:
                 force = force[:, :1] * direction(angle) + force[:, 1:] * normal(angle)
             else:
                 force = -rigid[tie.joint]
-            side = (tie.leader.end == "end") - (self.clamp.held.end == "end")
+            side = (tie.leader.end == "end") - (self.clamp.link_end.end == "end")
             total += side * own.length * np.sum(force * along, axis=1)
         return total
 
@@ -244,7 +244,7 @@ class FreeShaft:
         StressedLinks
         """
         basis = self.basis(links[self.link])
-        turned = int(links[self.link].end_rotation_of(self.clamp.held.end)[0])
+        turned = int(links[self.link].end_rotation_of(self.clamp.link_end.end)[0])
         tangent = list(stressed.tangent)
         force = None if stressed.internal_force is None else list(stressed.internal_force)
         damping = None if stressed.damping is None else list(stressed.damping)

@@ -245,9 +245,9 @@ class LinkTies:
         """Where rigid links and sliders are, by the displacements (B, n_link) of all links."""
         held = {}
         for number, slider in enumerate(self.topology.sliders):
-            if not self.rigid.is_rigid(slider.held):
-                link = self.topology.index(slider.held.link)
-                q = displacement[link][:, self._rows(slider.held)]
+            if not self.rigid.is_rigid(slider.link_end):
+                link = self.topology.index(slider.link_end.link)
+                q = displacement[link][:, self._rows(slider.link_end)]
                 angle = motion.angle[:, link]
                 held[number] = q[:, :1] * direction(angle) + q[:, 1:] * normal(angle)
         return RigidPose.displaced_by(self.rigid, motion, displacement, held)

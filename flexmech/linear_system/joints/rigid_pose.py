@@ -111,7 +111,7 @@ class RigidPose:
             moved = (
                 held[number]
                 if number in held
-                else pose.displacement([end_point(rigid.topology, slider.held)])[:, 0]
+                else pose.displacement([end_point(rigid.topology, slider.link_end)])[:, 0]
             )
             moved = moved - pose.displacement([line])[:, 0]  # whose slide is not there yet
             along = line.along * pose._after[0].turn[:, line.body]

@@ -35,9 +35,9 @@ from flexmech.linear_system.loads.connector_forces import (
 )
 from flexmech.linkages import (
     GROUND,
+    AttachmentPoint,
     JointSpring,
     LinkEnd,
-    LinkPoint,
     Load,
     RigidMotion,
     Spring,
@@ -346,7 +346,7 @@ class Connectors:
         length = self._topology.links[number].length
         return AttachedPoint.of(self.links, number, x / length, length)
 
-    def point(self, point: LinkPoint) -> AttachedPoint | None:
+    def point(self, point: AttachmentPoint) -> AttachedPoint | None:
         """Where a point of a link is attached; None on the ground."""
         if point.link == GROUND:
             return None
@@ -387,7 +387,7 @@ class Connectors:
         )
 
     def _spring_end(
-        self, point: LinkPoint, motion: RigidMotion, displacement: Sequence[FloatArray] | None
+        self, point: AttachmentPoint, motion: RigidMotion, displacement: Sequence[FloatArray] | None
     ) -> SpringEnd:
         found = self.point(point)
         if found is None:

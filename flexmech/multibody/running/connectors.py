@@ -8,14 +8,14 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import LinkModel
-from flexmech.linkages import LinkEnd, LinkPoint, RigidMotion, continuous_angles
+from flexmech.linkages import AttachmentPoint, LinkEnd, RigidMotion, continuous_angles
 from flexmech.linkages.motion import direction, normal
 from flexmech.multibody.connectors import Connectors, JointSpringItem, LoadItem, angle_of_end
 from flexmech.multibody.items import Made
 from flexmech.multibody.link_parts import BeamPart, RigidPart
 from flexmech.multibody.node_directions import leading_end
 from flexmech.multibody.running.user_functions import Shaft, load_history
-from flexmech.time_domain.equations_of_motion import ConnectorWork
+from flexmech.time_domain import ConnectorWork
 
 
 class RunningConnectors:
@@ -187,7 +187,7 @@ class RunningConnectors:
     ) -> tuple[FloatArray, FloatArray]:
         part = self._all.assembly.part_of(end)
         x = 0.0 if end.end == "start" else part.length
-        return self._point(LinkPoint(end.link, x), position, velocity)
+        return self._point(AttachmentPoint(end.link, x), position, velocity)
 
     def _load_power(
         self, item: LoadItem, time: FloatArray, position: FloatArray, velocity: FloatArray
@@ -202,7 +202,7 @@ class RunningConnectors:
         return np.asarray(np.sum(force * rate, axis=1) + values[:, 2] * spin)
 
     def _point(
-        self, point: LinkPoint, position: FloatArray, velocity: FloatArray
+        self, point: AttachmentPoint, position: FloatArray, velocity: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Place and velocity of a point in ground axes, (m, 2)."""
         if point.is_ground:
@@ -221,7 +221,7 @@ class RunningConnectors:
         return (own + part.straight) @ rows.T, rate @ rows.T
 
     def _turning(
-        self, point: LinkPoint, position: FloatArray, velocity: FloatArray
+        self, point: AttachmentPoint, position: FloatArray, velocity: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Angle of a link at a point and its rate; zero where none is asked for."""
         part = self._all.assembly.parts[self._all.assembly.topology.index(point.link)]

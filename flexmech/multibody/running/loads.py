@@ -33,7 +33,7 @@ from flexmech.multibody.items import ItemNumber, Made
 from flexmech.multibody.link_parts import BeamPart, RigidPart
 from flexmech.multibody.node_bodies import NodeBodies
 from flexmech.multibody.running.user_functions import torque_history
-from flexmech.time_domain.recorded_runs import Impact, rigid_torque
+from flexmech.time_domain import Impact, rigid_torque
 
 
 class LinkEnergies:

@@ -38,7 +38,7 @@ from flexmech.multibody.running.loads import (
     add_running_loads,
 )
 from flexmech.multibody.running.user_functions import Shaft
-from flexmech.time_domain.recorded_runs import Impact
+from flexmech.time_domain import Impact
 
 
 class RunningModel:
@@ -278,17 +278,17 @@ class RunningModel:
         assembly, items = self.assembly, self.assembly.items
         name = f"clamp_{clamp.joint}"
         items.begin(f"clamp {clamp.joint}: the link's end on the hub, its axis parallel to it")
-        lever = place_on_hub(assembly, self._start, clamp.held)
+        lever = place_on_hub(assembly, self._start, clamp.link_end)
         on_hub = items.add(
             "MarkerBodyRigid", f"{name}_on_hub", bodyNumber=hub, localPosition=[*lever, 0.0]
         )
-        on_link = assembly.add_end_marker(clamp.held, f"{name}_on_{clamp.held.link}")
+        on_link = assembly.add_end_marker(clamp.link_end, f"{name}_on_{clamp.link_end.link}")
         pin = items.add("RevoluteJoint2D", name, markerNumbers=[on_hub, on_link])
-        link = assembly.topology.index(clamp.held.link)
+        link = assembly.topology.index(clamp.link_end.link)
         turn = float(self._start.angle[link] - self._start.angle[assembly.base])
         if turn:
             on_hub = assembly.add_body_frame(hub, f"{name}_direction", 0.0, 0.0, turn)
-        axis = assembly.add_section_marker(clamp.held, f"{name}_axis")
+        axis = assembly.add_section_marker(clamp.link_end, f"{name}_axis")
         items.add(
             "GenericJoint",
             f"{name}_rotation",
@@ -303,14 +303,17 @@ class RunningModel:
         for pivot in assembly.topology.pivots:
             if pivot.sprung:
                 continue
-            name, place = f"pivot_{pivot.joint}", place_at_start(assembly, self._start, pivot.held)
+            name, place = (
+                f"pivot_{pivot.joint}",
+                place_at_start(assembly, self._start, pivot.link_end),
+            )
             assembly.items.begin(f"pivot {pivot.joint}")
-            if not assembly.is_at_node(pivot.held):
-                pin = assembly.add_ground_pin(name, pivot.held, [*map(float, place), 0.0])[1]
+            if not assembly.is_at_node(pivot.link_end):
+                pin = assembly.add_ground_pin(name, pivot.link_end, [*map(float, place), 0.0])[1]
                 constraints[pivot.joint] = [pin]
                 continue
-            node = assembly.end_node(pivot.held)
-            offset = place - assembly.reference_place(pivot.held)
+            node = assembly.end_node(pivot.link_end)
+            offset = place - assembly.reference_place(pivot.link_end)
             constraints[pivot.joint] = [
                 assembly.add_constraint(f"{name}_{axis}", fixed, node, i, offset=float(offset[i]))
                 for i, axis in enumerate("xy")

@@ -19,8 +19,7 @@ from flexmech.multibody.items import Setting, applied, solver_settings
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import MovingFrames
 from flexmech.multibody.running.model import RunningModel
-from flexmech.time_domain.integrators import UnbalancedStepError
-from flexmech.time_domain.recorded_runs import LinkState, Recorder, ShaftMotion, StepBlock
+from flexmech.time_domain import LinkState, Recorder, ShaftMotion, StepBlock, UnbalancedStepError
 
 # How far a start may tear a joint apart, relative to the length of all links.
 START_GAP = 1e-6

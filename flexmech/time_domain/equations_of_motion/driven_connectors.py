@@ -221,9 +221,11 @@ class DrivenConnectors:
 
     def histories(self, time: FloatArray) -> FloatArray:
         """How much of each unit force acts at times of shape (m,); (m, table_count)."""
+        if not self._tables:
+            return np.zeros((len(time), 0))
         angle = self._drive.crank_angle(time)
         columns = [load.values(angle, time)[:, component] for load, component in self._tables]
-        return np.stack(columns, axis=1) if columns else np.zeros((len(time), 0))
+        return np.stack(columns, axis=1)
 
     def acting(
         self,

@@ -5,7 +5,7 @@
 rigid motion and weight as load. Links are reduced to component modes whose static shapes
 turn with the pins: here the whole shape moves (Galerkin), because a response in time does
 not depend on the frame in which it is written, as frozen eigenvalues do. Axial modes above
-the frequencies of interest follow statically: a bowed link stretches when it bends.
+the frequencies of interest are condensed: a bowed link stretches when it bends.
 
 The equations are linear about straight links, or about their quasi-static equilibrium. On
 request the links stretch by half the square of their slopes, whatever these are at the
@@ -46,9 +46,10 @@ from flexmech.time_domain.equations_of_motion.reduced_links import (
     stretching_links,
 )
 from flexmech.time_domain.equations_of_motion.stress_history import StressHistory
-from flexmech.time_domain.recorded_runs import LinkState
+from flexmech.time_domain.recorded_runs.states import LinkState
 
-# Newton's method for a start in balance, from close by.
+# Newton's method for a start in balance: it takes three to six passes from the linear one, and ends
+# at a change of the greatest displacement whose square is less than round-off.
 MOST_PASSES = 30
 CONVERGED = 1e-10
 
@@ -90,6 +91,8 @@ class DrivenLinkage:
         What comes on top of the linear equations.
     shaft : DrivenShaft or None
         A shaft that is free.
+    stress : StressHistory
+        Of the reduced links.
     """
 
     def __init__(
@@ -121,13 +124,13 @@ class DrivenLinkage:
         turns_far = self.shaft is not None and self.shaft.is_natural
         self.connectors = DrivenConnectors(engine, self.frames, drive, torque_follows=turns_far)
         self._condensed = np.zeros(self.frames.size, dtype=bool)
-        for target, condensed in zip(self.frames.targets, reduced.follows, strict=True):
+        for target, condensed in zip(self.frames.targets, reduced.condensed, strict=True):
             self._condensed[target[condensed]] = True
         guided = stretches and has_turning_lines(reduced.topology)
         level: Prestress = prestress
         if stretches and not turns_far:
             level = "axial" if guided else "none"
-        self._stress = StressHistory(
+        self.stress = StressHistory(
             engine,
             self.unreduced,
             self.own_bases,
@@ -154,7 +157,7 @@ class DrivenLinkage:
 
     @property
     def is_condensed(self) -> bool:
-        """Whether some coordinates of the frames follow the others statically."""
+        """Whether some coordinates of the frames are condensed statically."""
         return bool(self._condensed.any())
 
     def motion(self, time: FloatArray) -> RigidMotion:
@@ -166,14 +169,7 @@ class DrivenLinkage:
         full = inertia_loads(self.unreduced, motion, self.engine.mechanism.gravity)
         return [load @ basis for load, basis in zip(full, self.own_bases, strict=True)]
 
-    def equations(
-        self,
-        time: FloatArray,
-        *,
-        still: bool = False,
-        load: Sequence[FloatArray] | None = None,
-        tables: bool = True,
-    ) -> Equations:
+    def equations(self, time: FloatArray, *, still: bool = False, tables: bool = True) -> Equations:
         """Equations of motion.
 
         Parameters
@@ -182,8 +178,6 @@ class DrivenLinkage:
             In s.
         still : bool
             Leave out the rotation terms: what the loads would do if nothing moved.
-        load : sequence of ndarray, shape (n_link,), optional
-            Forces on the reduced links in their frames, in place of all others.
         tables : bool
             Whether the tables of loads count; see :meth:`DrivenConnectors.unit_forces`.
 
@@ -191,20 +185,16 @@ class DrivenLinkage:
         -------
         Equations
         """
-        motion, stress = self.motion(time), self._stress.at(time)
-        torque = None
-        if load is None:
-            force = np.zeros((len(time), self.frames.size))
-            if self._stress.tells_forces:
-                force += self.frames.gather(motion, self.loads(motion))
-            if self.connectors.any:
-                force += self.connectors.force(motion, time, tables=tables)
-            if self.shaft is not None:
-                torque = self.shaft.torque(motion, force)
-                force += self.shaft.force(motion, torque)
-            force += self.frames.gather(motion, [-s.prestress for s in stress])
-        else:
-            force = self.frames.gather(motion, [np.tile(f, (len(time), 1)) for f in load])
+        motion, stress = self.motion(time), self.stress.at(time)
+        force, torque = np.zeros((len(time), self.frames.size)), None
+        if self.stress.tells_forces:
+            force += self.frames.gather(motion, self.loads(motion))
+        if self.connectors.any:
+            force += self.connectors.force(motion, time, tables=tables)
+        if self.shaft is not None:
+            torque = self.shaft.torque(motion, force)
+            force += self.shaft.force(motion, torque)
+        force += self.frames.gather(motion, [-s.prestress for s in stress])
         matrices = self._matrices(time, motion, stress, still=still, torque=torque)
         return Equations.condensed(motion, matrices, force, self._condensed)
 
@@ -218,22 +208,35 @@ class DrivenLinkage:
         time : ndarray, shape (m,)
             In s.
         load : sequence of ndarray, shape (n_link,), optional
-            One more load, the last: see :meth:`equations`.
+            One more load, the last: forces on the reduced links in their frames.
 
         Returns
         -------
         list of Equations
         """
-        own = [] if load is None else [self.equations(time, load=load)]
-        if not self.connectors.table_count:
-            return own
+        if load is None and not self.connectors.table_count:
+            return []
         motion = self.motion(time)
-        matrices = self._matrices(time, motion, self._stress.at(time))
+        matrices = self._matrices(time, motion, self.stress.at(time))
         units = self.connectors.unit_forces(motion)
         if self.shaft is not None:
             units = [f + self.shaft.force(motion, self.shaft.torque(motion, f)) for f in units]
-        found = [Equations.condensed(motion, matrices, f, self._condensed) for f in units]
-        return found + own
+        if load is not None:
+            units.append(self.frames.gather(motion, [np.tile(f, (len(time), 1)) for f in load]))
+        return [Equations.condensed(motion, matrices, f, self._condensed) for f in units]
+
+    def histories(self, time: FloatArray, force: FloatArray | None = None) -> FloatArray:
+        """How much of each of the k unit loads acts at times of shape (m,), (m, k).
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+            In s.
+        force : ndarray, shape (m,), optional
+            That of one more load, the last.
+        """
+        tables = self.connectors.histories(time)
+        return tables if force is None else np.column_stack([tables, force])
 
     def _matrices(
         self,
@@ -254,23 +257,19 @@ class DrivenLinkage:
             tangents,
             terms,
             [LinkDamping(s.damping, s.damping) for s in stress],
-            self._stress.guiding(time),
+            self.stress.guiding(time),
         )
         if self.connectors.any:
             return self.connectors.added(motion, matrices, terms, time)
         return matrices
 
-    def standing(self, time: FloatArray) -> Equations:
+    def quasi_static_equations(self, time: FloatArray) -> Equations:
         """Equations at times of shape (m,) of which the quasi-static state is wanted.
 
-        Without the rotation terms, but of links that turn as one body: their displacement stands
-        still in the frame, and its inertia forces are then among the terms.
+        Without the rotation terms, but of links that turn as one body: their displacement is
+        constant in the frame, and its inertia forces are then among the terms.
         """
         return self.equations(time, still=not self.engine.turns_as_one_body)
-
-    def stress(self, time: FloatArray) -> list[LinkStress]:
-        """Stress of each reduced link at times of shape (m,)."""
-        return self._stress.at(time)
 
     def link_motion(
         self, equations: Equations, vibration: VibrationState
@@ -288,7 +287,7 @@ class DrivenLinkage:
         -------
         list of tuple of ndarray, shape (m, n_link)
         """
-        return self.frames.link_motion(equations.motion, *equations.following.expanded(vibration))
+        return self.frames.link_motion(equations.motion, *equations.expansion.expanded(vibration))
 
     def link_state(self, equations: Equations, vibration: VibrationState) -> LinkState:
         """State of the engine's links at the first of the instants."""
@@ -348,18 +347,18 @@ class DrivenLinkage:
         have.
         """
         equations = self.equations(np.zeros(1), still=True)
-        parts = [-s.prestress for s in self.stress(np.zeros(1))]
+        parts = [-s.prestress for s in self.stress.at(np.zeros(1))]
         inner = self.frames.gather(equations.motion, parts)[0]
         position = np.zeros(self.size)
         axial = np.flatnonzero(self._axial()[~self._condensed])
         if len(axial):
-            force = equations.following.expansion[0].T @ inner
+            force = equations.expansion.matrix[0].T @ inner
             stiffness = equations.stiffness[0]
             position[axial] = np.linalg.solve(stiffness[np.ix_(axial, axial)], force[axial])
         return position
 
     def balanced(self, position: FloatArray, time: float = 0.0) -> FloatArray:
-        """Position z of links that stretch at which they stand still under the loads, (n,).
+        """Static equilibrium z of links that stretch, under the loads at an instant, (n,).
 
         Parameters
         ----------
@@ -378,7 +377,7 @@ class DrivenLinkage:
             If Newton's method does not converge.
         """
         assert self.stretch is not None
-        equations = self.standing(np.array([time]))
+        equations = self.quasi_static_equations(np.array([time]))
         turns = self.stretch.pin_turns(equations.motion)
         held = np.zeros((0, self.size))
         if self.shaft is not None:

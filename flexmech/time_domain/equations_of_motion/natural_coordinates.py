@@ -96,7 +96,7 @@ def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
     topology = engine.topology
     if has_turning_lines(topology):
         return topology, links
-    clamped = {clamp.held.link for clamp in topology.clamps}
+    clamped = {clamp.link_end.link for clamp in topology.clamps}
     bars = {link.name for link in topology.links if link.rigid} - clamped
     shaft = engine.free_shaft
     for number, link in enumerate(topology.links):
@@ -167,7 +167,7 @@ def _on_shaft(
 ) -> tuple[NaturalLink, LinkModel, FloatArray]:
     """An elastic link on a free shaft; see :func:`with_turning_bodies`."""
     own, size = engine.links[shaft.link], link.model.size
-    place = np.concatenate([own.end_displacement(shaft.clamp.held.end), own.shaft])
+    place = np.concatenate([own.end_displacement(shaft.clamp.link_end.end), own.shaft])
     arm = float(np.hypot(*shaft.lever)) or float(own.readings.nodes[-1])
     matter = _Matter(0.0, np.zeros(2), shaft.inertia)
     stiffness, time = _stiffness(engine, arm, shaft.inertia), float(link.stretch.damping_time[0])
