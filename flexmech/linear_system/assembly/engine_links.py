@@ -87,8 +87,6 @@ class EngineLinks(ElementKinds):
         held, shaft = self.clamped_stretches, self.free_shaft
         if held is None or shaft is None:
             return held
-        if shaft.is_stiff and not shaft.turns_far:
-            return None
         return shaft.stretches(self.clamped_links, held)
 
     @property

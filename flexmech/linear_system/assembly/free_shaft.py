@@ -272,8 +272,14 @@ class FreeShaft:
 
     def stretches(
         self, links: tuple[LinkModel, ...], stretches: tuple[LinkStretch, ...]
-    ) -> tuple[LinkStretch, ...]:
-        """Second-order stretches of the links with the clamped one released."""
+    ) -> tuple[LinkStretch, ...] | None:
+        """Second-order stretches of the links with the clamped one released, where they tell all.
+
+        What turns with the shaft is stiffened by what pulls at it, which rigid links and a hub tell
+        by a stretch in natural coordinates alone.
+        """
+        if self.is_stiff and not self.turns_far:
+            return None
         basis, own = self.basis(links[self.link]), stretches[self.link]
         released = replace(own, gradient=own.gradient @ basis, slopes=own.slopes @ basis)
         return tuple(released if other is own else other for other in stretches)

@@ -18,7 +18,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
 from flexmech.choices import MODES
@@ -350,7 +349,11 @@ class DrivenLinkage:
         parts = [-s.prestress for s in self.stress.at(np.zeros(1))]
         inner = self.frames.gather(equations.motion, parts)[0]
         position = np.zeros(self.size)
-        axial = np.flatnonzero(self._axial()[~self._condensed])
+        along = np.zeros(self.frames.size, dtype=bool)
+        for number, (link, target) in enumerate(zip(self.links, self.frames.targets, strict=True)):
+            own = self.frames.own(number)
+            along[target[own[link.is_axial[own]]]] = True
+        axial = np.flatnonzero(along[~self._condensed])
         if len(axial):
             force = equations.expansion.matrix[0].T @ inner
             stiffness = equations.stiffness[0]
@@ -379,15 +382,13 @@ class DrivenLinkage:
         assert self.stretch is not None
         equations = self.quasi_static_equations(np.array([time]))
         turns = self.stretch.pin_turns(equations.motion)
-        held = np.zeros((0, self.size))
-        if self.shaft is not None:
-            held = self.shaft.force(equations.motion, np.ones(1))
-        count = len(held)
+        held, shaft = np.zeros((0, self.size)), self.shaft
+        held = held if shaft is None else shaft.force(equations.motion, np.ones(1))
         stiffness, force, z = equations.stiffness[0], equations.force[0], np.array(position)
         for _ in range(MOST_PASSES):
             pulled, tangent = self.stretch.still(turns, z)
             gap = np.concatenate([force - stiffness @ z - pulled, -held @ z])
-            bordered = np.block([[stiffness + tangent, held.T], [held, np.zeros((count, count))]])
+            bordered = np.block([[stiffness + tangent, held.T], [held, np.zeros(2 * [len(held)])]])
             change = np.linalg.solve(bordered, gap)[: self.size]
             z += change
             if np.abs(change).max() <= CONVERGED * np.abs(z).max():
@@ -397,11 +398,3 @@ class DrivenLinkage:
             f"{np.degrees(float(self.drive.crank_angle(time))):.6g} deg; lower the crank speed, or "
             "choose start rigid"
         )
-
-    def _axial(self) -> NDArray[np.bool_]:
-        """Coordinates of the frames that move their own link along its axis."""
-        axial = np.zeros(self.frames.size, dtype=bool)
-        for number, (link, target) in enumerate(zip(self.links, self.frames.targets, strict=True)):
-            own = self.frames.own(number)
-            axial[target[own[link.is_axial[own]]]] = True
-        return axial
