@@ -112,7 +112,8 @@ def contents_of(datasets: Sequence[DataSet]) -> UffFile:
                 raise InputError(f"data set 164 has the factors {units}: correct its units")
         elif number == 151:
             found[151].append(dataset)
-        elif number in readers and len(dataset) > 1 and _is_complex_mode(dataset):
+        # Of data at nodes, those of complex modes are read; all other data sets are.
+        elif number in readers and len(dataset) > 1 and (number != 55 or "eig" in dataset):
             found[number].append(readers[number](dataset, units))
         else:
             others.append(number)
@@ -261,11 +262,6 @@ def _check_finite(values: Any, name: str) -> None:
         raise InputError(
             f"{name}: holds values that are not finite, which a universal file cannot; leave it out"
         )
-
-
-def _is_complex_mode(dataset: DataSet) -> bool:
-    """Of data at nodes, those of complex modes are read; all other data sets are."""
-    return dataset["type"] != 55 or "eig" in dataset
 
 
 def _text(value: object) -> str:

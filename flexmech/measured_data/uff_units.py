@@ -19,7 +19,6 @@ QUANTITY_CODES: dict[UffQuantity, int] = {
 }
 """Specific data types of data set 58; a force is one of excitation."""
 REACTION_FORCE = 9
-GENERAL = 1
 # Exponents of length and force; time is in seconds in every universal file.
 _EXPONENTS: dict[UffQuantity, tuple[int, int]] = {
     "none": (0, 0),

@@ -165,6 +165,11 @@ class ExudynEngine(Engine):
         under = self._quasi_static_loads(motion, displaced)
         loads, dead = under.loads, self._dead(motion, under.loads, under.at)
         equilibrium = static_equilibrium(self.model, motion, loads, dead)
+        if self.clamped_connectors.any:
+            turning = self.clamped_connectors.turning_stiffness(motion, equilibrium.displacement)
+            for number, link in enumerate(self.clamped_links):
+                if link.rigid:
+                    equilibrium.tangent[number][:, 2, 2] += turning[:, number]
         topology = self.mechanism.linkage.topology
         refuse_large_displacements(topology, self.clamped_links, motion, equilibrium.displacement)
         return StressedLinks(

@@ -33,7 +33,7 @@ def peak_table(
     Parameters
     ----------
     peaks : xarray.Dataset
-        Of :meth:`flexmech.analyses.response.Response.peaks`.
+        Of :meth:`flexmech.analyses.Response.peaks`.
     start : float
         Crank angle at time zero in rad.
     title : str
@@ -122,16 +122,6 @@ def _greatest(errors: xr.DataArray) -> xr.DataArray:
     return errors.max([name for name in errors.dims if name != "engine"])
 
 
-def shaft_columns(data: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Columns of a free shaft's rotation and speed over (engine, time); none where it is not."""
-    if "shaft_rotation" not in data:
-        return {}
-    return {
-        "shaft_rotation_deg": DEGREES * data["shaft_rotation"],
-        "crank_speed_fluctuation_rad_s": data["crank_speed_fluctuation"],
-    }
-
-
 def shaft_lines(data: xr.Dataset) -> list[str]:
     """Report how far a free shaft leaves its prescribed motion, and what linear theory makes of it.
 
@@ -170,7 +160,7 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
     Parameters
     ----------
     peaks : xarray.Dataset
-        Of :meth:`flexmech.analyses.response.Response.peaks`.
+        Of :meth:`flexmech.analyses.Response.peaks`.
     data : xarray.Dataset
         Of the response.
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.analyses.response import ResponseRequest
+from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.start import linear_start
 from flexmech.analyses.running_hammer.plan import RunPlan
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
@@ -34,7 +34,7 @@ _HALVING = 0.01
 _MOST_HALVINGS = 4
 # An order whose greatest amplitude is below this part of that of the strongest order is measured
 # by the latter: where the linkage is a rotating arm, all but order 0 are round-off.
-_FAINT = 1e-4
+FAINT = 1e-4
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ def _change(whole: ComplexArray, half: ComplexArray, orders: int) -> FloatArray:
     asked = slice(middle - orders, middle + orders + 1)
     apart = np.abs(whole[asked] - half[asked]).max(axis=1)
     size = np.abs(whole[asked]).max(axis=1)
-    return np.asarray(apart / np.maximum(size, _FAINT * size.max()))
+    return np.asarray(apart / np.maximum(size, FAINT * size.max()))
 
 
 # Natural frequencies that the reduction of engines that do not simulate gets right at least.

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.analyses.damping_ratios import with_damping_time
-from flexmech.analyses.frequencies import natural_frequencies
+from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
-from flexmech.analyses.stability import LinkageSolver
+from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.dynamical_systems import (

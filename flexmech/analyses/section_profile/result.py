@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.datasets import DEGREES, table_over
+from flexmech.analyses.datasets import table_of
 from flexmech.analyses.requests import link_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.section_profile.properties import COUPLINGS, PROPERTIES, STORED
@@ -23,6 +23,19 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 QUANTITIES = ("strain", "normal_stress", "shear_stress", "third_order_shear_stress")
+
+# Columns of the tables, and their variables.
+_SECTIONS = {
+    **{name: name for name in ("link", "coupling")},
+    **{one.column: one.name for one in PROPERTIES},
+}
+_INSIDE = {
+    **{name: name for name in ("link", "load", "coupling", "layer", "ply")},
+    "angle_deg": "angle",
+    "y_m": "place",
+    "strain": "strain",
+    **{f"{stress}_Pa": stress for stress in QUANTITIES[1:]},
+}
 
 
 class SectionProfiles(Result):
@@ -83,17 +96,9 @@ class SectionProfiles(Result):
     def tables(self) -> dict[str, pd.DataFrame]:
         """Properties, two rows a link, profiles, a row for each place, and what plies swell by."""
         data, dims = self.dataset, ("link", "coupling")
-        properties = {one.column: data[one.name] for one in PROPERTIES}
-        tables = {"sections": table_over(*dims, **{dim: data[dim] for dim in dims}, **properties)}
+        tables = {"sections": table_of(data, dims, _SECTIONS)}
         if self.links_with_layers:
-            profiles = table_over(
-                *("link", "load", "coupling", "layer", "point"),
-                **{name: data[name] for name in ("link", "load", "coupling", "layer", "ply")},
-                angle_deg=(DEGREES * data["angle"]).round(9),
-                y_m=data["place"],
-                strain=data["strain"],
-                **{f"{stress}_Pa": data[stress] for stress in QUANTITIES[1:]},
-            )
+            profiles = table_of(data, ("link", "load", "coupling", "layer", "point"), _INSIDE)
             tables["through_thickness"] = profiles.dropna(subset="y_m")
             known = {
                 link: expansions_of_plies(self.profile(link)) for link in self.links_with_layers

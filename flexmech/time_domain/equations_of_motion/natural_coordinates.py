@@ -23,8 +23,20 @@ import numpy as np
 import scipy.linalg
 
 from flexmech.arrays import FloatArray, IntArray
+<<<<<<< HEAD
 from flexmech.linear_system import Engine, LinkMatrix, LinkModel, LinkStretch, body_nodes, whole
 from flexmech.linear_system.assembly.free_shaft import FreeShaft, in_coordinates
+=======
+from flexmech.linear_system import (
+    Engine,
+    LinkMatrix,
+    LinkModel,
+    LinkStretch,
+    RigidBody,
+    body_nodes,
+    whole,
+)
+>>>>>>> main
 from flexmech.linear_system.links.link_model import NO_VECTORS, NONE, RigidFields
 from flexmech.linkages import Topology
 
@@ -142,14 +154,19 @@ def with_turning_bodies(
     as_they_are = full.rigid or has_turning_lines(engine.topology)
     bodies = () if as_they_are else engine.mechanism.link_masses_in_order[number].bodies
     for body, node in zip(bodies, body_nodes(readings.nodes, bodies), strict=True):
-        arm = float(np.hypot(*body.offset))
-        if not arm:
+        matter = RigidBody.fixed(body)
+        if not matter.is_off_axis:
             continue
         place = readings.per_node * int(node) + np.array([0, 1, readings.slope])
+<<<<<<< HEAD
         offset = np.array(body.offset)
         matter = _Matter(body.mass, body.mass * offset, body.inertia + body.mass * arm**2)
         stiffness = _stiffness(engine, arm)
         time = float(link.stretch.damping_time[0])
+=======
+        stiffness = RIGIDITY * _greatest_stiffness(engine) * float(np.hypot(*body.offset)) ** 2
+        time = link.stretch.damping_time
+>>>>>>> main
         link = _link_with_body(link, place, matter, stiffness)
         reduced = _with_body(reduced, basis[place], matter, stiffness, time)
         basis = scipy.linalg.block_diag(basis, 1.0)
@@ -188,25 +205,16 @@ def _on_shaft(
     return link, reduced, basis
 
 
-@dataclass(frozen=True)
-class _Matter:
-    """Mass of a body, its first moment (2,) and its polar second moment about a point."""
+def _weighted(body: RigidBody, turn: FloatArray) -> FloatArray:
+    """``rho N^T turn N`` of ``u = p + d_1 r + d_2 J r``, integrated, (4, 4) by (p, d).
 
-    total: float
-    first: FloatArray
-    second: float
-
-    def weighted(self, turn: FloatArray) -> FloatArray:
-        """``rho N^T turn N`` of ``u = p + d_1 r + d_2 J r``, integrated, (4, 4) by (p, d).
-
-        Parameters
-        ----------
-        turn : ndarray, shape (2, 2)
-            One, or a quarter turn.
-        """
-        x, y = self.first
-        moment = x * np.eye(2) + y * _QUARTER
-        return np.block([[self.total * turn, turn @ moment], [moment.T @ turn, self.second * turn]])
+    ``turn`` (2, 2) is one, or a quarter turn.
+    """
+    x, y = body.first_moment
+    moment = x * np.eye(2) + y * _QUARTER
+    return np.block(
+        [[body.mass * turn, turn @ moment], [moment.T @ turn, body.second_moment * turn]]
+    )
 
 
 def _stiffness(engine: Engine, arm: float, inertia: float = 0.0) -> float:
@@ -250,7 +258,7 @@ def _bar(
     inertia has that of a free shaft in it, none of which is on the rotation.
     """
     mass = whole(rigid.mass)
-    matter = _Matter(mass[0, 0], np.array([mass[1, 2], -mass[0, 2]]), mass[2, 2])
+    matter = RigidBody(mass[0, 0], (mass[1, 2], -mass[0, 2]), mass[2, 2], spin=0.0)
     at_start, stretch, turn = np.eye(4)[:2], np.eye(4)[2], np.eye(4)[3]
     if joined:
         at_end = at_start + length * np.eye(4)[2:]
@@ -266,10 +274,17 @@ def _bar(
     start, end = np.array([0, 1]), np.array([size - 2, size - 1]) if joined else NONE.copy()
     turning = np.array([2]) if turned or not joined else NONE.copy()
     rotates = np.eye(size)[2] if len(turning) else from_own[3]
+<<<<<<< HEAD
     own = matter.second - float(matter.first @ matter.first) / matter.total if mass[0, 0] else 0.0
     shared = ON_ROTATION * max(own - shaft, 0.0) if joined and turned else 0.0
     spread = replace(matter, second=matter.second - shared)
     inertia = from_own.T @ spread.weighted(np.eye(2)) @ from_own
+=======
+    own = matter.about_centre.second_moment if matter.mass else 0.0
+    shared = ON_ROTATION * own if joined and turned else 0.0
+    spread = replace(matter, second_moment=matter.second_moment - shared)
+    inertia = from_own.T @ _weighted(spread, np.eye(2)) @ from_own
+>>>>>>> main
     translational = inertia.copy()
     inertia += shared * np.outer(rotates, rotates)
     shear = rotates - from_own[3]
@@ -277,7 +292,7 @@ def _bar(
     model = LinkModel(
         name=rigid.name,
         mass=inertia,
-        gyroscopic=from_own.T @ spread.weighted(_QUARTER) @ from_own,
+        gyroscopic=from_own.T @ _weighted(spread, _QUARTER) @ from_own,
         centrifugal_mass=translational,
         first_moment=np.zeros((2, size)),
         stiffness=axial * (np.outer(from_own[2], from_own[2]) + np.outer(shear, shear)),
@@ -305,7 +320,7 @@ def _rigid_arm(stretch: FloatArray, turn: FloatArray, stiffness: float) -> LinkS
 
 
 def _link_with_body(
-    link: NaturalLink, place: IntArray, matter: _Matter, stiffness: float
+    link: NaturalLink, place: IntArray, matter: RigidBody, stiffness: float
 ) -> NaturalLink:
     """A link with a body at a node, whose displacement and rotation are three coordinates."""
     size, count = link.model.size, len(link.to_engine)
@@ -331,7 +346,7 @@ def _link_with_body(
 def _with_body(
     link: LinkModel,
     rows: FloatArray,
-    matter: _Matter,
+    matter: RigidBody,
     stiffness: float,
     damping_time: float,
 ) -> LinkModel:
@@ -343,7 +358,7 @@ def _with_body(
         Whose mass has the body with ``d_1 = 0``.
     rows : ndarray, shape (3, n)
         Displacement and rotation of the body's section.
-    matter : _Matter
+    matter : RigidBody
         About the section.
     stiffness : float
         Of the body's bar against ``d_1``, in N m.
@@ -351,7 +366,7 @@ def _with_body(
         Of the link's strains, among which that of the bar is.
     """
     by = np.vstack([rows[:2], np.zeros_like(rows[2]), rows[2]])
-    mass, coriolis = matter.weighted(np.eye(2)), matter.weighted(_QUARTER)
+    mass, coriolis = _weighted(matter, np.eye(2)), _weighted(matter, _QUARTER)
 
     def bordered(matrix: LinkMatrix, added: FloatArray) -> FloatArray:
         column, row = by.T @ added[:, 2:3], added[2:3] @ by
@@ -359,9 +374,10 @@ def _with_body(
 
     held = np.diag([0.0, 0.0, stiffness, 0.0])
     centrifugal = bordered(link.centrifugal_mass, mass)
-    centrifugal[:-1, :-1] += matter.second * np.outer(rows[2], rows[2])
+    centrifugal[:-1, :-1] += matter.second_moment * np.outer(rows[2], rows[2])
     # What the field of centripetal accelerations says of the body's place from now on.
-    moved = np.stack([-_QUARTER @ matter.first, matter.first]) @ rows[:2]
+    first = np.array(matter.first_moment)
+    moved = np.stack([-_QUARTER @ first, first]) @ rows[:2]
     fields = link.fields
     return replace(
         link,
