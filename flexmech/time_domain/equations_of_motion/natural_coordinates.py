@@ -23,10 +23,6 @@ import numpy as np
 import scipy.linalg
 
 from flexmech.arrays import FloatArray, IntArray
-<<<<<<< HEAD
-from flexmech.linear_system import Engine, LinkMatrix, LinkModel, LinkStretch, body_nodes, whole
-from flexmech.linear_system.assembly.free_shaft import FreeShaft, in_coordinates
-=======
 from flexmech.linear_system import (
     Engine,
     LinkMatrix,
@@ -36,7 +32,7 @@ from flexmech.linear_system import (
     body_nodes,
     whole,
 )
->>>>>>> main
+from flexmech.linear_system.assembly.free_shaft import FreeShaft, in_coordinates
 from flexmech.linear_system.links.link_model import NO_VECTORS, NONE, RigidFields
 from flexmech.linkages import Topology
 
@@ -158,15 +154,8 @@ def with_turning_bodies(
         if not matter.is_off_axis:
             continue
         place = readings.per_node * int(node) + np.array([0, 1, readings.slope])
-<<<<<<< HEAD
-        offset = np.array(body.offset)
-        matter = _Matter(body.mass, body.mass * offset, body.inertia + body.mass * arm**2)
-        stiffness = _stiffness(engine, arm)
+        stiffness = _stiffness(engine, float(np.hypot(*body.offset)))
         time = float(link.stretch.damping_time[0])
-=======
-        stiffness = RIGIDITY * _greatest_stiffness(engine) * float(np.hypot(*body.offset)) ** 2
-        time = link.stretch.damping_time
->>>>>>> main
         link = _link_with_body(link, place, matter, stiffness)
         reduced = _with_body(reduced, basis[place], matter, stiffness, time)
         basis = scipy.linalg.block_diag(basis, 1.0)
@@ -186,7 +175,7 @@ def _on_shaft(
     own, size = engine.links[shaft.link], link.model.size
     place = np.concatenate([own.end_displacement(shaft.clamp.link_end.end), own.shaft])
     arm = float(np.hypot(*shaft.lever)) or float(own.readings.nodes[-1])
-    matter = _Matter(0.0, np.zeros(2), shaft.inertia)
+    matter = RigidBody(0.0, (0.0, 0.0), shaft.inertia, spin=0.0)
     stiffness, time = _stiffness(engine, arm, shaft.inertia), float(link.stretch.damping_time[0])
     link = _link_with_body(link, place, matter, stiffness)
     reduced = _with_body(reduced, basis[place], matter, stiffness, time)
@@ -274,17 +263,10 @@ def _bar(
     start, end = np.array([0, 1]), np.array([size - 2, size - 1]) if joined else NONE.copy()
     turning = np.array([2]) if turned or not joined else NONE.copy()
     rotates = np.eye(size)[2] if len(turning) else from_own[3]
-<<<<<<< HEAD
-    own = matter.second - float(matter.first @ matter.first) / matter.total if mass[0, 0] else 0.0
-    shared = ON_ROTATION * max(own - shaft, 0.0) if joined and turned else 0.0
-    spread = replace(matter, second=matter.second - shared)
-    inertia = from_own.T @ spread.weighted(np.eye(2)) @ from_own
-=======
     own = matter.about_centre.second_moment if matter.mass else 0.0
-    shared = ON_ROTATION * own if joined and turned else 0.0
+    shared = ON_ROTATION * max(own - shaft, 0.0) if joined and turned else 0.0
     spread = replace(matter, second_moment=matter.second_moment - shared)
     inertia = from_own.T @ _weighted(spread, np.eye(2)) @ from_own
->>>>>>> main
     translational = inertia.copy()
     inertia += shared * np.outer(rotates, rotates)
     shear = rotates - from_own[3]
