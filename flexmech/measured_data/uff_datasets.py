@@ -20,7 +20,7 @@ from flexmech.measured_data.uff_contents import (
     UffTrace,
 )
 from flexmech.measured_data.uff_units import (
-    QUANTITY_CODES,
+    QUANTITIES,
     SI,
     UffUnits,
     ordinate_unit,
@@ -211,10 +211,10 @@ def _function(number: int, one: UffFunction) -> DataSet:
         "abscissa_spec_data_type": ABSCISSAE[one.abscissa],
         "abscissa_axis_lab": one.abscissa.capitalize(),
         "abscissa_axis_units_lab": {"time": "s", "frequency": "Hz"}.get(one.abscissa, "NONE"),
-        "ordinate_spec_data_type": QUANTITY_CODES[one.quantity],
+        "ordinate_spec_data_type": QUANTITIES[one.quantity].code,
         "ordinate_axis_lab": one.quantity.capitalize(),
         "ordinate_axis_units_lab": si_unit(one.quantity) or "NONE",
-        "orddenom_spec_data_type": QUANTITY_CODES[one.over],
+        "orddenom_spec_data_type": QUANTITIES[one.over].code,
         "orddenom_axis_lab": one.over.capitalize() if label != si_unit(one.quantity) else "NONE",
         "orddenom_axis_units_lab": si_unit(one.over) or "NONE",
         "z_axis_axis_lab": "NONE",

@@ -18,7 +18,7 @@ from flexmech.arrays import FloatArray
 from flexmech.linkages import AttachmentPoint, RigidMotion, continuous_angles
 from flexmech.linkages.motion import direction, normal
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.connectors import Connectors, JointSpringItem, SpringItem, angle_of_end
+from flexmech.multibody.connectors import ConnectorItems, JointSpringItem, SpringItem, angle_of_end
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import BeamPart, RigidPart
@@ -169,11 +169,11 @@ class StaticConnectors:
 
     Parameters
     ----------
-    connectors : Connectors
+    connectors : ConnectorItems
         Of the model.
     """
 
-    def __init__(self, connectors: Connectors) -> None:
+    def __init__(self, connectors: ConnectorItems) -> None:
         self._all = connectors
         self._motion: RigidMotion | None = None
         self._angles: FloatArray = np.zeros((0, 0))

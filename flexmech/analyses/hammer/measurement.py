@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -269,7 +270,7 @@ def _estimated(
         impact,
         request.response,
         request.direction,
-        lambda done, total: report(label, done, total),
+        partial(report, label),
     )
     generator = np.random.default_rng([request.seed, *numbers])
     force, response = (

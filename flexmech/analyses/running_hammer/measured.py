@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -89,11 +90,11 @@ def measured_response(
     ComputationError
         If a run fails, or no impact is small enough.
     """
-    added, twin = added_by_impacts(run, plan, _labelled(report, "impacts"))
+    added, twin = added_by_impacts(run, plan, partial(report, "impacts"))
     whole = _estimated(plan, added)
     for _ in range(_MOST_HALVINGS):
         half_plan = plan.softer(0.5)
-        label = _labelled(report, "impacts of half the force")
+        label = partial(report, "impacts of half the force")
         half_added, _ = added_by_impacts(run, half_plan, label, twin)
         half = _estimated(half_plan, half_added)
         change = _change(whole.response, half.response, request.orders)
@@ -118,10 +119,6 @@ def measured_response(
         peak_response=float(size.max()),
         twin_defect=float(unrepeated / max(np.abs(twin).max(), size.max())),
     )
-
-
-def _labelled(report: LabelledProgress, label: str) -> Callable[[int, int], None]:
-    return lambda done, total: report(label, done, total)
 
 
 def _estimated(plan: RunPlan, added: FloatArray) -> HarmonicEstimate:

@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.datasets import table_of
+from flexmech.analyses.datasets import Columns, columns_along, table_of
 from flexmech.analyses.requests import link_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.section_profile.properties import COUPLINGS, PROPERTIES, STORED
@@ -288,15 +288,12 @@ def expansions_of_plies(profile: xr.Dataset) -> pd.DataFrame:
         One row a ply, none if nothing is stated of any; per K and per percent of moisture.
     """
     heat, water = profile["thermal_expansion"], profile["moisture_expansion"]
-    columns = {"ply": profile["ply"].values}
-    columns |= {
-        f"thermal_expansion_{name}_per_K": heat.sel(direction=name).values for name in DIRECTIONS
+    columns: Columns = {
+        "ply": "ply",
+        **columns_along("thermal_expansion_{}_per_K", heat, "direction"),
+        **columns_along("moisture_expansion_{}_per_percent", water / 100, "direction"),
     }
-    columns |= {
-        f"moisture_expansion_{name}_per_percent": water.sel(direction=name).values / 100
-        for name in DIRECTIONS
-    }
-    rows = pd.DataFrame(columns).drop_duplicates(ignore_index=True)
+    rows = table_of(profile, ("layer",), columns).drop_duplicates(ignore_index=True)
     return rows if rows.drop(columns="ply").to_numpy().any() else rows[:0]
 
 
