@@ -283,8 +283,10 @@ def _loads(engine: Engine, turn: SampledTurn, stressed: StressedLinks) -> list[F
             # Such an engine's links are in balance with the loads, and with what they carry along.
             topology = engine.mechanism.linkage.topology
             carried = CarriedInertia.of(topology, engine.links, turn.motion)
-            beside = [0.0] * len(forces) if carried is None else carried.forces(displacement)
-            inner = [force + more for force, more in zip(forces, beside, strict=True)]
+            inner = forces
+            if carried is not None:
+                beside = carried.forces(displacement)
+                inner = [force + more for force, more in zip(forces, beside, strict=True)]
         forces = [
             (tangent @ q[..., None])[..., 0] + (load - own)
             for tangent, q, load, own in zip(
