@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import Annotated
 
+from flexmech import analyses
 from flexmech.cli import options, typed
-from flexmech.cli.deliver import deliver
+from flexmech.cli.deliver import deliver, mechanism_of
 
 
 def check(
@@ -26,13 +27,10 @@ def check(
         Crank angle of the picture and the natural frequencies in degrees. Left out: frequencies
         at 0, and a picture in which the links stand apart.
     """
-    from flexmech.analyses.check import ModelCheck, check_mechanism
-    from flexmech.modelfile import load_mechanism
     from flexmech.reference import ReferenceEngine
 
-    engine = ReferenceEngine(load_mechanism(model))
-    radians = None if angle is None else math.radians(angle)
-    deliver(ModelCheck, lambda _: check_mechanism(engine, radians), output, model=model)
+    asked = ReferenceEngine(mechanism_of(model)), None if angle is None else math.radians(angle)
+    deliver(analyses.ModelCheck, lambda _: analyses.check_mechanism(*asked), output, model=model)
 
 
 def section(
@@ -47,13 +45,10 @@ def section(
     Stiffness, coupling, mass and damping; strain and stress through the thickness under unit
     loads; dry, or in heat and moisture.
     """
-    from flexmech.analyses.section_profile import SectionProfiles, section_profiles
-    from flexmech.modelfile import load_mechanism
-
-    mechanism = load_mechanism(model)
+    mechanism = mechanism_of(model)
     deliver(
-        SectionProfiles,
-        lambda _: section_profiles(mechanism, link, environment=environment),
+        analyses.SectionProfiles,
+        lambda _: analyses.section_profiles(mechanism, link, environment=environment),
         output,
         model=model,
     )
@@ -80,8 +75,7 @@ def moisture(
         Temperature of air and links: degrees Celsius unless a unit is given. Left out: the model's
         reference temperature.
     """
-    from flexmech.analyses.moisture import MoistureUptake, moisture_uptake
-    from flexmech.modelfile import load_mechanism
-
-    request = load_mechanism(model), relative_humidity, time, temperature, link
-    deliver(MoistureUptake, lambda _: moisture_uptake(*request), output, model=model)
+    asked = mechanism_of(model), relative_humidity, time, temperature, link
+    deliver(
+        analyses.MoistureUptake, lambda _: analyses.moisture_uptake(*asked), output, model=model
+    )

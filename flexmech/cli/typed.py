@@ -269,10 +269,6 @@ def _words(option: str, known: Collection[str], wrong: str, example: str = "") -
     return Typed(option, read)
 
 
-def _names(text: str) -> tuple[str, ...]:
-    return tuple(name.strip() for name in text.split(","))
-
-
 ANGLES = Typed("--angles", _angles)
 LOCKED_ANGLES = Typed("--angle", _angles)
 SHAPES_AT = Typed("--shapes-at", _angles)
@@ -295,7 +291,7 @@ RELATIVE_HUMIDITY = Typed("--relative-humidity", _percent)
 _AS_IN = ", as in --format pdf,svg"
 FORMATS = _words("--format", PICTURE_FORMATS, "format of pictures", _AS_IN)
 INCLUDE = _words("--include", REPORT_PARTS, "part of a report")
-FIT = Typed("--fit", _names)
+FIT = Typed("--fit", lambda text: tuple(name.strip() for name in text.split(",")))
 
 BANDWIDTH = _positive("--bandwidth", units.FREQUENCY, "Hz")
 DURATION = _positive("--duration", units.TIME, "s")

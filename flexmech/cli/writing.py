@@ -43,26 +43,22 @@ def new(
     force
         Replace a file that exists.
     """
-    text = _text(start)
+    if start in _KINDS:
+        from flexmech.modelfile import template
+
+        text = template(start)
+    elif start in _KINDS_AND_EXAMPLES:
+        text = example_model(start).read_text(encoding="utf-8")
+    else:
+        raise InputError(
+            f"there is no kind of linkage and no example {start!r}; "
+            f"{suggestion(start, _KINDS_AND_EXAMPLES)}"
+        )
     file = given_path(file)
     if file.exists() and not file.is_dir() and not force:
         raise InputError(f"{file}: exists already; choose another name, or --force to replace it")
     write_whole(file, text)
     typer.echo(one_line(f"wrote {file}; next: flexmech check {file}"))
-
-
-def _text(start: str) -> str:
-    """Text of the template of a kind, or of an example with its comments."""
-    if start in _KINDS:
-        from flexmech.modelfile import template
-
-        return template(start)
-    if start not in _KINDS_AND_EXAMPLES:
-        raise InputError(
-            f"there is no kind of linkage and no example {start!r}; "
-            f"{suggestion(start, _KINDS_AND_EXAMPLES)}"
-        )
-    return example_model(start).read_text(encoding="utf-8")
 
 
 def schema(out: options.OptionalPath = None) -> None:

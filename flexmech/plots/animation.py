@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
@@ -187,7 +187,10 @@ class Scene:
     def __init__(self, motion: EnlargedMotion) -> None:
         self._motion = motion
         blue, orange = series_style(0).color, series_style(1).color
-        enlarged = f"displacement enlarged {_times(motion.enlargement)}"
+        times = f"{motion.enlargement:.4g}"
+        if motion.enlargement >= 1000:
+            times = f"{motion.enlargement:,.0f}".replace(",", "\N{THIN SPACE}")
+        enlarged = f"displacement enlarged {times} times"
         sketch = LinkageSketch(
             motion.rigid[0], motion.parts, joint_size=JOINT_SIZE, travel=motion.rigid
         )
@@ -261,11 +264,6 @@ def _lines(sketch: LinkageSketch, look: Look) -> list[Line2D]:
     return [Line2D([], [], **one) for one in sketch.link_looks(look)]
 
 
-def _times(factor: float) -> str:
-    digits = f"{factor:,.0f}".replace(",", "\N{THIN SPACE}")
-    return f"{digits if factor >= 1000 else f'{factor:.4g}'} times"
-
-
 def write_animation(
     dataset: xr.Dataset,
     path: str | Path,
@@ -305,9 +303,16 @@ def write_animation(
     if enlargement is not None and not (np.isfinite(enlargement) and enlargement > 0):
         raise InputError(f"enlargement must be a positive number, not {enlargement:g}")
     target = Path(path)
-    write = _writer(target)
+    kind = target.suffix.lower()
+    if kind not in (".gif", ".mp4"):
+        raise InputError(f"{target}: an animation is written as .gif or .mp4, not {kind!r}")
+    if kind == ".mp4" and not mp4_available():
+        raise InputError(
+            f"{target}: MP4 needs the program ffmpeg, not found; install it or use .gif"
+        )
     one = dataset.isel(engine=[-1]) if engine is None else reading.chosen(dataset, engine=engine)
     motion = EnlargedMotion.of(one, enlargement)
+    write = _write_gif if kind == ".gif" else _write_mp4
     with publication_style():
         write(target, _pictures(motion, progress or silent))
 
@@ -315,17 +320,6 @@ def write_animation(
 def mp4_available() -> bool:
     """Whether MP4 files can be written, for which the program ffmpeg is needed."""
     return bool(FFMpegWriter.isAvailable())
-
-
-def _writer(path: Path) -> Callable[[Path, Pictures], None]:
-    suffix = path.suffix.lower()
-    if suffix == ".gif":
-        return _write_gif
-    if suffix != ".mp4":
-        raise InputError(f"{path}: an animation is written as .gif or .mp4, not {suffix!r}")
-    if not mp4_available():
-        raise InputError(f"{path}: MP4 needs the program ffmpeg, not found; install it or use .gif")
-    return _write_mp4
 
 
 def _write_gif(path: Path, pictures: Pictures) -> None:

@@ -107,14 +107,13 @@ def _draw_time(drawn: Sheet, dataset: xr.Dataset) -> None:
     for axes in (curves, residual):
         axes.set_xlim(float(time[0]), float(time[-1]))
         scales.zero_line(axes)
+        scales.plain_numbers(axes)
     curves.plot(time, factor * dataset["measured"].values, **MEASURED)
     curves.plot(time, factor * dataset["computed"].values, **COMPUTED)
     scales.angle_axis(curves, dataset)
     curves.set_ylabel(f"{_what(dataset)} ({unit})")
     residual.plot(time, of_residual * dataset["residual"].values, **RESIDUAL)
     residual.set(xlabel="Time (s)", ylabel=f"Residual ({unit_of_residual})")
-    for axes in (curves, residual):
-        scales.plain_numbers(axes)
     amplitude = factor * dataset["spectrum"].transpose("curve", "spectrum_frequency").values
     frequency = dataset["spectrum_frequency"].values
     for values, look in zip(amplitude, CURVES.values(), strict=True):

@@ -74,8 +74,9 @@ def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
             scales.scale_y(axes, frequency[..., group], least_part=scales.FREQUENCY_BAND)
             _mark_veering(axes, angles, veering[..., group])
             of_group = [_of_modes(each, group) for each in between]
-            parts = frequency[..., group], branch[0][..., group], of_group
-            _draw_speeds(axes, angles, *parts, looks)
+            _draw_speeds(
+                axes, angles, frequency[..., group], branch[0][..., group], of_group, looks
+            )
         colour_bar(drawn, dataset)
     return drawn.figure
 
@@ -245,7 +246,10 @@ def plot_damping_ratio(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
 
 
 def _draw_damping(dataset: xr.Dataset, name: str, title: str, ax: AxesLike | None) -> Figure:
-    dataset = _few_speeds(dataset.sortby("crank_angle"))
+    count = dataset.sizes["crank_speed"]
+    # The first and the last among them.
+    places = np.round(np.linspace(0, count - 1, min(count, MOST_SPEEDS))).astype(int)
+    dataset = dataset.sortby("crank_angle").isel(crank_speed=places)
     percent = 100.0 * reading.values_of(dataset[name], *reading.MAP)
     branch = reading.values_of(dataset["branch_of_mode"], *reading.MAP)[0]
     _, n_speeds, _, n_modes = percent.shape
@@ -266,10 +270,3 @@ def _draw_damping(dataset: xr.Dataset, name: str, title: str, ax: AxesLike | Non
                 values, along = percent[:, speed, :, one], branch[speed, :, one]
                 angle_panels.draw_series(axes, angles, values, along, mode, n_modes)
     return drawn.figure
-
-
-def _few_speeds(dataset: xr.Dataset) -> xr.Dataset:
-    """At most so many speeds, the first and the last among them."""
-    count = dataset.sizes["crank_speed"]
-    places = np.round(np.linspace(0, count - 1, min(count, MOST_SPEEDS))).astype(int)
-    return dataset.isel(crank_speed=places)

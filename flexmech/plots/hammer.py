@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
 
 from flexmech.errors import InputError
 from flexmech.plots import style
@@ -152,14 +151,10 @@ def _draw_circle(axes: Axes, data: xr.Dataset, mode: int) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     axes.locator_params(nbins=4)
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(FuncFormatter(_number))
+        # In full, with a true minus sign.
+        axis.set_major_formatter(lambda value, _: f"{value:.3g}".replace("-", "\N{MINUS SIGN}"))
     natural = float(circle["identified_frequency"])
     axes.set_title(f"Mode {int(circle['mode'])}: {natural:.5g} Hz", loc="left")
-
-
-def _number(value: float, place: int | None = None) -> str:
-    """Tick in full, with a true minus sign."""
-    return f"{value:.3g}".replace("-", "\N{MINUS SIGN}")
 
 
 def plot_stabilisation(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:

@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.path import Path
 from matplotlib.transforms import Affine2D
-from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
 from flexmech.plots import linkage_symbols as symbols
@@ -25,8 +24,10 @@ from flexmech.plots.style import Look, line_handle
 LEAST_HEIGHT, MOST_HEIGHT = 1.6, 3.6
 # Distance of a name from its joint in points; farther from what slides and the shaft.
 AWAY, BEYOND_BLOCK, BEYOND_SHAFT = np.array([12.0, 9.0]), 1.5, 1.3
-# Room for the names around the joints over the linkage's size.
+# Room for the names around the joints over the linkage's size: twice a letter's height in a
+# picture of that of half a page.
 NAME_ROOM = 0.06
+JOINT = ("joint", "component")
 # Directions that are tried for a name where more than links is in the way.
 TRIED = np.radians(np.arange(0.0, 360.0, 15.0))
 
@@ -80,11 +81,8 @@ def plot_linkage(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    joints = values_of(dataset["joint_position"], "joint", "component")
-    is_pin = ~np.isin(dataset["joint_kind"].values, ["clamp", "pivot"])
     sketch = LinkageSketch.of(dataset)
-    room = NAME_ROOM * sketch.size
-    limits = sketch.limits(np.vstack([joints - room, joints + room]))
+    limits = sketch.limits(named_places(sketch, dataset))
     height = height_of(limits, style.figure_width(), LEAST_HEIGHT, MOST_HEIGHT)
     with sheet(grid(1, 1, height), ax=ax) as drawn:
         (axes,) = drawn.panels
@@ -92,35 +90,35 @@ def plot_linkage(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         sketch.draw(axes, color="0.5", lw=2.0)
         sketch.draw_scale_bar(axes)
         axes.set_title(mechanism_name(dataset), loc="center")
-        name_joints(axes, sketch, names_of(dataset, "joint"), joints, is_pin)
+        name_joints(axes, sketch, dataset)
     return drawn.figure
 
 
-def name_joints(
-    axes: Axes,
-    sketch: LinkageSketch,
-    names: list[str],
-    places: FloatArray,
-    is_pin: NDArray[np.bool_],
-) -> None:
+def named_places(sketch: LinkageSketch, dataset: xr.Dataset) -> FloatArray:
+    """Places in m within which the names of joints stand; shape (n, 2)."""
+    joints, room = values_of(dataset["joint_position"], *JOINT), NAME_ROOM * sketch.size
+    return np.vstack([joints - room, joints + room])
+
+
+def name_joints(axes: Axes, sketch: LinkageSketch, dataset: xr.Dataset) -> None:
     """Write names beside joints, away from links and supports.
 
     Parameters
     ----------
     axes : Axes
     sketch : LinkageSketch
-    names : list of str
-    places : ndarray, shape (joint, 2)
-        In m.
-    is_pin : ndarray of bool, shape (joint,)
-        Whether a joint is one between links; the others are held by the ground.
+    dataset : Dataset
+        With ``joint_position`` (joint, component) in m and ``joint_kind``: clamps and pivots are
+        held by the ground.
     """
-    for number, (name, place, pinned) in enumerate(zip(names, places, is_pin, strict=True)):
+    names, places = names_of(dataset, "joint"), values_of(dataset["joint_position"], *JOINT)
+    held = np.isin(dataset["joint_kind"].values, ["clamp", "pivot"])
+    for number, (name, place) in enumerate(zip(names, places, strict=True)):
         here = np.hypot(*(places - place).T) <= SAME_PLACE * sketch.size
         # Of several joints in one place the one that has the place's own name.
         if min(np.flatnonzero(here), key=lambda other: len(names[other])) != number:
             continue
-        offset = AWAY * _away(sketch, place, held=not pinned)
+        offset = AWAY * _away(sketch, place, held=bool(held[number]))
         if sketch.slides(place):
             offset *= BEYOND_BLOCK
         elif (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -146,17 +147,19 @@ def _by_places(positions: FloatArray, held: NDArray[np.bool_]) -> LinkageParts:
 
 @dataclass(frozen=True)
 class Posture:
-    """Links in one posture, straight or bent.
+    """Links in one posture, straight or bent, and what belongs to them.
 
     Parameters
     ----------
     links : ndarray, shape (link, station, 2)
         Evenly spaced stations along each link, in m.
+    parts : LinkageParts
     """
 
     links: FloatArray
+    parts: LinkageParts
 
-    @property
+    @cached_property
     def size(self) -> float:
         """Diagonal of the box around the ends of the links, in m."""
         return extent_of(self.links)

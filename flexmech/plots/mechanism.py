@@ -15,7 +15,7 @@ from matplotlib.transforms import Bbox
 from flexmech.arrays import FloatArray
 from flexmech.plots import scales, style
 from flexmech.plots.layout import AxesLike, Layout, height_of, round_length, sheet
-from flexmech.plots.linkage import name_joints, part_handles
+from flexmech.plots.linkage import name_joints, named_places, part_handles
 from flexmech.plots.linkage_sketch import LinkageSketch
 from flexmech.plots.reading import degrees, names_of, values_of
 from flexmech.plots.style import Look, line_handle, series_style
@@ -25,8 +25,6 @@ POSTURE_HEIGHT = (1.7, 3.4)
 ROW_HEIGHT = 2.2
 # What the numbers along the transmission angle take of the width.
 AXIS_INCHES = 0.6
-# Room for the names around the joints over the linkage's size.
-NAME_ROOM = 0.06
 # Room below for the scale bar, over the height.
 BAR_ROOM = 0.05
 LINK: Look = {"fc": "0.88", "ec": "0.35", "lw": 0.7, "zorder": 0.9, "joinstyle": "round"}
@@ -71,11 +69,8 @@ def plot_mechanism(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     -------
     Figure
     """
-    joints = values_of(dataset["joint_position"], "joint", "component")
-    is_pin = ~np.isin(dataset["joint_kind"].values, ["clamp", "pivot"])
-    links = values_of(dataset["rigid_position"], "link", "station", "component")
     sketch = LinkageSketch.of(dataset, mass_color=MASS_COLOR)
-    sketch = replace(sketch, around=_places(sketch, dataset, joints))
+    sketch = replace(sketch, around=_places(sketch, dataset))
     limits = _limits(sketch)
     stacks = _Stacks.of(dataset.assign(grey=_greys(dataset)))
     turns = "transmission_angle" in dataset
@@ -85,26 +80,23 @@ def plot_mechanism(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
         angle = np.degrees(dataset["posture_angle"].item())
         posture.set_title(f"Posture at crank angle {angle:.4g}°")
         sketch.frame(posture, limits)
-        _draw_links(posture, dataset, links, RIGID_WIDTH * sketch.size)
+        _draw_links(posture, dataset, sketch)
         _draw_paths(posture, dataset)
         sketch.draw(posture, **AXIS)
         sketch.draw_scale_bar(posture)
-        name_joints(posture, sketch, names_of(dataset, "joint"), joints, is_pin)
+        name_joints(posture, sketch, dataset)
         _draw_sections(sections, stacks)
         for axes in rest:
             _draw_transmission_angle(axes, dataset)
     return drawn.figure
 
 
-def _places(sketch: LinkageSketch, dataset: xr.Dataset, joints: FloatArray) -> FloatArray:
+def _places(sketch: LinkageSketch, dataset: xr.Dataset) -> FloatArray:
     """Of paths, the names of joints and the thickness of links, (n, 2)."""
-    room = NAME_ROOM * sketch.size
-    inside = [joints - room, joints + room]
+    half = np.nan_to_num(values_of(dataset["in_plane_thickness"], "link"))[:, None, None] / 2
+    inside = [named_places(sketch, dataset), sketch.links - half, sketch.links + half]
     if "path" in dataset:
         inside.append(values_of(dataset["path"], "path", "crank_angle", "component"))
-    ends = values_of(dataset["rigid_position"], "link", "station", "component")
-    half = np.nan_to_num(values_of(dataset["in_plane_thickness"], "link"))[:, None, None] / 2
-    inside += [ends - half, ends + half]
     return np.concatenate([points.reshape(-1, 2) for points in inside])
 
 
@@ -171,10 +163,10 @@ def _is_point(name: str) -> bool:
     return name in POINTS
 
 
-def _draw_links(axes: Axes, dataset: xr.Dataset, links: FloatArray, rigid: float) -> None:
+def _draw_links(axes: Axes, dataset: xr.Dataset, sketch: LinkageSketch) -> None:
     """Links as thick as they are; those without a section as thick as a rigid one is drawn."""
-    for link, known in zip(links, dataset["in_plane_thickness"].values, strict=True):
-        thickness = known if np.isfinite(known) else rigid
+    for link, known in zip(sketch.links, dataset["in_plane_thickness"].values, strict=True):
+        thickness = known if np.isfinite(known) else RIGID_WIDTH * sketch.size
         along = (link[-1] - link[0]) / np.hypot(*(link[-1] - link[0]))
         aside = thickness / 2 * np.array([-along[1], along[0]])
         corners = [link[0] + aside, link[-1] + aside, link[-1] - aside, link[0] - aside]

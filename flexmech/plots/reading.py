@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import xarray as xr
@@ -103,6 +103,17 @@ def run_title(dataset: xr.Dataset) -> str:
     return f"{title}, {start}" if start else title
 
 
+def merged(ranges: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Ranges in ascending order, those that overlap as one."""
+    whole: list[tuple[float, float]] = []
+    for low, high in sorted(ranges):
+        if whole and low <= whole[-1][1]:
+            whole[-1] = (whole[-1][0], max(high, whole[-1][1]))
+        else:
+            whole.append((low, high))
+    return whole
+
+
 def spread(places: FloatArray, least: float) -> FloatArray:
     """Move places apart to a least distance, so that labels at them do not touch.
 
@@ -178,9 +189,9 @@ def bending_links(dataset: xr.Dataset) -> list[str]:
     return [n for n in names if float(deflected.sel(link=n)) > 0] or names
 
 
-def degrees(angle: xr.DataArray) -> FloatArray:
-    """Angles of a coordinate in degrees, free of the conversion's round-off."""
-    return np.asarray(np.round(np.degrees(angle.values.astype(float)), 9))
+def degrees(angle: ArrayLike) -> FloatArray:
+    """Angles such as those of a coordinate in degrees, free of the conversion's round-off."""
+    return np.asarray(np.round(np.degrees(np.asarray(angle, dtype=float)), 9))
 
 
 def cell_edges(centres: FloatArray) -> FloatArray:

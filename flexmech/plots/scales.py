@@ -142,7 +142,7 @@ def log_scale(axes: Axes, low: float, high: float, *, plain: bool = False) -> No
         axes.yaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:g}"))
 
 
-def log_limits(values: ArrayLike, decades: float, room: float = 2.0) -> tuple[float, float]:
+def log_limits(values: ArrayLike, decades: float) -> tuple[float, float]:
     """Limits of a logarithmic axis for amplitudes, at most so many decades below the greatest.
 
     Parameters
@@ -150,16 +150,14 @@ def log_limits(values: ArrayLike, decades: float, room: float = 2.0) -> tuple[fl
     values : array_like
         Not a number is left out.
     decades : float
-    room : float
-        Factor between the greatest value and the upper limit.
 
     Returns
     -------
     float, float
-        The least value or the last decade that is drawn, and the upper limit.
+        The least value or the last decade that is drawn, and twice the greatest value.
     """
     highest = float(np.nanmax(values)) or 1.0
-    return max(float(np.nanmin(values)), highest * 10.0**-decades), room * highest
+    return max(float(np.nanmin(values)), highest * 10.0**-decades), 2.0 * highest
 
 
 def phase_axis(axes: Axes) -> None:

@@ -9,7 +9,8 @@ import numpy as np
 
 from flexmech.analyses import (
     CampbellDiagram,
-    MovingFrequencies,
+    KinematicsRequest,
+    ResponseRequest,
     Result,
     check_mechanism,
     coupler_paths,
@@ -18,6 +19,7 @@ from flexmech.analyses import (
     section_profiles,
 )
 from flexmech.analyses import campbell as campbell_analysis
+from flexmech.analyses import kinematics as kinematics_analysis
 from flexmech.analyses import response as response_analysis
 from flexmech.analyses.frequencies.request import operating_speeds
 from flexmech.analyses.remarks import environment_lines
@@ -140,18 +142,16 @@ def report_results(
     mechanism = engines[0].mechanism
     asked = operating_speeds(mechanism) if request.crank_speeds is None else request.crank_speeds
     speeds = np.atleast_1d(np.asarray(asked, dtype=float))
-    parts = _parts(mechanism, speeds, request)
+    parts, making = _parts(mechanism, speeds, request), _Making(engines, speeds, request, progress)
     found: list[Result] = [check_mechanism(engines[0])]
     makers: dict[ReportPart, Callable[[], list[Result]]] = {
-        "frequencies": lambda: [_frequencies(engines, speeds, request, progress)],
-        "campbell": lambda: [_campbell(engines[0], speeds, request, progress)],
-        "response": lambda: _responses(engines[0], speeds, request, progress),
-        "kinematics": lambda: _kinematics(mechanism, speeds, request),
-        "section": lambda: [section_profiles(mechanism, environment=request.environment)],
-        "coupler-curve": lambda: [
-            coupler_paths(mechanism, PATH_ANGLES, environment=request.environment)
-        ],
-        "moisture": lambda: [_moisture(mechanism, request.environment)],
+        "frequencies": making.frequencies,
+        "campbell": making.campbell,
+        "response": making.responses,
+        "kinematics": making.kinematics,
+        "section": making.sections,
+        "coupler-curve": making.coupler_curve,
+        "moisture": making.moisture,
     }
     for part in REPORT_PARTS:
         if part in parts:
@@ -183,107 +183,109 @@ def _parts(
     return request.include
 
 
-def _frequencies(
-    engines: Sequence[Engine],
-    speeds: FloatArray,
-    request: ReportRequest,
-    progress: LabelledProgress | None,
-) -> MovingFrequencies:
-    """Moving frequencies, with mode shapes at the map's own angles or as many as are stored."""
-    return moving_frequencies(
-        engines,
-        request.crank_angles,
-        speeds,
-        modes=request.modes,
-        environment=request.environment,
-        speed_unit=request.speed_unit,
-        tolerance=request.tolerance,
-        shapes_at=_some_angles(request, MOST_SHAPES),
-        progress=progress,
-    )
+@dataclass(frozen=True)
+class _Making:
+    """What the parts of a report are computed from: a method a part."""
 
+    engines: Sequence[Engine]
+    speeds: FloatArray
+    request: ReportRequest
+    progress: LabelledProgress | None
 
-def _campbell(
-    engine: Engine,
-    speeds: FloatArray,
-    request: ReportRequest,
-    progress: LabelledProgress | None,
-) -> CampbellDiagram:
-    """Campbell diagram of the linkage as it is in the environment asked for."""
-    if request.campbell_speeds is None:
-        over = np.linspace(0.0, BEYOND * float(np.abs(speeds).max()), CAMPBELL_SPEEDS)
-    else:
-        over = np.asarray(request.campbell_speeds, dtype=float)
-    lines: list[str] = []
-    if request.environment is not None:
-        lines = environment_lines(engine.mechanism, request.environment)
-        engine = engine.with_(mechanism=mechanism_in_state(engine.mechanism, request.environment))
-    found = campbell_analysis.campbell(
-        engine,
-        over,
-        crank_angles=_some_angles(request, MOST_CAMPBELL_ANGLES),
-        modes=request.modes,
-        speed_unit=request.speed_unit,
-        tolerance=request.tolerance,
-        progress=progress,
-    )
-    # In what state it is, as other results tell it.
-    return CampbellDiagram(found.dataset.assign_attrs(environment_lines="\n".join(lines)))
+    @property
+    def mechanism(self) -> Mechanism:
+        """That of all engines."""
+        return self.engines[0].mechanism
 
+    def frequencies(self) -> list[Result]:
+        """Moving frequencies, with mode shapes at the map's own angles or as many as are stored."""
+        return [
+            moving_frequencies(
+                self.engines,
+                self.request.crank_angles,
+                self.speeds,
+                modes=self.request.modes,
+                environment=self.request.environment,
+                speed_unit=self.request.speed_unit,
+                tolerance=self.request.tolerance,
+                shapes_at=self._some_angles(MOST_SHAPES),
+                progress=self.progress,
+            )
+        ]
 
-def _some_angles(request: ReportRequest, most: int) -> FloatArray:
-    """Crank angles asked for, each position once, and every n-th where they are many."""
-    angles = np.asarray(request.crank_angles, dtype=float)
-    if len(angles) > 1 and np.isclose(angles[-1] - angles[0], 2 * np.pi):
-        angles = angles[:-1]
-    return angles[:: max(1, -(-len(angles) // most))]
-
-
-def _responses(
-    engine: Engine,
-    speeds: FloatArray,
-    request: ReportRequest,
-    progress: LabelledProgress | None,
-) -> list[Result]:
-    """Periodic motion at every speed but zero, dry and in the environment."""
-    from flexmech.analyses import ResponseRequest
-
-    states: list[Environment | None] = [None]
-    states += [] if request.environment is None else [request.environment]
-    return [
-        response_analysis.response(
+    def campbell(self) -> list[Result]:
+        """Campbell diagram of the linkage as it is in the environment asked for."""
+        request, engine, lines = self.request, self.engines[0], list[str]()
+        if request.campbell_speeds is None:
+            over = np.linspace(0.0, BEYOND * float(np.abs(self.speeds).max()), CAMPBELL_SPEEDS)
+        else:
+            over = np.asarray(request.campbell_speeds, dtype=float)
+        if request.environment is not None:
+            lines = environment_lines(self.mechanism, request.environment)
+            swollen = mechanism_in_state(self.mechanism, request.environment)
+            engine = engine.with_(mechanism=swollen)
+        found = campbell_analysis.campbell(
             engine,
-            ResponseRequest(
-                CrankDrive(float(speed)),
-                revolutions=1.0,
-                start="periodic",
-                modes=request.modes or MODES,
-                speed_unit=request.speed_unit,
-            ),
-            environment=state,
-            progress=progress,
+            over,
+            crank_angles=self._some_angles(MOST_CAMPBELL_ANGLES),
+            modes=request.modes,
+            speed_unit=request.speed_unit,
+            tolerance=request.tolerance,
+            progress=self.progress,
         )
-        for state in states
-        for speed in speeds
-        if speed
-    ]
+        # In what state it is, as other results tell it.
+        return [CampbellDiagram(found.dataset.assign_attrs(environment_lines="\n".join(lines)))]
 
+    def _some_angles(self, most: int) -> FloatArray:
+        """Crank angles asked for, each position once, and every n-th where they are many."""
+        angles = np.asarray(self.request.crank_angles, dtype=float)
+        if len(angles) > 1 and np.isclose(angles[-1] - angles[0], 2 * np.pi):
+            angles = angles[:-1]
+        return angles[:: max(1, -(-len(angles) // most))]
 
-def _kinematics(mechanism: Mechanism, speeds: FloatArray, request: ReportRequest) -> list[Result]:
-    """Of the rigid linkage at each speed at which it turns; at rest if it turns at none."""
-    from flexmech.analyses.kinematics import KinematicsRequest, kinematics
+    def responses(self) -> list[Result]:
+        """Periodic motion at every speed but zero, dry and in the environment."""
+        return [
+            response_analysis.response(
+                self.engines[0],
+                ResponseRequest(
+                    CrankDrive(float(speed)),
+                    revolutions=1.0,
+                    start="periodic",
+                    modes=self.request.modes or MODES,
+                    speed_unit=self.request.speed_unit,
+                ),
+                environment=state,
+                progress=self.progress,
+            )
+            for state in dict.fromkeys((None, self.request.environment))
+            for speed in self.speeds
+            if speed
+        ]
 
-    return [
-        kinematics(
-            mechanism,
-            KinematicsRequest(crank_speed=float(speed), speed_unit=request.speed_unit),
-        )
-        for speed in (speeds[speeds != 0] if np.any(speeds) else speeds[:1])
-    ]
+    def kinematics(self) -> list[Result]:
+        """Of the rigid linkage at each speed at which it turns; at rest if it turns at none."""
+        return [
+            kinematics_analysis.kinematics(
+                self.mechanism,
+                KinematicsRequest(crank_speed=float(speed), speed_unit=self.request.speed_unit),
+            )
+            for speed in (self.speeds[self.speeds != 0] if np.any(self.speeds) else self.speeds[:1])
+        ]
 
+    def sections(self) -> list[Result]:
+        """In the environment."""
+        return [section_profiles(self.mechanism, environment=self.request.environment)]
 
-def _moisture(mechanism: Mechanism, environment: Environment | None) -> Result:
-    if not isinstance(environment, Exposure):
-        raise InputError("moisture needs an exposure: --relative-humidity with --time")
-    temperature = mechanism.reference_temperature + environment.temperature_rise
-    return moisture_uptake(mechanism, environment.relative_humidity, environment.time, temperature)
+    def coupler_curve(self) -> list[Result]:
+        """Dry and in the environment."""
+        where = self.request.environment
+        return [coupler_paths(self.mechanism, PATH_ANGLES, environment=where)]
+
+    def moisture(self) -> list[Result]:
+        """Under the exposure, without which this part is refused."""
+        exposure = self.request.environment
+        assert isinstance(exposure, Exposure)
+        temperature = self.mechanism.reference_temperature + exposure.temperature_rise
+        asked = exposure.relative_humidity, exposure.time, temperature
+        return [moisture_uptake(self.mechanism, *asked)]

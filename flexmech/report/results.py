@@ -140,13 +140,13 @@ def stored_results(folder: str | Path) -> Results:
     whole = {path.parent for path in files if path.name == BOTH_STATES}
     parts = {place / name for place in whole for name in EACH_STATE}
     with told_as_damaged(folder):
-        found = [_load(path) for path in files if path not in parts]
-    if not found:
-        raise InputError(
-            f"{folder}: holds no NetCDF file of a result; run a command with --out {folder} first"
-        )
-    with told_as_damaged(folder):
-        return Results(tuple(found))
+        found = tuple(_load(path) for path in files if path not in parts)
+        if not found:
+            raise InputError(
+                f"{folder}: holds no NetCDF file of a result; run a command with --out {folder} "
+                "first"
+            )
+        return Results(found)
 
 
 def _load(path: Path) -> Result:

@@ -6,9 +6,7 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-import xarray as xr
 
-from flexmech.arrays import FloatArray
 from flexmech.report.results import Results
 from flexmech.units import from_si
 
@@ -42,16 +40,6 @@ def state_of(attributes: Mapping[str, object]) -> str:
     first = str(attributes.get("environment_lines", "")).partition("\n")[0]
     _, told, state = first.partition("state: ")
     return state if told else DRY
-
-
-def engine_names(dataset: xr.Dataset) -> list[str]:
-    """Names of the engines in a dataset."""
-    return [str(name) for name in dataset["engine"].values]
-
-
-def crank_degrees(angle: FloatArray) -> FloatArray:
-    """Crank angles in degrees, without the round-off of the way through radians."""
-    return np.asarray(np.degrees(angle).round(9))
 
 
 def decimals_of(error: float) -> int:

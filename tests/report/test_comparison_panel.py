@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexmech import Comparison, stored_results
-from flexmech.report.panels.comparison import comparison_panel
+from flexmech.report.panels.hammer import comparison_panel
 from flexmech.report.panels.speeds import stability_panel
 from tests.unit.comparison_data import drawn_dataset
 

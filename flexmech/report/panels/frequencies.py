@@ -8,6 +8,7 @@ import xarray as xr
 from flexmech.analyses import MovingFrequencies, Table
 from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.arrays import FloatArray
+from flexmech.plots.reading import degrees, names_of
 from flexmech.report.panel import (
     Choice,
     Panel,
@@ -21,9 +22,7 @@ from flexmech.report.panel import (
 )
 from flexmech.report.results import Results
 from flexmech.report.words import (
-    crank_degrees,
     decimals_of,
-    engine_names,
     speed_name,
     speed_unit_of,
     state_of,
@@ -91,7 +90,7 @@ def _places(result: MovingFrequencies) -> list[tuple[str, xr.Dataset, str, float
     return [
         (state, data, engine, float(speed), int(mode))
         for state, data in in_each_state(result).items()
-        for engine in engine_names(data)
+        for engine in names_of(data, "engine")
         for mode in data["mode"].values
         for speed in data["crank_speed"].values
     ]
@@ -103,7 +102,7 @@ def _plot(result: MovingFrequencies, unit: str, variable: str) -> Plot:
     words, factor = ("Frequency (Hz)", 1) if variable == "frequency" else ("Damping ratio (%)", 100)
     traces = [
         Trace(
-            *(speed_name(speed, unit), crank_degrees(data["crank_angle"].values)),
+            *(speed_name(speed, unit), degrees(data["crank_angle"])),
             factor * _values(data, variable, engine, speed, mode),
             speeds.index(speed),
             ("solid", "dash", "dashdot", "dot")[speeds.index(speed) % 4],
@@ -129,7 +128,7 @@ def _readings(result: MovingFrequencies, unit: str) -> list[Reading]:
     readings = []
     damping = _damping_of(result.dataset)
     for state, data, engine, speed, mode in _places(result):
-        angle = crank_degrees(data["crank_angle"].values)
+        angle = degrees(data["crank_angle"])
         when: Choice = {"engine": engine, "state": state, "speed": speed_name(speed, unit)}
         frequency = _values(data, "frequency", engine, speed, mode)
         relative = float(known_error(data).sel(engine=engine, crank_speed=speed, mode=mode))
@@ -166,7 +165,7 @@ def _extremes_table(result: MovingFrequencies, state: str, unit: str, *, several
     data, extremes = result.dataset, result.extremes()
     error = known_error(data)
     rows = []
-    for engine in engine_names(data):
+    for engine in names_of(data, "engine"):
         for speed in data["crank_speed"].values.tolist():
             for mode in data["mode"].values.tolist():
                 where = {"engine": engine, "crank_speed": speed, "mode": mode}

@@ -9,10 +9,20 @@ import xarray as xr
 
 from flexmech.analyses import CouplerPaths, Kinematics, ModelCheck
 from flexmech.arrays import FloatArray
-from flexmech.plots.reading import names_of
-from flexmech.report.panel import Choice, Panel, Plot, Trace, YAxis, over_angle, panel_of, shows
+from flexmech.plots.reading import degrees, names_of
+from flexmech.report.panel import (
+    GREY,
+    Choice,
+    Panel,
+    Plot,
+    Trace,
+    YAxis,
+    over_angle,
+    panel_of,
+    shows,
+)
 from flexmech.report.results import Results
-from flexmech.report.words import crank_degrees, speed_name, speed_unit_of
+from flexmech.report.words import speed_name, speed_unit_of
 
 
 def kinematics_panel(results: Results) -> Panel | None:
@@ -29,7 +39,7 @@ def kinematics_panel(results: Results) -> Panel | None:
         data = result.dataset
         speed = speed_name(float(data.attrs["crank_speed"]), speed_unit_of(results))
         when = {"speed": speed} if len(found) > 1 else {}
-        angle = crank_degrees(data["crank_angle"].values)
+        angle = degrees(data["crank_angle"])
         motion += _motion(data, angle, links, when)
         forces += _forces(data, angle, when)
         at = f"{speed}: " if len(found) > 1 else ""
@@ -105,7 +115,7 @@ def _forces(data: xr.Dataset, angle: FloatArray, when: Choice) -> list[Trace]:
 def coupler_panel(result: CouplerPaths, results: Results) -> Panel:
     """Coupler curves of each state, with their crunodes and cusps."""
     data, traces = result.dataset, list[Trace]()
-    angle = crank_degrees(data["crank_angle"].values)
+    angle = degrees(data["crank_angle"])
     for number, name in enumerate(names_of(data, "name")):
         x, y = (1e3 * data["position"].isel(state=number).sel(component=c).values for c in "xy")
         dashes: Any = "dash" if number else "solid"
@@ -132,11 +142,11 @@ def mechanism_panel(result: ModelCheck, results: Results) -> Panel:
     """Links, masses and operation in words and a table, and the transmission angle."""
     said, data, plots = result.summary(), result.dataset, list[Plot]()
     if "transmission_angle" in data:
-        angle = crank_degrees(data["crank_angle"].values)
+        angle = degrees(data["crank_angle"])
         values = np.degrees(data["transmission_angle"].values.astype(float))
         traces = [Trace("transmission angle", angle, values, followed={}, legend=False)]
         for limit in np.degrees(data["usual_transmission_angle"].values).tolist():
-            line = f"{limit:g} deg", angle[[0, -1]], np.full(2, limit), "#8c8c8c"
+            line = f"{limit:g} deg", angle[[0, -1]], np.full(2, limit), GREY
             traces.append(Trace(*line, look="dot", width=1.0, legend=False))
         text = "Transmission angle between coupler and rocker against crank angle"
         axes = (YAxis("Transmission angle (deg)"),)

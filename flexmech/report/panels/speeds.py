@@ -9,21 +9,13 @@ import xarray as xr
 
 from flexmech.analyses import CampbellDiagram, StabilityMap, Table
 from flexmech.plots.campbell import critical_stretches
-from flexmech.plots.stability import UnstableBand, growth_curve, unstable_bands
-from flexmech.report.panel import Panel, Trace, YAxis, over_speed, panel_of, shows
+from flexmech.plots.reading import names_of
+from flexmech.plots.stability import KINDS, UnstableBand, growth_curve, unstable_bands
+from flexmech.plots.style import series_style
+from flexmech.report.panel import GREY, Panel, Trace, YAxis, over_speed, panel_of, shows
 from flexmech.report.results import Results
-from flexmech.report.words import engine_names, speed_unit_of, state_of, with_error
+from flexmech.report.words import speed_unit_of, state_of, with_error
 from flexmech.units import from_si
-
-# Colours of series with which bands are filled, by branch.
-FILLINGS = ("0,114,178", "213,94,0", "0,158,115", "204,121,167", "230,159,0", "86,180,233")
-# Unstable bands by their kind: colour, and entry of the legend.
-BANDS = {
-    "principal": ("0,114,178", "band: twice a frequency"),
-    "sum": ("213,94,0", "band: sum of two frequencies"),
-    "difference": ("0,158,115", "band: difference of two"),
-}
-UNNAMED = ("110,110,110", "band without a name")
 
 
 @shows(CampbellDiagram)
@@ -38,7 +30,7 @@ def campbell_panel(result: CampbellDiagram, results: Results) -> Panel:
         f"Bands of {data.sizes['branch']} branches against crank speed, with rays of the "
         "orders of the crank; thick dark parts of rays are critical speeds",
     )
-    of = {"engine": engine_names(data)[0], "state": state_of(data.attrs)}
+    of = {"engine": names_of(data, "engine")[0], "state": state_of(data.attrs)}
     table = _critical_table(data, unit)
     return panel_of("campbell", result.summary(), plots=(plot,), tables=(table,), **of)
 
@@ -84,10 +76,10 @@ def _branches(data: xr.Dataset, unit: str) -> list[Trace]:
     """Each branch's lowest and highest frequency, filled between them, and its mean."""
     traces = []
     speed = from_si(1.0, unit) * data["crank_speed"].values
-    for engine in engine_names(data):
+    for engine in names_of(data, "engine"):
         when = {"engine": engine} if data.sizes["engine"] > 1 else {}
         for number, branch in enumerate(data["branch"].values.tolist()):
-            fill = f"rgba({FILLINGS[number % len(FILLINGS)]},0.25)"
+            fill = _translucent(series_style(number).color, 0.25)
             for part in ("lowest", "highest", "mean"):
                 values = data[f"{part}_frequency"].sel(engine=engine, branch=branch).values
                 mean, filled = part == "mean", part == "highest"
@@ -104,6 +96,12 @@ def _branches(data: xr.Dataset, unit: str) -> list[Trace]:
     return traces
 
 
+def _translucent(color: str, opacity: float) -> str:
+    """A colour such as #0072B2 as a browser fills with it."""
+    red, green, blue = bytes.fromhex(color[1:])
+    return f"rgba({red},{green},{blue},{opacity:g})"
+
+
 def _rays(data: xr.Dataset, unit: str) -> list[Trace]:
     speed = data["crank_speed"].values
     ends = np.array([min(speed.min(), 0.0), 0.0, max(speed.max(), 0.0)])
@@ -115,7 +113,7 @@ def _rays(data: xr.Dataset, unit: str) -> list[Trace]:
         along = np.clip(ends, -most, most)
         x, y = from_si(1.0, unit) * along, order * np.abs(along) / (2 * np.pi)
         name = f"order {order}" if traces else "order of the crank"
-        ray = Trace(name, x, y, "#8c8c8c", width=0.8, legend=not traces, label=f"{order}×")
+        ray = Trace(name, x, y, GREY, width=0.8, legend=not traces, label=f"{order}×")
         traces.append(ray)
     return traces
 
@@ -164,7 +162,7 @@ def _critical_table(data: xr.Dataset, unit: str) -> Table:
 def _growth(data: xr.Dataset) -> list[Trace]:
     """Growth and modulus of every engine."""
     traces = []
-    for number, engine in enumerate(engine_names(data)):
+    for number, engine in enumerate(names_of(data, "engine")):
         speed, *curves = growth_curve(data, number)
         followed: dict[str, str] | None = None if number else {}
         for axis, values in enumerate(curves):
@@ -175,12 +173,14 @@ def _growth(data: xr.Dataset) -> list[Trace]:
 
 def _filled(bands: list[UnstableBand]) -> list[Trace]:
     """Unstable bands, filled up to their greatest growth rate."""
-    traces, named = [], set[str]()
+    traces, named, kinds = [], set[str](), list(KINDS)
     for band in bands:
-        shade, name = BANDS.get(band.kind, UNNAMED)
+        name, color = f"band: {KINDS[band.kind][0]}", series_style(kinds.index(band.kind)).color
+        if band.kind == "unnamed":
+            name, color = "band without a name", "#6e6e6e"
         x = np.array([band.low, band.low, band.high, band.high, band.low])
         y = band.growth * np.array([0.0, 1.0, 1.0, 0.0, 0.0])
-        color, legend = f"rgba({shade},0.3)", name not in named
-        traces.append(Trace(name, x, y, color, width=0.8, fill="itself", legend=legend))
+        fill, legend = _translucent(color, 0.3), name not in named
+        traces.append(Trace(name, x, y, fill, width=0.8, fill="itself", legend=legend))
         named.add(name)
     return traces
