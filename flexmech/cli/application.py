@@ -18,13 +18,12 @@ from flexmech.cli.campaigns import composites, report, verify
 from flexmech.cli.deliver import running
 from flexmech.cli.failures import reports_failures
 from flexmech.cli.laboratory import compare, hammer
-from flexmech.cli.links import check, moisture, section
+from flexmech.cli.links import check, moisture, new, schema, section
 from flexmech.cli.maps import campbell, frequencies, stability
 from flexmech.cli.reading import from_options
 from flexmech.cli.rigid import coupler_curve, kinematics, synthesize
 from flexmech.cli.runs import export, response
 from flexmech.cli.stopping import Stopped, interrupted_line
-from flexmech.cli.writing import new, schema
 from flexmech.errors import FlexmechError, InputError, one_line
 
 COMMANDS: tuple[Callable[..., None], ...] = (

@@ -133,7 +133,5 @@ def composites(output: options.AskedOutput) -> None:
     Six laminates, four linkages, three positions of the transmission angle.
     """
     deliver(
-        studies.CompositeStudy,
-        lambda progress: studies.study_composites(progress=progress),
-        output,
+        studies.CompositeStudy, lambda progress: studies.study_composites(progress=progress), output
     )

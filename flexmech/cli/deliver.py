@@ -36,8 +36,6 @@ if TYPE_CHECKING:
 Printing = Literal["words", "json", "nothing"]
 """How a summary is printed."""
 
-# Columns where there is no terminal that has a number of them.
-_WIDTH = 80
 # Words of a table break into lines of this many letters at least.
 _SHORTEST_WORDS = 10
 # Columns of the terminal between two of the table's.
@@ -242,7 +240,7 @@ def say(
 
 def _page_width() -> int:
     """Columns of the terminal, or those that the environment variable COLUMNS names."""
-    return shutil.get_terminal_size((_WIDTH, 24)).columns
+    return shutil.get_terminal_size().columns
 
 
 def _print_lines(text: str) -> None:

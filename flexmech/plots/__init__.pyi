@@ -2,10 +2,10 @@ from .animation import mp4_available as mp4_available
 from .animation import write_animation as write_animation
 from .campbell import plot_campbell as plot_campbell
 from .campbell import plot_speed_sweep as plot_speed_sweep
-from .comparison import plot_comparison as plot_comparison
 from .composite_study import plot_composite_damping as plot_composite_damping
 from .composite_study import plot_composite_frequencies as plot_composite_frequencies
 from .composite_study import plot_laminate_factors as plot_laminate_factors
+from .composite_study import plot_verification as plot_verification
 from .effects import plot_agreement as plot_agreement
 from .effects import plot_hygrothermal_effect as plot_hygrothermal_effect
 from .effects import plot_speed_effect as plot_speed_effect
@@ -15,6 +15,7 @@ from .floquet import plot_floquet_harmonics as plot_floquet_harmonics
 from .frequencies import plot_damping_ratio as plot_damping_ratio
 from .frequencies import plot_frequencies as plot_frequencies
 from .frequencies import plot_modal_damping as plot_modal_damping
+from .frf import plot_comparison as plot_comparison
 from .frf import plot_frf as plot_frf
 from .frf import plot_frf_parts as plot_frf_parts
 from .frf import plot_harmonic_frf as plot_harmonic_frf
@@ -33,8 +34,8 @@ from .layout import Sheet as Sheet
 from .layout import grid as grid
 from .layout import sheet as sheet
 from .linkage import plot_linkage as plot_linkage
+from .linkage import plot_mode_shapes as plot_mode_shapes
 from .mechanism import plot_mechanism as plot_mechanism
-from .mode_shapes import plot_mode_shapes as plot_mode_shapes
 from .reading import chosen as chosen
 from .reading import mode_label as mode_label
 from .reading import speed_label as speed_label
@@ -59,4 +60,3 @@ from .style import save_figure as save_figure
 from .style import series_handle as series_handle
 from .style import series_line as series_line
 from .style import series_style as series_style
-from .verification import plot_verification as plot_verification

@@ -9,7 +9,16 @@ from matplotlib.figure import Figure
 
 from flexmech.errors import InputError
 from flexmech.plots import style
-from flexmech.plots.frf import CURVES, angle_text, curve_handles, first_angle, hammer_title
+from flexmech.plots.frf import (
+    BLUE,
+    CURVES,
+    GREEN,
+    ORANGE,
+    angle_text,
+    curve_handles,
+    first_angle,
+    hammer_title,
+)
 from flexmech.plots.layout import AxesLike, grid, sheet, tiles
 from flexmech.plots.reading import LENGTH_UNITS, complex_values, fitting_unit, names_of
 
@@ -29,7 +38,6 @@ CIRCLE_DOTS: style.Look = {"marker": ".", "ms": 3.5, "ls": ""}
 BEHIND = 0.9
 CURVE: style.Look = {"color": style.MID_GREY, "lw": 0.8, "zorder": 1}
 EIGEN: style.Look = {"color": "0.1", "lw": 0.8, "ls": (0, (1, 2)), "zorder": 1.5}
-BLUE, ORANGE, GREEN = (style.series_style(number).color for number in range(3))
 POLE: style.Look = {"ls": "none", "marker": "o", "ms": 3.5, "color": BLUE}
 # On the axis: modes that the fit keeps, since noise does not explain them as well.
 IDENTIFIED = POLE | {"marker": "^", "ms": 6.5, "color": GREEN, "clip_on": False, "zorder": 5}

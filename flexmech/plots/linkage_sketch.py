@@ -184,7 +184,7 @@ class LinkageSketch(Posture):
             *symbols.marks("weld", list(self.places("weld")), self._sized(WELD)),
             *joint_spring_symbols(self, self.joint_size),
             *self._joints(),
-            *self._loads(),
+            *(symbol for load in self.parts.loads for symbol in self._arrows(load)),
         ]
 
     def gravity(self) -> list[Symbol]:
@@ -325,9 +325,6 @@ class LinkageSketch(Posture):
             *symbols.marks("pin", pins, look),
             *symbols.marks("shaft", shafts, look | {"mfc": OUTLINE}),
         ]
-
-    def _loads(self) -> list[Symbol]:
-        return [symbol for load in self.parts.loads for symbol in self._arrows(load)]
 
     def _arrows(self, load: Part) -> list[Symbol]:
         """An arrow as long as the force is large, and a bent one of the torque."""

@@ -131,13 +131,13 @@ def _handles(dataset: xr.Dataset, sketch: LinkageSketch) -> list[Artist]:
     """Legend entries of paths, parts, plies and the usual transmission angles."""
     handles: list[Artist] = []
     names = names_of(dataset, "path_name") if "path" in dataset else []
-    pins = [name for name in names if not _is_point(name)]
+    pins = [name for name in names if name not in POINTS]
     if pins:
         handles.append(line_handle(_paths_of(pins), **PIN_PATH))
     handles += [
         line_handle(f"path of the {name}", marker="o", markersize=4, **POINT_PATH)
         for name in names
-        if _is_point(name)
+        if name in POINTS
     ]
     handles += part_handles(sketch)
     plies = _plies(dataset)
@@ -158,11 +158,6 @@ def _paths_of(pins: list[str]) -> str:
     return f"paths of {', '.join(names[:-1])} and {names[-1]}"
 
 
-def _is_point(name: str) -> bool:
-    """Whether a path is that of a point of the coupler."""
-    return name in POINTS
-
-
 def _draw_links(axes: Axes, dataset: xr.Dataset, sketch: LinkageSketch) -> None:
     """Links as thick as they are; those without a section as thick as a rigid one is drawn."""
     for link, known in zip(sketch.links, dataset["in_plane_thickness"].values, strict=True):
@@ -181,7 +176,7 @@ def _draw_paths(axes: Axes, dataset: xr.Dataset) -> None:
     for name, path, place in zip(
         names_of(dataset, "path_name"), paths, dataset["path_position"].values, strict=True
     ):
-        if not _is_point(name):
+        if name not in POINTS:
             axes.plot(*path.T, **PIN_PATH, zorder=0.7)
             continue
         axes.plot(*path.T, **POINT_PATH, zorder=2.0)

@@ -19,8 +19,7 @@ from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.plots.campbell import critical_stretches
 from flexmech.plots.reading import merged, names_of
 from flexmech.report.panels.frequencies import in_each_state
-from flexmech.report.results import Results
-from flexmech.report.words import speed_name, speed_unit_of, state_of, with_error
+from flexmech.report.results import Results, speed_name, speed_unit_of, state_of, with_error
 from flexmech.units import from_si
 
 # Orders that are told one by one: higher ones excite little.

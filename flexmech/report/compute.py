@@ -7,17 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from flexmech.analyses import (
-    CampbellDiagram,
-    KinematicsRequest,
-    ResponseRequest,
-    Result,
-    check_mechanism,
-    coupler_paths,
-    moisture_uptake,
-    moving_frequencies,
-    section_profiles,
-)
+from flexmech import analyses, choices, linkages
 from flexmech.analyses import campbell as campbell_analysis
 from flexmech.analyses import kinematics as kinematics_analysis
 from flexmech.analyses import response as response_analysis
@@ -25,11 +15,9 @@ from flexmech.analyses.frequencies.request import operating_speeds
 from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import engine_of
 from flexmech.arrays import FloatArray, LabelledProgress
-from flexmech.choices import MODES, MOST_MODES, REPORT_PARTS, TOLERANCE, ReportPart
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, Exposure, absorbing_links, mechanism_in_state
 from flexmech.linear_system import Engine
-from flexmech.linkages import CrankDrive, FourBar
 from flexmech.mechanism import Mechanism
 from flexmech.report.results import Results
 from flexmech.validation import check_choice, check_count, check_instance, checked_tuple
@@ -84,20 +72,20 @@ class ReportRequest:
 
     crank_speeds: FloatArray | None = None
     crank_angles: FloatArray = field(default_factory=MAP_ANGLES.copy)
-    include: tuple[ReportPart, ...] | None = None
+    include: tuple[choices.ReportPart, ...] | None = None
     campbell_speeds: FloatArray | None = None
     modes: int | None = None
     environment: Environment | None = None
     speed_unit: str = "rad/s"
-    tolerance: float | None = TOLERANCE
+    tolerance: float | None = choices.TOLERANCE
 
     def __post_init__(self) -> None:
         if self.modes is not None:
-            check_count(self.modes, "modes", most=MOST_MODES)
+            check_count(self.modes, "modes", most=choices.MOST_MODES)
         if self.include is not None:
-            remedy = f"give some of {', '.join(REPORT_PARTS)} in a tuple"
+            remedy = f"give some of {', '.join(choices.REPORT_PARTS)} in a tuple"
             for part in checked_tuple(self.include, object, "include", remedy):
-                check_choice(part, REPORT_PARTS, "include")
+                check_choice(part, choices.REPORT_PARTS, "include")
 
 
 def report_results(
@@ -143,8 +131,8 @@ def report_results(
     asked = operating_speeds(mechanism) if request.crank_speeds is None else request.crank_speeds
     speeds = np.atleast_1d(np.asarray(asked, dtype=float))
     parts, making = _parts(mechanism, speeds, request), _Making(engines, speeds, request, progress)
-    found: list[Result] = [check_mechanism(engines[0])]
-    makers: dict[ReportPart, Callable[[], list[Result]]] = {
+    found: list[analyses.Result] = [analyses.check_mechanism(engines[0])]
+    makers: dict[choices.ReportPart, Callable[[], list[analyses.Result]]] = {
         "frequencies": making.frequencies,
         "campbell": making.campbell,
         "response": making.responses,
@@ -153,7 +141,7 @@ def report_results(
         "coupler-curve": making.coupler_curve,
         "moisture": making.moisture,
     }
-    for part in REPORT_PARTS:
+    for part in choices.REPORT_PARTS:
         if part in parts:
             found += makers[part]()
     return Results(tuple(found))
@@ -161,22 +149,22 @@ def report_results(
 
 def _parts(
     mechanism: Mechanism, speeds: FloatArray, request: ReportRequest
-) -> tuple[ReportPart, ...]:
+) -> tuple[choices.ReportPart, ...]:
     """What goes into the report; what was asked for and cannot be is refused."""
     exposed = isinstance(request.environment, Exposure)
-    lacking: dict[ReportPart, str] = {}
+    lacking: dict[choices.ReportPart, str] = {}
     if not np.any(speeds):
         lacking["response"] = "a crank speed other than zero in --speeds"
     if not np.any(speeds) and request.campbell_speeds is None:
         lacking["campbell"] = "a crank speed other than zero in --speeds, or --campbell-speeds"
-    if mechanism.coupler_point is None or not isinstance(mechanism.linkage, FourBar):
+    if mechanism.coupler_point is None or not isinstance(mechanism.linkage, linkages.FourBar):
         lacking["coupler-curve"] = "a coupler point in the model file, of a four-bar"
     if not exposed or not absorbing_links(mechanism):
         lacking["moisture"] = (
             "--relative-humidity with --time, and links of which it is known how water diffuses"
         )
     if request.include is None:
-        return tuple(part for part in REPORT_PARTS if part not in lacking)
+        return tuple(part for part in choices.REPORT_PARTS if part not in lacking)
     for part in request.include:
         if part in lacking:
             raise InputError(f"--include {part} needs {lacking[part]}")
@@ -197,10 +185,10 @@ class _Making:
         """That of all engines."""
         return self.engines[0].mechanism
 
-    def frequencies(self) -> list[Result]:
+    def frequencies(self) -> list[analyses.Result]:
         """Moving frequencies, with mode shapes at the map's own angles or as many as are stored."""
         return [
-            moving_frequencies(
+            analyses.moving_frequencies(
                 self.engines,
                 self.request.crank_angles,
                 self.speeds,
@@ -213,7 +201,7 @@ class _Making:
             )
         ]
 
-    def campbell(self) -> list[Result]:
+    def campbell(self) -> list[analyses.Result]:
         """Campbell diagram of the linkage as it is in the environment asked for."""
         request, engine, lines = self.request, self.engines[0], list[str]()
         if request.campbell_speeds is None:
@@ -234,7 +222,9 @@ class _Making:
             progress=self.progress,
         )
         # In what state it is, as other results tell it.
-        return [CampbellDiagram(found.dataset.assign_attrs(environment_lines="\n".join(lines)))]
+        return [
+            analyses.CampbellDiagram(found.dataset.assign_attrs(environment_lines="\n".join(lines)))
+        ]
 
     def _some_angles(self, most: int) -> FloatArray:
         """Crank angles asked for, each position once, and every n-th where they are many."""
@@ -243,16 +233,16 @@ class _Making:
             angles = angles[:-1]
         return angles[:: max(1, -(-len(angles) // most))]
 
-    def responses(self) -> list[Result]:
+    def responses(self) -> list[analyses.Result]:
         """Periodic motion at every speed but zero, dry and in the environment."""
         return [
             response_analysis.response(
                 self.engines[0],
-                ResponseRequest(
-                    CrankDrive(float(speed)),
+                analyses.ResponseRequest(
+                    linkages.CrankDrive(float(speed)),
                     revolutions=1.0,
                     start="periodic",
-                    modes=self.request.modes or MODES,
+                    modes=self.request.modes or choices.MODES,
                     speed_unit=self.request.speed_unit,
                 ),
                 environment=state,
@@ -263,29 +253,31 @@ class _Making:
             if speed
         ]
 
-    def kinematics(self) -> list[Result]:
+    def kinematics(self) -> list[analyses.Result]:
         """Of the rigid linkage at each speed at which it turns; at rest if it turns at none."""
         return [
             kinematics_analysis.kinematics(
                 self.mechanism,
-                KinematicsRequest(crank_speed=float(speed), speed_unit=self.request.speed_unit),
+                analyses.KinematicsRequest(
+                    crank_speed=float(speed), speed_unit=self.request.speed_unit
+                ),
             )
             for speed in (self.speeds[self.speeds != 0] if np.any(self.speeds) else self.speeds[:1])
         ]
 
-    def sections(self) -> list[Result]:
+    def sections(self) -> list[analyses.Result]:
         """In the environment."""
-        return [section_profiles(self.mechanism, environment=self.request.environment)]
+        return [analyses.section_profiles(self.mechanism, environment=self.request.environment)]
 
-    def coupler_curve(self) -> list[Result]:
+    def coupler_curve(self) -> list[analyses.Result]:
         """Dry and in the environment."""
         where = self.request.environment
-        return [coupler_paths(self.mechanism, PATH_ANGLES, environment=where)]
+        return [analyses.coupler_paths(self.mechanism, PATH_ANGLES, environment=where)]
 
-    def moisture(self) -> list[Result]:
+    def moisture(self) -> list[analyses.Result]:
         """Under the exposure, without which this part is refused."""
         exposure = self.request.environment
         assert isinstance(exposure, Exposure)
         temperature = self.mechanism.reference_temperature + exposure.temperature_rise
         asked = exposure.relative_humidity, exposure.time, temperature
-        return [moisture_uptake(self.mechanism, *asked)]
+        return [analyses.moisture_uptake(self.mechanism, *asked)]

@@ -20,12 +20,11 @@ from flexmech.mechanism import Mechanism, drawn_parts
 from flexmech.modelfile import mechanism_from_toml
 from flexmech.plots import reading
 from flexmech.plots.layout import round_enlargement
-from flexmech.plots.mode_shapes import real_shapes
+from flexmech.plots.linkage import real_shapes
 from flexmech.report.embedding import Arrays
 from flexmech.report.last_turn import over_a_turn, thinning
 from flexmech.report.panels.frequencies import in_each_state
-from flexmech.report.results import Results
-from flexmech.report.words import speed_name, speed_unit_of, state_of
+from flexmech.report.results import Results, speed_name, speed_unit_of, state_of
 
 # Of a run's turn: the script interpolates between samples every three degrees.
 MOST_FRAMES = 120

@@ -9,19 +9,9 @@ from flexmech.analyses import MovingFrequencies, Table
 from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.arrays import FloatArray
 from flexmech.plots.reading import degrees, names_of
-from flexmech.report.panel import (
-    Choice,
-    Panel,
-    Plot,
-    Reading,
-    Trace,
-    YAxis,
-    over_angle,
-    panel_of,
-    shows,
-)
-from flexmech.report.results import Results
-from flexmech.report.words import (
+from flexmech.report import panel
+from flexmech.report.results import (
+    Results,
     decimals_of,
     speed_name,
     speed_unit_of,
@@ -47,11 +37,11 @@ def in_each_state(result: MovingFrequencies) -> dict[str, xr.Dataset]:
     return {state_of(result.dataset.attrs): result.dataset}
 
 
-@shows(MovingFrequencies)
-def frequency_panel(result: MovingFrequencies, results: Results) -> Panel:
+@panel.shows(MovingFrequencies)
+def frequency_panel(result: MovingFrequencies, results: Results) -> panel.Panel:
     """Frequencies over crank angle, a plot for each mode, a line for each speed."""
     unit, attrs = speed_unit_of(results), result.dataset.attrs
-    return panel_of(
+    return panel.panel_of(
         "frequencies",
         result.summary(),
         plots=(_plot(result, unit, "frequency"),),
@@ -62,15 +52,15 @@ def frequency_panel(result: MovingFrequencies, results: Results) -> Panel:
     )
 
 
-@shows(MovingFrequencies)
-def damping_panel(result: MovingFrequencies, results: Results) -> Panel | None:
+@panel.shows(MovingFrequencies)
+def damping_panel(result: MovingFrequencies, results: Results) -> panel.Panel | None:
     """Damping ratios over crank angle, where any link damps."""
     variable = _damping_of(result.dataset)
     if not variable:
         return None
     lines = tuple(line for line in result.summary().lines if "damping" in line)
     plot = _plot(result, speed_unit_of(results), variable)
-    return panel_of("damping", None, variable, plots=(plot,), lines=lines)
+    return panel.panel_of("damping", None, variable, plots=(plot,), lines=lines)
 
 
 def _damping_of(data: xr.Dataset) -> str:
@@ -96,12 +86,12 @@ def _places(result: MovingFrequencies) -> list[tuple[str, xr.Dataset, str, float
     ]
 
 
-def _plot(result: MovingFrequencies, unit: str, variable: str) -> Plot:
+def _plot(result: MovingFrequencies, unit: str, variable: str) -> panel.Plot:
     modes = result.dataset["mode"].values.tolist()
     speeds = result.dataset["crank_speed"].values.tolist()
     words, factor = ("Frequency (Hz)", 1) if variable == "frequency" else ("Damping ratio (%)", 100)
     traces = [
-        Trace(
+        panel.Trace(
             *(speed_name(speed, unit), degrees(data["crank_angle"])),
             factor * _values(data, variable, engine, speed, mode),
             speeds.index(speed),
@@ -113,9 +103,9 @@ def _plot(result: MovingFrequencies, unit: str, variable: str) -> Plot:
         )
         for state, data, engine, speed, mode in _places(result)
     ]
-    return over_angle(
+    return panel.over_angle(
         variable.replace("_", "-"),
-        tuple(YAxis(f"Mode {mode}") for mode in modes),
+        tuple(panel.YAxis(f"Mode {mode}") for mode in modes),
         traces,
         text=f"{words} of {len(modes)} modes against crank angle at {len(speeds)} crank speeds",
         height=FRAME_HEIGHT + AXIS_HEIGHT * len(modes),
@@ -123,13 +113,13 @@ def _plot(result: MovingFrequencies, unit: str, variable: str) -> Plot:
     )
 
 
-def _readings(result: MovingFrequencies, unit: str) -> list[Reading]:
+def _readings(result: MovingFrequencies, unit: str) -> list[panel.Reading]:
     """Frequency and damping ratio of each mode at the crank angle."""
     readings = []
     damping = _damping_of(result.dataset)
     for state, data, engine, speed, mode in _places(result):
         angle = degrees(data["crank_angle"])
-        when: Choice = {"engine": engine, "state": state, "speed": speed_name(speed, unit)}
+        when: panel.Choice = {"engine": engine, "state": state, "speed": speed_name(speed, unit)}
         frequency = _values(data, "frequency", engine, speed, mode)
         relative = float(known_error(data).sel(engine=engine, crank_speed=speed, mode=mode))
         error = relative * float(np.nanmax(frequency))
@@ -140,7 +130,7 @@ def _readings(result: MovingFrequencies, unit: str) -> list[Reading]:
             found.append(("Damping ratio", "%", ratio, error))
         for group, of, values, known in found:
             number = angle, values, known, when, decimals_of(known)
-            readings.append(Reading(group, f"mode {mode}", of, *number, str(mode)))
+            readings.append(panel.Reading(group, f"mode {mode}", of, *number, str(mode)))
     return readings
 
 

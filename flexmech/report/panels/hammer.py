@@ -7,13 +7,10 @@ import xarray as xr
 
 from flexmech.analyses import Comparison, HammerTest, RunningHammerTest
 from flexmech.arrays import FloatArray
-from flexmech.plots.comparison import CURVES as COMPARED
-from flexmech.plots.comparison import READ
-from flexmech.plots.frf import CURVES, HARMONICS, angle_text
+from flexmech.plots.frf import COMPARED, CURVES, HARMONICS, READ, angle_text
 from flexmech.plots.reading import amplitudes_of, complex_values, signed
 from flexmech.report.panel import Look, Panel, Plot, Trace, YAxis, over_angle, panel_of, shows
-from flexmech.report.results import Results
-from flexmech.report.words import speed_name, speed_unit_of
+from flexmech.report.results import Results, speed_name, speed_unit_of
 
 # Of the curves of both figures those that are shown: variable, colour, look and width.
 RECEPTANCES: tuple[tuple[str, Look], ...] = (("exact_receptance", "dash"), ("receptance", "solid"))

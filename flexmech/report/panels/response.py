@@ -25,8 +25,8 @@ from flexmech.report.panel import (
     panel_of,
 )
 from flexmech.report.panels.kinematics import forces_plot
-from flexmech.report.results import Results
-from flexmech.report.words import (
+from flexmech.report.results import (
+    Results,
     decimals_of,
     speed_name,
     speed_unit_of,

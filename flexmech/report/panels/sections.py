@@ -11,8 +11,7 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.plots.reading import names_of
 from flexmech.report.last_turn import thinning
 from flexmech.report.panel import Look, Panel, Plot, Trace, YAxis, panel_of, shows
-from flexmech.report.results import Results
-from flexmech.report.words import state_of
+from flexmech.report.results import Results, state_of
 from flexmech.units import from_si
 
 # Variable, number of the unit load, title of the axis, and its units in a Pa.

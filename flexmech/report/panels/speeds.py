@@ -13,8 +13,7 @@ from flexmech.plots.reading import names_of
 from flexmech.plots.stability import KINDS, UnstableBand, growth_curve, unstable_bands
 from flexmech.plots.style import series_style
 from flexmech.report.panel import GREY, Panel, Trace, YAxis, over_speed, panel_of, shows
-from flexmech.report.results import Results
-from flexmech.report.words import speed_unit_of, state_of, with_error
+from flexmech.report.results import Results, speed_unit_of, state_of, with_error
 from flexmech.units import from_si
 
 
