@@ -36,11 +36,11 @@ if TYPE_CHECKING:
 Printing = Literal["words", "json", "nothing"]
 """How a summary is printed."""
 
-# Words of a table break into lines of this many letters at least.
+# Words of a table break into lines of this many letters at least, as most names of links have.
 _SHORTEST_WORDS = 10
 # Columns of the terminal between two of the table's.
 _FRAME = 3
-# Of a folder with more files than these its own name is printed.
+# Of a folder with more files than these, as a study writes, its own name is printed.
 _MOST_FILES_NAMED = 30
 Found = TypeVar("Found", bound="Result")
 _running: ContextVar[str] = ContextVar("_running", default="")

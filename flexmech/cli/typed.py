@@ -25,22 +25,24 @@ if TYPE_CHECKING:
     from flexmech.mechanism import Mechanism
 
 MOST_ANGLES = 100_000
-"""More crank angles than this are taken for a slip of the keyboard."""
+"""More crank angles than this, every 0.004 deg of a turn, are taken for a slip of the keyboard."""
 MOST_SPEEDS = 10_000
-"""And more crank speeds than this."""
+"""And more crank speeds than this: at a tenth of a second each they take a quarter of an hour."""
 # Eight turns: positions repeat every turn.
 _MOST_DEGREES = 2880
 _BEYOND = (
     f"got {{!r}}, which goes beyond {_MOST_DEGREES} deg; positions repeat every turn, so give an "
     "angle of the first eight turns"
 )
-# Of the crank's speed in a Campbell diagram; higher ones are a slip of the keyboard.
+# Of the crank's speed in a Campbell diagram; higher ones excite nothing: a slip of the keyboard.
 _MOST_ORDER = 1000
-# Steps of the second parameter of a stability map, each a map over the speeds.
+# Steps of the second parameter of a stability map, each a map over the speeds: more than three
+# digits are a slip of the keyboard.
 _MOST_STEPS = 999
-# In rad/s: a bare number beyond may be meant in turns a minute.
+# In rad/s, 1,900 rpm, at which few linkages run: a bare number beyond may be meant in rpm.
 _DOUBTFUL_SPEED = 200.0
-# Speeds nearer to each other than this, relatively, are one speed in two units.
+# Speeds nearer to each other than this, relatively, are one speed in two units: they differ by the
+# round-off of the conversion.
 _SAME_SPEED = 1e-12
 # What --step and --steps take where the analysis chooses.
 _AUTO = "auto"

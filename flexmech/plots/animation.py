@@ -22,7 +22,7 @@ from flexmech.errors import InputError
 from flexmech.plots import reading, style
 from flexmech.plots.layout import grid, height_of, round_enlargement, sheet
 from flexmech.plots.linkage import part_handles
-from flexmech.plots.linkage_parts import LinkageParts, extent_of, parts_of
+from flexmech.plots.linkage_parts import SAME_PLACE, LinkageParts, extent_of, parts_of
 from flexmech.plots.linkage_sketch import RIGID, LinkageSketch
 from flexmech.plots.linkage_symbols import add_symbols, move_symbols
 from flexmech.plots.style import Look, line_handle, publication_style, series_style
@@ -31,22 +31,21 @@ from flexmech.plots.style import Look, line_handle, publication_style, series_st
 MOST_FRAMES, FRAMES_A_SECOND = 120, 20
 # Wide enough to read, small enough for a web page: about 640 pixels.
 DOTS_AN_INCH = 90
-# Of the line with time and crank angle in inches.
+# Of the line with time and crank angle, in inches: letters of 9 points and room around them.
 TITLE_HEIGHT = 0.35
-# Marks of joints over those of a figure, on wide lines.
+# Marks of joints over those of a figure: links are drawn nearly twice as wide.
 JOINT_SIZE = 1.4
-# Largest displacement as drawn, as a fraction of the linkage's extent.
+# Largest displacement as drawn over the linkage's extent: seen at once, and the linkage is still
+# itself.
 ENLARGED_TO = 0.1
-# Ends that move less than this fraction of the extent stay in place.
-SAME_PLACE = 1e-6
 # A digit's width, so that the title does not tremble while the numbers grow.
 FIGURE_SPACE = "\N{FIGURE SPACE}"
 
 Pictures = Iterator[NDArray[np.uint8]]
 
-# Of a GIF's palette: a few hues with their blends into white.
+# Of a GIF's palette, which may have 256: a few hues with their blends into white take no more.
 COLOURS = 128
-# Of 255: entries of the palette that are lighter throughout are paper.
+# Of 255: entries of the palette that are lighter throughout are paper; the lightest grey is darker.
 NEARLY_WHITE = 240
 
 

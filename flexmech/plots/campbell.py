@@ -15,6 +15,10 @@ from flexmech.plots import reading, scales, style
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
 from flexmech.plots.spectra import ONE_LINK
 from flexmech.plots.style import (
+    AXES_HEIGHT,
+    BESIDE_PANELS,
+    LABEL_POINTS,
+    TIMES,
     Look,
     line_handle,
     line_handles,
@@ -24,14 +28,12 @@ from flexmech.plots.style import (
 )
 from flexmech.units import from_si
 
-# Of the panel of bands, which is read closely, and of that of peaks, in inches.
-BANDS_HEIGHT, PEAKS_HEIGHT = 3.9, 1.7
-NARROW_BANDS_HEIGHT = 3.0
-# The two axes of speed, in inches.
-AXES_HEIGHT = 0.9
-TIMES = "\N{MULTIPLICATION SIGN}"
+# Of the panel of bands, which is read closely, on a wide and on a narrow page, where it is nearly
+# square, and of that of peaks, which has half the height; in inches.
+BANDS_HEIGHT, NARROW_BANDS_HEIGHT, PEAKS_HEIGHT = 3.9, 3.0, 1.7
 ROOM = 1.06
-"""Of the frequency axis over the highest band."""
+"""Of the frequency axis over the highest band, whose edge is seen below the end of the axis."""
+# Bands let rays and each other through; rays stand back, and what is critical stands out.
 BAND: Look = {"alpha": 0.28, "lw": 0}
 RAY: Look = {"color": "0.72", "lw": 0.6, "zorder": 1}
 CRITICAL: Look = {"color": "0.1", "lw": 1.8, "solid_capstyle": "round", "zorder": 4}
@@ -40,27 +42,21 @@ POINT: Look = {"color": "0.1", "marker": "o", "ms": 3.2, "ls": "", "zorder": 4}
 GAP: Look = {"facecolor": "0.94", "edgecolor": "0.75", "hatch": "////", "lw": 0}
 OTHER_ENGINE: Look = {"color": "0.25", "lw": 0.7, "ls": (0.0, (4.0, 2.0)), "zorder": 3}
 PEAK_GREYS = ("0.1", "0.35", "0.55")
-# Smaller than the numbers along the axes, in points.
-LABEL_POINTS = 7.0
-# Least distance of two labels of orders as parts of the axes.
+# Least distance of two labels of orders as parts of the axes: height and width of their letters.
 APART_UP, APART_ALONG = 0.033, 0.028
-# Ends of a critical speed nearer to each other than this, relatively, are drawn as a point.
+# Ends of a critical speed nearer to each other than this, relatively, are drawn as a point: of an
+# axis of 2,000 pixels it is less than one.
 NO_WIDTH = 1e-4
 BOTH = "choose nothing, or give two Axes: one for the bands and one for the peaks"
 
-# Millimetres in a metre.
-MILLI = 1e3
-# Of a link in inches.
-LINK_HEIGHT = 1.5
-# The two axes of speed, in inches.
-SWEEP_AXES_HEIGHT = 1.0
-# One row of labels of critical speeds, in inches.
+# Of a link, four of which fit a page, and what the axes of speed and the strip's edge take, in
+# inches.
+LINK_HEIGHT, SWEEP_AXES_HEIGHT = 1.5, 1.0
+# One row of labels of critical speeds, in inches: letters of 7 points and a mark below them.
 ROW_HEIGHT = 0.2
 # Mean width of these letters as a fraction of their size: f, / and 1 are narrow.
 MEAN_LETTER = 0.5
-# What the panels leave of the figure's width in inches, on the safe side.
-BESIDE_PANELS = 0.85
-# Bands of several modes lie over each other, and the curve over all of them.
+# Bands of several modes lie over each other, and the curve over all of them: three are no wall.
 BAND_OPACITY = 0.18
 ENDS = ["critical_speed_low", "critical_speed_high"]
 SETTLED: Look = {"ls": "", "marker": "s", "ms": 4.2, "mfc": "white", "mec": series_style(1).color}
@@ -333,10 +329,10 @@ def _draw_strip(axes: Axes, bands: Bands) -> None:
 def _draw_peaks_of_link(axes: Axes, link: xr.Dataset) -> None:
     """Peaks of one link in mm, on a logarithmic axis if they allow it."""
     speed = reading.speeds_of(link)
-    drawn = [MILLI * link["peak_deflection"].values.astype(float)]
+    drawn = [1e3 * link["peak_deflection"].values.astype(float)]
     axes.plot(speed, drawn[0], **series_line(0, speed))
     if "settled_peak" in link:
-        drawn.append(MILLI * link["settled_peak"].values.astype(float))
+        drawn.append(1e3 * link["settled_peak"].values.astype(float))
         axes.plot(reading.speeds_of(link, "settled_speed"), drawn[1], **SETTLED, zorder=3)
     values = np.concatenate(drawn)
     positive = values[np.isfinite(values) & (values > 0)]

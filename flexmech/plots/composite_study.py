@@ -17,13 +17,13 @@ from flexmech.plots.style import Look, line_handle, series_handle, series_line, 
 PANEL = 1.9
 # From dark to light, so that the order shows without colour as well.
 SHADES = ("#08306b", "#08519c", "#2171b5", "#4292c6", "#9ecae1", "#deebf7")
-# A fifth of the distance between two groups is left free between them.
+# A fifth of the distance between two groups is left free, so that they are told apart.
 BAR_WIDTH = 0.8 / len(SHADES)
 # Middle of each laminate's bar from the middle of its group.
 OFFSETS = (np.arange(len(SHADES)) - (len(SHADES) - 1) / 2) * BAR_WIDTH
 EDGE: Look = {"edgecolor": "black", "linewidth": 0.4}
 MARK: Look = {"ls": "", "ms": 3.8, "mew": 0.9}
-DIAMOND = MARK | {"marker": "D", "color": "#D55E00"}
+DIAMOND = MARK | {"marker": "D", "color": series_style(1).color}
 DASH = MARK | {"marker": "_", "color": "black"}
 RING = MARK | {"marker": "o", "color": "black", "mfc": "white"}
 POSITIONS = {
@@ -34,12 +34,14 @@ POSITIONS = {
 
 # Of a subject, whose name may have two lines, in inches.
 ROW = 0.3
-# Deviations below this part of the tolerance, and none at all, stand at the left end.
+# Deviations below this part of the tolerance, and none at all, stand at the left end: how much
+# smaller they are says nothing.
 LEAST = 1e-6
 # Inches for the names of subjects, which then have two lines at most.
 LONGEST_NAME = 2.6
-DOT: Look = {"ls": "", "marker": "o", "ms": 3.0, "mew": 0.0, "color": "#0072B2", "alpha": 0.6}
-CROSS: Look = {"ls": "", "marker": "X", "ms": 6.5, "mew": 0.3, "color": "#D55E00"}
+DOT: Look = {"ls": "", "marker": "o", "ms": 3.0, "mew": 0.0, "alpha": 0.6}
+DOT |= {"color": series_style(0).color}
+CROSS: Look = {"ls": "", "marker": "X", "ms": 6.5, "mew": 0.3, "color": series_style(1).color}
 LIMIT: Look = {"color": "0.2", "lw": 1.0, "ls": "--"}
 
 

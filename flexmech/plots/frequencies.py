@@ -16,17 +16,18 @@ from flexmech.plots.angle_panels import Between, colour_bar, has_many_speeds, sp
 from flexmech.plots.layout import AxesLike, sheet
 from flexmech.plots.style import Look, line_handle
 
-# Two modes whose bands are this close in ratio can exchange branches; modes further apart
-# only seem to, where the crank angles are too coarse to follow a branch.
+# Two modes whose bands are this close in ratio can exchange branches: frequencies that veer are
+# less than a tenth apart. Modes further apart only seem to, where the crank angles are too coarse.
 NEAR_BANDS = 1.1
 
-# Veering can last for a large part of the turn: a strip of this part of a mode's height.
+# Veering can last for a large part of the turn: a strip of this part of a mode's height is seen and
+# hides no line.
 VEERING_STRIP = 0.035
 STRIP: Look = {"color": "0.72", "lw": 0}
 
-# More panels than these are too many to compare.
+# More panels than these are too many to compare, and six fill three rows of two.
 MOST_SPEEDS = 6
-# Narrowest axis of damping as a part of the mean ratio: below it one would look at round-off.
+# Narrowest axis of damping as a part of the mean ratio, which is known to two digits at best.
 LEAST_BAND = 0.02
 
 
@@ -188,7 +189,7 @@ def _number_branches(axes: Axes, lines: dict[int, FloatArray]) -> None:
     least = 0.07 * float(np.ptp(axes.get_ylim()))
     heights = reading.spread(np.array([end for end, _ in there]), least)
     look: Look = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
-    look |= {"va": "center", "fontsize": 7, "color": style.MID_GREY}
+    look |= {"va": "center", "fontsize": style.LABEL_POINTS, "color": style.MID_GREY}
     for height, (_, number) in zip(heights, there, strict=True):
         axes.annotate(f"branch {number}", (1.0, height), xytext=(6, 0), **look)
 

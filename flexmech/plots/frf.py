@@ -24,10 +24,9 @@ from flexmech.plots.style import (
     series_style,
 )
 
-# What a row of panels and what the axes take, in inches.
-ROW_HEIGHT, AXES_HEIGHT = 1.7, 0.5
-# Of a row and its axes where six panels stand under each other.
-NARROW_HEIGHT = 1.3
+# What a row of panels and what the axes take, in inches; of a row and its axes where six panels
+# stand under each other, so that a page holds them.
+ROW_HEIGHT, AXES_HEIGHT, NARROW_HEIGHT = 1.7, 0.5, 1.3
 BOTH = "give six Axes"
 # Name of each response, its unit, and the power of the angular frequency that multiplies it.
 RESPONSES = (
@@ -46,10 +45,11 @@ CURVES: dict[str, tuple[str, Look]] = {
     ),
 }
 """Receptances of the dataset, from the lowest to the uppermost line: label and look."""
-# Decades of an amplitude below its peak that are drawn, at most.
+# Decades of an amplitude below its peak that are drawn, at most: deeper antiresonances are noise.
 DECADES = 5.0
 
-# What a row of panels and what the axes take, in inches; on a narrow page each row becomes two.
+# What a row of panels and what the axes take, in inches: seven orders fit a page. On a narrow page
+# each row becomes two.
 ROW, NARROW_ROW, HARMONIC_AXES_HEIGHT = 1.25, 0.75, 0.7
 # Room above the greatest amplitude, and how far below it the axis reaches at most.
 HEADROOM, HARMONIC_DECADES = 2.0, 4.5
@@ -59,7 +59,8 @@ HARMONICS: dict[str, tuple[str, Look]] = {
     "predicted": ("predicted by the periodic model", {"color": BLUE, "lw": 0.9}),
 }
 """Harmonic transfer functions of the dataset, from the lowest line up: label and look."""
-# A phase is drawn where its amplitude is above this part of the order's greatest.
+# A phase is drawn where its amplitude is above this part of the order's greatest: of round-off it
+# would fill the panel.
 LEAST_AMPLITUDE = 1e-4
 
 # The computed curve lies on the measured one, which is seen on both sides of it.
@@ -68,11 +69,11 @@ COMPUTED: Look = {"color": SERIES_STYLES[0].color, "lw": 0.8}
 RESIDUAL: Look = {"color": SERIES_STYLES[1].color, "lw": 0.8}
 POINTS: Look = {"ls": "", "marker": "o", "ms": 3.2, "mfc": "none", "mew": 0.9}
 COMPARED = {"measured": MEASURED, "computed": COMPUTED, "residual": RESIDUAL}
-# Of a panel and of the axes in inches.
-PANEL_HEIGHT, AXES_HEIGHT = 1.35, 1.5
+# Of a panel and of the axes in inches: three panels, each with its own axis, fill half a page.
+PANEL_HEIGHT, COMPARED_AXES_HEIGHT = 1.35, 1.5
 # Units in which values are read, by the SI unit.
 READ: dict[str, reading.Units] = {
-    "": ((1e6, "µm/m"),),
+    "": reading.STRAIN_UNITS,
     "m": reading.LENGTH_UNITS,
     "Hz": ((1.0, "Hz"),),
     "m/N": ((1e3, "mm/N"), (1e6, "µm/N"), (1e9, "nm/N")),
@@ -82,7 +83,7 @@ READ: dict[str, reading.Units] = {
 PARAMETER_UNITS: dict[str, reading.Units] = {"s": ((1e6, "µs"), (1e9, "ns"))}
 # Marks at the first and last crank angle hang over the edge by less than this part of the width.
 MARK_ROOM = 0.02
-# Depth of a spectrum below its peak that is drawn.
+# Depth of a spectrum below its peak that is drawn: a measured one ends there in noise.
 COMPARED_DECADES = 4.0
 
 
@@ -263,7 +264,7 @@ def plot_comparison(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
     """
     over_angle = "sample" in dataset.dims
     rows = 2 if over_angle else 3
-    layout = grid(rows, 1, rows * PANEL_HEIGHT + AXES_HEIGHT)
+    layout = grid(rows, 1, rows * PANEL_HEIGHT + COMPARED_AXES_HEIGHT)
     with sheet(layout, ax=ax) as drawn:
         if "time" in dataset.dims:
             _draw_time(drawn, dataset)

@@ -22,11 +22,12 @@ from flexmech.plots.frf import (
 from flexmech.plots.layout import AxesLike, grid, sheet, tiles
 from flexmech.plots.reading import LENGTH_UNITS, complex_values, fitting_unit, names_of
 
-# Of the records, of a circle, of the chart and of a shape, in inches.
+# Of three records, which fill half a page, of a circle with its axes, of the chart, and of a shape,
+# which is flat; in inches.
 HEIGHT, CIRCLE_HEIGHT, CHART_HEIGHT, SHAPE_HEIGHT = 4.6, 2.3, 3.0, 1.5
-# More impacts or modes than these hide each other or fill more than a page.
+# More impacts hide each other and have no style of their own, more modes fill more than a page.
 MOST_RECORDS = MOST_MODES = 6
-# What is drawn of the force's record, in pulse durations about its start.
+# What is drawn of the force's record, in pulse durations about its start: the pulse takes a sixth.
 BEFORE_PULSE, AFTER_PULSE = 2.0, 4.0
 PULSE: style.Look = {"color": "0.75", "lw": 2.6}
 DOTS: style.Look = {"marker": ".", "markersize": 4.0}
@@ -34,7 +35,7 @@ THREE = "give three Axes"
 
 CIRCLE_DOTS: style.Look = {"marker": ".", "ms": 3.5, "ls": ""}
 
-# Of the orders' axis, that the receptance behind the poles takes.
+# Of the orders' axis, that the receptance behind the poles takes: its peaks end below the top.
 BEHIND = 0.9
 CURVE: style.Look = {"color": style.MID_GREY, "lw": 0.8, "zorder": 1}
 EIGEN: style.Look = {"color": "0.1", "lw": 0.8, "ls": (0, (1, 2)), "zorder": 1.5}

@@ -14,7 +14,7 @@ from flexmech.arrays import FloatArray
 from flexmech.plots import angle_panels, reading, scales, style
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.linkage_parts import drawn_posture
-from flexmech.plots.linkage_sketch import RIGID, LinkageSketch
+from flexmech.plots.linkage_sketch import RIGID, SMALL, LinkageSketch
 from flexmech.plots.linkage_symbols import add_symbols
 
 POWER: reading.Units = ((1.0, "W"), (1e3, "mW"), (1e6, "µW"))
@@ -31,13 +31,12 @@ LUMPED: style.Look = {"color": "0.25", "linestyle": (0.0, (1.0, 1.4)), "lw": 1.3
 
 TITLE = "Transmission angle over a turn of the crank"
 
-# Of two square panels beside each other, of three, and of four panels of angles, in inches.
+# Of two square panels beside each other, of three, and of four panels of angles, in inches: as high
+# as the panels are wide, and two rows that fill less than half a page.
 HEIGHT, HEIGHT_OF_THREE, ANGLE_HEIGHT = 3.6, 2.45, 4.2
-# Of a close-up over the extent of the loops: what leads into them is seen.
+# Of a close-up over the extent of the loops: what leads into them is seen on both sides.
 CLOSE_UP_ROOM = 1.5
-# Marks of masses and bodies over those in a picture of one linkage.
-SMALL = 0.6
-# Above this extent in m a picture is in m, below it in mm.
+# Above this extent in m a picture is in m, below it in mm, whose numbers have four digits at most.
 METRES = 10.0
 MARKS = {"crunode": "o", "cusp": "^"}
 

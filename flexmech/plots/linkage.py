@@ -20,7 +20,7 @@ from flexmech.plots import linkage_symbols as symbols
 from flexmech.plots.angle_panels import has_many_speeds
 from flexmech.plots.layout import AxesLike, Layout, grid, height_of, sheet, tiles
 from flexmech.plots.linkage_parts import SAME_PLACE, parts_of
-from flexmech.plots.linkage_sketch import MASS, RIGID, LinkageSketch, clearance
+from flexmech.plots.linkage_sketch import MASS, RIGID, SMALL, LinkageSketch, clearance
 from flexmech.plots.linkage_springs import dashpot, rotary_dashpot
 from flexmech.plots.reading import (
     engine_label,
@@ -35,13 +35,15 @@ from flexmech.plots.style import Look, line_handle, series_handle, series_line
 
 # Of a figure in inches: a flat linkage has room for names, a tall one fits on half a page.
 LEAST_HEIGHT, MOST_HEIGHT = 1.6, 3.6
-# Distance of a name from its joint in points; farther from what slides and the shaft.
+# Distance of a name from its joint in points, more across than up, as names are wider than high;
+# farther from what slides and the shaft, whose symbols are larger than a pin's.
 AWAY, BEYOND_BLOCK, BEYOND_SHAFT = np.array([12.0, 9.0]), 1.5, 1.3
 # Room for the names around the joints over the linkage's size: twice a letter's height in a
 # picture of that of half a page.
 NAME_ROOM = 0.06
 JOINT = ("joint", "component")
-# Directions that are tried for a name where more than links is in the way.
+# Directions that are tried for a name where more than links is in the way: two neighbours put it in
+# places that differ by less than half a letter.
 TRIED = np.radians(np.arange(0.0, 360.0, 15.0))
 
 CROSSED = Path.make_compound_path(
@@ -77,15 +79,15 @@ SPRING_MARKS: tuple[tuple[str, str, Path, float, float], ...] = (
     ("radially_damped", "bearing with a damper", RINGS, 8, 0.6),
 )
 
-# Panels a row on a wide and on a narrow page, and points drawn between two stations of a link.
+# Panels a row on a wide and on a narrow page, each some 4 cm wide, and points drawn between two
+# stations of a link, which look like a curve.
 PANELS_A_ROW, NARROW_ROW, POINTS_A_STATION = 4, 2, 4
-# Largest displacement as drawn, over the linkage's size.
+# Largest displacement as drawn, over the linkage's size: more than in larger pictures.
 ENLARGED_TO = 0.14
-# Marks of masses and bodies over those in a picture of one linkage.
-SMALL = 0.6
-# Of the scale bar with its words over the linkage's size.
+# Of the scale bar with its words over the linkage's size, which is small beside its letters.
 BAR_ROOM = 0.14
-# An end that moves less than this part of the largest displacement in every mode is held.
+# An end that moves less than this part of the largest displacement in every mode is held: it moves
+# by round-off.
 AT_REST = 1e-6
 NOT_SHOWN = ["crank_angle", "check_angle", "shape_angle", "place"]
 SHAPE = ("crank_speed", "mode", "link", "station", "component")

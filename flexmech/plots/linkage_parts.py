@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
 
-# Places closer than this part of the linkage's extent are the same place.
+# Places closer than this part of the linkage's extent are the same place: far above round-off, far
+# below what a picture shows.
 SAME_PLACE = 1e-6
 
 Part = dict[str, Any]

@@ -30,21 +30,25 @@ GUIDE: Look = {"color": "0.5", "lw": 0.8, "ls": (0.0, (4.0, 2.0)), "zorder": 0.8
 MASS: Look = {"marker": "o", "mew": 0.0, "alpha": 0.75, "zorder": 3.0}
 """Look of a point mass."""
 MASS_COLOR = "0.45"
-# Area of the greatest point mass's mark in square points.
+# Of marks of masses and bodies over those in a picture of one linkage, where several are beside
+# each other.
+SMALL = 0.6
+# Area of the greatest point mass's mark in square points: ten points wide, more hides the links.
 LARGEST_MARK = 110.0
-# Width of a rigid link over that of one that bends.
+# Width of a rigid link over that of one that bends: told from it where both are thin.
 THICK = 1.9
 
-# Over the linkage's extent: depth of a support, half its width, depth of the hatching; radius of
-# the driven shaft; half the length of a line and of a block; radius of a torque; length of the
-# arrow of the largest force, and distance of arrows from what they would cover; length of the
-# arrow of gravity, and its distance from all else, for names of joints.
+# Over the linkage's extent, as small as it can be told on one column of a page: depth of a support,
+# half its width, depth of the hatching; radius of the driven shaft; half the length of a line and
+# of a block; radius of a torque; length of the arrow of the largest force, and distance of arrows
+# from what they would cover; length of the arrow of gravity, and its distance from all else, for
+# names of joints.
 DEPTH, HALF_WIDTH, HATCHING, SHAFT = 0.05, 0.028, 0.03, 0.026
 TRACK_LENGTH, BLOCK_SIZE, TORQUE = 0.12, 0.03, 0.06
 ARROW, ASIDE, GRAVITY, NAMES = 0.17, 0.045, 0.14, 0.1
-# A shorter arrow than this part of the largest one is not seen.
+# A shorter arrow than this part of the largest one has no shaft beside its head.
 LEAST_ARROW = 0.6
-# Angle in rad that an arrow keeps from what is there.
+# Angle in rad that an arrow keeps from what is there: its head takes as much.
 CLEAR = np.radians(20.0)
 # Depth of the shaft's support over the radius of a hub: it is seen below it. Half its width over
 # its depth at least, and half the width of a ground line over that of its support.

@@ -11,18 +11,21 @@ from flexmech.plots.linkage_symbols import OUTLINE, Symbol, below
 from flexmech.plots.style import Look
 
 LOOK: Look = {"color": "0.25", "lw": 0.9}
-# Half the length of a cup over its half width, and the most of the whole length that it takes.
+# Half the length of a cup over its half width, as in textbooks, and the most of the whole length
+# that it takes, so that rod and stem are left.
 SLENDER, MOST = 1.5, 0.25
-# Where a damper beside a spring joins its line, and how far it is from that in half widths.
+# Where a damper beside a spring joins its line, on the straight ends of that, and how far it is
+# from it in half widths: some of one is between them.
 JOINED, BESIDE = 0.12, 2.4
-# Angles in rad between which a damper lies around a joint, and half its depth over its radius.
+# Angles in rad between which a damper lies around a joint, above it, and half its depth over its
+# radius.
 FIRST, LAST, DEEP = np.radians(25.0), np.radians(155.0), 0.22
 
 BEARING: Look = {"ms": 7.0, "marker": "o", "mfc": "none", "mec": OUTLINE, "mew": 0.6, "zorder": 3.9}
-# Of the ring around a bearing with a damper over that without.
+# Of the ring around a bearing with a damper over that without: both are told.
 DAMPED = 1.4
 # Over the linkage's extent: half the width of a spring between points and of the wall that holds
-# it; radius of a spring and of a damper in a joint.
+# it, which is wider; radius of a spring and of a damper in a joint, which is around it.
 SPRING, WALL, SPIRAL, BENT = 0.018, 0.03, 0.04, 0.065
 
 

@@ -17,21 +17,23 @@ from flexmech.plots import scales, style
 from flexmech.plots.layout import AxesLike, Layout, height_of, round_length, sheet
 from flexmech.plots.linkage import name_joints, named_places, part_handles
 from flexmech.plots.linkage_sketch import LinkageSketch
+from flexmech.plots.linkage_symbols import OUTLINE
 from flexmech.plots.reading import degrees, names_of, values_of
-from flexmech.plots.style import Look, line_handle, series_style
+from flexmech.plots.style import LABEL_POINTS, Look, line_handle, series_style
 
-# Least and greatest height of the posture, and height of a row below it, in inches.
+# Least and greatest height of the posture, and height of a row below it, in inches: with the legend
+# two thirds of a page.
 POSTURE_HEIGHT = (1.7, 3.4)
 ROW_HEIGHT = 2.2
 # What the numbers along the transmission angle take of the width.
 AXIS_INCHES = 0.6
-# Room below for the scale bar, over the height.
+# Room below for the scale bar with its words, over the height.
 BAR_ROOM = 0.05
-LINK: Look = {"fc": "0.88", "ec": "0.35", "lw": 0.7, "zorder": 0.9, "joinstyle": "round"}
+LINK: Look = {"fc": "0.88", "ec": OUTLINE, "lw": 0.7, "zorder": 0.9, "joinstyle": "round"}
 RIGID_LINK: Look = LINK | {"fc": "0.7"}
-# Thickness of a link without a section over the linkage's size.
+# Thickness of a link without a section over the linkage's size: that of links that are stout.
 RIGID_WIDTH = 0.02
-AXIS: Look = {"color": "0.35", "lw": 0.5, "ls": (0.0, (6.0, 2.0, 1.5, 2.0))}
+AXIS: Look = {"color": OUTLINE, "lw": 0.5, "ls": (0.0, (6.0, 2.0, 1.5, 2.0))}
 PIN_PATH: Look = {"color": style.MID_GREY, "lw": 0.6}
 POINTS = ("coupler point", "coupler's middle")
 """Names of paths that are of points of the coupler, not of its pins."""
@@ -40,13 +42,14 @@ COUPLER: Look = {"fc": series_style(0).color, "alpha": 0.12, "lw": 0, "zorder": 
 MASS_COLOR = series_style(1).color
 # Greys of plies in the order in which they come, apart enough to be told.
 PLY_GREYS = ("0.92", "0.72", "0.52", "0.82", "0.62")
-WHOLE_FRAME: Look = {"fc": "none", "ec": "0.35", "lw": 0.7}
-UNKNOWN_WIDTH: Look = {"fc": "none", "ec": "0.35", "lw": 0.7, "ls": (0.0, (3.0, 2.0))}
-# Size of the words beside sections in points, and a line of them in inches.
-TEXT_POINTS, LINE_INCHES = 7.0, 0.13
-# Of the panel of sections: share of the width that sections have, and height of the scale bar.
+WHOLE_FRAME: Look = {"fc": "none", "ec": OUTLINE, "lw": 0.7}
+UNKNOWN_WIDTH = WHOLE_FRAME | {"ls": (0.0, (3.0, 2.0))}
+# A line of the words beside sections in inches: a third more than the height of their letters.
+LINE_INCHES = 0.13
+# Of the panel of sections: share of the width that sections have, the rest is for words; and height
+# of the scale bar with its own.
 DRAWN, BAR_INCHES = 0.42, 0.32
-# More layers than these are told by their greys alone.
+# More layers than these are told by their greys alone: edges would fill them.
 MOST_EDGES = 60
 
 
@@ -238,7 +241,7 @@ class _Stacks:
         wide = style.figure_width() - 0.5
         if not style.is_narrow() and "transmission_angle" in dataset:
             wide /= 2
-        letters = int(wide * (1 - DRAWN) * 72 / (0.62 * TEXT_POINTS))
+        letters = int(wide * (1 - DRAWN) * 72 / (0.62 * LABEL_POINTS))
         thick = np.isfinite(dataset["in_plane_thickness"].values)
         names = [
             name for name, known in zip(names_of(dataset, "link"), thick, strict=True) if known
@@ -309,16 +312,16 @@ def _draw_sections(axes: Axes, stacks: _Stacks) -> None:
         base = middle - row.thickness / 2
         for low, high, grey in row.layers:
             corner = (0.0, base + low - lowest)
-            edge: Look = {"ec": "0.35", "lw": 0.25 if 1 < len(row.layers) <= MOST_EDGES else 0}
+            edge: Look = {"ec": OUTLINE, "lw": 0.25 if 1 < len(row.layers) <= MOST_EDGES else 0}
             axes.add_patch(Rectangle(corner, drawn, high - low, fc=grey, **edge))
         frame = WHOLE_FRAME if known else UNKNOWN_WIDTH
         axes.add_patch(Rectangle((0.0, base), drawn, row.thickness, clip_on=False, **frame))
         words = "\n".join(row.texts)
-        axes.text(beside, middle, words, fontsize=TEXT_POINTS, va="center", linespacing=1.25)
+        axes.text(beside, middle, words, fontsize=LABEL_POINTS, va="center", linespacing=1.25)
         top -= height
     line, length = LINE_INCHES * stacks.scale, round_length(DRAWN * across)
     axes.plot([0.0, length], [0.3 * line] * 2, color="black", lw=1.6)
-    axes.text(0.0, 0.5 * line, f"{length:g} mm", fontsize=TEXT_POINTS, va="bottom")
+    axes.text(0.0, 0.5 * line, f"{length:g} mm", fontsize=LABEL_POINTS, va="bottom")
 
 
 def _draw_transmission_angle(axes: Axes, dataset: xr.Dataset) -> None:

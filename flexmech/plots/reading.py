@@ -25,6 +25,7 @@ LENGTH_UNITS: Units = ((1e3, "mm"), (1e6, "µm"), (1e9, "nm"))
 """Deflections are read in mm; an arm at constant speed hardly bends, and needs less."""
 FORCE_UNITS: Units = ((1.0, "N"), (1e3, "mN"), (1e6, "µN"))
 TORQUE_UNITS: Units = ((1.0, "N m"), (1e3, "mN m"), (1e6, "µN m"))
+STRAIN_UNITS: Units = ((1e6, "µm/m"),)
 # Of the largest value in a unit that can be read: axes write two decimals.
 LEAST_NUMBER = 0.01
 MAP = ("engine", "crank_speed", "crank_angle", "mode")
@@ -38,7 +39,8 @@ _DIMENSIONS = {
     "branches": "branch",
     "orders": "order",
 }
-# Relative difference up to which two speeds are the same.
+# Relative difference up to which two speeds are the same: that by units that are typed with ten
+# digits, as in 31.41592654 rad/s.
 _SAME_SPEED = 1e-9
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 

@@ -18,28 +18,25 @@ from flexmech.arrays import FloatArray
 from flexmech.plots import scales, style
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import names_of, spread, values_of
-from flexmech.plots.style import Look, line_handle, series_handle, series_line
+from flexmech.plots.style import LABEL_POINTS, TIMES, Look, line_handle, series_handle, series_line
 from flexmech.units import ZERO_CELSIUS, from_si
 
 # Two rows and the legend fill half a page, in inches.
 PANEL_HEIGHT = 2.2
-# More layers than this are named by their shades in the legend, not one by one.
-MOST_NAMES = 22
-# Of a layer's name in points, where there is room.
-NAME_SIZE = 7.0
 # Height of a panel's inside in points, and of a line of text over the size of its letters.
-INSIDE = 140.0
-LINE = 1.3
-# Letters of a name that the panel of layers holds.
+INSIDE, LINE = 140.0, 1.3
+# More layers than this are named by their shades in the legend, not one by one: letters would be
+# smaller than five points.
+MOST_NAMES = 22
+# Letters of a name that the panel of layers holds beside the stack.
 LONGEST_NAME = 24
 # Greys of the plies: light enough for the lines on them, apart enough to be told.
 LIGHTEST, DARKEST = 0.96, 0.80
 # A line between layers that have one shade and different angles.
 BETWEEN_LAYERS: Look = {"ec": "0.70", "lw": 0.3, "zorder": 0.5}
-TIMES = "\N{MULTIPLICATION SIGN}"
-# Two lines closer than this fraction of the largest value are one.
+# Two lines closer than this fraction of the largest value are one: they would be drawn as one.
 SAME = 1e-6
-# Right edge of the drawn stack and left edge of its names, over the panel's width.
+# Right edge of the drawn stack and left edge of its names, over the panel's width: names take most.
 STACK_EDGE, NAME_EDGE = 0.20, 0.30
 # Numbers of the styles of lines.
 COUPLED, UNCOUPLED, THIRD_ORDER = 0, 1, 2
@@ -58,7 +55,8 @@ PROFILES = (
 LAYERS_PANEL = 2
 PASCAL = {-3: "mPa", 0: "Pa", 3: "kPa", 6: "MPa", 9: "GPa"}
 
-# Of a link's two panels in inches; on a narrow page they stand under each other.
+# Of a link's two panels in inches, four of which fit a page; on a narrow page they stand under each
+# other, and six do.
 ROW_HEIGHT, NARROW_ROW_HEIGHT = 2.1, 1.6
 # Formulas beside the finite volumes, by the numbers of their styles.
 LAWS = {1: ("short_time_uptake", "root of time"), 3: ("shen_springer_uptake", "Shen & Springer")}
@@ -210,7 +208,7 @@ def _name_layers(axes: Axes, runs: list[_Run]) -> None:
     """Names of the layers beside their shades."""
     middles = np.array([(run.low + run.high) / 2 for run in runs])
     low, high = runs[0].low, runs[-1].high
-    size = min(NAME_SIZE, INSIDE / (LINE * len(runs)))
+    size = min(LABEL_POINTS, INSIDE / (LINE * len(runs)))
     step = LINE * size / INSIDE * (high - low)  # a line of text in mm of the link
     # First apart, then inside: what is pushed in at one end pushes its neighbours.
     rows = step * np.arange(len(runs))

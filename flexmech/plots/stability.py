@@ -32,26 +32,27 @@ KINDS = {
 }
 GAP: Look = {"facecolor": "0.94", "edgecolor": "0.7", "hatch": "////", "lw": 0}
 NOTHING = "this map has no Floquet multipliers: there is no equilibrium at any speed"
-# Of names of bands, which stand upright side by side, in points.
+# Of names of bands, in points: smaller than other words, as they stand upright side by side.
 LABEL_POINTS = 6.5
 # Names at most, as more would hide the curve under them, and the part of the axes' width that one
 # takes upright: a letter's height with some room, on a wide and on a narrow page.
 NAMES, NARROW_NAMES = (14, 0.024), (7, 0.045)
-# Of the axes' width: narrower bands are marks at the lower edge, of this height.
+# Of the axes' width, two points: narrower bands are marks at the lower edge, of this part of the
+# height, which hide no curve.
 LEAST_WIDTH, MARK_HEIGHT = 0.004, 0.05
-# Of the greatest growth rate: bands that grow more slowly have no names.
+# Of the greatest growth rate: bands that grow more slowly lie on the line of zero, without names.
 LEAST_NAMED = 0.02
 
-# Of both panels and of the two axes of speed, in inches.
-GROWTH_HEIGHT, MODULUS_HEIGHT, AXES_HEIGHT = 2.6, 1.7, 0.9
+# Of both panels in inches: the upper one holds the names of bands too.
+GROWTH_HEIGHT, MODULUS_HEIGHT = 2.6, 1.7
 ZERO: Look = {"color": "0.55", "lw": 0.6, "zorder": 1}
-# Room for the names of bands over the curve.
+# Height of the axis over that of the curve: names of bands, of eleven letters, stand above it.
 ROOM = 1.55
 # Of the axis in 1/s: growth below it is round-off of multipliers that do not grow.
 LEAST_GROWTH = 1e-3
 BOTH = "give two Axes: one for the growth rate and one for the modulus"
 
-# Of a panel in inches.
+# Of a panel of an engine in inches: two fill two thirds of a page.
 PANEL_HEIGHT = 2.9
 # Grows darker throughout, and begins where it is told from white.
 COLOURS = LinearSegmentedColormap.from_list(
@@ -245,7 +246,7 @@ def plot_stability(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     if not np.isfinite(dataset["growth_rate"]).any():
         raise InputError(NOTHING)
     heights = [GROWTH_HEIGHT, MODULUS_HEIGHT]
-    layout = grid(2, 1, sum(heights) + AXES_HEIGHT, sharex=True, height_ratios=heights)
+    layout = grid(2, 1, sum(heights) + style.AXES_HEIGHT, sharex=True, height_ratios=heights)
     with sheet(layout, ax=ax, fewer=BOTH) as drawn:
         names = (engine_label(dataset, n) for n in range(dataset.sizes["engine"]))
         handles = series_handles(names, dataset["crank_speed"].values)

@@ -22,13 +22,16 @@ from flexmech.mechanism import Mechanism
 from flexmech.report.results import Results
 from flexmech.validation import check_choice, check_count, check_instance, checked_tuple
 
-# The Campbell diagram goes beyond the greatest speed asked for by this factor.
+# The Campbell diagram goes beyond the greatest speed asked for by this factor: what a machine that
+# is made faster meets next.
 BEYOND = 2.0
 # As many as make a smooth band; between angles of the map a line is straight to the eye.
 CAMPBELL_SPEEDS = 13
+# As the commands frequencies and coupler-curve have them by default.
 MAP_ANGLES = np.radians(np.arange(0.0, 361.0, 5.0))
 PATH_ANGLES = np.radians(np.arange(0.0, 361.0))
-# Crank angles at which mode shapes are stored, and over which bands are taken, at most.
+# Crank angles at which mode shapes are stored, every 5 deg of a turn, as the page holds them all,
+# and over which bands are taken, at most.
 MOST_SHAPES, MOST_CAMPBELL_ANGLES = 72, 36
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.plots import reading
 
-# Round-off must not lose the sample a full turn before the last one.
+# In degrees: round-off must not lose the sample a full turn before the last one.
 ROUND_OFF = 1e-6
 FULL = 360.0
 MOST_POINTS = 400

@@ -28,7 +28,8 @@ from flexmech.report.results import Results, speed_name, speed_unit_of, state_of
 
 # Of a run's turn: the script interpolates between samples every three degrees.
 MOST_FRAMES = 120
-# Largest displacement as drawn, over the linkage's extent.
+# Largest displacement as drawn, over the linkage's extent: seen at once, and the linkage is still
+# itself.
 ENLARGED_TO = 0.12
 # What the ground holds is drawn so, whatever else is joined there.
 HELD = ("clamp", "pivot")

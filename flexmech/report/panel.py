@@ -23,6 +23,8 @@ Choice = Mapping[str, str]
 ``mode``, such as ``{"speed": "20 rad/s"}``; what is not named does not matter."""
 
 Look = Literal["solid", "dash", "dot", "dashdot", "points"]
+FRAME_HEIGHT = 110
+"""Of a plot in pixels: what its heading, its legend and the axis along x take."""
 GREY = "#8c8c8c"
 """Of what lies behind curves: limits, rays of orders, rigid links."""
 

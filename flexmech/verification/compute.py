@@ -22,6 +22,7 @@ from flexmech.verification.cases import Outcome, VerificationCase, verification_
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+# Published numbers have at most five.
 _DIGITS = 6
 _FARTHEST = "of each case the number that is farthest off; verification.csv has all of them"
 

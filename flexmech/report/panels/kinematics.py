@@ -71,7 +71,7 @@ def forces_plot(name: str, joints: list[str], traces: list[panel.Trace], over: s
         (*(panel.YAxis(f"{joint} (N)") for joint in joints), panel.YAxis("torque (N m)")),
         traces,
         text=f"Size of the force of each joint and driving torque {over}",
-        height=110 + 100 * (len(joints) + 1),
+        height=panel.FRAME_HEIGHT + 100 * (len(joints) + 1),
         title="Joint forces (N) and driving torque (N m)",
     )
 

@@ -13,6 +13,7 @@ from flexmech.arrays import FloatArray
 from flexmech.plots.reading import STARTS, names_of
 from flexmech.report.last_turn import MOST_POINTS, LastTurn, over_a_turn
 from flexmech.report.panel import (
+    FRAME_HEIGHT,
     GREY,
     Choice,
     Look,
@@ -66,7 +67,7 @@ def response_panel(results: Results) -> Panel | None:
             tuple(YAxis(link) for link in links),
             deflection,
             text=f"Deflection in mm of {', '.join(links)} over the last turn",
-            height=110 + 120 * len(links),
+            height=FRAME_HEIGHT + 120 * len(links),
             title="Deflection (mm)",
         ),
         forces_plot("forces", joints, force, "over the last turn, elastic and rigid links"),

@@ -15,9 +15,6 @@ from flexmech.hygrothermal import HygrothermalState, coupler_point_in_state, lin
 from flexmech.studies import published_case
 from flexmech.verification.methods.engines import example
 
-# In percent of water, to which the moisture at a cusp is solved for.
-ROUND_OFF = 1e-14
-
 
 def crunodes(
     *, models: Sequence[str], temperature_rise: float = 0.0, moisture: float = 0.0
@@ -182,7 +179,7 @@ def _cusp(
     if len(crossed) != 1:
         raise ComputationError(f"{name}: {len(crossed)} cusps were found where one is expected")
     (place,) = crossed
-    moisture = brentq(lambda m: nearest(m, place).margin, 0.0, saturation, xtol=ROUND_OFF)
+    moisture = brentq(lambda m: nearest(m, place).margin, 0.0, saturation)
     one, other = (attitude.crank_angle for attitude in nearest(moisture, place).attitudes)
     return float(moisture), one + math.remainder(other - one, 2 * np.pi) / 2
 

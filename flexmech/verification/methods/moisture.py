@@ -10,6 +10,7 @@ from flexmech.arrays import FloatArray
 from flexmech.materials import moisture
 from flexmech.materials.moisture import slab
 
+# In m and m^2/s, as those of laminates are; uptake over the Fourier number does not depend on them.
 THICKNESS, DIFFUSIVITY = 2e-3, 1e-12
 UNIT = THICKNESS**2 / DIFFUSIVITY
 SLAB = moisture.DiffusionLayer(THICKNESS, moisture.Diffusivity(DIFFUSIVITY), 60.0)
