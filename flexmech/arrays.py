@@ -8,16 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "ComplexArray",
-    "FloatArray",
-    "IntArray",
-    "LabelledProgress",
-    "StepProgress",
-    "silent",
-    "unbroken_runs",
-]
-
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]

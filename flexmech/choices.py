@@ -8,46 +8,6 @@ from __future__ import annotations
 
 from typing import Literal, get_args
 
-__all__ = [
-    "ELEMENTS",
-    "INTEGRATORS",
-    "KEPT_MODES",
-    "LINK_DIRECTIONS",
-    "MAP_PRESTRESS_LEVELS",
-    "MASSES",
-    "MODES",
-    "MOST_ELEMENTS",
-    "MOST_MODES",
-    "MOVING_FRAMES",
-    "PAGE_WIDTHS",
-    "PICTURE_FORMATS",
-    "PRESTRESS_LEVELS",
-    "REPORT_PARTS",
-    "SHAFTS",
-    "STARTS",
-    "STORES",
-    "ElementName",
-    "EngineChoice",
-    "EngineName",
-    "ExudynElement",
-    "Integrator",
-    "LinkDirection",
-    "MapPrestress",
-    "MassChoice",
-    "MovingFrame",
-    "PageWidth",
-    "PictureFormat",
-    "Prestress",
-    "ReferenceElement",
-    "ReportPart",
-    "ShaftChoice",
-    "StabilityPrestress",
-    "Start",
-    "Store",
-    "TemplateKind",
-    "engine_of",
-]
-
 EngineName = Literal["reference", "exudyn"]
 EngineChoice = Literal[EngineName, "both"]
 ReferenceElement = Literal["euler", "timoshenko", "reddy", "zigzag"]
@@ -64,7 +24,7 @@ Prestress = Literal["none", "axial", "equilibrium"]
 """Quasi-static stress at which links are linearized."""
 PRESTRESS_LEVELS: tuple[Prestress, ...] = get_args(Prestress)
 MapPrestress = Literal["none", "axial", "equilibrium", "trajectory"]
-"""With the states of the simulated, settled motion besides."""
+"""With the states of the simulated, steady motion besides."""
 MAP_PRESTRESS_LEVELS: tuple[MapPrestress, ...] = get_args(MapPrestress)
 StabilityPrestress = Literal["axial", "equilibrium", "trajectory"]
 """Of the motion whose stability is asked for; the last is the periodic orbit itself."""

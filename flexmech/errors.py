@@ -9,22 +9,12 @@ from typing import Self
 
 from flexmech.unit_registry import from_si
 
-__all__ = [
-    "CRANK_SPEED",
-    "ComputationError",
-    "FlexmechError",
-    "InputError",
-    "is_plain",
-    "one_line",
-    "suggestion",
-]
-
 CRANK_SPEED = "{crank_speed}"
 """Where a message names the crank speed of its error, in the unit that the user prefers."""
 
-MOST_CHARACTERS = 4000
+_MOST_CHARACTERS = 4000
 """Of a message: what a file or an option holds may be longer than anybody reads."""
-FAST = 100.0
+_FAST = 100.0
 """In rad/s: of greater crank speeds turns a minute are told as well."""
 # Of characters that move a terminal's cursor, break a line, or turn the direction of writing.
 _UNSEEN = ("Cc", "Cf", "Cs", "Zl", "Zp")
@@ -68,7 +58,7 @@ class FlexmechError(Exception):
         if self.crank_speed is None:
             return message
         speed = f"{from_si(self.crank_speed, unit):.6g} {unit}"
-        if unit == "rad/s" and abs(self.crank_speed) >= FAST:
+        if unit == "rad/s" and abs(self.crank_speed) >= _FAST:
             # Somebody who meant turns a minute sees it here.
             speed += f" ({from_si(self.crank_speed, 'rpm'):.5g} rpm)"
         return message.replace(CRANK_SPEED, speed)
@@ -87,10 +77,8 @@ class InputError(FlexmechError, ValueError):
 class ComputationError(FlexmechError, RuntimeError):
     """What was asked for is well posed, but the computation failed."""
 
-    exit_code = 1
 
-
-def one_line(text: str, most: int = MOST_CHARACTERS) -> str:
+def one_line(text: str, most: int = _MOST_CHARACTERS) -> str:
     r"""Write a text so that a terminal shows it in one line, whatever a user's file has in it.
 
     Parameters
@@ -127,6 +115,6 @@ def is_plain(text: str) -> bool:
 
 def suggestion(got: str, known: Sequence[str]) -> str:
     """Word the remedy for a wrong name: the nearest known one, and all of them."""
-    close = difflib.get_close_matches(got[:MOST_CHARACTERS], known, n=1)
+    close = difflib.get_close_matches(got[:_MOST_CHARACTERS], known, n=1)
     choices = ", ".join(known)
     return f"did you mean {close[0]!r}? Known here: {choices}" if close else f"use one of {choices}"

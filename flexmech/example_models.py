@@ -12,8 +12,6 @@ from pathlib import Path
 
 from flexmech.errors import InputError, suggestion
 
-__all__ = ["example_model", "example_names"]
-
 
 @cache
 def _folder() -> Path:

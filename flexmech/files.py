@@ -16,10 +16,9 @@ from flexmech.interruption import tidying, uninterrupted
 if sys.platform != "win32":
     import fcntl
 
-__all__ = ["check_writable", "given_path", "matching", "moved_into", "write_whole"]
 
 # Of a path in a message.
-MOST_SHOWN = 200
+_MOST_SHOWN = 200
 PREFIX = ".flexmech-"
 """Of the names of folders in which sets of files are made."""
 
@@ -64,7 +63,7 @@ def given_path(path: str | os.PathLike[str]) -> Path:
             # What is to be read is missed by its reader, what is to be written is made.
             return found
         reason = getattr(error, "strerror", None) or error
-        shown = one_line(os.fspath(path), MOST_SHOWN)
+        shown = one_line(os.fspath(path), _MOST_SHOWN)
         raise InputError(f"{shown}: cannot be reached ({reason}); give another path") from error
     return found
 

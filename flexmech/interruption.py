@@ -12,8 +12,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-__all__ = ["STOPPING", "tidying", "uninterrupted", "work_to_tidy"]
-
 STOPPING = (signal.SIGINT, signal.SIGTERM)
 """Signals that ask a program to end: Ctrl-C, and what ``kill`` and ``timeout`` send."""
 

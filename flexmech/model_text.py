@@ -17,16 +17,6 @@ from flexmech import units
 from flexmech.unit_registry import base_units, zero_of_scale
 from flexmech.units import Dimension, parse_quantity
 
-__all__ = [
-    "SharedTables",
-    "TomlTable",
-    "fields_table",
-    "quantity",
-    "shapes",
-    "short_repr",
-    "stated",
-]
-
 TomlTable = dict[str, Any]
 
 # Of a line that says what an object is: two lines of a terminal.
@@ -45,7 +35,7 @@ _READABLE = {
     units.ACTIVATION_ENERGY: ("kJ/mol",),
 }
 # Tables with names, those that others refer to first.
-KINDS = ("materials", "fibres", "matrices", "plies", "laminates")
+_KINDS = ("materials", "fibres", "matrices", "plies", "laminates")
 # Numbers that need no exponent.
 _LEAST, _MOST = Decimal("1e-3"), Decimal("1e6")
 # Digits of every float's shortest text, and fewer, which unites what rounding has parted.
@@ -139,7 +129,7 @@ class SharedTables:
     @property
     def in_order(self) -> dict[str, dict[str, TomlTable]]:
         """Tables by kind, those that others refer to first."""
-        return {kind: self.kinds[kind] for kind in KINDS if kind in self.kinds}
+        return {kind: self.kinds[kind] for kind in _KINDS if kind in self.kinds}
 
     def leave(self, kind: str, name: str) -> bool:
         """Whether a name can keep what it means without a table; none takes it from now on."""
@@ -194,5 +184,5 @@ def short_repr(record: object, *words: str) -> str:
 def shapes(record: object) -> tuple[str, ...]:
     """Words for the arrays that a record of the fields of a dataclass holds."""
     assert is_dataclass(record)
-    held = ((field.name, getattr(record, field.name)) for field in fields(record))
-    return tuple(f"{name} {value.shape}" for name, value in held if isinstance(value, np.ndarray))
+    values = ((field.name, getattr(record, field.name)) for field in fields(record))
+    return tuple(f"{name} {value.shape}" for name, value in values if isinstance(value, np.ndarray))

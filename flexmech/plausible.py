@@ -13,18 +13,6 @@ from flexmech import units
 from flexmech.errors import InputError
 from flexmech.units import NUMBER, Dimension, parse_quantity
 
-__all__ = [
-    "LINK_LENGTH",
-    "LOAD",
-    "RUN_UP",
-    "THICKNESS",
-    "TURN",
-    "WIDTH",
-    "Plausible",
-    "check_plausible",
-    "of_dimension",
-]
-
 
 @dataclass(frozen=True)
 class Plausible:

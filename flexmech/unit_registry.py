@@ -15,15 +15,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 if TYPE_CHECKING:
     import pint
 
-__all__ = ["ZERO_CELSIUS", "BaseUnits", "base_units", "from_si", "zero_of_scale"]
-
-ZERO_CELSIUS = 273.15
-"""Zero of the Celsius scale in K."""
 
 # Pint skips characters that it does not know ("m$" is read as "m"), so only these may pass.
 _UNIT_CHARACTERS = re.compile(r"[A-Za-zµμÅ°%_0-9\s*/^()·⋅²³⁴⁻¹-]*")
 # Pint reads a unit by recursion, a factor a level, and computes powers of powers whole.
-MOST_CHARACTERS = 60
+_MOST_CHARACTERS = 60
 _TOWER = re.compile(r"(\^|\*\*)[^*/]*(\^|\*\*)|[0-9]{4}")
 
 # What pint raises on malformed unit expressions, beside its own PintError, which is a class
@@ -59,7 +55,7 @@ def base_units(unit: str) -> BaseUnits | None:
     import pint
 
     registry = _registry()
-    if len(unit) > MOST_CHARACTERS or _TOWER.search(unit):
+    if len(unit) > _MOST_CHARACTERS or _TOWER.search(unit):
         return None
     if not _UNIT_CHARACTERS.fullmatch(unit) or "//" in unit or "%%" in unit:
         return None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import reprlib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
@@ -14,26 +13,9 @@ from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
+from flexmech.units import shown
 
-__all__ = [
-    "FINITE",
-    "NOT_NEGATIVE",
-    "POSITIVE",
-    "Bounds",
-    "check_angle",
-    "check_choice",
-    "check_count",
-    "check_fields",
-    "check_flag",
-    "check_instance",
-    "check_number",
-    "check_pair",
-    "checked_array",
-    "checked_number",
-    "checked_tuple",
-]
-
-Item = TypeVar("Item")
+_Item = TypeVar("_Item")
 
 
 @dataclass(frozen=True)
@@ -79,14 +61,12 @@ class Bounds:
 
 
 # Of angles that come from degrees, with their rounding.
-FULL_TURN = 2 * np.pi * (1 + 1e-12)
+_FULL_TURN = 2 * np.pi * (1 + 1e-12)
 
 _NUMBERS = (int, float, np.integer, np.floating)
 # Which Python and NumPy count among them: a span of time is an integer to NumPy.
 _NO_NUMBERS = (bool, np.timedelta64)
 _ADDRESS = re.compile(" at 0x[0-9a-f]+")
-_SHORT = reprlib.Repr()
-_SHORT.maxother = _SHORT.maxstring = 100
 
 FINITE = Bounds()
 POSITIVE = Bounds(above=0.0)
@@ -234,8 +214,8 @@ def check_flag(value: object, name: str) -> None:
 
 
 def checked_tuple(
-    values: Iterable[Item], kind: type | tuple[type, ...], name: str, remedy: str
-) -> tuple[Item, ...]:
+    values: Iterable[_Item], kind: type | tuple[type, ...], name: str, remedy: str
+) -> tuple[_Item, ...]:
     """Things of one type as a tuple.
 
     Parameters
@@ -313,7 +293,7 @@ def check_angle(value: object, name: str) -> None:
         If it is no number, or more than a full turn either way.
     """
     check_number(value, name, "rad")
-    if abs(float(value)) > FULL_TURN:  # type: ignore[arg-type]
+    if abs(float(value)) > _FULL_TURN:  # type: ignore[arg-type]
         raise InputError(
             f"{name} must be at most a full turn either way, got {value} rad; for degrees give "
             f"np.radians({value})"
@@ -365,4 +345,4 @@ def _no_number(value: object, name: str, unit: str) -> str:
 
 def _shown(value: object) -> str:
     """Write a value in one line."""
-    return _ADDRESS.sub("", " ".join(_SHORT.repr(value).split()))
+    return _ADDRESS.sub("", " ".join(shown(value).split()))

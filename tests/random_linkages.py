@@ -14,13 +14,13 @@ from hypothesis import strategies as st
 
 from flexmech.linkages import (
     GROUND,
+    AttachmentPoint,
     Clamp,
     JointSpring,
     Link,
     LinkBody,
     LinkEnd,
     LinkMass,
-    LinkPoint,
     Load,
     Pin,
     Pivot,
@@ -118,7 +118,7 @@ def drawings(draw: st.DrawFn) -> Drawing:
         guides = sorted(drawing.rigid - {leader.link})
         if kind == "slotted":
             # The point slides on a rigid link that a pivot holds.
-            if any(slider.held == leader for slider in drawing.sliders):
+            if any(slider.link_end == leader for slider in drawing.sliders):
                 continue
             if any(tie.follower == leader for tie in (*drawing.pins, *drawing.welds)):
                 continue
@@ -181,13 +181,13 @@ def moving(drawing: Drawing, speed: float, acceleration: float) -> RigidMotion:
 
     crank = drawing.ends["crank"][0]
     for clamp in drawing.clamps:
-        row, link, _ = place(clamp.held)
+        row, link, _ = place(clamp.link_end)
         spin = np.array([-crank.imag, crank.real])
         inward = np.array([crank.real, crank.imag])
         add(row, speed * spin, lambda q, s=spin, i=inward: acceleration * s - speed**2 * i)
         add(turning(link), [speed], lambda q: np.array([acceleration]))
     for pivot in drawing.pivots:
-        add(place(pivot.held)[0], np.zeros(2), lambda q: np.zeros(2))
+        add(place(pivot.link_end)[0], np.zeros(2), lambda q: np.zeros(2))
     for tie in (*drawing.pins, *drawing.welds):
         (after, second, arm2), (before, first, arm1) = place(tie.follower), place(tie.leader)
         add(
@@ -198,7 +198,7 @@ def moving(drawing: Drawing, speed: float, acceleration: float) -> RigidMotion:
         if isinstance(tie, Weld):
             add(turning(second) - turning(first), np.zeros(1), lambda q: np.zeros(1))
     for slider in drawing.sliders:
-        row, link, arm = place(slider.held)
+        row, link, arm = place(slider.link_end)
         angle = slider.direction
         if not slider.guide:
             across = np.array([-np.sin(angle), np.cos(angle)])
@@ -212,7 +212,7 @@ def moving(drawing: Drawing, speed: float, acceleration: float) -> RigidMotion:
         angle += drawing.angle(slider.guide)
         across = np.array([-np.sin(angle), np.cos(angle)])
         along = np.array([np.cos(angle), np.sin(angle)])
-        lever = drawing.at(slider.held) - drawing.ends[slider.guide][0]
+        lever = drawing.at(slider.link_end) - drawing.ends[slider.guide][0]
         under, _, _ = at_point(guide, lever)
 
         def coriolis(q, n=across, t=along, r=row - under, b=link, d=arm, g=guide, e=lever):
@@ -269,9 +269,9 @@ def loaded_linkages(draw: st.DrawFn) -> LoadedLinkage:
     motion = moving(drawing, speed, draw(numbers(-50, 50)))
     lengths = {link.name: link.length for link in topology.links}
 
-    def on_link() -> LinkPoint:
+    def on_link() -> AttachmentPoint:
         name = draw(st.sampled_from(topology.link_names))
-        return LinkPoint(name, draw(numbers(0, 1)) * lengths[name])
+        return AttachmentPoint(name, draw(numbers(0, 1)) * lengths[name])
 
     loads = [
         Load(
@@ -286,7 +286,7 @@ def loaded_linkages(draw: st.DrawFn) -> LoadedLinkage:
     springs = []
     for number in range(draw(st.integers(0, 2))):
         first, second = on_link(), draw(st.sampled_from((None, on_link())))
-        second = second or LinkPoint(GROUND, draw(numbers(-1, 1)), draw(numbers(-1, 1)))
+        second = second or AttachmentPoint(GROUND, draw(numbers(-1, 1)), draw(numbers(-1, 1)))
         places = [
             motion.position(topology.index(point.link), point.x)
             if point.link != GROUND

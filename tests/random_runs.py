@@ -18,9 +18,9 @@ from flexmech import (
 from flexmech.errors import InputError
 from flexmech.linkages import (
     GROUND,
+    AttachmentPoint,
     JointSpring,
     Linkage,
-    LinkPoint,
     Load,
     PlanarJoint,
     PlanarLink,
@@ -85,9 +85,9 @@ def random_run(seed: int, revolutions: float = 0.1) -> RandomRun:
         """A force that bends the softest link as much as is wanted."""
         return softest * log_uniform(random, LEAST_BOW, MOST_BOW)
 
-    def place() -> tuple[str, LinkPoint]:
+    def place() -> tuple[str, AttachmentPoint]:
         link = elastic[random.integers(len(elastic))]
-        return link.name, LinkPoint(link.name, link.length * random.uniform(0.2, 0.9))
+        return link.name, AttachmentPoint(link.name, link.length * random.uniform(0.2, 0.9))
 
     loads = []
     for number in range(random.integers(0, 3)):
@@ -118,7 +118,7 @@ def random_run(seed: int, revolutions: float = 0.1) -> RandomRun:
     if random.random() < 0.6:
         name, point = place()
         reach = links[name].length
-        fixed = LinkPoint(GROUND, *(2 * reach * random.uniform(-1, 1, 2)).tolist())
+        fixed = AttachmentPoint(GROUND, *(2 * reach * random.uniform(-1, 1, 2)).tolist())
         stiffness = strength() / reach
         damping = stiffness * log_uniform(random, 0.01, 0.3) / slowest.min()
         damping = float(damping) if random.random() < 0.6 else 0.0

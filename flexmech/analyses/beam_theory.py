@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from flexmech.beams.held_ends import HeldEnds, held_beam
+from flexmech.beams.restrained_ends import RestrainedEnds, restrained_beam
 from flexmech.beams.solid_link import beam_error
 from flexmech.linear_system import (
     ELASTICITY,
@@ -135,7 +135,7 @@ def _off_axis(engine: Engine) -> list[str]:
     warnings, joined = [], mechanism.linkage.topology.joined_ends
     for name, section in mechanism.sections.items():
         length = mechanism.link_mass(name).length
-        if engine.holds_ends and (held := held_beam(mechanism, name)[1]) is not None:
+        if engine.holds_ends and (held := restrained_beam(mechanism, name)[1]) is not None:
             warnings.append(_held(name, engine, section, held))
             rest = "" if held.solid else _short(name, section, length)
             warnings += [f"{rest} ({engine.name})"] if rest else []
@@ -147,7 +147,7 @@ def _off_axis(engine: Engine) -> list[str]:
     return warnings
 
 
-def _held(link: str, engine: Engine, section: BeamSection, held: HeldEnds) -> str:
+def _held(link: str, engine: Engine, section: BeamSection, held: RestrainedEnds) -> str:
     """What a link that bends and twists as in three dimensions is taken to be held by."""
     assert section.layers is not None
     free = replace(section.layers, twist="free")
@@ -180,7 +180,7 @@ def _links_held(engine: Engine) -> list[str]:
     mechanism = engine.mechanism
     sections = mechanism.sections.items()
     layered = [name for name, section in sections if section.layers is not None]
-    return [name for name in layered if held_beam(mechanism, name)[1] is not None]
+    return [name for name in layered if restrained_beam(mechanism, name)[1] is not None]
 
 
 def _ends_apart(engines: Sequence[Engine], comparison: TheoryComparison) -> list[str]:

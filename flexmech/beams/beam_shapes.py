@@ -151,9 +151,9 @@ class BeamShapes(ABC):
     angles : tuple of int
         Coordinates of a node that are angles.
     clamped : tuple of int
-        Coordinates of a node that a clamp holds besides its displacement.
+        Coordinates of a node that a clamp fixes besides its displacement.
     warping : tuple of int
-        Coordinates of a node that a joint holds because its pin's fitting keeps the
+        Coordinates of a node that a joint fixes because its pin's fitting keeps the
         cross-section plane.
     stiff_in_shear : bool
         Whether the section's rotation is the slope of the axis.

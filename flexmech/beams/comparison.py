@@ -10,9 +10,9 @@ import scipy.linalg
 
 from flexmech.arrays import FloatArray
 from flexmech.beams.elements import BEAM_SHAPES
-from flexmech.beams.held_ends import held_beam
 from flexmech.beams.link_matrices import build_chain
 from flexmech.beams.plane_link import compression_frequency, plane_link
+from flexmech.beams.restrained_ends import restrained_beam
 from flexmech.choices import MODES
 from flexmech.errors import InputError
 from flexmech.linear_system import (
@@ -49,7 +49,7 @@ STIFF_THROUGH = 0.05
 
 
 def compare_theories(mechanism: Mechanism, modes: int = MODES) -> TheoryComparison:
-    """Hold beam theories against each other on one linkage at rest.
+    """Compare beam theories on one linkage at rest.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def compare_theories(mechanism: Mechanism, modes: int = MODES) -> TheoryComparis
     TheoryComparison
         Of the theories in :data:`flexmech.beams.BEAM_SHAPES`, and of two-dimensional elasticity
         for those links whose layers are compressed at such frequencies; and of links of off-axis
-        plies as joints hold them.
+        plies whose ends joints restrain.
     """
     topology = mechanism.linkage.topology
     # Damping, free strains and what a section is called do not matter to frequencies at rest.
@@ -120,7 +120,7 @@ class _Links:
         return RigidMotion(still[:, 0], still[:, 0], angle, still, still, places, nowhere, nowhere)
 
     def spring_places(self, link: int) -> tuple[float, ...]:
-        """Places along a link, from its start, that springs between points hold."""
+        """Places along a link, from its start, at which springs between points act."""
         name = self.topology.link_names[link]
         ends = (end for spring in self.springs for end in (spring.first, spring.second))
         return tuple(end.x for end in ends if end.link == name)
@@ -145,15 +145,8 @@ def _configurations(mechanism: Mechanism) -> RigidMotion:
 def _standing(mechanism: Mechanism, crank_angle: FloatArray) -> RigidMotion:
     """The linkage at crank angles, where its springs have a direction; InputError elsewhere."""
     motion, topology = mechanism.linkage.motion(crank_angle), mechanism.linkage.topology
-    nowhere, size = np.zeros((len(crank_angle), 2)), max(link.length for link in topology.links)
     for spring in mechanism.springs:
-        places = [
-            np.broadcast_to((end.x, end.y), nowhere.shape)
-            if end.is_ground
-            else motion.position(topology.index(end.link), end.x)
-            for end in (spring.first, spring.second)
-        ]
-        SpringLine.of(spring, crank_angle, places, [nowhere, nowhere], size)
+        SpringLine.of(spring, topology, motion)
     return motion
 
 
@@ -213,8 +206,8 @@ def _beam(links: _Links, number: int, theory: str, modes: int) -> LinkModel:
         return rigid_link(name, mass)
     elements = max(LEAST_ELEMENTS, 2 * modes)
     if theory == HELD_ENDS:
-        own, held = held_beam(links.mechanism, name)
+        own, ends = restrained_beam(links.mechanism, name)
         chain = build_chain(name, own, mass, elements, BEAM_SHAPES["timoshenko"])
-        return chain.model if held is None else held.hold(chain, mass.mass_per_length).model
+        return chain.model if ends is None else ends.restrain(chain, mass.mass_per_length).model
     shapes = BEAM_SHAPES[FINEST if theory == ELASTICITY else theory]
     return build_chain(name, section, mass, elements, shapes).model

@@ -107,26 +107,26 @@ def build_chain(
     )
     first_moment = sum_of_elements(beams.first_moment)
     if not mass.mass_per_length:
-        # All of it stands in points.
+        # All of it is in points.
         matrices[:3], first_moment[:] = 0.0, 0.0
     for position, value in zip(mass.point_positions, mass.point_masses, strict=True):
         _add_point_mass(matrices[:3], int(np.argmin(np.abs(nodes - position))), value)
-    inertia, translational, gyroscopic, stiffness, damping = chain_matrices(matrices)
-    last, held = size - per_node, np.array(shapes.clamped)
+    inertia, centrifugal, gyroscopic, stiffness, damping = chain_matrices(matrices)
+    last, clamped = size - per_node, np.array(shapes.clamped)
     warping = np.array(shapes.warping, dtype=np.intp)
     model = LinkModel(
         name=name,
         mass=inertia,
         gyroscopic=gyroscopic,
-        centrifugal_mass=translational,
+        centrifugal_mass=centrifugal,
         first_moment=first_moment,
         stiffness=stiffness,
         damping=damping,
         is_axial=np.arange(size) % per_node == 0,
         start=np.array([0, 1]),
         end=np.array([last, last + 1]),
-        start_rotation=held,
-        end_rotation=last + held,
+        start_rotation=clamped,
+        end_rotation=last + clamped,
         readings=LinkReadings(
             nodes,
             per_node,
@@ -140,7 +140,7 @@ def build_chain(
         end_warping=last + warping,
         vectors=per_node * np.arange(len(nodes)) + np.array([[0], [1]]),
     )
-    return Chain(model.with_bodies(mass.bodies), nodes, beams)
+    return Chain(model.carrying(mass), nodes, beams)
 
 
 def _kinked(
@@ -162,8 +162,8 @@ def _add_point_mass(matrices: FloatArray, node: int, mass: float) -> None:
     count, per_node = matrices.shape[1], matrices.shape[2] // 2
     element = min(node, count - 1)
     u = per_node * (node - element)
-    inertia, translational, gyroscopic = matrices[:, element]
-    for matrix in (inertia, translational):
+    inertia, centrifugal, gyroscopic = matrices[:, element]
+    for matrix in (inertia, centrifugal):
         matrix[[u, u + 1], [u, u + 1]] += mass
     gyroscopic[u, u + 1] -= mass
     gyroscopic[u + 1, u] += mass

@@ -21,8 +21,8 @@ import scipy.sparse.linalg as spla
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.parabolas import Parabolas, graded, rows_of_runs
-from flexmech.linear_system import LinkModel, LinkReadings, RigidFields
-from flexmech.linkages import LinkBody, LinkMass
+from flexmech.linear_system import LinkModel, LinkReadings, RigidBody, RigidFields
+from flexmech.linkages import LinkMass
 from flexmech.materials import solid_stiffness
 from flexmech.sections import LaminateSection
 
@@ -82,7 +82,7 @@ def plane_link(
         the mean of its cross-section, weighted by the layers' stiffness, and a body turns with it
         too.
     joined : sequence of bool, length 2
-        Whether start and end are at joints, whose fittings hold the end faces plane.
+        Whether start and end are at joints, whose fittings keep the end faces plane.
     modes : int
         How many of the linkage's lowest modes count.
     sprung : sequence of float
@@ -94,9 +94,11 @@ def plane_link(
         With readings at the ends and those places; without what frequencies at rest do not
         depend on.
     """
-    places = [x for x, held in zip((0.0, mass.length), joined, strict=True) if held]
+    places = [x for x, rigid in zip((0.0, mass.length), joined, strict=True) if rigid]
     attached = [(x, value * np.diag([1.0, 1.0, 0.0])) for x, value in _points(mass)]
-    attached += [(body.position, _inertia_of(body)) for body in mass.bodies]
+    attached += [
+        (body.position, RigidBody.fixed(body).matrices(np.zeros(()))[0]) for body in mass.bodies
+    ]
     solid = _PlaneSolid.of(
         section, mass, [each for each in attached if each[0] not in places], sprung
     )
@@ -132,13 +134,6 @@ def plane_link(
 
 def _points(mass: LinkMass) -> list[tuple[float, float]]:
     return list(zip(mass.point_positions, mass.point_masses, strict=True))
-
-
-def _inertia_of(body: LinkBody) -> FloatArray:
-    """By displacement along, across and rotation of the section that a body is fixed to, (3, 3)."""
-    a, c = body.offset
-    moved = np.array([[1.0, 0.0, -c], [0.0, 1.0, a]])
-    return np.asarray(body.mass * moved.T @ moved + np.diag([0.0, 0.0, body.inertia]))
 
 
 def _at_nodes(fraction: FloatArray, length: FloatArray) -> FloatArray:
@@ -232,7 +227,7 @@ class _PlaneSolid:
         attached: Sequence[tuple[float, FloatArray]],
         sprung: Sequence[float],
     ) -> _PlaneSolid:
-        """With inertia (3, 3) on cross-sections that are not held rigid, each with its place."""
+        """With inertia (3, 3) on cross-sections that are not rigid, each with its place."""
         rows = _Rows.of(section)
         along, through = Parabolas(_nodes_along(mass, sprung)), Parabolas(rows.faces)
         d, width = rows.stiffness, section.width
@@ -270,8 +265,8 @@ class _PlaneSolid:
 
         And stiffness and mass in it, (s, s).
         """
-        by_faces, held = self._by_faces(places)
-        inner = np.setdiff1d(np.arange(self.mass.shape[0]), held)
+        by_faces, fixed = self._by_faces(places)
+        inner = np.setdiff1d(np.arange(self.mass.shape[0]), fixed)
         own, inertia = (matrix[inner][:, inner] for matrix in (self.stiffness, self.mass))
         factors = spla.splu(own.tocsc())
         moved = factors.solve(-(self.stiffness[inner] @ by_faces))
@@ -290,17 +285,17 @@ class _PlaneSolid:
         return basis, stiffness, mass
 
     def _by_faces(self, places: Sequence[float]) -> tuple[FloatArray, IntArray]:
-        """Displacements (n, 3 k) of rigid faces at places, and which ones they hold."""
+        """Displacements (n, 3 k) of rigid faces at places, and which ones they prescribe."""
         count = self.along.size * self.through.size
         y, up = self.through.places, np.arange(self.through.size) * self.along.size
-        moved, held = np.zeros((2 * count, FACE * len(places))), []
+        moved, fixed = np.zeros((2 * count, FACE * len(places))), []
         for number, x in enumerate(places):
             own = up + int(np.argmin(np.abs(self.along.places - x)))
             moved[own, FACE * number] = 1.0
             moved[count + own, FACE * number + 1] = 1.0
             moved[own, FACE * number + 2] = -y
-            held += [own, count + own]
-        return moved, np.concatenate(held)
+            fixed += [own, count + own]
+        return moved, np.concatenate(fixed)
 
 
 def _nodes_along(mass: LinkMass, sprung: Sequence[float]) -> FloatArray:

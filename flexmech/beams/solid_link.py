@@ -2,8 +2,8 @@
 
 Plies off the axis twist a link as it bends, and contract it across. What a beam makes of that is
 right for a long link in its first mode (:mod:`flexmech.sections.free_edges`). End faces that joints
-hold flat do more: they hold the warping and the curvature across as well, over about a width from
-each end, and a mode is no half sine. So the beam is held against the link itself, in elements with
+keep plane do more: they restrain warping and the curvature across as well, over about a width from
+each end, and a mode is no half sine. So the beam is compared with the link itself, in elements with
 27 nodes, for its own length and width.
 """
 
@@ -37,8 +37,9 @@ MOST_RUNS = 8
 # shorter towards ends and edges: within 0.3 % of a finer mesh.
 ALONG, A_WIDTH, ACROSS, ROWS = 14, 1.2, 4, 4
 GRADED = 0.6
-# Length over width up to which links are computed in three dimensions. What end faces hold besides
-# the twist changes the first mode of longer ones by 1.7 % at most ([15], wide; [30] by 0.9 %).
+# Length over width up to which links are computed in three dimensions. What end faces restrain
+# besides the twist changes the first mode of longer ones by 1.7 % at most ([15], wide; [30] by
+# 0.9 %).
 SHORT = 40
 # Of the frequency between all strains across free and none.
 LEAST = 0.01
@@ -55,8 +56,8 @@ class BeamError:
     of_modes : tuple of float
         Relative, of the first two modes; positive where the beam is too high.
     solid : bool
-        Whether the link was computed in three dimensions; else by a beam whose ends hold the
-        twist, for links so long that what end faces hold besides does not matter.
+        Whether the link was computed in three dimensions; else by a beam whose ends restrain
+        the twist, for links so long that what end faces restrain besides does not matter.
     """
 
     of_modes: tuple[float, ...]
@@ -65,7 +66,7 @@ class BeamError:
 
 @lru_cache(maxsize=64)
 def beam_error(section: LaminateSection, length: float) -> BeamError | None:
-    """Hold a beam of off-axis plies against the link itself.
+    """Compare a beam of off-axis plies with the link itself in three dimensions.
 
     Parameters
     ----------
@@ -77,7 +78,7 @@ def beam_error(section: LaminateSection, length: float) -> BeamError | None:
     Returns
     -------
     BeamError, optional
-        None where the plies are along or across, where nothing that joints hold can matter, and
+        None where the plies are along or across, where no restraint by joints can matter, and
         for short links of more than :data:`MOST_RUNS` runs of equal plies.
     """
     if not twists_matter(section):
@@ -94,7 +95,7 @@ def beam_error(section: LaminateSection, length: float) -> BeamError | None:
 
 
 def twists_matter(section: LaminateSection) -> bool:
-    """Whether what joints hold across a link can change its bending noticeably.
+    """Whether restraint by joints across a link can change its bending noticeably.
 
     Parameters
     ----------
@@ -125,8 +126,8 @@ def twisted_back(free: LaminateSection) -> float:
     float
         In N m^2.
     """
-    held = replace(free, twist="held")
-    return (held.bending_stiffness - free.bending_stiffness) / FIRST_MODE
+    untwisted = replace(free, twist="held")
+    return (untwisted.bending_stiffness - free.bending_stiffness) / FIRST_MODE
 
 
 def _by_beams(section: LaminateSection, length: float, torsion: float = 0.0) -> FloatArray:
@@ -178,7 +179,7 @@ class SolidLink:
     length : float
         In m.
     along, through, across : Parabolas
-    held : sparse matrix, shape (N, n)
+    expansion : sparse matrix, shape (N, n)
         All displacements by the unknowns.
     stiffness, mass : sparse matrix, shape (n, n)
     """
@@ -187,7 +188,7 @@ class SolidLink:
     along: Parabolas
     through: Parabolas
     across: Parabolas
-    held: Any
+    expansion: Any
     stiffness: Any
     mass: Any
 
@@ -211,10 +212,10 @@ class SolidLink:
         weight = np.full(len(elastic), density)
         blocks = [[_block(x, y, z, elastic, i, j) for j in range(3)] for i in range(3)]
         one = sp.kron(x.mass(), sp.kron(y.mass(weight), z.mass()))
-        held = _between_pins(x, y, z)
-        k = (held.T @ sp.bmat(blocks, format="csc") @ held).tocsc()
-        m = (held.T @ sp.block_diag([one] * 3, format="csc") @ held).tocsc()
-        return cls(length, x, y, z, held, k, m)
+        expansion = _between_pins(x, y, z)
+        k = (expansion.T @ sp.bmat(blocks, format="csc") @ expansion).tocsc()
+        m = (expansion.T @ sp.block_diag([one] * 3, format="csc") @ expansion).tocsc()
+        return cls(length, x, y, z, expansion, k, m)
 
     def solve(self, forces: FloatArray) -> FloatArray:
         """Displacements (n, k) under forces."""
@@ -234,7 +235,7 @@ class SolidLink:
 
     def waves(self, count: int) -> FloatArray:
         """Forces across in one to ``count`` half sines of a unit for each metre, (n, count)."""
-        total = np.zeros((self.held.shape[0], count))
+        total = np.zeros((self.expansion.shape[0], count))
         half = len(total) // 3
         even = self.through.mass().sum(axis=1) / np.ptp(self.through.places)
         wide = self.across.mass().sum(axis=1) / np.ptp(self.across.places)
@@ -242,7 +243,7 @@ class SolidLink:
         for number in range(count):
             wave = np.sin((number + 1) * np.pi * self.along.places / self.length)
             total[half : 2 * half, number] = np.kron(self.along.mass() @ wave, section)
-        return np.asarray(self.held.T @ total)
+        return np.asarray(self.expansion.T @ total)
 
     def sine_waves(self, count: int) -> FloatArray:
         """Bending by one to ``count`` half sines, (n, count)."""

@@ -46,7 +46,7 @@ class Timoshenko(BeamShapes):
 
     The rotation is cubic, with the curvature at the nodes; the shear angle varies as the
     equilibrium of the element wants it, ``kGA (v' - phi) = -EI phi''``, up to a constant that
-    the deflections of the nodes settle. No locking, static solutions of beams loaded at
+    the deflections of the nodes determine. No locking, static solutions of beams loaded at
     nodes are exact, and the slope of the axis may jump where a point mass makes the shear
     force jump. The common element with three coordinates a node (Przemieniecki, *Theory of
     Matrix Structural Analysis*, 1968, sec. 5.6) converges in second order only, because its

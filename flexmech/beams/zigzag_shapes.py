@@ -1,7 +1,7 @@
 """Displacement inside elements of zigzag beams: boundary layers of the shear angle included.
 
 The faces of a sandwich bend about their own axes where its shear angle changes: next to joints
-that hold the cross-section plane, and at jumps of the shear force. Such a layer falls off over
+that keep the cross-section plane, and at jumps of the shear force. Such a layer falls off over
 the length ``sqrt(E G^2 / kGA)``, mostly shorter than an element, so that elements of polynomials
 converge slowly. Here the shear angle has the exponentials of these layers among its shapes: static
 solutions of beams loaded at nodes are exact, as those of the Timoshenko element are.
@@ -102,7 +102,7 @@ class ZigzagBeam(Timoshenko):
 
     Rotation and shear force are those of :class:`Timoshenko`. The shear angle has a part for each
     warping of the section (:mod:`flexmech.sections.shear_theories`), which is continuous and whose
-    change along the link meets a stiffness of its own. At joints the pin's fitting holds the
+    change along the link meets a stiffness of its own. At joints the pin's fitting keeps the
     cross-section plane: there the parts are zero. Tension acts along the slope of the axis, as
     the faces that carry it do (Engesser's column; Bazant & Cedolin, *Stability of Structures*,
     sec. 1.7).

@@ -87,7 +87,7 @@ def hammer(
         Of the noise: the same seed gives the same noise.
     """
     from flexmech.analyses.damping_ratios import with_damping_ratio
-    from flexmech.analyses.hammer import hammer_test
+    from flexmech.analyses.hammer.compute import hammer_test
     from flexmech.linear_system import LinkPoint
     from flexmech.measured_data import check_uff
 

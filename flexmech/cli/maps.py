@@ -115,7 +115,7 @@ def campbell(
         greatest speed on, at a hundred of the speeds at most; about a third of a second each,
         longer at low speeds.
     """
-    from flexmech.analyses.campbell import campbell as analysis
+    from flexmech.analyses.campbell.compute import campbell as analysis
 
     mechanism = mechanism_of(model)
     deliver(
@@ -182,7 +182,7 @@ def stability(
         quantity of the model file such as links.coupler.in_plane_thickness; over a comma list or
         START:STOP:STEPS, as in "damping-ratio 0:2%:20" for 20 equal steps from 0 to 2 %.
     """
-    from flexmech.analyses.stability import stability as analysis
+    from flexmech.analyses.stability.compute import stability as analysis
 
     mechanism = mechanism_of(model)
     second = typed.parameter_range(mechanism, against)

@@ -39,13 +39,12 @@ def kinematics(
         Also with lumped masses: elements of each link, whose mass is halved onto their ends, in
         the order of the links, as in 1,4,4; or one number for all.
     """
-    from flexmech.analyses.kinematics import Kinematics, KinematicsRequest
-    from flexmech.analyses.kinematics import kinematics as analysis
+    from flexmech.analyses.kinematics.compute import kinematics as analysis
 
     value, unit = (None, "rad/s") if speed is None else (speed.single, speed.unit)
-    request = KinematicsRequest(typed.radians(angles), value, lumped, unit)
+    request = analyses.KinematicsRequest(typed.radians(angles), value, lumped, unit)
     mechanism = mechanism_of(model)
-    deliver(Kinematics, lambda _: analysis(mechanism, request), output, model=model, speeds=speed)
+    deliver(analyses.Kinematics, lambda _: analysis(mechanism, request), output, model=model, speeds=speed)
 
 
 def coupler_curve(

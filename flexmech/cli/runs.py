@@ -120,7 +120,7 @@ def response(
         What response.nc holds: needed for pictures, animation and comparisons; or all, with the
         places and energies of the links at every sample.
     """
-    from flexmech.analyses.response import response as analysis
+    from flexmech.analyses.response.compute import response as analysis
 
     mechanism = mechanism_of(model)
     alone = "animation: a GIF alone, for MP4 needs ffmpeg; install it and run again"
@@ -157,7 +157,7 @@ def export(
     Writes linkage.py, which needs exudyn and numpy alone and makes, solves and shows the system
     that response --engine exudyn runs.
     """
-    from flexmech.analyses.response import exudyn_system
+    from flexmech.analyses.response.compute import exudyn_system
     from flexmech.multibody import SCRIPT, ExudynEngine
 
     mechanism = mechanism_of(model)

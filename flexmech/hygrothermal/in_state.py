@@ -15,7 +15,7 @@ import numpy as np
 from flexmech.errors import InputError
 from flexmech.hygrothermal.environment import Environment, Exposure, HygrothermalState
 from flexmech.hygrothermal.link_moisture import inert_links, link_profile, resin_retention
-from flexmech.linkages import CouplerPoint, FourBar, Linkage, LinkPoint
+from flexmech.linkages import AttachmentPoint, CouplerPoint, FourBar, Linkage
 from flexmech.materials import Ply, PlyComposition, UnknownStiffnessError
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection, swollen_section
@@ -131,7 +131,7 @@ def mechanism_in_state(mechanism: Mechanism, environment: Environment) -> Mechan
     >>> round(wet.linkage.crank / mechanism.linkage.crank, 6)
     1.026148
     """
-    links = swollen_links(mechanism, environment)
+    links, point = swollen_links(mechanism, environment), mechanism.coupler_point
     name = mechanism.provenance.name
     if environment != HygrothermalState():
         name = f"{name}, {environment.label}"
@@ -160,7 +160,7 @@ def mechanism_in_state(mechanism: Mechanism, environment: Environment) -> Mechan
             )
             for spring in mechanism.springs
         ),
-        coupler_point=_moved_point(mechanism.coupler_point, links),
+        coupler_point=None if point is None else point.scaled(_growth("coupler", links)),
         provenance=replace(mechanism.provenance, name=name),
     )
 
@@ -250,9 +250,7 @@ def coupler_point_in_state(
         Farther from A by the coupler's elongation, under the same angle (Singh & Sanyal 2022,
         sec. 4, corrected).
     """
-    moved = _moved_point(point, swollen_links(mechanism, environment))
-    assert moved is not None
-    return moved
+    return point.scaled(1 + elongation_of(mechanism, "coupler", environment))
 
 
 def _growth(link: str, links: Mapping[str, SwollenLink]) -> float:
@@ -260,15 +258,9 @@ def _growth(link: str, links: Mapping[str, SwollenLink]) -> float:
     return 1 + links[link].elongation if link in links else 1.0
 
 
-def _moved_place(point: LinkPoint, links: Mapping[str, SwollenLink]) -> LinkPoint:
+def _moved_place(point: AttachmentPoint, links: Mapping[str, SwollenLink]) -> AttachmentPoint:
     """A place on a link that swells along with it; places of the ground stay."""
     return point if point.is_ground else replace(point, x=point.x * _growth(point.link, links))
-
-
-def _moved_point(
-    point: CouplerPoint | None, links: Mapping[str, SwollenLink]
-) -> CouplerPoint | None:
-    return None if point is None else point.scaled(1 + links["coupler"].elongation)
 
 
 def _resized(

@@ -103,14 +103,14 @@ class LinkDiffusion:
             # must not bend the link.
             saturation = (saturation + saturation[::-1]) / 2
         steps = saturation * np.diff(history.boundaries)
-        held = np.concatenate([[0.0], np.cumsum(steps)])
+        content = np.concatenate([[0.0], np.cumsum(steps)])
         thickness = np.array([layer.thickness for layer in self.layers])
         ends = history.boundaries[0] + np.concatenate([[0.0], np.cumsum(thickness)])
         moisture = []
         for layer, greatest in enumerate(self.saturation):
             count = max(1, round(SLICES * thickness[layer] / thickness.sum()))
             faces = np.linspace(ends[layer], ends[layer + 1], count + 1)
-            mean = np.diff(np.interp(faces, history.boundaries, held)) / np.diff(faces)
+            mean = np.diff(np.interp(faces, history.boundaries, content)) / np.diff(faces)
             moisture.append(tuple(float(m) for m in np.clip(mean, 0.0, 1.0) * greatest))
         return tuple(moisture)
 

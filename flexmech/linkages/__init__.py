@@ -1,14 +1,12 @@
 """Rigid linkages: topology, kinematics and inverse dynamics. No elasticity here."""
 
 from flexmech.linkages.applied_forces import ForceOnLink
-from flexmech.linkages.attachments import GROUND, JointSpring, LinkPoint, Load, Spring
-from flexmech.linkages.coupler_curves import (
-    CouplerCurve,
-    CouplerPoint,
+from flexmech.linkages.attachments import GROUND, AttachmentPoint, JointSpring, Load, Spring
+from flexmech.linkages.coupler_curves.curve import CouplerCurve, CouplerPoint, coupler_sextic
+from flexmech.linkages.coupler_curves.double_points import (
     DoublePoint,
     FiniteDoublePoint,
     circuit_of,
-    coupler_sextic,
     double_points,
     finite_double_points,
     focal_cubic,
@@ -20,11 +18,11 @@ from flexmech.linkages.inverse_dynamics import InverseDynamics, inverse_dynamics
 from flexmech.linkages.link_mass import LEAST_DISTANCE, LinkBody, LinkMass, lumped_elements
 from flexmech.linkages.linkage import (
     Linkage,
+    assemblable,
     continuous_angles,
     drawn_joints,
     linkage_positions,
     shown_crank_angle,
-    standing,
 )
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.planar import PlanarJoint, PlanarLink, PlanarLinkage
@@ -42,6 +40,7 @@ from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Slider,
 __all__ = [
     "GROUND",
     "LEAST_DISTANCE",
+    "AttachmentPoint",
     "Branch",
     "Clamp",
     "CouplerCurve",
@@ -59,7 +58,6 @@ __all__ = [
     "LinkBody",
     "LinkEnd",
     "LinkMass",
-    "LinkPoint",
     "Linkage",
     "Load",
     "LockedCrank",
@@ -75,6 +73,7 @@ __all__ = [
     "Topology",
     "TransmissionDesign",
     "Weld",
+    "assemblable",
     "circuit_of",
     "continuous_angles",
     "coupler_sextic",
@@ -88,7 +87,6 @@ __all__ = [
     "lumped_elements",
     "rocker_swing",
     "shown_crank_angle",
-    "standing",
     "synthesize_crank_rocker",
     "time_ratio",
     "transmission_design",

@@ -23,7 +23,7 @@ from flexmech.validation import (
 )
 
 GROUND = "ground"
-"""Where a :class:`LinkPoint` is that does not move."""
+"""Where a :class:`AttachmentPoint` is that does not move."""
 
 Axes = Literal["ground", "link"]
 LoadOver = Literal["constant", "crank_angle", "time"]
@@ -31,11 +31,11 @@ AXES: tuple[Axes, ...] = ("ground", "link")
 LOAD_OVER: tuple[LoadOver, ...] = ("constant", "crank_angle", "time")
 
 
-_POINT = "give flexmech.linkages.LinkPoint(link, x) with x in m"
+_POINT = "give flexmech.linkages.AttachmentPoint(link, x) with x in m"
 
 
 @dataclass(frozen=True)
-class LinkPoint:
+class AttachmentPoint:
     """A point on the axis of a link, or of the ground.
 
     Parameters
@@ -78,7 +78,7 @@ class Load:
     Parameters
     ----------
     name : str
-    point : LinkPoint
+    point : AttachmentPoint
         On a link.
     force : tuple of (float, float)
         In N, along x and y of the axes, one for each place of ``at``.
@@ -99,13 +99,13 @@ class Load:
 
     Examples
     --------
-    >>> place = flexmech.linkages.LinkPoint("coupler", 0.1)
+    >>> place = flexmech.linkages.AttachmentPoint("coupler", 0.1)
     >>> flexmech.Load("push", place, force=((0.0, -5.0),)).values(crank_angle=0.0)
     array([ 0., -5.,  0.])
     """
 
     name: str
-    point: LinkPoint
+    point: AttachmentPoint
     force: tuple[tuple[float, float], ...] = ((0.0, 0.0),)
     torque: tuple[float, ...] = (0.0,)
     axes: Axes = "ground"
@@ -116,7 +116,7 @@ class Load:
         what = f"load {self.name}"
         check_choice(self.axes, AXES, f"{what}: axes")
         check_choice(self.over, LOAD_OVER, f"{what}: over")
-        check_instance(self.point, LinkPoint, f"{what}: point", _POINT)
+        check_instance(self.point, AttachmentPoint, f"{what}: point", _POINT)
         if self.point.is_ground:
             raise InputError(f"{what} acts on the ground; give a point of a link")
         remedy = "give one of each for each place in a tuple"
@@ -190,7 +190,7 @@ class Spring:
     Parameters
     ----------
     name : str
-    first, second : LinkPoint
+    first, second : AttachmentPoint
     stiffness : float
         In N/m.
     free_length : float
@@ -205,15 +205,15 @@ class Spring:
 
     Examples
     --------
-    >>> first = flexmech.linkages.LinkPoint("rocker", 0.1)
-    >>> second = flexmech.linkages.LinkPoint("ground", x=0.3, y=0.1)
+    >>> first = flexmech.linkages.AttachmentPoint("rocker", 0.1)
+    >>> second = flexmech.linkages.AttachmentPoint("ground", x=0.3, y=0.1)
     >>> flexmech.Spring("return", first, second, stiffness=200.0, free_length=0.08).damping
     0.0
     """
 
     name: str
-    first: LinkPoint
-    second: LinkPoint
+    first: AttachmentPoint
+    second: AttachmentPoint
     stiffness: float
     free_length: float
     damping: float = 0.0
@@ -224,7 +224,7 @@ class Spring:
         check_number(self.free_length, f"{what}: free_length", "m", NOT_NEGATIVE)
         check_number(self.damping, f"{what}: damping", "N s/m", NOT_NEGATIVE)
         for end in (self.first, self.second):
-            check_instance(end, LinkPoint, f"each end of {what}", _POINT)
+            check_instance(end, AttachmentPoint, f"each end of {what}", _POINT)
         if self.first.link == self.second.link:
             raise InputError(f"{what} has both ends on {self.first.link}; join two links")
 

@@ -54,22 +54,15 @@ class BodyMotion:
     @classmethod
     def of_links(cls, motion: RigidMotion) -> Self:
         """Links, from their starts, and the ground after them; a batch of shape (B,)."""
-
-        def with_ground(values: FloatArray) -> FloatArray:
-            return np.concatenate([values, np.zeros((len(values), 1))], axis=1)
-
-        def place(vectors: FloatArray) -> ComplexArray:
-            return with_ground(vectors[..., 0]) + 1j * with_ground(vectors[..., 1])
-
-        return cls(
-            np.zeros(motion.angle.shape[1] + 1, dtype=complex),
-            place(motion.origin),
-            np.exp(1j * with_ground(motion.angle)),
-            place(motion.origin_velocity),
-            place(motion.origin_acceleration),
-            with_ground(motion.angular_velocity),
-            with_ground(motion.angular_acceleration),
-        )
+        batch, links = motion.angle.shape
+        place = np.zeros((3, batch, links + 1), dtype=complex)
+        vectors = motion.origin, motion.origin_velocity, motion.origin_acceleration
+        for own, vector in zip(place, vectors, strict=True):
+            own.real[:, :-1], own.imag[:, :-1] = vector[..., 0], vector[..., 1]
+        turn = np.zeros((3, batch, links + 1))
+        turn[..., :-1] = motion.angle, motion.angular_velocity, motion.angular_acceleration
+        drawn = np.zeros(links + 1, dtype=complex)
+        return cls(drawn, place[0], np.exp(1j * turn[0]), *place[1:], *turn[1:])
 
     @classmethod
     def stacked(cls, bodies: Sequence[BodyMotion]) -> Self:
@@ -240,7 +233,7 @@ class BodyPoints:
         matrix = np.zeros((*self._shape, len(axes)))
         turn, arm = bodies.turn[:, self.body], self.arms(bodies, slid)
         self.add_to(matrix, 1.0, axes[:, self.body], turn, arm)
-        return np.ascontiguousarray(np.moveaxis(matrix, -1, 0))
+        return np.ascontiguousarray(matrix.transpose(2, 0, 1))
 
     def jacobian_with_rates(self, bodies: BodyMotion, slid: ComplexArray) -> MatrixWithRates:
         """The Jacobian by coordinates in the bodies' own axes, and its rates as these turn.
@@ -257,7 +250,7 @@ class BodyPoints:
         MatrixWithRates
             Of shape (B, 2 P, size).
         """
-        matrix = np.zeros((*self._shape, 4, len(bodies.place)))
+        matrix = np.zeros((*self._shape, len(bodies.place), 4))
         self.add_rates(matrix, 1.0, bodies, slid)
         return parts_of(matrix)
 
@@ -268,7 +261,7 @@ class BodyPoints:
 
         Parameters
         ----------
-        matrix : ndarray, shape (rows, size, 4, B)
+        matrix : ndarray, shape (rows, size, B, 4)
         sign : float
         bodies : BodyMotion
             Batch of shape (B, n).
@@ -300,21 +293,21 @@ class BodyPoints:
 
         Parameters
         ----------
-        matrix : ndarray, shape (rows, size, ...)
+        matrix : ndarray, shape (rows, size, B) or (rows, size, B, 4)
         sign : float
-        axes, turn, arm : ndarray of complex, shape (..., P)
+        axes, turn, arm : ndarray of complex, shape (B, P) or (4, B, P)
             Unit vectors along which the reference points' first coordinates count, those of the
             turned bodies, and vectors from the reference points; or time derivatives of these.
-        across : ndarray of complex, shape (..., n_lines), optional
+        across : ndarray of complex, shape (B, n_lines), optional
             Unit vectors of the rows across lines.
         """
-        axes, turn, arm = (np.moveaxis(each, -1, 0) for each in (axes, turn, arm))
+        axes, turn, arm = axes.T, turn.T, arm.T
         block = sign * np.stack([axes, 1j * axes, 1j * arm], axis=1)
         (two, rows, columns), (one, line_rows, line_columns) = self._targets
         matrix[rows, columns] += block[two].real
         matrix[rows + 1, columns] += block[two].imag
         if across is not None and len(one):
-            unit = np.moveaxis(across, -1, 0)[self._moving_lines, None]
+            unit = across.T[self._moving_lines, None]
             matrix[line_rows, line_columns] += np.real(np.conj(unit) * block[one])
         if len(self._sliding):
             slide_rows, slides = self._slide_places
@@ -353,5 +346,5 @@ class BodyPoints:
 
 
 def parts_of(matrix: FloatArray) -> MatrixWithRates:
-    """Matrix with rates of its four parts (rows, columns, 4, B)."""
-    return MatrixWithRates(*np.ascontiguousarray(np.moveaxis(matrix, (2, 3), (0, 1))))
+    """Matrix with rates of its four parts (rows, columns, B, 4)."""
+    return MatrixWithRates(*np.ascontiguousarray(matrix.transpose(3, 2, 0, 1)))

@@ -1,4 +1,4 @@
-"""Unknown forces of clamps, pivots, pins, welds and sliders in the links' equations of motion."""
+"""Constraint forces of clamps, pivots, pins, welds and sliders in the equations of motion."""
 
 from __future__ import annotations
 
@@ -21,9 +21,10 @@ from flexmech.linkages.constraints import (
 from flexmech.linkages.motion import RigidMotion, normal
 from flexmech.linkages.topology import LinkEnd, Slider, Topology
 
-# Of singular values of the equations, with moments divided by the longest link, over the largest.
+# Singular values of conditions and equations, with moments divided by the longest link, that count
+# as none, over the largest: above what round-off leaves of them, 1e-12 near a dead point.
 RANK_TOLERANCE = 1e-9
-# Above this ratio of connection forces to what they hold, the equations may be singular.
+# Above this ratio of connection forces to what they carry, the equations may be singular.
 SUSPICIOUS_FORCE = 1e8
 
 
@@ -37,7 +38,7 @@ class Connection:
     component : {0, 1, 2, 3}
         Force along ground x or y, couple, force along the left normal of a slider's line.
     place : LinkEnd
-        The held or following end, on which it acts.
+        The grounded or following end, on which it acts.
     other : LinkEnd or None
         The leading end, on which its opposite acts; None where that is the ground or a guide.
     slider : Slider or None
@@ -56,15 +57,15 @@ def connections(topology: Topology) -> tuple[Connection, ...]:
     """Every unknown of a linkage: clamps and welds have 3, pivots and pins 2, sliders 1."""
     found = []
     for clamp in topology.clamps:
-        found += [Connection(clamp.joint, i, clamp.held) for i in (0, 1, 2)]
+        found += [Connection(clamp.joint, i, clamp.link_end) for i in (0, 1, 2)]
     for pivot in topology.pivots:
-        found += [Connection(pivot.joint, i, pivot.held) for i in (0, 1)]
+        found += [Connection(pivot.joint, i, pivot.link_end) for i in (0, 1)]
     for pin in topology.pins:
         found += [Connection(pin.joint, i, pin.follower, pin.leader) for i in (0, 1)]
     for weld in topology.welds:
         found += [Connection(weld.joint, i, weld.follower, weld.leader) for i in (0, 1, 2)]
     for slider in topology.sliders:
-        found.append(Connection(slider.joint, 3, slider.held, slider=slider))
+        found.append(Connection(slider.joint, 3, slider.link_end, slider=slider))
     return tuple(found)
 
 
@@ -79,7 +80,7 @@ def slider_line(topology: Topology, slider: Slider) -> PointOnLine:
     guide = topology.index(slider.guide) if slider.guide else GROUND_AFTER_LINKS
     along = cmath.rect(1.0, slider.direction)
     line = BodyPoint(guide, 1j * slider.offset * along)
-    return PointOnLine(end_point(topology, slider.held), line, along)
+    return PointOnLine(end_point(topology, slider.link_end), line, along)
 
 
 @lru_cache(maxsize=64)
@@ -90,11 +91,8 @@ def _constraints(topology: Topology) -> Constraints:
         if one.slider is not None:
             found.append(slider_line(topology, one.slider))
         elif one.component == 0:
-            other = (
-                BodyPoint(GROUND_AFTER_LINKS)
-                if one.other is None
-                else end_point(topology, one.other)
-            )
+            ground = BodyPoint(GROUND_AFTER_LINKS)
+            other = ground if one.other is None else end_point(topology, one.other)
             found.append(Coincidence(end_point(topology, one.place), other))
         elif one.component == 2:
             leader = GROUND_AFTER_LINKS if one.other is None else topology.index(one.other.link)
@@ -119,7 +117,7 @@ def guide_place(
     tuple of ndarray, shape (...)
         Along and across the guide's frame in m.
     """
-    line, guide = end_point(topology, slider.held), topology.index(slider.guide)
+    line, guide = end_point(topology, slider.link_end), topology.index(slider.guide)
     there = motion.position(line.body, line.place.real) - motion.origin[..., guide, :]
     place = (there[..., 0] + 1j * there[..., 1]) * np.exp(-1j * motion.angle[..., guide])
     return place.real, place.imag
@@ -180,7 +178,7 @@ def solve_connections(topology: Topology, motion: RigidMotion, load: FloatArray)
     Raises
     ------
     InputError
-        If the connections hold the linkage more or less than once; names a joint.
+        If the linkage is over- or underconstrained; names a joint.
     """
     matrix = connection_matrix(topology, motion)
     if matrix.shape[-1] != matrix.shape[-2]:
@@ -191,8 +189,8 @@ def solve_connections(topology: Topology, motion: RigidMotion, load: FloatArray)
         raise InputError(_what_is_wrong(topology, motion, matrix)) from None
     # Round-off makes a singular matrix regular; what it gives is then far too large.
     shortest = min(link.length for link in topology.links)
-    held = np.abs(load).max(initial=0.0) * max(1.0, 1.0 / shortest)
-    if not np.abs(solved).max(initial=0.0) <= SUSPICIOUS_FORCE * held:
+    carried = np.abs(load).max(initial=0.0) * max(1.0, 1.0 / shortest)
+    if not np.abs(solved).max(initial=0.0) <= SUSPICIOUS_FORCE * carried:
         words = _what_is_wrong(topology, motion, matrix)
         if words:
             raise InputError(words)
@@ -200,7 +198,7 @@ def solve_connections(topology: Topology, motion: RigidMotion, load: FloatArray)
 
 
 def _what_is_wrong(topology: Topology, motion: RigidMotion, matrix: FloatArray) -> str:
-    """Which joint holds too much or too little, in the first position where one does."""
+    """Which joint constrains too much or too little, in the first position where one does."""
     equations, unknowns = matrix.shape[-2:]
     longest = max(link.length for link in topology.links)
     scaled = matrix.reshape(-1, equations, unknowns).copy()
@@ -236,24 +234,18 @@ def _what_is_wrong(topology: Topology, motion: RigidMotion, matrix: FloatArray) 
 
 def _first_dependent(topology: Topology, matrix: FloatArray) -> str:
     """Joint of the first unknown that those before it can take over."""
-    basis: list[FloatArray] = []
-    for unknown, column in zip(connections(topology), matrix.T, strict=True):
-        rest = column.copy()
-        for _ in range(2):
-            for unit in basis:
-                rest = rest - (unit @ rest) * unit
-        size = float(np.linalg.norm(rest))
-        if size <= RANK_TOLERANCE * float(np.linalg.norm(column)):
-            return unknown.joint
-        basis.append(rest / size)
-    return connections(topology)[-1].joint
+    unknowns = connections(topology)
+    for count in range(1, len(unknowns)):
+        values = np.linalg.svd(matrix[:, :count], compute_uv=False)
+        if len(values) < count or values[-1] <= RANK_TOLERANCE * values[0]:
+            return unknowns[count - 1].joint
+    return unknowns[-1].joint
 
 
 def _joints_of(topology: Topology, link: str) -> list[str]:
-    """Joints at which a link is held or tied, in order and each once."""
-    found = [c.joint for c in connections(topology) if c.place.link == link]
-    found += [
-        c.joint for c in connections(topology) if c.other is not None and c.other.link == link
-    ]
+    """Joints of a link, in order and each once."""
+    unknowns = connections(topology)
+    found = [c.joint for c in unknowns if c.place.link == link]
+    found += [c.joint for c in unknowns if c.other is not None and c.other.link == link]
     found += [slider.joint for slider in topology.sliders if slider.guide == link]
     return list(dict.fromkeys(found))

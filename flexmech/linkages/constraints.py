@@ -98,6 +98,7 @@ class Constraints:
                 [own.second for _, own in of_points],
             )
         )
+        self._points: dict[tuple[BodyPoint, ...], BodyPoints] = {}
         self._turning = np.zeros((self.count, self._size))
         for row, own in numbered:
             if isinstance(own, EqualAngle):
@@ -107,7 +108,10 @@ class Constraints:
 
     def points(self, points: Sequence[BodyPoint]) -> BodyPoints:
         """Points whose Jacobian is by the coordinates of the constraints."""
-        return BodyPoints(points, self._columns, self._slides, self._size)
+        own = tuple(points)
+        if own not in self._points:
+            self._points[own] = BodyPoints(own, self._columns, self._slides, self._size)
+        return self._points[own]
 
     def gap(self, bodies: BodyMotion, slid: ComplexArray | None = None) -> FloatArray:
         """What is left of conditions of points in m; shape (B, count), zero of equal angles.
@@ -171,7 +175,7 @@ class Constraints:
             turn = bodies.turn[:, own.body]
             own.add_to(matrix, sign, axes[:, own.body], turn, arm, self._across(bodies))
         matrix += self._turning[..., None]
-        return np.ascontiguousarray(np.moveaxis(matrix, -1, 0))
+        return np.ascontiguousarray(matrix.transpose(2, 0, 1))
 
     def jacobian_with_rates(self, bodies: BodyMotion, slid: ComplexArray) -> MatrixWithRates:
         """The Jacobian by coordinates in the bodies' own axes, which turn.
@@ -188,10 +192,10 @@ class Constraints:
         MatrixWithRates
             Of shape (B, count, 3 n + slides).
         """
-        matrix = np.zeros((self.count, self._size, 4, len(bodies.place)))
+        matrix = np.zeros((self.count, self._size, len(bodies.place), 4))
         self.first.add_rates(matrix, 1.0, bodies, slid)
         self.second.add_rates(matrix, -1.0, bodies, slid)
-        matrix[:, :, 0] += self._turning[..., None]
+        matrix[..., 0] += self._turning[..., None]
         return parts_of(matrix)
 
     def turned(self, coordinates: FloatArray) -> FloatArray:

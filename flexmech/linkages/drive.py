@@ -104,7 +104,7 @@ class CrankDrive:
 
 @dataclass(frozen=True)
 class LockedCrank:
-    """A crank whose shaft is held at an angle.
+    """A crank whose shaft is fixed at an angle.
 
     Parameters
     ----------

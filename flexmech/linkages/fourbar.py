@@ -40,7 +40,7 @@ class FourBar:
     branch : {"open", "crossed"}
         "open" has B to the left of the line from A to O4 (above it at crank angle zero).
     sprung : tuple of str
-        Of the joints A, B and O4, those that springs alone hold together when links bend. A
+        Of the joints A, B and O4, those with springs in place of a rigid bearing. A
         mechanism names those with a radial stiffness by itself.
 
     Raises
@@ -86,7 +86,7 @@ class FourBar:
             )
 
     def sprung_at(self, joints: Collection[str]) -> Self:
-        """The linkage with springs alone holding these joints, and no others.
+        """The linkage with springs in place of rigid bearings in these joints, and no others.
 
         Parameters
         ----------
@@ -169,10 +169,8 @@ class FourBar:
         InputError
             Where the linkage cannot be assembled.
         """
-        return self._transmission_angle(checked_array(crank_angle, "crank_angle", "rad"))
-
-    def _transmission_angle(self, theta: FloatArray) -> FloatArray:
-        return np.asarray(np.arccos(np.clip(self._transmission_cosine(theta), -1.0, 1.0)))
+        cosine = self._transmission_cosine(checked_array(crank_angle, "crank_angle", "rad"))
+        return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
     def _transmission_cosine(self, theta: FloatArray) -> FloatArray:
         cosine = self._cosine_at_b(np.cos(theta))
@@ -297,13 +295,8 @@ class FourBar:
         FourBar
         """
         ground = self.ground * ground_growth
-        return replace(
-            self,
-            ground=ground,
-            crank=lengths["crank"],
-            coupler=lengths["coupler"],
-            rocker=lengths["rocker"],
-        )
+        crank, coupler, rocker = (lengths[link.name] for link in self.topology.links)
+        return replace(self, ground=ground, crank=crank, coupler=coupler, rocker=rocker)
 
     def described(self) -> list[str]:
         """Kind, lengths, Grashof class and range of the transmission angle, a line each."""

@@ -13,12 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
-from flexmech.linkages.applied_forces import (
-    ForceOnLink,
-    forces_of_joint_springs,
-    forces_of_loads,
-    forces_of_springs,
-)
+from flexmech.linkages.applied_forces import ForceOnLink, applied_forces
 from flexmech.linkages.attachments import JointSpring, Load, Spring
 from flexmech.linkages.connection_forces import (
     connections,
@@ -56,10 +51,10 @@ class InverseDynamics(LinkForces):
     inertia_moment : ndarray, shape (..., n_links)
         Its moment about the link's start, N m.
     joint_force : dict of str to ndarray, shape (..., 2)
-        Force on the held or following link at each joint, ground axes, N. A slider's is
+        Force on the grounded or following link at each joint, ground axes, N. A slider's is
         across its line.
     joint_moment : dict of str to ndarray, shape (...)
-        Couple on the held or following link at each joint, N m: of clamps and welds, zero at
+        Couple on the grounded or following link at each joint, N m: of clamps and welds, zero at
         the others. A torsional spring in a joint is not part of it.
     driving_torque : ndarray, shape (...)
         Torque of the shaft on the clamped link about the shaft's axis, N m. The inertia of
@@ -98,7 +93,7 @@ def inverse_dynamics(
     Parameters
     ----------
     topology : Topology
-        With as many connections as hold the linkage once the shaft is held.
+        With as many constraint forces as unknown, once the shaft is fixed.
     motion : RigidMotion
         Positions at which to solve.
     masses : sequence of LinkMass
@@ -125,11 +120,7 @@ def inverse_dynamics(
     """
     force, moment = _inertia_loads(motion, masses, gravity)
     angles = motion.angle if continuous_angles is None else continuous_angles
-    applied = (
-        *forces_of_loads(topology, motion, loads, time),
-        *forces_of_springs(topology, motion, springs),
-        *forces_of_joint_springs(topology, motion, joint_springs, angles),
-    )
+    applied = tuple(applied_forces(topology, motion, loads, springs, joint_springs, angles, time))
     rows = np.concatenate([force, moment[..., None]], axis=-1)
     _add_forces(rows, motion, applied)
     unknown = solve_connections(topology, motion, rows.reshape(*rows.shape[:-2], -1))
@@ -226,6 +217,6 @@ def _driving_torque(
     for clamp in topology.clamps:
         torque = torque + joint_moment[clamp.joint]
         if clamp.hub:
-            arm = clamp.hub * direction(motion.angle[..., topology.index(clamp.held.link)])
+            arm = clamp.hub * direction(motion.angle[..., topology.index(clamp.link_end.link)])
             torque = torque + cross(arm, joint_force[clamp.joint])
     return torque

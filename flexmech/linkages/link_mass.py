@@ -231,7 +231,7 @@ def lumped_elements(topology: Topology) -> tuple[int, ...]:
     -------
     tuple of int
     """
-    clamped = {clamp.held.link for clamp in topology.clamps}
+    clamped = {clamp.link_end.link for clamp in topology.clamps}
     leading = {pin.leader.link for pin in topology.pins}
     return tuple(1 if name in clamped & leading else 4 for name in topology.link_names)
 

@@ -1,4 +1,4 @@
-"""What every linkage offers, whatever its kind, and what is asked of any: where it stands."""
+"""What every linkage offers, whatever its kind, and its positions at crank angles."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Linkage(Protocol):
         ...
 
     def sprung_at(self, joints: Collection[str]) -> Self:
-        """The linkage with springs alone holding these joints, and no others.
+        """The linkage with springs in place of rigid bearings in these joints, and no others.
 
         Parameters
         ----------
@@ -95,7 +95,7 @@ class Linkage(Protocol):
         ...
 
 
-# In degrees; the first at which the linkage can stand shows it best. Then every degree.
+# In degrees; the first at which the linkage can be assembled shows it best. Then every degree.
 SHOWN = (60.0, 0.0, 30.0, 90.0, 120.0, 180.0, 240.0, 300.0, *range(1, 360))
 
 
@@ -118,7 +118,7 @@ def linkage_positions(linkage: Linkage, crank_angle: float) -> xr.Dataset:
     Raises
     ------
     InputError
-        If the linkage cannot stand at the crank angle.
+        If the linkage cannot be assembled at the crank angle.
     """
     import xarray as xr
 
@@ -162,16 +162,16 @@ def shown_crank_angle(linkage: Linkage) -> float:
     Raises
     ------
     InputError
-        If the linkage can stand at no crank angle of whole degrees.
+        If the linkage can be assembled at no crank angle of whole degrees.
     """
     for degrees in SHOWN:
-        if _stands(linkage, np.radians(degrees)):
+        if _is_assemblable(linkage, np.radians(degrees)):
             return float(np.radians(degrees))
     raise InputError("the linkage can stand at no crank angle of whole degrees; check its lengths")
 
 
-def standing(linkage: Linkage, crank_angles: FloatArray) -> NDArray[np.bool_]:
-    """Whether a linkage can stand at each of some crank angles.
+def assemblable(linkage: Linkage, crank_angles: FloatArray) -> NDArray[np.bool_]:
+    """Whether a linkage can be assembled at each of some crank angles.
 
     Parameters
     ----------
@@ -183,13 +183,15 @@ def standing(linkage: Linkage, crank_angles: FloatArray) -> NDArray[np.bool_]:
     -------
     ndarray of bool, shape (A,)
     """
-    if _stands(linkage, crank_angles):
+    if _is_assemblable(linkage, crank_angles):
         return np.ones(len(crank_angles), dtype=bool)
-    return np.array([_stands(linkage, angle) for angle in crank_angles.tolist()], dtype=bool)
+    return np.array(
+        [_is_assemblable(linkage, angle) for angle in crank_angles.tolist()], dtype=bool
+    )
 
 
-def _stands(linkage: Linkage, crank_angle: ArrayLike) -> bool:
-    """Whether it stands at a crank angle, or at each of several."""
+def _is_assemblable(linkage: Linkage, crank_angle: ArrayLike) -> bool:
+    """Whether it can be assembled at a crank angle, or at each of several."""
     try:
         linkage.motion(crank_angle)
     except InputError:
@@ -257,14 +259,14 @@ def continuous_angles(linkage: Linkage, motion: RigidMotion) -> FloatArray:
     """
     step = TURN / STEPS
     around = np.asarray(step * np.arange(STEPS + 1), dtype=float)
-    stands = standing(linkage, around)
+    possible = assemblable(linkage, around)
     turns, places = np.divmod(np.rint(motion.crank_angle / step).astype(int), STEPS)
-    if np.all(stands):
+    if np.all(possible):
         followed = np.unwrap(linkage.motion(around).angle, axis=0)
         gained = TURN * np.round((followed[-1] - followed[0]) / TURN)
         near = followed[places] + turns[..., None] * gained
     else:
-        near = _in_ranges(linkage, around[:-1], stands[:-1], motion.angle.shape[-1])[places]
+        near = _in_ranges(linkage, around[:-1], possible[:-1], motion.angle.shape[-1])[places]
         # A range too narrow to be met by a step is its own.
         near = np.where(np.isnan(near), motion.angle, near)
     counted: FloatArray = motion.angle + TURN * np.round((near - motion.angle) / TURN)
@@ -272,15 +274,15 @@ def continuous_angles(linkage: Linkage, motion: RigidMotion) -> FloatArray:
 
 
 def _in_ranges(
-    linkage: Linkage, around: FloatArray, stands: NDArray[np.bool_], links: int
+    linkage: Linkage, around: FloatArray, possible: NDArray[np.bool_], links: int
 ) -> FloatArray:
-    """Angles over a turn, followed in each range that stands; not a number elsewhere."""
+    """Angles over a turn, followed in each range of motion; not a number elsewhere."""
     followed = np.full((len(around), links), np.nan)
-    # Begun where the linkage does not stand, no range runs over the end.
-    order = np.roll(np.arange(len(around)), -int(np.argmin(stands)))
-    edges = np.flatnonzero(np.diff(stands[order].astype(int))) + 1
+    # Begun where the linkage cannot be assembled, no range runs over the end.
+    order = np.roll(np.arange(len(around)), -int(np.argmin(possible)))
+    edges = np.flatnonzero(np.diff(possible[order].astype(int))) + 1
     for part in np.split(order, edges):
-        if stands[part[0]]:
+        if possible[part[0]]:
             angles = np.unwrap(linkage.motion(around[part]).angle, axis=0)
             if 0 in part:
                 kept = linkage.motion(0.0).angle

@@ -1,4 +1,4 @@
-"""How links are held and joined: plain data that every engine reads."""
+"""Links and the joints between them and to the ground: plain data that every engine reads."""
 
 from __future__ import annotations
 
@@ -48,13 +48,13 @@ class Clamp:
     Parameters
     ----------
     joint : str
-    held : LinkEnd
+    link_end : LinkEnd
     hub : float
         Distance in m by which the end lies beyond the shaft's axis, along the link's frame.
     """
 
     joint: str
-    held: LinkEnd
+    link_end: LinkEnd
     hub: float = 0.0
 
 
@@ -65,14 +65,14 @@ class Pivot:
     Parameters
     ----------
     joint : str
-    held : LinkEnd
+    link_end : LinkEnd
     sprung : bool
-        Whether springs alone hold it (a bearing with a radial stiffness): the rigid linkage
+        Whether it has springs in place of a rigid bearing: the rigid linkage
         turns about the ground pivot, the elastic link's end moves against it.
     """
 
     joint: str
-    held: LinkEnd
+    link_end: LinkEnd
     sprung: bool = False
 
 
@@ -85,7 +85,7 @@ class Pin:
     joint : str
     leader, follower : LinkEnd
     sprung : bool
-        Whether springs alone hold them together (a bearing with a radial stiffness): they
+        Whether it has springs in place of a rigid bearing: they
         share their position in the rigid linkage, and move against each other elastically.
     """
 
@@ -111,7 +111,7 @@ class Slider:
     Parameters
     ----------
     joint : str
-    held : LinkEnd
+    link_end : LinkEnd
         The end that slides; it may turn against the line.
     direction : float
         Angle of the line to the ground's x axis, or to that of the guiding link's frame, in rad.
@@ -122,7 +122,7 @@ class Slider:
     """
 
     joint: str
-    held: LinkEnd
+    link_end: LinkEnd
     direction: float
     offset: float = 0.0
     guide: str = ""
@@ -136,12 +136,12 @@ class Topology:
     ----------
     links : tuple of Link
     clamps, pivots, pins, welds, sliders : tuple
-        Connections. A link end is held, slides or follows at most once.
+        Connections. A link end is fixed, slides or follows at most once.
 
     Raises
     ------
     InputError
-        If a connection names an unknown link, an end is held twice, or a line is on a link
+        If a connection names an unknown link, an end is constrained twice, or a line is on a link
         that is not rigid.
     """
 
@@ -156,7 +156,7 @@ class Topology:
         names = self.link_names
         if len(set(names)) != len(names):
             raise InputError(f"link names must differ, got {names}")
-        bound = [*self._held, *(tie.follower for tie in self.ties)]
+        bound = [*self._grounded_ends, *(tie.follower for tie in self.ties)]
         for place in [*bound, *(tie.leader for tie in self.ties)]:
             if place.link not in names:
                 raise InputError(f"a connection names link {place.link!r}; links are {names}")
@@ -181,11 +181,11 @@ class Topology:
 
     @property
     def joints(self) -> dict[str, LinkEnd]:
-        """Name of each joint and the link end that carries it: held or leading."""
-        places = {clamp.joint: clamp.held for clamp in self.clamps}
+        """Name of each joint and the link end that carries it: on the ground or leading."""
+        places = {clamp.joint: clamp.link_end for clamp in self.clamps}
         places |= {tie.joint: tie.leader for tie in self.ties}
-        places |= {slider.joint: slider.held for slider in self.sliders}
-        return places | {pivot.joint: pivot.held for pivot in self.pivots}
+        places |= {slider.joint: slider.link_end for slider in self.sliders}
+        return places | {pivot.joint: pivot.link_end for pivot in self.pivots}
 
     @property
     def ties(self) -> tuple[Pin | Weld, ...]:
@@ -193,16 +193,16 @@ class Topology:
         return (*self.pins, *self.welds)
 
     @property
-    def _held(self) -> list[LinkEnd]:
-        """Link ends that the ground or a line holds."""
-        holders: tuple[Clamp | Pivot | Slider, ...] = (*self.clamps, *self.pivots, *self.sliders)
-        return [holder.held for holder in holders]
+    def _grounded_ends(self) -> list[LinkEnd]:
+        """Link ends that are fixed to the ground, or slide on a line."""
+        joints: tuple[Clamp | Pivot | Slider, ...] = (*self.clamps, *self.pivots, *self.sliders)
+        return [joint.link_end for joint in joints]
 
     @property
     def joined_ends(self) -> frozenset[LinkEnd]:
         """Link ends at a joint: all but free tips."""
         tied = [place for tie in self.ties for place in (tie.leader, tie.follower)]
-        return frozenset(self._held + tied)
+        return frozenset(self._grounded_ends + tied)
 
     @property
     def joint_names(self) -> tuple[str, ...]:
@@ -221,7 +221,7 @@ class Topology:
 
     @property
     def sprung_joints(self) -> set[str]:
-        """Pins and pivots that springs alone hold."""
+        """Pins and pivots that have springs in place of a rigid bearing."""
         pins = {pin.joint for pin in self.pins if pin.sprung}
         return pins | {pivot.joint for pivot in self.pivots if pivot.sprung}
 
@@ -234,7 +234,7 @@ class Topology:
         return leading_end(place, self.ties)
 
     def tied(self) -> Topology:
-        """The same, with pins and pivots that springs alone hold holding as rigid ones do."""
+        """The same with rigid pins and pivots in place of springs."""
         pins = tuple(replace(pin, sprung=False) for pin in self.pins)
         pivots = tuple(replace(pivot, sprung=False) for pivot in self.pivots)
         return replace(self, pins=pins, pivots=pivots)
@@ -246,11 +246,11 @@ class Topology:
 
     @property
     def pinned_ends(self) -> dict[str, tuple[LinkEnd, LinkEnd | None]]:
-        """Following and leading end of each pin, by joint; held end of each pivot, and None."""
+        """Following and leading end of each pin, by joint; of each pivot its end, and None."""
         ends: dict[str, tuple[LinkEnd, LinkEnd | None]] = {
             pin.joint: (pin.follower, pin.leader) for pin in self.pins
         }
-        return ends | {pivot.joint: (pivot.held, None) for pivot in self.pivots}
+        return ends | {pivot.joint: (pivot.link_end, None) for pivot in self.pivots}
 
     def opening(self, joint: str, angles: FloatArray) -> FloatArray:
         """Angle by which a pin or pivot is open, or its rate from angular velocities.
@@ -264,7 +264,7 @@ class Topology:
         Returns
         -------
         ndarray, shape (...)
-            That of the following link less that of the leading one, or that of the held link.
+            That of the following link less that of the leading one, or that of a pivoted link.
         """
         follower, leader = self.pinned_ends[joint]
         opened: FloatArray = angles[..., self.index(follower.link)]

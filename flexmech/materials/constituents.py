@@ -9,35 +9,27 @@ from functools import lru_cache
 from importlib import resources
 from typing import Any, ClassVar
 
+from flexmech import units
 from flexmech.errors import InputError
 from flexmech.materials.hygrothermal import Hygrothermal
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
 from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity, short_repr
-from flexmech.units import (
-    DENSITY,
-    EXPANSION,
-    MOISTURE_EXPANSION,
-    RATIO,
-    STRESS,
-    TEMPERATURE,
-    TEMPERATURE_DIFFERENCE,
-)
 from flexmech.validation import FINITE, NOT_NEGATIVE, POSITIVE, Bounds, check_fields, check_number
 
 # Properties by the names of their fields.
 DIMENSIONS = {
-    "youngs_modulus": STRESS,
-    "shear_modulus": STRESS,
-    "density": DENSITY,
-    "poisson_ratio": RATIO,
-    "thermal_expansion": EXPANSION,
-    "moisture_expansion": MOISTURE_EXPANSION,
-    "specific_damping": RATIO,
-    "transverse_modulus": STRESS,
-    "transverse_shear_modulus": STRESS,
-    "wet_thermal_expansion": EXPANSION,
-    "glass_transition": TEMPERATURE,
-    "tensile_strength": STRESS,
+    "youngs_modulus": units.STRESS,
+    "shear_modulus": units.STRESS,
+    "density": units.DENSITY,
+    "poisson_ratio": units.RATIO,
+    "thermal_expansion": units.EXPANSION,
+    "moisture_expansion": units.MOISTURE_EXPANSION,
+    "specific_damping": units.RATIO,
+    "transverse_modulus": units.STRESS,
+    "transverse_shear_modulus": units.STRESS,
+    "wet_thermal_expansion": units.EXPANSION,
+    "glass_transition": units.TEMPERATURE,
+    "tensile_strength": units.STRESS,
 }
 
 
@@ -90,8 +82,8 @@ class Constituent:
 
     def __post_init__(self) -> None:
         of = f"of {self.name!r}"
-        units = {"youngs_modulus": "Pa", "shear_modulus": "Pa", "density": "kg/m^3"}
-        check_fields(self, units, POSITIVE, of)
+        moduli = {"youngs_modulus": "Pa", "shear_modulus": "Pa", "density": "kg/m^3"}
+        check_fields(self, moduli, POSITIVE, of)
         check_fields(self, {"specific_damping": "", "moisture_expansion": ""}, NOT_NEGATIVE, of)
         check_fields(self, {"thermal_expansion": "1/K"}, FINITE, of)
         check_fields(self, {"poisson_ratio": ""}, Bounds(least=0.0, below=0.5), of)
@@ -121,7 +113,8 @@ class Constituent:
             table["source"] = self.source
         spreads = {
             name: quantity(
-                spread, TEMPERATURE_DIFFERENCE if name == "glass_transition" else DIMENSIONS[name]
+                spread,
+                units.TEMPERATURE_DIFFERENCE if name == "glass_transition" else DIMENSIONS[name],
             )
             for name, spread in self.uncertainty.items()
         }
@@ -173,8 +166,8 @@ class Fibre(Constituent):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        units = {"transverse_modulus": "Pa", "transverse_shear_modulus": "Pa"}
-        check_fields(self, units, POSITIVE, f"of {self.name!r}", optional=True)
+        moduli = {"transverse_modulus": "Pa", "transverse_shear_modulus": "Pa"}
+        check_fields(self, moduli, POSITIVE, f"of {self.name!r}", optional=True)
 
     @property
     def modulus_across(self) -> float:
@@ -237,8 +230,8 @@ class Matrix(Constituent):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        units = {"tensile_strength": "Pa"}
-        check_fields(self, units, POSITIVE, f"of {self.name!r}", optional=True)
+        of = f"of {self.name!r}"
+        check_fields(self, {"tensile_strength": "Pa"}, POSITIVE, of, optional=True)
         _ = self.hygrothermal
 
     @property

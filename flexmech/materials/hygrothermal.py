@@ -11,18 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech import units
 from flexmech.errors import InputError
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
 from flexmech.model_text import TomlTable, fields_table, short_repr, stated
-from flexmech.units import (
-    ACTIVATION_ENERGY,
-    DIFFUSIVITY,
-    EXPANSION,
-    MOISTURE_EXPANSION,
-    RATIO,
-    TEMPERATURE,
-    ZERO_CELSIUS,
-)
 from flexmech.validation import NOT_NEGATIVE, POSITIVE, Bounds, check_fields
 
 REFERENCE_TEMPERATURE = 293.15
@@ -97,22 +89,22 @@ class Hygrothermal:
         table = fields_table(
             self,
             {
-                "thermal_expansion": EXPANSION,
-                "wet_thermal_expansion": EXPANSION,
-                "moisture_expansion": MOISTURE_EXPANSION,
-                "glass_transition": TEMPERATURE,
+                "thermal_expansion": units.EXPANSION,
+                "wet_thermal_expansion": units.EXPANSION,
+                "moisture_expansion": units.MOISTURE_EXPANSION,
+                "glass_transition": units.TEMPERATURE,
             },
         )
         if self.equilibrium is not None:
             table |= stated(
-                equilibrium_moisture=(self.equilibrium.saturation, RATIO),
-                humidity_exponent=(self.equilibrium.humidity_exponent, RATIO),
+                equilibrium_moisture=(self.equilibrium.saturation, units.RATIO),
+                humidity_exponent=(self.equilibrium.humidity_exponent, units.RATIO),
             )
         if self.diffusivity is not None:
             table |= stated(
-                diffusivity=(self.diffusivity.value, DIFFUSIVITY),
-                diffusivity_temperature=(self.diffusivity.reference_temperature, TEMPERATURE),
-                activation_energy=(self.diffusivity.activation_energy, ACTIVATION_ENERGY),
+                diffusivity=(self.diffusivity.value, units.DIFFUSIVITY),
+                diffusivity_temperature=(self.diffusivity.reference_temperature, units.TEMPERATURE),
+                activation_energy=(self.diffusivity.activation_energy, units.ACTIVATION_ENERGY),
             )
         return table
 
@@ -302,12 +294,12 @@ class ResinContent:
 
 
 def _fahrenheit(temperature: float) -> float:
-    return (temperature - ZERO_CELSIUS) * 9 / 5 + 32
+    return (temperature - units.ZERO_CELSIUS) * 9 / 5 + 32
 
 
 def _kelvin(fahrenheit: float) -> float:
-    return (fahrenheit - 32) * 5 / 9 + ZERO_CELSIUS
+    return (fahrenheit - 32) * 5 / 9 + units.ZERO_CELSIUS
 
 
 def _celsius(temperature: float) -> str:
-    return f"{temperature - ZERO_CELSIUS:.5g} degC"
+    return f"{temperature - units.ZERO_CELSIUS:.5g} degC"

@@ -82,9 +82,7 @@ def ply_from_constituents(
     >>> flexmech.ply_from_constituents(known["E-glass"], known["polyester"], 0.6)
     <Ply: E-glass/polyester, E1 42.972 GPa, E2 9.63166 GPa, G12 0.208163 GPa, density 2046.4 kg/m^3>
     """
-    remedy = "take one of published_constituents(), or make your own"
-    check_instance(fibre, Fibre, "fibre", remedy)
-    check_instance(matrix, Matrix, "matrix", remedy)
+    origin = PlyComposition(fibre, matrix, fibre_volume_fraction, rule)
     share = _checked_fraction(fibre_volume_fraction)
     check_choice(rule, RULES, "rule")
     across, shear, shear_across = _mixings(rule, matrix.poisson_ratio)
@@ -115,7 +113,7 @@ def ply_from_constituents(
             fibre, matrix, share, (fibre.moisture_expansion, matrix.moisture_expansion)
         ),
         name=f"{fibre.name}/{matrix.name}",
-        origin=PlyComposition(fibre, matrix, share, rule),
+        origin=origin,
     )
 
 

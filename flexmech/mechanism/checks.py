@@ -8,9 +8,9 @@ from typing import TypeVar
 from flexmech.errors import InputError
 from flexmech.linkages import (
     LEAST_DISTANCE,
+    AttachmentPoint,
     JointSpring,
     Linkage,
-    LinkPoint,
     Load,
     Spring,
     Topology,
@@ -97,7 +97,7 @@ def checked_parts(topology: Topology, name: str, parts: Iterable[Part]) -> tuple
 
 
 def sprung_linkage(linkage: Linkage, springs: Iterable[JointSpring]) -> Linkage:
-    """The linkage with springs alone holding the joints that have a radial stiffness.
+    """The linkage with springs in place of rigid bearings in joints with a radial stiffness.
 
     Parameters
     ----------
@@ -111,17 +111,17 @@ def sprung_linkage(linkage: Linkage, springs: Iterable[JointSpring]) -> Linkage:
     Raises
     ------
     InputError
-        If the linkage says that springs hold a joint where none has a radial stiffness.
+        If the linkage has springs in a joint where none has a radial stiffness.
     """
     sprung = linkage.topology.sprung_joints
-    held = {own.joint for own in springs if own.radial_stiffness is not None}
-    if loose := sorted(sprung - held):
+    radial = {own.joint for own in springs if own.radial_stiffness is not None}
+    if loose := sorted(sprung - radial):
         raise InputError(
             f"joint_springs: the linkage has springs alone hold {', '.join(loose)}, and there is "
             "none; give JointSpring(joint, radial_stiffness=N/m), or leave it out of the sprung "
             "joints of the linkage"
         )
-    return linkage if held == sprung else linkage.sprung_at(held)
+    return linkage if radial == sprung else linkage.sprung_at(radial)
 
 
 def check_wetting(topology: Topology, wetting: Mapping[str, Wetting]) -> None:
@@ -145,7 +145,7 @@ def _check_on_link(topology: Topology, what: str, link: str, x: float) -> None:
 
 
 def places_apart(
-    points: Iterable[LinkPoint], link: str, length: float, taken: Sequence[float]
+    points: Iterable[AttachmentPoint], link: str, length: float, taken: Sequence[float]
 ) -> list[float]:
     """Places of points on a link at which a mesh can have nodes.
 
@@ -154,7 +154,7 @@ def places_apart(
 
     Parameters
     ----------
-    points : iterable of LinkPoint
+    points : iterable of AttachmentPoint
         Of any links.
     link : str
     length : float

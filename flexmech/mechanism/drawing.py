@@ -1,17 +1,18 @@
-"""What a picture of a mechanism shows besides its links: plain data, the same in every posture."""
+"""What a picture or a text shows of a mechanism besides its links, the same in every posture."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from typing import Any, Protocol
 
 import numpy as np
 
 from flexmech.linkages import (
+    AttachmentPoint,
     JointSpring,
     Linkage,
-    LinkPoint,
     Load,
     Spring,
     Topology,
@@ -22,7 +23,7 @@ from flexmech.mechanism.parts import AttachedBody, PointMass
 
 
 class _Drawable(Protocol):
-    """What a picture asks of a mechanism."""
+    """What a picture and a text ask of a mechanism."""
 
     @property
     def linkage(self) -> Linkage: ...
@@ -38,6 +39,8 @@ class _Drawable(Protocol):
     def springs(self) -> tuple[Spring, ...]: ...
     @property
     def joint_springs(self) -> tuple[JointSpring, ...]: ...
+    @property
+    def shaft_inertia(self) -> float: ...
     @property
     def gravity(self) -> tuple[float, float]: ...
 
@@ -136,7 +139,7 @@ def drawing(mechanism: _Drawable, crank_angle: float | None = None) -> str:
     return json.dumps(parts)
 
 
-def _end(topology: Topology, point: LinkPoint) -> dict[str, Any]:
+def _end(topology: Topology, point: AttachmentPoint) -> dict[str, Any]:
     if point.is_ground:
         return {"ground": [point.x, point.y]}
     number = topology.index(point.link)
@@ -154,3 +157,62 @@ def _largest(load: Load) -> dict[str, Any]:
         "force": list(force),
         "torque": torque,
     }
+
+
+def attachment_lines(mechanism: _Drawable) -> list[str]:
+    """Bodies, loads, springs and the shaft in words, a line for each kind that there is."""
+    inertia = mechanism.shaft_inertia
+    kinds = {
+        "bodies": [_body(body) for body in mechanism.bodies],
+        "loads": [
+            f"{load.name} on the {_place(load.point)}, {_size(load)}" for load in mechanism.loads
+        ],
+        "springs": [_spring(spring) for spring in mechanism.springs],
+        "springs in joints": [
+            f"{own.joint} {', '.join(_in_joint(own))}" for own in mechanism.joint_springs
+        ],
+        "shaft": [f"{inertia:.6g} kg m^2"] if inertia else [],
+    }
+    return [f"{kind}: {'; '.join(texts)}" for kind, texts in kinds.items() if texts]
+
+
+def _place(point: AttachmentPoint) -> str:
+    if point.is_ground:
+        return f"ground at ({1e3 * point.x:.6g}, {1e3 * point.y:.6g}) mm"
+    return f"{point.link} at {1e3 * point.x:.6g} mm"
+
+
+def _body(body: AttachedBody) -> str:
+    size = f"{1e3 * body.mass:.6g} g, {body.inertia:.6g} kg m^2"
+    along, across = (1e3 * part for part in body.offset)
+    beside = f", its centre ({along:.6g}, {across:.6g}) mm from there" if any(body.offset) else ""
+    return f"{body.link} {size} at {1e3 * body.position:.6g} mm{beside}"
+
+
+def _size(load: Load) -> str:
+    """Greatest force and torque of a load, and over what it changes."""
+    force = max(math.hypot(*pair) for pair in load.force)
+    torque = max(abs(own) for own in load.torque)
+    parts = ([f"{force:.6g} N"] if force else []) + ([f"{torque:.6g} N m"] if torque else [])
+    size = " and ".join(parts) or "0 N"
+    if load.over == "constant":
+        return size
+    return f"at most {size}, over the {load.over.replace('_', ' ')}"
+
+
+def _spring(spring: Spring) -> str:
+    ends = f"{_place(spring.first)} to {_place(spring.second)}"
+    return (
+        f"{spring.name} {spring.stiffness:.6g} N/m, {1e3 * spring.free_length:.6g} mm long "
+        f"without force, {ends}"
+    )
+
+
+def _in_joint(own: JointSpring) -> Iterator[str]:
+    if own.torsional_stiffness:
+        free = f"free at {math.degrees(own.free_angle):.6g} deg"
+        yield f"{own.torsional_stiffness:.6g} N m/rad {free}"
+    if own.torsional_damping:
+        yield f"{own.torsional_damping:.6g} N m s/rad"
+    if own.radial_stiffness is not None:
+        yield f"{own.radial_stiffness:.6g} N/m radially"

@@ -36,7 +36,7 @@ from flexmech.mechanism.checks import (
     places_apart,
     sprung_linkage,
 )
-from flexmech.mechanism.drawing import drawing
+from flexmech.mechanism.drawing import attachment_lines, drawing
 from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
 from flexmech.mechanism.tables import (
     environment_table,
@@ -47,7 +47,6 @@ from flexmech.mechanism.tables import (
     shaft_table,
     springs_table,
 )
-from flexmech.mechanism.words import attachment_lines
 from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr
 from flexmech.sections import BeamSection, LaminateSection, sections_between_joints
 from flexmech.units import EXPANSION
@@ -61,7 +60,7 @@ class Mechanism:
     Parameters
     ----------
     linkage : Linkage
-        Springs alone hold its joints that have a radial stiffness among the ``joint_springs``.
+        Its joints that have a radial stiffness among the ``joint_springs`` have no rigid bearing.
     sections : mapping of str to BeamSection
         One for each link of the topology; a rigid link may do without, and has the mass of
         its ``bodies`` then.
@@ -292,7 +291,7 @@ class Mechanism:
 
     @property
     def without_loads_over_time(self) -> Mechanism:
-        """The mechanism that stands still or turns steadily: loads over time are left out."""
+        """The mechanism at rest or in steady motion: loads over time are left out."""
         kept = tuple(load for load in self.loads if load.over != "time")
         return self if len(kept) == len(self.loads) else replace(self, loads=kept)
 
@@ -329,9 +328,7 @@ class Mechanism:
         lines = [
             f"joint masses: {', '.join(joints) or 'none'}",
             f"link point masses: {', '.join(points) or 'none'}",
-            *attachment_lines(
-                self.bodies, self.loads, self.springs, self.joint_springs, self.shaft_inertia
-            ),
+            *attachment_lines(self),
             f"total mass: {1e3 * total:.6g} g",
             f"gravity: ({x:g}, {y:g}) m/s^2",
             f"operating speeds: {', '.join(speeds) or 'none stated'}",

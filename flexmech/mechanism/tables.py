@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
+from flexmech import units
 from flexmech.errors import InputError
 from flexmech.linkages import (
     GROUND,
+    AttachmentPoint,
     JointSpring,
     Linkage,
-    LinkPoint,
     Load,
     PlanarJoint,
     PlanarLinkage,
@@ -19,22 +20,6 @@ from flexmech.materials import REFERENCE_TEMPERATURE
 from flexmech.mechanism.parts import AttachedBody, PointMass, Wetting
 from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity
 from flexmech.sections import BeamSection
-from flexmech.units import (
-    ACCELERATION,
-    ANGLE,
-    ANGULAR_SPEED,
-    DAMPING,
-    FORCE,
-    INERTIA,
-    LENGTH,
-    MASS,
-    SPRING_STIFFNESS,
-    TEMPERATURE,
-    TIME,
-    TORQUE,
-    TORSIONAL_DAMPING,
-    TORSIONAL_STIFFNESS,
-)
 
 
 def links_table(
@@ -120,29 +105,31 @@ def environment_table(gravity: Sequence[float], reference_temperature: float) ->
     """
     table: TomlTable = {}
     if any(gravity):
-        table["gravity"] = [quantity(component, ACCELERATION) for component in gravity]
+        table["gravity"] = [quantity(component, units.ACCELERATION) for component in gravity]
     if reference_temperature != REFERENCE_TEMPERATURE:
-        table["reference_temperature"] = quantity(reference_temperature, TEMPERATURE)
+        table["reference_temperature"] = quantity(reference_temperature, units.TEMPERATURE)
     return table
 
 
 def operation_table(crank_speeds: Sequence[float]) -> TomlTable:
     """Table ``[operation]``; empty where no speed is stated."""
-    speeds = [quantity(speed, ANGULAR_SPEED) for speed in crank_speeds]
+    speeds = [quantity(speed, units.ANGULAR_SPEED) for speed in crank_speeds]
     return {"crank_speeds": speeds} if speeds else {}
 
 
 def shaft_table(inertia: float) -> TomlTable:
     """Table ``[shaft]``; empty where it has no inertia."""
-    return {"inertia": quantity(inertia, INERTIA)} if inertia else {}
+    return {"inertia": quantity(inertia, units.INERTIA)} if inertia else {}
 
 
 def body_table(body: AttachedBody) -> TomlTable:
     """Entry of ``bodies`` of its link."""
     # A file states one of mass and inertia at least.
-    mass = {} if body.inertia else {"mass": quantity(body.mass, MASS)}
-    keys = fields_table(body, {"mass": MASS, "inertia": INERTIA, "offset": LENGTH})
-    return {"position": quantity(body.position, LENGTH), **mass, **keys}
+    mass = {} if body.inertia else {"mass": quantity(body.mass, units.MASS)}
+    keys = fields_table(
+        body, {"mass": units.MASS, "inertia": units.INERTIA, "offset": units.LENGTH}
+    )
+    return {"position": quantity(body.position, units.LENGTH), **mass, **keys}
 
 
 def joints_table(
@@ -169,7 +156,7 @@ def joints_table(
     drawn = linkage.joints if isinstance(linkage, PlanarLinkage) else ()
     tables: dict[str, TomlTable] = {joint.point: _drawn_table(joint) for joint in drawn}
     for joint, mass in joint_masses.items():
-        tables.setdefault(joint, {})["mass"] = quantity(mass, MASS)
+        tables.setdefault(joint, {})["mass"] = quantity(mass, units.MASS)
     _refuse_repeated("joint_springs", [own.joint for own in springs])
     for own in springs:
         tables.setdefault(own.joint, {}).update(_spring_keys(own))
@@ -180,20 +167,20 @@ def _drawn_table(joint: PlanarJoint) -> TomlTable:
     table: TomlTable = {"kind": joint.kind}
     if joint.links:
         table["links"] = list(joint.links)
-    table |= fields_table(joint, {"direction": ANGLE})
+    table |= fields_table(joint, {"direction": units.ANGLE})
     return {**table, "guide": joint.guide} if joint.guide else table
 
 
 def _spring_keys(own: JointSpring) -> TomlTable:
     dimensions = {
-        "torsional_stiffness": TORSIONAL_STIFFNESS,
-        "torsional_damping": TORSIONAL_DAMPING,
-        "free_angle": ANGLE,
-        "radial_stiffness": SPRING_STIFFNESS,
-        "radial_damping": DAMPING,
+        "torsional_stiffness": units.TORSIONAL_STIFFNESS,
+        "torsional_damping": units.TORSIONAL_DAMPING,
+        "free_angle": units.ANGLE,
+        "radial_stiffness": units.SPRING_STIFFNESS,
+        "radial_damping": units.DAMPING,
     }
     # Stated even where it is zero, so that a spring without effect is read back too.
-    stiffness = quantity(own.torsional_stiffness, TORSIONAL_STIFFNESS)
+    stiffness = quantity(own.torsional_stiffness, units.TORSIONAL_STIFFNESS)
     return {"torsional_stiffness": stiffness, **fields_table(own, dimensions)}
 
 
@@ -208,17 +195,17 @@ def _load_table(load: Load) -> TomlTable:
     if load.axes != "ground":
         table["axes"] = load.axes
     if load.over == "constant":
-        table["force"] = [quantity(along, FORCE) for along in load.force[0]]
-        table["torque"] = quantity(load.torque[0], TORQUE)
+        table["force"] = [quantity(along, units.FORCE) for along in load.force[0]]
+        table["torque"] = quantity(load.torque[0], units.TORQUE)
         return table
-    place = ANGLE if load.over == "crank_angle" else TIME
+    place = units.ANGLE if load.over == "crank_angle" else units.TIME
     rows = zip(load.at, load.force, load.torque, strict=True)
     table["over"] = load.over
     table["table"] = [
         [
             quantity(at, place),
-            *(quantity(along, FORCE) for along in force),
-            quantity(torque, TORQUE),
+            *(quantity(along, units.FORCE) for along in force),
+            quantity(torque, units.TORQUE),
         ]
         for at, force, torque in rows
     ]
@@ -228,7 +215,11 @@ def _load_table(load: Load) -> TomlTable:
 def springs_table(springs: Sequence[Spring]) -> TomlTable:
     """Table ``[springs]``; empty where there is none."""
     _refuse_repeated("springs", [spring.name for spring in springs])
-    dimensions = {"stiffness": SPRING_STIFFNESS, "free_length": LENGTH, "damping": DAMPING}
+    dimensions = {
+        "stiffness": units.SPRING_STIFFNESS,
+        "free_length": units.LENGTH,
+        "damping": units.DAMPING,
+    }
     return {
         spring.name: {
             "points": [_end(spring.first), _end(spring.second)],
@@ -238,14 +229,14 @@ def springs_table(springs: Sequence[Spring]) -> TomlTable:
     }
 
 
-def _end(point: LinkPoint) -> TomlTable | list[str | float]:
+def _end(point: AttachmentPoint) -> TomlTable | list[str | float]:
     if point.link == GROUND:
-        return [quantity(point.x, LENGTH), quantity(point.y, LENGTH)]
+        return [quantity(point.x, units.LENGTH), quantity(point.y, units.LENGTH)]
     return _place(point)
 
 
-def _place(point: LinkPoint) -> TomlTable:
-    return {"link": point.link, "position": quantity(point.x, LENGTH)}
+def _place(point: AttachmentPoint) -> TomlTable:
+    return {"link": point.link, "position": quantity(point.x, units.LENGTH)}
 
 
 def _refuse_repeated(what: str, names: Iterable[str]) -> None:

@@ -11,8 +11,8 @@ from pathlib import Path
 from flexmech.errors import InputError
 from flexmech.linkages import (
     GROUND,
+    AttachmentPoint,
     JointSpring,
-    LinkPoint,
     Load,
     Spring,
     Topology,
@@ -147,32 +147,32 @@ def springs(tables: ModelFile, places: LinkPlaces, findings: Findings) -> tuple[
 
 def _spring_end(
     end: str | tuple[float, float] | PlaceTable, tables: ModelFile, places: LinkPlaces
-) -> LinkPoint:
+) -> AttachmentPoint:
     if isinstance(end, PlaceTable):
         return places.place(end.link, end.position)
     if not isinstance(end, str):
-        return LinkPoint(GROUND, *end)
+        return AttachmentPoint(GROUND, *end)
     drawing = tables.linkage
     if isinstance(drawing, PlanarTable) and end in drawing.ground and end in drawing.points:
-        return LinkPoint(GROUND, *drawing.points[end])
+        return AttachmentPoint(GROUND, *drawing.points[end])
     first = places.ends(end)[0]
-    still = _still_joints(places)
-    return _of_ground(still[end], places) if end in still else places.at_end(first)
+    fixed = _fixed_joints(places)
+    return _of_ground(fixed[end], places) if end in fixed else places.at_end(first)
 
 
-def _still_joints(places: LinkPlaces) -> dict[str, LinkEnd]:
-    """Joints that stand on the ground with the link ends there: pivots, the axis of the shaft."""
+def _fixed_joints(places: LinkPlaces) -> dict[str, LinkEnd]:
+    """Joints fixed to the ground with the link ends there: pivots, the axis of the shaft."""
     topology = places.linkage.topology
-    clamps = {clamp.joint: clamp.held for clamp in topology.clamps if clamp.hub == 0.0}
-    return {pivot.joint: pivot.held for pivot in topology.pivots} | clamps
+    clamps = {clamp.joint: clamp.link_end for clamp in topology.clamps if clamp.hub == 0.0}
+    return {pivot.joint: pivot.link_end for pivot in topology.pivots} | clamps
 
 
-def _of_ground(held: LinkEnd, places: LinkPlaces) -> LinkPoint:
+def _of_ground(end: LinkEnd, places: LinkPlaces) -> AttachmentPoint:
     """Where an end that does not move is on the ground."""
-    linkage, place = places.linkage, places.at_end(held)
+    linkage, place = places.linkage, places.at_end(end)
     motion = linkage.motion(shown_crank_angle(linkage))
     x, y = motion.position(linkage.topology.index(place.link), place.x)
-    return LinkPoint(GROUND, float(x), float(y))
+    return AttachmentPoint(GROUND, float(x), float(y))
 
 
 def loads(
@@ -214,7 +214,7 @@ def loads(
     return tuple(found)
 
 
-def _load_point(table: LoadTable, places: LinkPlaces) -> LinkPoint:
+def _load_point(table: LoadTable, places: LinkPlaces) -> AttachmentPoint:
     if table.point is None:
         assert table.link is not None
         assert table.position is not None
@@ -256,7 +256,7 @@ def _check_moved(table: LoadTable, rows: Rows, places: LinkPlaces) -> None:
     """Refuse a force on a point of the ground, unless the link there is named."""
     if table.point is None or table.link is not None or not any(x or y for x, y, _ in rows):
         return
-    if table.point in _still_joints(places):
+    if table.point in _fixed_joints(places):
         raise InputError(
             f"{table.point} is a point of the ground, where a force moves nothing; choose a point "
             "that moves, or name the link there whose bearing carries the force"

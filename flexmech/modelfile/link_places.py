@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from flexmech.errors import InputError, suggestion
-from flexmech.linkages import Linkage, LinkPoint, PlanarLinkage
+from flexmech.linkages import AttachmentPoint, Linkage, PlanarLinkage
 from flexmech.linkages.topology import Link, LinkEnd
 from flexmech.modelfile.link_tables import LinkTable
 
@@ -43,7 +43,7 @@ class LinkPlaces:
         """Of all beams of a link in m."""
         return sum(beam.length for beam in self.beams[link])
 
-    def place(self, link: str, position: float, beam: int | None = None) -> LinkPoint:
+    def place(self, link: str, position: float, beam: int | None = None) -> AttachmentPoint:
         """Place at a distance along a link.
 
         Parameters
@@ -57,7 +57,7 @@ class LinkPlaces:
 
         Returns
         -------
-        LinkPoint
+        AttachmentPoint
 
         Raises
         ------
@@ -81,9 +81,9 @@ class LinkPlaces:
             )
         for own in beams[:-1]:
             if position <= own.length:
-                return LinkPoint(own.name, position)
+                return AttachmentPoint(own.name, position)
             position -= own.length
-        return LinkPoint(beams[-1].name, min(position, beams[-1].length))
+        return AttachmentPoint(beams[-1].name, min(position, beams[-1].length))
 
     def ends(self, name: str) -> list[LinkEnd]:
         """Ends of beams at a point of the linkage or at a joint, the leading one first.
@@ -115,8 +115,8 @@ class LinkPlaces:
         ties = [tie.follower for tie in topology.ties if tie.joint == name]
         return list(dict.fromkeys([*leader, *drawn.get(name, []), *ties]))
 
-    def at_end(self, end: LinkEnd) -> LinkPoint:
+    def at_end(self, end: LinkEnd) -> AttachmentPoint:
         """Place of an end of a beam."""
         topology = self.linkage.topology
         length = topology.links[topology.index(end.link)].length
-        return LinkPoint(end.link, 0.0 if end.end == "start" else length)
+        return AttachmentPoint(end.link, 0.0 if end.end == "start" else length)

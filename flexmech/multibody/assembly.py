@@ -67,7 +67,7 @@ class LinkAssembly:
         self.kind: BeamKind = BEAM_KINDS[kind]
         self.items = SystemItems()
         self.mbs = self.items.mbs
-        self.base = self.topology.index(self.topology.clamps[0].held.link)
+        self.base = self.topology.index(self.topology.clamps[0].link_end.link)
         self.parts = add_links(self.items, mechanism, self.kind, elements)
         self.size = self.parts[-1].coordinates.stop
         self.attached = [

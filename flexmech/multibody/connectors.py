@@ -11,20 +11,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.linkages import JointSpring, LinkEnd, LinkPoint, Load, Spring
+from flexmech.linkages import AttachmentPoint, JointSpring, LinkEnd, Load, Spring
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.link_parts import BeamPart, RigidPart
 from flexmech.multibody.node_directions import ends_of_joint, leading_end
 
 
-def add_point_marker(assembly: LinkAssembly, point: LinkPoint, name: str) -> ItemNumber:
+def add_point_marker(assembly: LinkAssembly, point: AttachmentPoint, name: str) -> ItemNumber:
     """Add a marker of a point on a link's axis, which turns with the link there.
 
     Parameters
     ----------
     assembly : LinkAssembly
-    point : LinkPoint
+    point : AttachmentPoint
         On a link.
     name : str
 
@@ -110,7 +110,7 @@ class SpringItem:
     spring: Spring
     number: ItemNumber
     markers: tuple[ItemNumber, ...]
-    grounds: tuple[tuple[LinkPoint, ItemNumber], ...]
+    grounds: tuple[tuple[AttachmentPoint, ItemNumber], ...]
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,7 @@ class JointSpringItem:
     ground: ItemNumber | None
 
 
-class Connectors:
+class ConnectorItems:
     """Loads and springs in a system that is not assembled yet.
 
     Parameters

@@ -49,7 +49,7 @@ from flexmech.multibody.running.model import RunningModel
 from flexmech.multibody.running.simulation import PointRecorder, Simulation
 from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
-from flexmech.time_domain.recorded_runs import Impact, LinkState, Recorder, Trajectory
+from flexmech.time_domain import Impact, LinkState, Recorder, Trajectory
 from flexmech.validation import POSITIVE, check_choice, check_number, checked_array
 
 
@@ -165,6 +165,14 @@ class ExudynEngine(Engine):
         under = self._quasi_static_loads(motion, displaced)
         loads, dead = under.loads, self._dead(motion, under.loads, under.at)
         equilibrium = static_equilibrium(self.model, motion, loads, dead)
+        if (connectors := self.clamped_connectors).any:
+            moved = equilibrium.displacement
+            virial, acting = connectors.virial(motion, moved), connectors.forces(motion, moved)
+            for number, link in enumerate(self.clamped_links):
+                if link.rigid:
+                    cosine, sine = np.cos(moved[number][:, 2]), np.sin(moved[number][:, 2])
+                    turning = virial[:, number] * cosine + acting[number][:, 2] * sine
+                    equilibrium.tangent[number][:, 2, 2] += turning
         topology = self.mechanism.linkage.topology
         refuse_large_displacements(topology, self.clamped_links, motion, equilibrium.displacement)
         return StressedLinks(

@@ -159,7 +159,7 @@ def add_sliders(assembly: LinkAssembly) -> list[SliderJoint]:
         items.begin(f"slider {slider.joint}")
         joint = SliderJoint(slider, ItemNumber(-1, "object", name))
         x, y = map(float, joint.place)
-        held = assembly.add_frame_marker(slider.held, f"{name}_on_{slider.held.link}")
+        held = assembly.add_frame_marker(slider.link_end, f"{name}_on_{slider.link_end.link}")
         ground = None
         if slider.guide:
             guide = assembly.parts[assembly.topology.index(slider.guide)]

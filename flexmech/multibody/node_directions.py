@@ -226,7 +226,7 @@ def gripped_places(mechanism: Mechanism, mass: LinkMass, link: str) -> list[floa
     """
     topology = mechanism.linkage.topology
     ends = [end for weld in topology.welds for end in (weld.leader, weld.follower)]
-    ends += [clamp.held for clamp in topology.clamps[1:]]
+    ends += [clamp.link_end for clamp in topology.clamps[1:]]
     places = [0.0 if end.end == "start" else mass.length for end in ends if end.link == link]
     places += [load.point.x for load in _turned_loads(mechanism, link)]
     bodies = [*mass.bodies, *turned_bodies(mechanism, mass, link)]
@@ -258,7 +258,7 @@ def ends_of_joint(topology: Topology, joint: str) -> tuple[LinkEnd, LinkEnd | No
         if pin.joint == joint:
             return pin.follower, pin.leader
     pivot = next(pivot for pivot in topology.pivots if pivot.joint == joint)
-    return pivot.held, None
+    return pivot.link_end, None
 
 
 def leading_end(topology: Topology, end: LinkEnd) -> LinkEnd:

@@ -22,7 +22,7 @@ from flexmech.linear_system import LAST_STEP, MAX_ITERATIONS, RELATIVE_RESIDUAL,
 from flexmech.linkages import LinkEnd, RigidMotion, shown_crank_angle
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.connectors import Connectors
+from flexmech.multibody.connectors import ConnectorItems
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.joints import SliderJoint, TieJoint, add_sliders, add_ties
 from flexmech.multibody.library import load_exudyn
@@ -51,7 +51,7 @@ class StaticModel:
         Forces on the links.
     grounds : list of tuple of LinkEnd, ItemNumber and ItemNumber
         Link ends that are pinned to the ground off their nodes, the ground and the pin of each.
-    connectors : Connectors or None
+    connectors : ConnectorItems or None
         Loads and springs.
     applied : StaticConnectors or None
         The same, in the position that the model stands in.
@@ -67,7 +67,7 @@ class StaticModel:
         self.loads = StaticLoads(assembly)
         fixed = assembly.add_fixed_coordinate()
         self._offsets = self._add_supports(fixed, sprung_alone=connects)
-        self.connectors = Connectors(assembly, fixed, runs=False) if connects else None
+        self.connectors = ConnectorItems(assembly, fixed, runs=False) if connects else None
         self.applied = None if self.connectors is None else StaticConnectors(self.connectors)
         self.ties: list[TieJoint] = []
         self.sliders: list[SliderJoint] = []
@@ -157,22 +157,22 @@ class StaticModel:
         assembly = self.assembly
         held: list[tuple[LinkEnd, tuple[int, ...]]] = []
         for number, clamp in enumerate(assembly.topology.clamps):
-            turning = assembly.turning_coordinate(clamp.held)
+            turning = assembly.turning_coordinate(clamp.link_end)
             if turning is not None:
-                held.append((clamp.held, (0, 1, turning)))
+                held.append((clamp.link_end, (0, 1, turning)))
             else:
                 # The slope of the first clamped cable lies along the frame's x axis.
-                held.append((clamp.held, (0, 1) if number else (0, 1, assembly.kind.clamped)))
+                held.append((clamp.link_end, (0, 1) if number else (0, 1, assembly.kind.clamped)))
         for pivot in assembly.topology.pivots:
             if pivot.sprung and sprung_alone:
                 continue
-            if assembly.is_at_node(pivot.held):
-                held.append((pivot.held, (0, 1)))
+            if assembly.is_at_node(pivot.link_end):
+                held.append((pivot.link_end, (0, 1)))
             else:
                 ground, pin = assembly.add_ground_pin(
-                    f"pivot_{pivot.joint}", pivot.held, [0.0, 0.0, 0.0]
+                    f"pivot_{pivot.joint}", pivot.link_end, [0.0, 0.0, 0.0]
                 )
-                self.grounds.append((pivot.held, ground, pin))
+                self.grounds.append((pivot.link_end, ground, pin))
         offsets = []
         for place, coordinates in held:
             node, first = assembly.end_node(place), assembly.first_coordinate(place)
@@ -187,14 +187,14 @@ class StaticModel:
         """Keep the slopes of further clamped cables from turning; the angle is of all links."""
         assembly = self.assembly
         for clamp in assembly.topology.clamps[1:]:
-            if assembly.turning_coordinate(clamp.held) is not None:
+            if assembly.turning_coordinate(clamp.link_end) is not None:
                 continue
             name, items = f"clamp_{clamp.joint}_rotation", assembly.items
             ground = items.add("ObjectGround", f"{name}_ground")
-            turn = float(angle[assembly.topology.index(clamp.held.link)] - angle[assembly.base])
+            turn = float(angle[assembly.topology.index(clamp.link_end.link)] - angle[assembly.base])
             frames = [
                 assembly.add_body_frame(ground, f"{name}_on_ground", 0.0),
-                assembly.add_frame_marker(clamp.held, f"{name}_axis", -turn),
+                assembly.add_frame_marker(clamp.link_end, f"{name}_axis", -turn),
             ]
             items.add(
                 "GenericJoint", name, markerNumbers=frames, constrainedAxes=[0, 0, 0, 0, 0, 1]

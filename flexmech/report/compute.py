@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from flexmech import analyses, choices, linkages
-from flexmech.analyses import campbell as campbell_analysis
-from flexmech.analyses import kinematics as kinematics_analysis
-from flexmech.analyses import response as response_analysis
+from flexmech.analyses.campbell import compute as campbell_analysis
+from flexmech.analyses.kinematics import compute as kinematics_analysis
+from flexmech.analyses.response import compute as response_analysis
 from flexmech.analyses.frequencies.request import operating_speeds
 from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import engine_of

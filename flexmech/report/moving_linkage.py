@@ -15,7 +15,7 @@ from flexmech.analyses import MovingFrequencies, Response
 from flexmech.analyses.response.dataset import needed
 from flexmech.arrays import FloatArray, unbroken_runs
 from flexmech.errors import InputError
-from flexmech.linkages import CouplerCurve, FourBar, LinkEnd, Topology, standing
+from flexmech.linkages import CouplerCurve, FourBar, LinkEnd, Topology, assemblable
 from flexmech.mechanism import Mechanism, drawn_parts
 from flexmech.modelfile import mechanism_from_toml
 from flexmech.plots import reading
@@ -128,7 +128,7 @@ def _joints(topology: Topology) -> list[dict[str, Any]]:
 def _standing(mechanism: Mechanism) -> FloatArray:
     """Crank angles in whole degrees at which the linkage stands, without a gap between them."""
     degrees = np.arange(0.0, 361.0)
-    stands = standing(mechanism.linkage, np.radians(degrees))
+    stands = assemblable(mechanism.linkage, np.radians(degrees))
     if not stands.any():
         raise InputError("the linkage can stand at no crank angle of whole degrees")
     return degrees[max(unbroken_runs(stands), key=len)]

@@ -172,7 +172,7 @@ REDUCTIONS: tuple[Reduction, ...] = ("narrow", "wide")
 # others, and these without the twist.
 ALONG = np.array([0, 3])
 OTHERS = np.array([1, 2, 4, 5])
-TWIST_HELD = np.array([1, 2, 4])
+UNTWISTED = np.array([1, 2, 4])
 
 
 @dataclass(frozen=True)
@@ -201,26 +201,26 @@ class WarpingParts:
     classical : ndarray, shape (2, 2)
         Stiffness along the link by mid-plane strain and its gradient, in N, N m and N m^2 for
         each metre of width.
-    held : ndarray, shape (2,)
+    slender : ndarray, shape (2,)
         Mid-plane strain and gradient that the warping brings along.
     residual : ndarray, shape (N, m, 3)
-        What is left of the warping's strains without the stretching and bending that it holds.
+        What is left of the warping's strains without its part in stretching and bending.
     stiffness : float
         Integral of the residual's stress times strain.
     """
 
     classical: FloatArray
-    held: FloatArray
+    slender: FloatArray
     residual: FloatArray
     stiffness: float
 
     @property
     def matrix(self) -> FloatArray:
         """Stiffness by mid-plane strain, its gradient and the warping, (3, 3)."""
-        coupling = self.classical @ self.held
+        coupling = self.classical @ self.slender
         column = coupling[:, None]
         return np.block(
-            [[self.classical, column], [column.T, coupling @ self.held + self.stiffness]]
+            [[self.classical, column], [column.T, coupling @ self.slender + self.stiffness]]
         )
 
 
@@ -237,7 +237,7 @@ class Strip:
         free of all others. Left out: none.
     restraint : float
         Of a narrow link's twist, the gradient in y of the shear strain: 0 leaves it free, 1
-        holds it.
+        prevents it.
     """
 
     laminate: Laminate
@@ -272,9 +272,9 @@ class Strip:
 
         if self.reduction == "wide":
             return [(of_all_layers(every), np.eye(2))]
-        joined, held = every.copy(), every.copy()
+        joined, untwisted = every.copy(), every.copy()
         plate = self.laminate.plate_stiffness
-        for strains, others in ((joined, OTHERS), (held, TWIST_HELD)):
+        for strains, others in ((joined, OTHERS), (untwisted, UNTWISTED)):
             moved = np.linalg.solve(plate[np.ix_(others, others)], plate[np.ix_(others, ALONG)])
             strains[:, others] -= moved.T
         twists = 1 - self.restraint
@@ -286,7 +286,7 @@ class Strip:
             alone = np.einsum("pq,nj->pnqj", np.eye(2), compliance[:, 0] / compliance[:, :1, 0])
             parts.append((alone, twists * relaxation))
         if self.restraint:
-            parts.append((of_all_layers(held), self.restraint * np.eye(2)))
+            parts.append((of_all_layers(untwisted), self.restraint * np.eye(2)))
         return parts
 
     @cached_property
@@ -353,8 +353,8 @@ class Strip:
             return np.asarray(np.einsum("nm,anmi,bnmi->ab", warped.weight, left, stress))
 
         coupling = products(slender, warped.strain[None])[:, 0]
-        held = np.asarray(np.linalg.solve(joined.stiffness, coupling), dtype=float)
-        residual = warped.strain - np.tensordot(held, slender, axes=1)
+        amounts = np.asarray(np.linalg.solve(joined.stiffness, coupling), dtype=float)
+        residual = warped.strain - np.tensordot(amounts, slender, axes=1)
         if self.reduction == "narrow":
             # Of like size, whatever the units of the warping.
             shapes = np.stack([np.ones_like(y), y, residual[..., 0]])
@@ -366,7 +366,7 @@ class Strip:
             residual = residual - np.tensordot(amount, free, axes=1)
         return WarpingParts(
             self.stiffness,
-            held,
+            amounts,
             residual,
             float(products(residual[None], residual[None])[0, 0]),
         )

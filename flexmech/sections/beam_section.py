@@ -7,23 +7,13 @@ from functools import cached_property
 
 import numpy as np
 
+from flexmech import units
 from flexmech.errors import InputError
 from flexmech.materials import Laminate, Layer, Material, Ply
 from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity, short_repr, stated
 from flexmech.sections.damping import DampingTimes, SpecificDamping
 from flexmech.sections.laminate_section import LaminateSection
 from flexmech.sections.shear_theories import ThirdOrder, Zigzag, rectangular_zigzag
-from flexmech.units import (
-    BENDING_STIFFNESS,
-    CURVATURE,
-    FORCE,
-    FREQUENCY,
-    LENGTH,
-    MASS_PER_LENGTH,
-    RATIO,
-    ROTARY_INERTIA,
-    TIME,
-)
 from flexmech.validation import (
     FINITE,
     NOT_NEGATIVE,
@@ -35,20 +25,20 @@ from flexmech.validation import (
 
 # What no section is without.
 DIMENSIONS = {
-    "axial_stiffness": FORCE,
-    "bending_stiffness": BENDING_STIFFNESS,
-    "shear_stiffness": FORCE,
-    "mass_per_length": MASS_PER_LENGTH,
-    "rotary_inertia": ROTARY_INERTIA,
-    "in_plane_thickness": LENGTH,
+    "axial_stiffness": units.FORCE,
+    "bending_stiffness": units.BENDING_STIFFNESS,
+    "shear_stiffness": units.FORCE,
+    "mass_per_length": units.MASS_PER_LENGTH,
+    "rotary_inertia": units.ROTARY_INERTIA,
+    "in_plane_thickness": units.LENGTH,
 }
 
 # Zero where they are left out.
 MAY_BE_ZERO = {
-    "neutral_axis": LENGTH,
-    "mass_axis": LENGTH,
-    "free_strain": RATIO,
-    "free_curvature": CURVATURE,
+    "neutral_axis": units.LENGTH,
+    "mass_axis": units.LENGTH,
+    "free_strain": units.RATIO,
+    "free_curvature": units.CURVATURE,
 }
 UNDAMPED = DampingTimes()
 
@@ -129,8 +119,8 @@ class BeamSection:
 
     def __post_init__(self) -> None:
         of = "of a beam section"
-        units = {name: dimension.unit for name, dimension in DIMENSIONS.items()}
-        check_fields(self, units, POSITIVE, of)
+        needed = {name: dimension.unit for name, dimension in DIMENSIONS.items()}
+        check_fields(self, needed, POSITIVE, of)
         for name in ("neutral_axis", "mass_axis"):
             value = getattr(self, name)
             check_number(value, f"{name} {of}", "m")
@@ -336,40 +326,38 @@ class BeamSection:
             material = single.ply.isotropic_material
             if material is not None and self == BeamSection.rectangle(
                 material, single.thickness, layers.width
-            )._damped_as(self):
+            ).damped_as(self):
                 return {
                     "section": "rectangle",
                     "material": shared.name_of("materials", material.to_table(), "material"),
-                    "in_plane_thickness": quantity(single.thickness, LENGTH),
-                    "out_of_plane_width": quantity(layers.width, LENGTH),
+                    "in_plane_thickness": quantity(single.thickness, units.LENGTH),
+                    "out_of_plane_width": quantity(layers.width, units.LENGTH),
                     **damping,
                 }
-            if self == BeamSection.of_laminate(layers)._damped_as(self):
+            if self == BeamSection.of_laminate(layers).damped_as(self):
                 return {"section": "laminate", **layers.to_table(shared), **damping}
-        return {"section": "general", **self._general_table(), **self._tables_within(shared)}
+        numbers = fields_table(self, DIMENSIONS | MAY_BE_ZERO)
+        return {"section": "general", **numbers, **self._tables_within(shared)}
 
-    def _damped_as(self, other: BeamSection) -> BeamSection:
+    def damped_as(self, other: BeamSection) -> BeamSection:
+        """The same section with the damping of another one."""
         return replace(self, damping=other.damping, damping_frequency=other.damping_frequency)
 
     def _short_damping(self) -> TomlTable | None:
         """Key of a link that says its damping; None if it takes more than one."""
         frequency, loss = self.damping_frequency, self.specific_damping
         if frequency is None and self.damping.is_uniform:
-            return stated(damping_time=(self.damping.axial or None, TIME))
+            return stated(damping_time=(self.damping.axial or None, units.TIME))
         if frequency and loss and loss.times(2 * np.pi * frequency) == self.damping:
-            return stated(damping_frequency=(frequency, FREQUENCY))
+            return stated(damping_frequency=(frequency, units.FREQUENCY))
         return None
-
-    def _general_table(self) -> TomlTable:
-        """Stiffness, mass and what a section without load does, in keys of a link."""
-        return fields_table(self, DIMENSIONS | MAY_BE_ZERO)
 
     def _tables_within(self, shared: SharedTables) -> TomlTable:
         """Layers and damping of a general section, in keys and tables of a link."""
         table = {} if self.layers is None else self.layers.to_table(shared)
         short = self._short_damping()
         if short is None:
-            short = stated(damping_frequency=(self.damping_frequency, FREQUENCY))
+            short = stated(damping_frequency=(self.damping_frequency, units.FREQUENCY))
             short["damping_times"] = self.damping.to_table()
         table |= short
         if self.specific_damping is not None:

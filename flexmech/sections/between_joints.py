@@ -1,4 +1,4 @@
-"""Sections of links whose joints keep them from twisting."""
+"""Sections of links whose joints restrain their twist."""
 
 from __future__ import annotations
 
@@ -29,25 +29,20 @@ def sections_between_joints(
     """
     joined = topology.joined_ends
     return {
-        name: _held(section)
+        name: _restrained(section)
         if {LinkEnd(name, "start"), LinkEnd(name, "end")} <= joined
         else section
         for name, section in sections.items()
     }
 
 
-def _held(section: BeamSection) -> BeamSection:
+def _restrained(section: BeamSection) -> BeamSection:
     layers = section.layers
     if layers is None or layers.twist is not None or not layers.twists:
         return section
-    if section != _damped_as(section, BeamSection.of_laminate(layers)):
+    if section != BeamSection.of_laminate(layers).damped_as(section):
         return section
-    held = BeamSection.of_laminate(replace(layers, twist="held"))
+    untwisted = BeamSection.of_laminate(replace(layers, twist="held"))
     if section.damping_frequency is None or section.specific_damping is None:
-        return _damped_as(section, held)
-    return held.with_damping_frequency(section.damping_frequency)
-
-
-def _damped_as(section: BeamSection, other: BeamSection) -> BeamSection:
-    frequency = section.damping_frequency
-    return replace(other, damping=section.damping, damping_frequency=frequency)
+        return untwisted.damped_as(section)
+    return untwisted.with_damping_frequency(section.damping_frequency)

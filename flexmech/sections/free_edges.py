@@ -1,13 +1,13 @@
 """What free edges do to a narrow link of plies at different angles.
 
 Plies at angles against the link's axis shear and contract each in its own way as they are
-stretched. Inside a wide laminate they hold each other: of all plies together, no force acts across
-and no shear. At the edges of its width each ply is free, and the stress between plies that brings
-one state into the other acts within about the thickness of equal plies (Pipes & Pagano,
+stretched. Inside a wide laminate they restrain each other: of all plies together, no force acts
+across and no shear. At the edges of its width each ply is free, and the stress between plies that
+brings one state into the other acts within about the thickness of equal plies (Pipes & Pagano,
 *J. Composite Materials* 4 (1970) 538). A link as wide as thick is mostly edge: its bending
 stiffness is well below that of classical laminate theory.
 
-Between the two, plies that hold each other and plies that are free, the cross-section in three
+Between the two, plies that restrain each other and plies that are free, the cross-section in three
 dimensions tells the stiffness (:mod:`flexmech.sections.solid_section`). ``R`` of the strains
 along the link, mid-plane strain and gradient, belongs to free plies such that it comes out::
 
@@ -17,7 +17,7 @@ Plies along and across the link alone, and one angle alone, need none of it. Wha
 the link adds where it takes the twist of bending back comes from the same section.
 
 A laminate with plies off the link's axis twists as it bends (``D16``). Where pins along the joint
-axes hold both ends, the ends cannot turn about the link's axis: a torque along the whole link,
+axes restrain both ends, the ends cannot turn about the link's axis: a torque along the whole link,
 the same everywhere, takes the twist back on the average. It adds the energy
 ``c^2 GJ (phi_2 - phi_1)^2 / (2 L)``, with c the twist that a unit of curvature brings, GJ the
 torsional stiffness and phi the rotations of the ends. A half sine, the first mode between pins,
@@ -25,7 +25,7 @@ meets ``8 / pi^2`` of ``c^2 GJ``; the second mode, which turns both ends alike, 
 
 c and GJ are those of the cross-section in three dimensions: the shear stress of torsion turns
 round at the edges of the width, within a layer of about the thickness. A link as wide as thick
-holds little of the plate's torsional stiffness, a wide one all.
+has little of the plate's torsional stiffness, a wide one all.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ import scipy.linalg
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.materials import Laminate, solid_stiffness
-from flexmech.sections.beam_reduction import ALONG, OTHERS, TWIST_HELD
+from flexmech.sections.beam_reduction import ALONG, OTHERS, UNTWISTED
 from flexmech.sections.solid_section import CURVATURE, STRETCH, TWIST, SolidSection, solid_section
 
 Twist = Literal["free", "held"]
@@ -141,10 +141,10 @@ def _free_edges(laminate: Laminate, ratio: float) -> FreeEdges:
     # From the curvature to the gradient of the strain.
     signs = np.array([[1.0, -1.0], [-1.0, 1.0]]) / width
     free = signs * found.stiffness_of([STRETCH, CURVATURE])
-    held = signs * found.stiffness_of([STRETCH, CURVATURE, TWIST])[:2, :2]
+    untwisted = signs * found.stiffness_of([STRETCH, CURVATURE, TWIST])[:2, :2]
     plate = _plate(faces, _plane_stress(solids))
     bending, resisted, none = (
-        _about_neutral_axis(m) for m in (free, held, _by_strains_along(plate, TWIST_HELD))
+        _about_neutral_axis(m) for m in (free, untwisted, _by_strains_along(plate, UNTWISTED))
     )
     twists = resisted - bending > ROUNDING * bending and none > bending
     torsion = min(1.0, (resisted - bending) / (none - bending)) if twists else 0.0

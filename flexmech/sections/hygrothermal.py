@@ -236,11 +236,11 @@ def _without_twist(free: FloatArray, section: LaminateSection) -> FloatArray:
     by_torque = section.solid.compliance[:, TWIST]
     # The shear between the faces is of twice the twist.
     torque = -free[1, 2] / 2 / by_torque[TWIST]
-    held = free.copy()
-    held[0, 0] += by_torque[STRETCH] * torque
-    held[1, 0] -= by_torque[CURVATURE] * torque
-    held[1, 2] = 0.0
-    return held
+    untwisted = free.copy()
+    untwisted[0, 0] += by_torque[STRETCH] * torque
+    untwisted[1, 0] -= by_torque[CURVATURE] * torque
+    untwisted[1, 2] = 0.0
+    return untwisted
 
 
 def _changed(

@@ -201,7 +201,7 @@ class LaminateSection:
 
     @property
     def twists(self) -> bool:
-        """Whether bending twists the section, so that joints matter which hold the twist."""
+        """Whether bending twists the section, so that joints matter which restrain the twist."""
         return self._free_edges is not None and self._free_edges.torsion > 0
 
     @cached_property

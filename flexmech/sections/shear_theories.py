@@ -222,7 +222,7 @@ def zigzag_of(strip: Strip, bent: PlaneState) -> Zigzag:
     every = np.arange(len(place))[:, None]
     stress = bent.stress(place, every)
     scale = np.abs(stress[..., 0]).max()
-    fields, shears, strains, residuals, held = [], [], [], [], []
+    fields, shears, strains, residuals, bending = [], [], [], [], []
     for _ in range(WARPINGS):
         # Balanced from face to face: each stress has no resultant along the link.
         shear = _from_lowest_face(laminate, stress[..., [2, 0]] / scale)
@@ -231,7 +231,7 @@ def zigzag_of(strip: Strip, bent: PlaneState) -> Zigzag:
         strain = np.zeros((*place.shape, 3))
         strain[..., 0], strain[..., 2] = moved[..., 1], moved[..., 0]
         parts = strip.warping_parts(Strained(place, weight, strain))
-        held.append(parts.held[1])
+        bending.append(parts.slender[1])
         stress = np.einsum("nij,nmj->nmi", laminate.transformed_stiffness, parts.residual)
         scale = np.abs(stress[..., 0]).max()
         shears.append(shear)
@@ -242,7 +242,7 @@ def zigzag_of(strip: Strip, bent: PlaneState) -> Zigzag:
     changed = np.einsum("nm,anmi,bnmi->ab", weight, np.stack(fields), np.stack(residuals))
     squared_length, vectors = scipy.linalg.eigh(changed, sheared)
     # Each with the shear angle that it gives to the axis.
-    angles = np.array(held) @ vectors
+    angles = np.array(bending) @ vectors
     warping = np.tensordot((vectors / angles).T, np.stack(fields)[..., 0], axes=1)
     density = np.array([layer.ply.density for layer in laminate.layers])[:, None]
     mass = weight * density / np.sum(weight * density)

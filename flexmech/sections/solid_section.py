@@ -130,7 +130,7 @@ class _Mesh:
 
     @property
     def supports(self) -> IntArray:
-        """Six displacements that are held: they would move the section without warping it."""
+        """Six displacements that are fixed: they would move the section without warping it."""
         line = 2 * len(self.sides) - 1
         first, second, third = 0, 3 * (line - 1), self.size - 3 * line
         return np.array([first, first + 1, first + 2, second, second + 1, third])

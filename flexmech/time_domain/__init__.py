@@ -1,32 +1,68 @@
 """Motion in time: the linkage driven by its shaft, its runs, and its periodic motion.
 
-The doors below, from the ground up: ``recorded_runs``, ``equations_of_motion``, ``integrators`` and
-``periodic_motion``. What a script needs first stands here too.
+From the ground up: ``recorded_runs``, ``equations_of_motion``, ``integrators`` and
+``periodic_motion``.
 """
 
-from flexmech.time_domain.equations_of_motion import DrivenLinkage
-from flexmech.time_domain.integrators import linear_run
-from flexmech.time_domain.periodic_motion import (
+from flexmech.time_domain.equations_of_motion.driven_connectors import ConnectorWork
+from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
+from flexmech.time_domain.equations_of_motion.reduced_links import (
+    DETAIL,
+    is_reduced,
+    stretches_in_runs,
+)
+from flexmech.time_domain.integrators.runs import StruckLinkage, linear_run, simulator, step_lag
+from flexmech.time_domain.integrators.stretch_march import UnbalancedStepError
+from flexmech.time_domain.periodic_motion.forced_linkage import forced_linkage
+from flexmech.time_domain.periodic_motion.forced_modes import (
+    ForcedModes,
+    FreeAndForced,
+    forced_modes,
+)
+from flexmech.time_domain.periodic_motion.moving_modes import (
     MovingModes,
-    SampledTurn,
     counts_of_modes,
     moving_modes,
-    nonlinear_orbit,
+)
+from flexmech.time_domain.periodic_motion.nonlinear_orbit import NonlinearOrbit, nonlinear_orbit
+from flexmech.time_domain.periodic_motion.sampled_turn import SampledTurn
+from flexmech.time_domain.periodic_motion.shooting import (
     periodic_state,
+    periodic_turn,
     simulated_orbit,
 )
-from flexmech.time_domain.recorded_runs import LinkState, Trajectory
+from flexmech.time_domain.recorded_runs.recording import Recorder, StepBlock, Trajectory
+from flexmech.time_domain.recorded_runs.states import Impact, LinkState, ShaftMotion, rigid_torque
 
 __all__ = [
+    "DETAIL",
+    "ConnectorWork",
     "DrivenLinkage",
+    "ForcedModes",
+    "FreeAndForced",
+    "Impact",
     "LinkState",
     "MovingModes",
+    "NonlinearOrbit",
+    "Recorder",
     "SampledTurn",
+    "ShaftMotion",
+    "StepBlock",
+    "StruckLinkage",
     "Trajectory",
+    "UnbalancedStepError",
     "counts_of_modes",
+    "forced_linkage",
+    "forced_modes",
+    "is_reduced",
     "linear_run",
     "moving_modes",
     "nonlinear_orbit",
     "periodic_state",
+    "periodic_turn",
+    "rigid_torque",
     "simulated_orbit",
+    "simulator",
+    "step_lag",
+    "stretches_in_runs",
 ]

@@ -14,7 +14,7 @@ from flexmech import ExudynEngine, Mechanism, ReferenceEngine, RotatingArm, load
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.dynamical_systems import floquet_modes
 from flexmech.linear_system import Engine, Prestress
-from flexmech.linkages import GROUND, JointSpring, LinkPoint, Load, Spring
+from flexmech.linkages import GROUND, AttachmentPoint, JointSpring, Load, Spring
 from flexmech.time_domain import moving_modes
 from tests.analytical.test_loads_and_springs import BENDING, LENGTH, SECTION, TIP, ArmInBearing
 from tests.analytical.test_moving_modes import (
@@ -122,10 +122,26 @@ def test_a_force_that_follows_the_tip_of_a_running_arm(part: float) -> None:
 
 
 CONNECTED: dict[str, object] = {
-    "loads": (Load("turns", LinkPoint("rocker", 0.2667), ((-3.0, 2.0),), (0.02,), axes="link"),),
+    "loads": (
+        Load("turns", AttachmentPoint("rocker", 0.2667), ((-3.0, 2.0),), (0.02,), axes="link"),
+    ),
     "springs": (
-        Spring("back", LinkPoint("rocker", 0.2667), LinkPoint(GROUND, 0.5, 0.1), 50.0, 0.1, 0.2),
-        Spring("between", LinkPoint("crank", 0.0), LinkPoint("rocker", 0.2667), 0.0, 0.2, 0.3),
+        Spring(
+            "back",
+            AttachmentPoint("rocker", 0.2667),
+            AttachmentPoint(GROUND, 0.5, 0.1),
+            50.0,
+            0.1,
+            0.2,
+        ),
+        Spring(
+            "between",
+            AttachmentPoint("crank", 0.0),
+            AttachmentPoint("rocker", 0.2667),
+            0.0,
+            0.2,
+            0.3,
+        ),
     ),
     "joint_springs": (JointSpring("B", 0.05, 2e-3, 1.0),),
 }
@@ -164,9 +180,11 @@ def test_engines_agree_on_a_linkage_with_dampers_and_a_force_that_follows(mechan
 def test_a_constant_turn_is_found_by_computation() -> None:
     """Welds and a damper to the shaft's axis leave nothing that changes; gravity does."""
     beam = load_mechanism("models/rotating_l_beam.toml")
-    damper = Spring("axis", LinkPoint("short", 0.4), LinkPoint(GROUND, 0.0, 0.0), 0.0, 1.0, 0.5)
+    damper = Spring(
+        "axis", AttachmentPoint("short", 0.4), AttachmentPoint(GROUND, 0.0, 0.0), 0.0, 1.0, 0.5
+    )
     steady = replace(beam, springs=(damper,))
-    aside = replace(damper, second=LinkPoint(GROUND, 0.1, 0.0))
+    aside = replace(damper, second=AttachmentPoint(GROUND, 0.1, 0.0))
     solvers = [
         LinkageSolver(ReferenceEngine(each, 4), "axial", 3)
         for each in (

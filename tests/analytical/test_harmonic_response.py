@@ -28,7 +28,7 @@ from flexmech.dynamical_systems import (
     harmonic_response,
 )
 from flexmech.linear_system import Engine, LinearSystem, point_rows
-from flexmech.time_domain.periodic_motion import forced_linkage
+from flexmech.time_domain import forced_linkage
 from flexmech.time_domain.periodic_motion.forced_linkage import static_remainder
 
 ORDERS = np.arange(-2, 3)

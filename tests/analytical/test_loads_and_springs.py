@@ -25,11 +25,11 @@ from flexmech.analyses import solve_modes
 from flexmech.linear_system import Engine
 from flexmech.linkages import (
     GROUND,
+    AttachmentPoint,
     Clamp,
     JointSpring,
     Link,
     LinkEnd,
-    LinkPoint,
     Load,
     Pivot,
     Spring,
@@ -41,7 +41,7 @@ LENGTH = 0.3
 SECTION = BeamSection.rectangle(Material(70e9, 2700.0), 3e-3, 25e-3)
 BENDING, MASS = SECTION.bending_stiffness, SECTION.mass_per_length
 UNIT = BENDING / LENGTH**3
-TIP = LinkPoint("arm", LENGTH)
+TIP = AttachmentPoint("arm", LENGTH)
 ENGINES: list[tuple[type[Engine], str]] = [(ReferenceEngine, "euler"), (ExudynEngine, "ancf")]
 
 
@@ -82,7 +82,7 @@ def test_cantilever_on_a_tip_spring(engine: type[Engine], element: str) -> None:
             [shear * (sh - s) - stiffness * (ch - c), shear * (ch + c) - stiffness * (sh - s)],
         ]
 
-    far = Spring("side", TIP, LinkPoint(GROUND, LENGTH, 1e3), stiffness, 1e3)
+    far = Spring("side", TIP, AttachmentPoint(GROUND, LENGTH, 1e3), stiffness, 1e3)
     found = natural_frequencies(engine(arm(springs=(far,)), 24, element).unreduced(), 0.0, modes=2)
     assert found == pytest.approx(beam(matrix, 2), rel=1.2e-6)
 
@@ -92,7 +92,7 @@ def test_static_deflection_under_a_tip_force_and_a_spring(
     engine: type[Engine], element: str
 ) -> None:
     load = Load("push", TIP, ((0.0, 1e-3),))
-    spring = Spring("side", TIP, LinkPoint(GROUND, LENGTH, 1e3), UNIT, 1e3)
+    spring = Spring("side", TIP, AttachmentPoint(GROUND, LENGTH, 1e3), UNIT, 1e3)
     for springs, stiffness in (((), 3 * UNIT), ((spring,), 4 * UNIT)):
         made = engine(arm(loads=(load,), springs=springs), 8, element)
         motion = made.mechanism.linkage.motion(np.zeros(1))
@@ -106,7 +106,7 @@ def test_static_deflection_under_a_tip_force_and_a_spring(
 def test_a_force_inside_a_link_and_a_torque_bend_it(engine: type[Engine], element: str) -> None:
     """Tip of a cantilever under a force F at a third and a couple M there: exact with a node."""
     place, force, couple = LENGTH / 3, 1e-3, 1e-4
-    load = Load("inside", LinkPoint("arm", place), ((0.0, force),), (couple,))
+    load = Load("inside", AttachmentPoint("arm", place), ((0.0, force),), (couple,))
     made = engine(arm(loads=(load,)), 4, element)
     state = made.stressed_links(made.mechanism.linkage.motion(np.zeros(1)), "equilibrium")
     assert state.displacement is not None
@@ -167,7 +167,7 @@ def test_a_beam_on_a_radial_spring() -> None:
     """Clamped, its end in a bearing of stiffness k: the same as on a spring across it."""
     bearing = JointSpring("bearing", radial_stiffness=3 * UNIT)
     mechanism = Mechanism(ArmInBearing(LENGTH), {"arm": SECTION}, joint_springs=(bearing,))
-    far = Spring("side", TIP, LinkPoint(GROUND, LENGTH, 1e3), 3 * UNIT, 1e3)
+    far = Spring("side", TIP, AttachmentPoint(GROUND, LENGTH, 1e3), 3 * UNIT, 1e3)
     found, expected = (
         natural_frequencies(
             ReferenceEngine(each, 8, "euler").unreduced(), 0.0, modes=3, prestress="none"
@@ -183,12 +183,25 @@ def test_engines_agree_on_a_fourbar_with_loads_and_springs(speed: float) -> None
     mechanism = replace(
         aluminium,
         loads=(
-            Load("pack", LinkPoint("coupler", 0.14), ((1.0, -1.0),)),
-            Load("turns", LinkPoint("rocker", 0.1), ((-1.0, 1.0),), (0.02,), axes="link"),
+            Load("pack", AttachmentPoint("coupler", 0.14), ((1.0, -1.0),)),
+            Load("turns", AttachmentPoint("rocker", 0.1), ((-1.0, 1.0),), (0.02,), axes="link"),
         ),
         springs=(
-            Spring("back", LinkPoint("rocker", 0.2), LinkPoint(GROUND, 0.5, 0.1), 20.0, 0.1, 0.1),
-            Spring("between", LinkPoint("crank", 0.05), LinkPoint("rocker", 0.2), 100.0, 0.2),
+            Spring(
+                "back",
+                AttachmentPoint("rocker", 0.2),
+                AttachmentPoint(GROUND, 0.5, 0.1),
+                20.0,
+                0.1,
+                0.1,
+            ),
+            Spring(
+                "between",
+                AttachmentPoint("crank", 0.05),
+                AttachmentPoint("rocker", 0.2),
+                100.0,
+                0.2,
+            ),
         ),
         joint_springs=(JointSpring("B", 0.05, 1e-3, 1.0),),
     )
@@ -255,7 +268,7 @@ def test_floquet_modes_of_an_arm_with_a_spring_to_its_axis(prestress: str) -> No
 
     Floquet exponents are then the frozen eigenvalues with rotation terms.
     """
-    spring = Spring("to the axis", TIP, LinkPoint(GROUND, 0.0, 0.0), 2000.0, 0.2)
+    spring = Spring("to the axis", TIP, AttachmentPoint(GROUND, 0.0, 0.0), 2000.0, 0.2)
     made = ReferenceEngine(arm(springs=(spring,)), 4, "euler")
     found = stability(made, [40.0], prestress=prestress, modes=2)  # type: ignore[arg-type]
     frozen = natural_frequencies(made.unreduced(), 0.3, 40.0, modes=2, prestress=prestress)  # type: ignore[arg-type]

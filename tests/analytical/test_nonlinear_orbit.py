@@ -11,8 +11,7 @@ from scipy.optimize import brentq
 from flexmech import ComputationError, InputError, ReferenceEngine
 from flexmech.linear_system import StressedLinks
 from flexmech.linkages import CrankDrive
-from flexmech.time_domain import DrivenLinkage, nonlinear_orbit
-from flexmech.time_domain.periodic_motion import periodic_turn
+from flexmech.time_domain import DrivenLinkage, nonlinear_orbit, periodic_turn
 from flexmech.time_domain.periodic_motion.orbit_equations import at_angles, derivatives
 from flexmech.verification.methods.frequencies import unit_arm
 

@@ -13,7 +13,7 @@ from flexmech.analyses import natural_frequencies
 from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.beams import compare_theories, comparison
 from flexmech.linear_system import ELASTICITY
-from flexmech.linkages import GROUND, FourBar, JointSpring, LinkPoint, RotatingArm, Spring
+from flexmech.linkages import GROUND, AttachmentPoint, FourBar, JointSpring, RotatingArm, Spring
 from flexmech.materials import Laminate, Layer, Material, Ply
 from flexmech.mechanism import AttachedBody, Mechanism, PointMass
 from flexmech.multibody import ExudynEngine
@@ -113,7 +113,11 @@ def test_stiff_links_with_masses_and_bodies_are_those_of_beams(
         joint_masses={"A": 0.05, "B": 0.1},
         link_masses=(PointMass("coupler", 0.25, 0.1), PointMass("rocker", 0.31, 0.06)),
         bodies=(AttachedBody("rocker", 0.2, 0.2, 1e-4, (0.01, 0.03)),),
-        springs=(Spring("s", LinkPoint("coupler", 0.2), LinkPoint(GROUND, 0.3, -0.2), 5e4, 0.3),),
+        springs=(
+            Spring(
+                "s", AttachmentPoint("coupler", 0.2), AttachmentPoint(GROUND, 0.3, -0.2), 5e4, 0.3
+            ),
+        ),
         joint_springs=(JointSpring("O4", torsional_stiffness=500.0),),
     )
     comparison._frequencies.cache_clear()

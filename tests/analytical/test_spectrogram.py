@@ -15,8 +15,7 @@ from flexmech.analyses.response.spectra import (
     window_duration,
 )
 from flexmech.linkages import CrankDrive
-from flexmech.time_domain import DrivenLinkage, LinkState, linear_run
-from flexmech.time_domain.periodic_motion import periodic_turn
+from flexmech.time_domain import DrivenLinkage, LinkState, linear_run, periodic_turn
 
 RATE = 2000.0
 TIME = np.arange(0, 2, 1 / RATE)

@@ -12,9 +12,7 @@ from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.dynamical_systems import HalfSinePulse, VibrationState, harmonic_response
 from flexmech.linear_system import Prestress
-from flexmech.time_domain import DrivenLinkage
-from flexmech.time_domain.integrators import StruckLinkage
-from flexmech.time_domain.periodic_motion import forced_linkage
+from flexmech.time_domain import DrivenLinkage, StruckLinkage, forced_linkage
 
 SPEED, TURNS = 20.0, 4
 TURN = 2 * np.pi / SPEED

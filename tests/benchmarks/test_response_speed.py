@@ -14,8 +14,7 @@ from flexmech import ExudynEngine, ReferenceEngine
 from flexmech.analyses.response.measurements import deflections
 from flexmech.linkages import CrankDrive
 from flexmech.threads import one_thread
-from flexmech.time_domain import DrivenLinkage, LinkState, linear_run
-from flexmech.time_domain.periodic_motion import periodic_turn
+from flexmech.time_domain import DrivenLinkage, LinkState, linear_run, periodic_turn
 
 DRIVE = CrankDrive(20.0)
 TURN = DRIVE.revolution_time

@@ -249,8 +249,8 @@ class Ties:
         topology, place, turning = self.topology, self._place, self._turning
         rows: list[FloatArray] = []
         for clamp in topology.clamps:
-            rows += [place(clamp.held), turning(clamp.held.link, clamp.held.end)]
-        rows += [place(pivot.held) for pivot in topology.pivots if not pivot.sprung]
+            rows += [place(clamp.link_end), turning(clamp.link_end.link, clamp.link_end.end)]
+        rows += [place(pivot.link_end) for pivot in topology.pivots if not pivot.sprung]
         rows += [place(tie.follower) - place(tie.leader) for tie in self._ties]
         for weld in topology.welds:
             ends = weld.follower, weld.leader
@@ -272,8 +272,8 @@ class Ties:
         """How far the displacements tear or turn each joint, in m and rad."""
         topology, torn = self.topology, []
         for clamp in topology.clamps:
-            torn += [self._torn(clamp.held), self._angle(clamp.held)]
-        torn += [self._torn(pivot.held) for pivot in topology.pivots if not pivot.sprung]
+            torn += [self._torn(clamp.link_end), self._angle(clamp.link_end)]
+        torn += [self._torn(pivot.link_end) for pivot in topology.pivots if not pivot.sprung]
         torn += [self._at(tie.follower) - self._at(tie.leader) for tie in self._ties]
         for weld in topology.welds:
             torn.append(self._angle(weld.follower) - self._angle(weld.leader))
@@ -283,7 +283,7 @@ class Ties:
                 guide = LinkEnd(slider.guide, "start")
                 turned = self.motion.angle[0, topology.index(slider.guide)]
                 angle, start = angle + turned + self._angle(guide)[0], self._at(guide)
-            torn.append((self._at(slider.held) - start) @ normal(angle) - [slider.offset])
+            torn.append((self._at(slider.link_end) - start) @ normal(angle) - [slider.offset])
         return np.concatenate(torn)
 
     def line_stiffness(self, force: FloatArray) -> FloatArray:
@@ -356,13 +356,13 @@ class Ties:
 
     def _on_line(self, slider: Slider) -> tuple[FloatArray, FloatArray]:
         """Displacement of the held point from that of its line, and the line's angle."""
-        held, angle = self._place(slider.held), np.asarray(slider.direction)
+        held, angle = self._place(slider.link_end), np.asarray(slider.direction)
         if not slider.guide:
             return held, angle
         topology, motion = self.topology, self.motion
-        guide, link = topology.index(slider.guide), topology.index(slider.held.link)
-        x = 0.0 if slider.held.end == "start" else topology.links[link].length
-        own = self._moved(link)[self.links[link].end_displacement(slider.held.end)]
+        guide, link = topology.index(slider.guide), topology.index(slider.link_end.link)
+        x = 0.0 if slider.link_end.end == "start" else topology.links[link].length
+        own = self._moved(link)[self.links[link].end_displacement(slider.link_end.end)]
         at = motion.position(link, x)[0] + self._axes(link) @ own
         start = motion.origin[0, guide] + self._axes(guide) @ self._moved(guide)[:2]
         turned = motion.angle[0, guide] + self._moved(guide)[2]

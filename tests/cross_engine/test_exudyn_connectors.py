@@ -21,8 +21,8 @@ from flexmech import (
 )
 from flexmech.linear_system import DeadMoments, inertia_loads
 from flexmech.linkages import (
+    AttachmentPoint,
     JointSpring,
-    LinkPoint,
     Load,
     RigidMotion,
     Spring,
@@ -65,23 +65,37 @@ MECHANISMS: dict[str, Mechanism] = {
     "forces": strips(
         SliderCrank(),
         loads=(
-            Load("constant", LinkPoint("coupler", 0.13), ((3.0, -2.0),), (0.05,)),
+            Load("constant", AttachmentPoint("coupler", 0.13), ((3.0, -2.0),), (0.05,)),
             Load(
                 "table",
-                LinkPoint("coupler", 0.3),
+                AttachmentPoint("coupler", 0.3),
                 ((-5.0, 0.0), (4.0, 1.0), (-2.0, 0.0)),
                 (0.0, 0.1, -0.1),
                 over="crank_angle",
                 at=(0.0, 2.0, 4.0),
             ),
-            Load("turning", LinkPoint("crank", 0.07), ((0.0, 6.0),), axes="link"),
+            Load("turning", AttachmentPoint("crank", 0.07), ((0.0, 6.0),), axes="link"),
         ),
     ),
     "springs": strips(
         LArm(),
         springs=(
-            Spring("ground", LinkPoint("ground", 0.3, 0.4), LinkPoint("leg", 0.2), 40.0, 0.05, 0.3),
-            Spring("between", LinkPoint("arm", 0.11), LinkPoint("leg", 0.09), 200.0, 0.1, 0.5),
+            Spring(
+                "ground",
+                AttachmentPoint("ground", 0.3, 0.4),
+                AttachmentPoint("leg", 0.2),
+                40.0,
+                0.05,
+                0.3,
+            ),
+            Spring(
+                "between",
+                AttachmentPoint("arm", 0.11),
+                AttachmentPoint("leg", 0.09),
+                200.0,
+                0.1,
+                0.5,
+            ),
         ),
     ),
     "springs in joints": strips(
@@ -97,9 +111,15 @@ MECHANISMS: dict[str, Mechanism] = {
     ),
     "rigid": strips(
         Ternary(FOUR_BAR, rigid=("rocker",)),
-        loads=(Load("rocker", LinkPoint("rocker", 0.1), ((2.0, 1.0),), (0.2,), axes="link"),),
+        loads=(Load("rocker", AttachmentPoint("rocker", 0.1), ((2.0, 1.0),), (0.2,), axes="link"),),
         springs=(
-            Spring("return", LinkPoint("ground", 0.1, -0.1), LinkPoint("rocker", 0.15), 60.0, 0.1),
+            Spring(
+                "return",
+                AttachmentPoint("ground", 0.1, -0.1),
+                AttachmentPoint("rocker", 0.15),
+                60.0,
+                0.1,
+            ),
         ),
         joint_springs=(JointSpring("O4", 0.6, 0.0, 0.1), JointSpring("A", 0.4, 0.0, -1.0)),
     ),
@@ -109,7 +129,7 @@ MECHANISMS: dict[str, Mechanism] = {
 class Point:
     """A point of a link, its displacement by the link's coordinates."""
 
-    def __init__(self, mechanism: Mechanism, links: Any, point: LinkPoint, kind: str) -> None:
+    def __init__(self, mechanism: Mechanism, links: Any, point: AttachmentPoint, kind: str) -> None:
         topology = mechanism.linkage.topology
         self.link = topology.index(point.link)
         self.x = point.x
@@ -179,14 +199,14 @@ def forces_of_connectors(
                 add(point, sign * pull * line / length)
     angles = continuous_angles(mechanism.linkage, motion)[0]
     ends = {pin.joint: (pin.follower, pin.leader) for pin in topology.pins}
-    ends |= {pivot.joint: (pivot.held, None) for pivot in topology.pivots}
+    ends |= {pivot.joint: (pivot.link_end, None) for pivot in topology.pivots}
     sprung = {joint.joint for joint in (*topology.pins, *topology.pivots) if joint.sprung}
     for own in mechanism.joint_springs:
         sides = []
         for sign, end in zip((1.0, -1.0), ends[own.joint], strict=True):
             if end is not None:
                 length = topology.links[topology.index(end.link)].length
-                place = LinkPoint(end.link, 0.0 if end.end == "start" else length)
+                place = AttachmentPoint(end.link, 0.0 if end.end == "start" else length)
                 sides.append((sign, Point(mechanism, links, place, kind)))
         opening = sum(s * (angles[p.link] + p.turn @ q[p.link]) for s, p in sides)
         rate = sum(s * motion.angular_velocity[0, p.link] for s, p in sides)

@@ -10,8 +10,7 @@ from flexmech.analyses.damping_ratios import with_damping_ratio
 from flexmech.dynamical_systems import HalfSinePulse, pulse_response, state_modes
 from flexmech.linear_system import LinkPoint, displacement_row, point_rows
 from flexmech.linkages import LockedCrank
-from flexmech.time_domain import LinkState
-from flexmech.time_domain.recorded_runs import Impact
+from flexmech.time_domain import Impact, LinkState
 
 ANGLE = np.radians(96.9)
 

@@ -18,7 +18,7 @@ from flexmech import (
     natural_frequencies,
 )
 from flexmech.analyses import solve_frequencies, solve_modes
-from flexmech.linkages import LinkPoint, Spring
+from flexmech.linkages import AttachmentPoint, Spring
 from flexmech.mechanism import Mechanism
 from tests.random_mechanisms import RandomCase, random_case
 
@@ -183,8 +183,8 @@ def test_the_summary_gives_errors_as_shares_of_the_ratio():
 
 def test_ratios_of_dampers_alone_have_errors_and_negative_ones_are_explained():
     case = random_case(5024)
-    ground = LinkPoint("ground", 0.1, -0.3)
-    damper = Spring("s", LinkPoint("coupler", 0.05), ground, 1.0, 0.3, damping=1e-4)
+    ground = AttachmentPoint("ground", 0.1, -0.3)
+    damper = Spring("s", AttachmentPoint("coupler", 0.05), ground, 1.0, 0.3, damping=1e-4)
     mechanism = replace(case.mechanism, springs=(damper,))
     result = moving_frequencies(
         ReferenceEngine(mechanism, 8, "euler"), case.crank_angles, [case.crank_speed], modes=1

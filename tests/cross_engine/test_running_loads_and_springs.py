@@ -22,27 +22,34 @@ from flexmech import (
 from flexmech.analyses.response.measurements import deflections_of
 from flexmech.dynamical_systems import step_operators
 from flexmech.linear_system import Engine, Prestress
-from flexmech.linkages import GROUND, JointSpring, LinkPoint, Load, Spring
+from flexmech.linkages import GROUND, AttachmentPoint, JointSpring, Load, Spring
 from flexmech.time_domain import DrivenLinkage, linear_run, periodic_state
-from flexmech.time_domain.integrators import StepTable
+from flexmech.time_domain.integrators.linear_march import StepTable
 from tests.cross_engine.joined_linkages import SliderCrank, Ternary
 from tests.cross_engine.test_exudyn_connectors import strips
 from tests.cross_engine.test_exudyn_joints import FOUR_BAR
 
 TABLE = Load(
     "table",
-    LinkPoint("rocker", 0.1),
+    AttachmentPoint("rocker", 0.1),
     ((0.0, 0.0), (-2.0, 1.0), (0.0, 0.0)),
     (0.0, 0.05, 0.0),
     over="crank_angle",
     at=(0.3, 0.35, 0.5),
 )
 PUSH = Load(
-    "push", LinkPoint("coupler", 0.1), ((0.0, 0.0), (0.0, -1.0)), (0.0, 0.0), "ground", "time",
+    "push",
+    AttachmentPoint("coupler", 0.1),
+    ((0.0, 0.0), (0.0, -1.0)),
+    (0.0, 0.0),
+    "ground",
+    "time",
     (0.005, 0.01),
-)  # fmt: skip
-TURNING = Load("turning", LinkPoint("crank", 0.05), ((0.0, 1.0),), axes="link")
-RETURN = Spring("return", LinkPoint(GROUND, 0.1, -0.1), LinkPoint("rocker", 0.15), 20.0, 0.1, 0.5)
+)
+TURNING = Load("turning", AttachmentPoint("crank", 0.05), ((0.0, 1.0),), axes="link")
+RETURN = Spring(
+    "return", AttachmentPoint(GROUND, 0.1, -0.1), AttachmentPoint("rocker", 0.15), 20.0, 0.1, 0.5
+)
 HINGE = JointSpring("B", 0.05, 0.002, 1.0)
 SPEED = 20.0
 
@@ -100,7 +107,7 @@ def test_joint_forces_of_a_chain_of_followers() -> None:
 def test_a_force_in_axes_of_its_link(engine: type[Engine]) -> None:
     """Across the tip of an arm it bends it always alike, and the shaft holds it."""
     force, length = 0.05, 0.3
-    load = Load("tip", LinkPoint("arm", length), ((0.0, force),), axes="link")
+    load = Load("tip", AttachmentPoint("arm", length), ((0.0, force),), axes="link")
     section = strips(SliderCrank()).sections["crank"]
     mechanism = Mechanism(RotatingArm(length), {"arm": section}, loads=(load,))
     request = ResponseRequest(CrankDrive(0.05), 0.02, step=5e-3, start="equilibrium")
@@ -121,7 +128,7 @@ def test_the_equilibrium_at_the_start_counts_loads_over_time(engine: type[Engine
     Exudyn began with the equilibrium without it, and the links rang: engines were 4 % apart.
     """
     length, row = 0.3, (0.02, 0.05)
-    tip = LinkPoint("arm", length)
+    tip = AttachmentPoint("arm", length)
     section = strips(SliderCrank()).sections["crank"]
     request = ResponseRequest(CrankDrive(5.0), 0.02, step=2e-4, start="equilibrium", modes=2)
     tables: list[dict[str, Any]] = [
@@ -141,9 +148,9 @@ def test_the_equilibrium_at_the_start_counts_loads_over_time(engine: type[Engine
 
 def test_a_slow_run_tends_to_the_equilibria_at_its_angles() -> None:
     """What it is off by is inertia of the displacement: second order in the speed."""
-    tip, rows = LinkPoint("arm", 0.3), ((0.0, 0.0), (2e-3, 4e-3), (0.0, 0.0))
+    tip, rows = AttachmentPoint("arm", 0.3), ((0.0, 0.0), (2e-3, 4e-3), (0.0, 0.0))
     load = Load("tip", tip, rows, (0.0, 2e-4, 0.0), over="crank_angle", at=(-0.5, 1.5, 3.0))
-    spring = Spring("hold", LinkPoint(GROUND, 0.2, 0.3), tip, 0.03, 0.1, 0.001)
+    spring = Spring("hold", AttachmentPoint(GROUND, 0.2, 0.3), tip, 0.03, 0.1, 0.001)
     section = strips(SliderCrank()).sections["crank"]
     mechanism = Mechanism(RotatingArm(0.3), {"arm": section}, loads=(load,), springs=(spring,))
     engine = ReferenceEngine(mechanism, 3, "euler", component_modes=False)
@@ -167,7 +174,7 @@ def test_tables_of_loads_are_not_smoothed_by_the_interpolation_of_steps() -> Non
     time = np.linspace(0.28, 0.52, 41) / SPEED
     table = StepTable(linkage, 1e-4)
     assert linkage.connectors.is_interpolated
-    found = table.rows(time).linear.forced
+    found = table.rows(time)[0].forced
     wanted = step_operators(linkage.equations(time), 1e-4).forced
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-5 * np.abs(wanted).max())
 
@@ -192,9 +199,9 @@ def test_no_motion_is_periodic_under_a_load_over_time() -> None:
 
 @pytest.mark.parametrize("prestress", ["none", "axial", "equilibrium"])
 def test_a_periodic_motion_under_a_table_repeats_itself(prestress: Prestress) -> None:
-    tip, rows = LinkPoint("arm", 0.3), ((0.0, 0.0), (0.02, 0.04), (0.0, 0.0))
+    tip, rows = AttachmentPoint("arm", 0.3), ((0.0, 0.0), (0.02, 0.04), (0.0, 0.0))
     load = Load("tip", tip, rows, (0.0, 2e-3, 0.0), over="crank_angle", at=(-0.5, 1.5, 3.0))
-    spring = Spring("hold", LinkPoint(GROUND, 0.2, 0.3), tip, 0.3, 0.1, 0.05)
+    spring = Spring("hold", AttachmentPoint(GROUND, 0.2, 0.3), tip, 0.3, 0.1, 0.05)
     section = strips(SliderCrank()).sections["crank"]
     mechanism = Mechanism(RotatingArm(0.3), {"arm": section}, loads=(load,), springs=(spring,))
     linkage = DrivenLinkage(ReferenceEngine(mechanism, 2, "euler"), CrankDrive(20.0), prestress)

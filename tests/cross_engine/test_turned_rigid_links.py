@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from flexmech import ExudynEngine, Mechanism, ReferenceEngine, load_mechanism, natural_frequencies
-from flexmech.linkages import JointSpring, LinkPoint, Load, Spring
+from flexmech.linkages import AttachmentPoint, JointSpring, Load, Spring
 from tests.cross_engine.joined_linkages import LArm, Ternary
 from tests.cross_engine.test_exudyn_connectors import strips
 from tests.cross_engine.test_exudyn_joints import FOUR_BAR
@@ -17,17 +17,30 @@ ANGLE = np.array([2.27])
 
 ROCKER = strips(
     Ternary(FOUR_BAR, rigid=("rocker",)),
-    loads=(Load("push", LinkPoint("rocker", 0.1), ((2.0, 1.0),), (20.0,), axes="link"),),
+    loads=(Load("push", AttachmentPoint("rocker", 0.1), ((2.0, 1.0),), (20.0,), axes="link"),),
     springs=(
-        Spring("return", LinkPoint("ground", 0.1, -0.1), LinkPoint("rocker", 0.15), 5e3, 0.1),
+        Spring(
+            "return",
+            AttachmentPoint("ground", 0.1, -0.1),
+            AttachmentPoint("rocker", 0.15),
+            5e3,
+            0.1,
+        ),
     ),
     joint_springs=(JointSpring("O4", 6.0, 0.0, 0.1), JointSpring("A", 0.4, 0.0, -1.0)),
 )
 LEG = strips(
     LArm(rigid=("leg",)),
-    loads=(Load("push", LinkPoint("leg", 0.1), ((3.0, 2.0),), (-0.5,), axes="link"),),
+    loads=(Load("push", AttachmentPoint("leg", 0.1), ((3.0, 2.0),), (-0.5,), axes="link"),),
     springs=(
-        Spring("ground", LinkPoint("ground", 0.3, 0.4), LinkPoint("leg", 0.2), 40.0, 0.05, 0.3),
+        Spring(
+            "ground",
+            AttachmentPoint("ground", 0.3, 0.4),
+            AttachmentPoint("leg", 0.2),
+            40.0,
+            0.05,
+            0.3,
+        ),
     ),
 )
 

@@ -15,7 +15,7 @@ import flexmech
 from flexmech.analyses.frequencies.refinement import same_shapes
 from flexmech.analyses.stability.edges import ClosingSearch, closing_damping_ratio
 from flexmech.cli.application import app
-from flexmech.linkages import LinkPoint, Load, Spring
+from flexmech.linkages import AttachmentPoint, Load, Spring
 from flexmech.modelfile import template
 
 
@@ -80,8 +80,8 @@ SLIPS: dict[str, Callable[[], object]] = {
     "wetting of the crank": lambda: replace(MECHANISM, wetting={"crank": 3}),
     "joint_springs": lambda: replace(MECHANISM, joint_springs=1.0),
     # That of hammer tests counts fractions of a link.
-    "push: point": lambda: Load("push", flexmech.LinkPoint("crank", 0.1), ((1.0, 0.0),)),  # type: ignore[arg-type]
-    "push: each force": lambda: Load("push", LinkPoint("crank", 0.1), (1.0, 0.0)),  # type: ignore[arg-type]
+    "push: point": lambda: Load("push", flexmech.AttachmentPoint("crank", 0.1), ((1.0, 0.0),)),  # type: ignore[arg-type]
+    "push: each force": lambda: Load("push", AttachmentPoint("crank", 0.1), (1.0, 0.0)),  # type: ignore[arg-type]
     "each end of spring": lambda: Spring("a", "O4", "B", 1.0, 0.1),  # type: ignore[arg-type]
     "against": lambda: flexmech.stability(ENGINE, [20.0], against=([0.0], [1.0])),  # type: ignore[arg-type]
     "response": lambda: flexmech.campbell(ENGINE, [0.0], response=np.zeros(2)),  # type: ignore[arg-type]
@@ -95,7 +95,7 @@ def test_odd_objects_are_refused_by_name(named: str) -> None:
 
 
 def test_what_can_be_read_once_is_kept() -> None:
-    load = Load("push", LinkPoint("coupler", 0.1), ((1.0, 0.0),))
+    load = Load("push", AttachmentPoint("coupler", 0.1), ((1.0, 0.0),))
     assert replace(MECHANISM, loads=iter([load])).loads == (load,)
     assert replace(MECHANISM, operating_speeds=iter([20])).operating_speeds == (20.0,)
     assert flexmech.KinematicsRequest(lumped=iter([1, 4, 4])).lumped == (1, 4, 4)  # type: ignore[arg-type]

@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from flexmech.cli import app
-from flexmech.linkages import LinkPoint
+from flexmech.linkages import AttachmentPoint
 from flexmech.modelfile import mechanism_from_toml, template
 
 FORCE = 'force = ["1 N", "0 N"]'
@@ -137,7 +137,7 @@ def test_a_torque_at_a_bearing_and_a_force_on_a_named_link_are_allowed(base: str
         + f'[loads.bearing]\npoint = "O4"\nlink = "rocker"\n{FORCE}\n'
     )
     place = ("rocker", 0.0)
-    assert [own.point for own in mechanism.loads] == [LinkPoint(*place)] * 2
+    assert [own.point for own in mechanism.loads] == [AttachmentPoint(*place)] * 2
 
 
 def test_springs_of_a_four_bar_name_its_joints() -> None:
@@ -146,6 +146,6 @@ def test_springs_of_a_four_bar_name_its_joints() -> None:
     (spring_,) = mechanism_from_toml(four_bar + spring('["O4", "A"]')).springs
     assert spring_.first.is_ground
     assert (spring_.first.x, spring_.first.y) == pytest.approx((0.254, 0.0), abs=1e-12)
-    assert spring_.second == LinkPoint("crank", 0.1)
+    assert spring_.second == AttachmentPoint("crank", 0.1)
     (spring_,) = mechanism_from_toml(four_bar + spring('["O2", "B"]')).springs
-    assert spring_.first == LinkPoint("ground", 0.0)
+    assert spring_.first == AttachmentPoint("ground", 0.0)

@@ -20,7 +20,7 @@ from flexmech import (
     plots,
 )
 from flexmech.cli import app
-from flexmech.linkages import LinkPoint, Load
+from flexmech.linkages import AttachmentPoint, Load
 from flexmech.mechanism import AttachedBody
 from tests.strategies import ALUMINIUM_LINKAGE, arm, fourbar
 from tests.unit.kinematics_data import kinematics_dataset
@@ -172,7 +172,7 @@ def test_weight_is_no_inertia_force() -> None:
 
 
 def test_a_load_over_time_begins_at_crank_angle_zero() -> None:
-    tip = LinkPoint("arm", 1.0)
+    tip = AttachmentPoint("arm", 1.0)
     load = Load("ramp", tip, ((0.0, 0.0), (0.0, 10.0)), (0.0, 0.0), "link", "time", (0.0, 1.0))
     mechanism = replace(arm(), loads=(load,))
     data = kinematics(mechanism, KinematicsRequest([0.0, 1.0, 4.0], 2.0)).dataset

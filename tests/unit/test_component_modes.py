@@ -24,7 +24,7 @@ from flexmech.linear_system import (
 from flexmech.linear_system.assembly.reduced_system import reduced_system
 from flexmech.linear_system.assembly.system import condense
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
-from flexmech.linkages import JointSpring, LinkPoint, Spring
+from flexmech.linkages import AttachmentPoint, JointSpring, Spring
 from flexmech.mechanism import Mechanism
 from flexmech.multibody import ExudynEngine
 from flexmech.reference import ReferenceEngine
@@ -337,8 +337,8 @@ def test_dampers_of_springs_and_joints_stay_reduced(engine_kind: type[Engine], s
     A spring's and a joint's forces on links bend them in ways that few modes have.
     """
     case = random_case(seed, angles=3)
-    lengths, ground = case.mechanism.linkage.lengths, LinkPoint("ground", 0.1, -0.3)
-    on_coupler = LinkPoint("coupler", 0.4 * lengths["coupler"])
+    lengths, ground = case.mechanism.linkage.lengths, AttachmentPoint("ground", 0.1, -0.3)
+    on_coupler = AttachmentPoint("coupler", 0.4 * lengths["coupler"])
     mechanism = replace(
         case.mechanism,
         springs=(Spring("damper", on_coupler, ground, 1000.0, 0.3, damping=3.0),),

@@ -12,12 +12,12 @@ from typer.testing import CliRunner
 
 from flexmech import CrankDrive, HygrothermalState, ResponseRequest
 from flexmech.analyses import moving_frequencies, natural_frequencies
-from flexmech.analyses.response import response
-from flexmech.analyses.speed_sweep import speed_sweep
+from flexmech.analyses.response.compute import response
+from flexmech.analyses.speed_sweep.compute import speed_sweep
 from flexmech.beams import compare_theories
 from flexmech.cli import app
 from flexmech.linear_system import NEGLIGIBLE, Engine
-from flexmech.linkages import GROUND, FourBar, JointSpring, LinkPoint, Spring
+from flexmech.linkages import GROUND, AttachmentPoint, FourBar, JointSpring, Spring
 from flexmech.materials import Laminate, Layer, Material, Ply
 from flexmech.mechanism import Mechanism
 from flexmech.multibody import ExudynEngine
@@ -105,7 +105,9 @@ def test_springs_and_bearings_count_in_the_choice() -> None:
     linkage = replace(slender.linkage, sprung=("A",))
     bearing = JointSpring("A", radial_stiffness=3e4)
     torsion = JointSpring("O4", torsional_stiffness=30.0)
-    spring = Spring("s", LinkPoint("coupler", 0.3), LinkPoint(GROUND, 0.2, -0.3), 2e3, 0.2)
+    spring = Spring(
+        "s", AttachmentPoint("coupler", 0.3), AttachmentPoint(GROUND, 0.2, -0.3), 2e3, 0.2
+    )
     mechanism = replace(
         slender, linkage=linkage, springs=(spring,), joint_springs=(bearing, torsion)
     )
@@ -117,7 +119,7 @@ def test_springs_and_bearings_count_in_the_choice() -> None:
     assert elements_of(mechanism) == ("euler", "ancf")
     # Where the ends of a spring meet it has no direction: the other angles judge.
     motion = slender.linkage.motion(ANGLES[:1])
-    met = replace(spring, second=LinkPoint(GROUND, *motion.position(1, 0.3)[0].tolist()))
+    met = replace(spring, second=AttachmentPoint(GROUND, *motion.position(1, 0.3)[0].tolist()))
     assert len(compare_theories(replace(slender, springs=(met,))).frequency("euler")) == 5
 
 

@@ -17,7 +17,7 @@ from flexmech.mechanism import Provenance
 from flexmech.multibody import ExudynEngine
 from flexmech.multibody.beams import BEAM_KINDS
 from flexmech.reference import ReferenceEngine
-from flexmech.time_domain.integrators import simulator
+from flexmech.time_domain import simulator
 from tests.strategies import fourbar
 
 

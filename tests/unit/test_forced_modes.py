@@ -11,8 +11,13 @@ import flexmech
 from flexmech.analyses.damping_ratios import with_damping_ratio, with_damping_times
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
-from flexmech.time_domain import DrivenLinkage, linear_run
-from flexmech.time_domain.periodic_motion import FreeAndForced, forced_modes, periodic_turn
+from flexmech.time_domain import (
+    DrivenLinkage,
+    FreeAndForced,
+    forced_modes,
+    linear_run,
+    periodic_turn,
+)
 
 SPEED = 30.0
 

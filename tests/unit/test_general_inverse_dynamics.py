@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from flexmech.errors import InputError
 from flexmech.linkages import (
     GROUND,
+    AttachmentPoint,
     Clamp,
     FourBar,
     InverseDynamics,
@@ -18,7 +19,6 @@ from flexmech.linkages import (
     LinkBody,
     LinkEnd,
     LinkMass,
-    LinkPoint,
     Load,
     Pin,
     Pivot,
@@ -94,7 +94,7 @@ def sides(case: LoadedLinkage, joint: str) -> list[int]:
     for pin in case.topology.pins:
         if pin.joint == joint:
             return [index(pin.follower.link), index(pin.leader.link)]
-    return [index(pivot.held.link) for pivot in case.topology.pivots if pivot.joint == joint]
+    return [index(pivot.link_end.link) for pivot in case.topology.pivots if pivot.joint == joint]
 
 
 @settings(max_examples=150)
@@ -162,7 +162,7 @@ def end_forces(case: LoadedLinkage, forces: InverseDynamics, link: str) -> tuple
     topology, end = case.topology, LinkEnd(link, "end")
     force, couple = np.zeros(2), 0.0
     for holder in (*topology.clamps, *topology.pivots, *topology.sliders):
-        if holder.held == end:
+        if holder.link_end == end:
             force = force + forces.joint_force[holder.joint]
             couple += forces.joint_moment[holder.joint]
     for tie in topology.ties:
@@ -227,8 +227,8 @@ def test_a_slider_is_pushed_across_its_line(case: LoadedLinkage) -> None:
     guided = [slider for slider in case.topology.sliders if slider.guide]
     for slider, back in zip(guided, forces.on_guides, strict=True):
         assert np.array_equal(back.force, -forces.joint_force[slider.joint])
-        held = case.topology.index(slider.held.link)
-        end = 0.0 if slider.held.end == "start" else case.topology.links[held].length
+        held = case.topology.index(slider.link_end.link)
+        end = 0.0 if slider.link_end.end == "start" else case.topology.links[held].length
         place = case.motion.position(back.link, back.x, back.y)
         assert place == pytest.approx(case.motion.position(held, end), abs=1e-13)
 
@@ -292,7 +292,7 @@ def arm_with_load(load: Load) -> InverseDynamics:
 
 
 def test_a_load_makes_tension_shear_and_moment_jump() -> None:
-    load = Load("pull", LinkPoint("arm", 0.6), ((3.0, 2.0),), (0.5,))
+    load = Load("pull", AttachmentPoint("arm", 0.6), ((3.0, 2.0),), (0.5,))
     forces = arm_with_load(load)
     for x in (0.0, 0.59, 0.6):
         assert forces.axial_force(0, x) == pytest.approx(3.0)
@@ -306,7 +306,13 @@ def test_a_load_makes_tension_shear_and_moment_jump() -> None:
 
 def test_a_load_over_time_takes_the_time_of_each_position() -> None:
     load = Load(
-        "push", LinkPoint("arm", 1.0), ((0.0, 0.0), (0.0, 4.0)), (0, 0), "link", "time", (0, 1)
+        "push",
+        AttachmentPoint("arm", 1.0),
+        ((0.0, 0.0), (0.0, 4.0)),
+        (0, 0),
+        "link",
+        "time",
+        (0, 1),
     )
     arm = RotatingArm(1.0)
     forces = inverse_dynamics(
@@ -320,7 +326,9 @@ def test_a_load_over_time_takes_the_time_of_each_position() -> None:
 
 
 def test_a_spring_whose_ends_meet_is_refused() -> None:
-    spring = Spring("return", LinkPoint("arm", 1.0), LinkPoint(GROUND, 0.0, 1.0), 5.0, 0.1)
+    spring = Spring(
+        "return", AttachmentPoint("arm", 1.0), AttachmentPoint(GROUND, 0.0, 1.0), 5.0, 0.1
+    )
     arm = RotatingArm(1.0)
     with pytest.raises(InputError, match="spring return: its ends meet at crank angle 90 deg"):
         inverse_dynamics(
@@ -329,7 +337,9 @@ def test_a_spring_whose_ends_meet_is_refused() -> None:
 
 
 def test_a_spring_without_free_length_may_pass_its_other_end() -> None:
-    spring = Spring("return", LinkPoint("arm", 1.0), LinkPoint(GROUND, 0.0, 1.0), 5.0, 0.0)
+    spring = Spring(
+        "return", AttachmentPoint("arm", 1.0), AttachmentPoint(GROUND, 0.0, 1.0), 5.0, 0.0
+    )
     arm = RotatingArm(1.0)
     motion = arm.motion([0.0, np.pi / 2])
     forces = inverse_dynamics(arm.topology, motion, (LinkMass(1.0, 0.0),), springs=(spring,))

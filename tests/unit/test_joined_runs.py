@@ -10,7 +10,7 @@ import pytest
 from flexmech import CrankDrive, ReferenceEngine
 from flexmech.dynamical_systems import VibrationState
 from flexmech.linear_system import LinkDamping, RotationTerms, StressedLinks
-from flexmech.time_domain.equations_of_motion import DrivenLinkage
+from flexmech.time_domain import DrivenLinkage
 from tests.cross_engine.test_exudyn_joints import LINKAGES, strips
 
 

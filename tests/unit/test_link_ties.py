@@ -86,8 +86,8 @@ class Course:
         for slider in self.topology.sliders:
             if not slider.guide:
                 continue
-            guide, held = (self.topology.index(n) for n in (slider.guide, slider.held.link))
-            x = 0.0 if slider.held.end == "start" else self.topology.links[held].length
+            guide, held = (self.topology.index(n) for n in (slider.guide, slider.link_end.link))
+            x = 0.0 if slider.link_end.end == "start" else self.topology.links[held].length
             angle = motion.angle[:, guide]
             omega, alpha = motion.angular_velocity[:, guide], motion.angular_acceleration[:, guide]
             d, s = slider.direction, 0.4 + 0.3 * np.sin(1.3 * time)
@@ -218,8 +218,8 @@ def test_the_joints_hold_and_nothing_else_is_lost(
     for tie in topology.ties:
         np.testing.assert_allclose(ends[tie.leader], ends[tie.follower], atol=1e-10 * scale)
         conditions += 2
-    for held in (*topology.clamps, *topology.pivots):
-        assert np.abs(ends[held.held]).max(initial=0.0) < 1e-10 * scale
+    for own in (*topology.clamps, *topology.pivots):
+        assert np.abs(ends[own.link_end]).max(initial=0.0) < 1e-10 * scale
         conditions += 2
     for weld in topology.welds:
         turns = []
@@ -251,7 +251,7 @@ def _on_lines(
     for slider in topology.sliders:
         if not slider.guide:
             off = np.array([-np.sin(slider.direction), np.cos(slider.direction)])
-            assert np.abs(off @ ends[slider.held]).max(initial=0.0) < 1e-10 * scale
+            assert np.abs(off @ ends[slider.link_end]).max(initial=0.0) < 1e-10 * scale
     return len(topology.sliders)
 
 

@@ -76,7 +76,7 @@ def standing_angles(linkage: PlanarLinkage) -> FloatArray:
     around = linkage.drawn_angle + np.concatenate(
         [np.linspace(-0.05, 0.05, 5), np.radians(np.arange(0.0, 360.0, 7.0))]
     )
-    return around[linkage._assembly.stands(around)]
+    return around[linkage._assembly.assemblable(around)]
 
 
 # --- against the four-bar's own equations -------------------------------------------------------
@@ -126,12 +126,12 @@ def test_chains_of_dyads_close(linkage):
             motion, linkage, tie.follower, "position"
         )
         assert np.abs(apart).max() < 1e-13 * SIZE, tie
-    for held in (*topology.pivots, *topology.clamps):
-        place = of_end(motion, linkage, held.held, "position")
-        point = linkage.points[held.joint.split("-")[0]]
-        assert np.abs(place - point).max() < 1e-13 * SIZE, held
+    for own in (*topology.pivots, *topology.clamps):
+        place = of_end(motion, linkage, own.link_end, "position")
+        point = linkage.points[own.joint.split("-")[0]]
+        assert np.abs(place - point).max() < 1e-13 * SIZE, own
     for slider in topology.sliders:
-        place = of_end(motion, linkage, slider.held, "position")
+        place = of_end(motion, linkage, slider.link_end, "position")
         angle = np.full(len(place), slider.direction)
         if slider.guide:
             guide = topology.index(slider.guide)
@@ -176,9 +176,9 @@ def check_rates_near(linkage: PlanarLinkage) -> None:
     """Away from the drawing, where sliding points are not where their lines were drawn."""
     starts = linkage.drawn_angle + np.array([0.2, -0.2, 0.0])
     around = starts[:, None] + np.array([-0.02, 0.0, 0.02])
-    standing = [linkage._assembly.stands(own).all() for own in around]
-    assume(any(standing))
-    start = float(starts[np.argmax(standing)])
+    moving = [linkage._assembly.assemblable(own).all() for own in around]
+    assume(any(moving))
+    start = float(starts[np.argmax(moving)])
     # Close to a dead point the differences themselves say nothing.
     assume(np.abs(linkage.motion(start, 1.5, 2.0).angular_acceleration).max() < 1e3)
     check_rates(linkage, start)
@@ -215,7 +215,7 @@ def test_nothing_jumps_along_the_turn(linkage):
     """Between close crank angles no point moves farther than its velocity says."""
     step = 1e-3
     angles = linkage.drawn_angle + step * np.arange(-60, 61)
-    stand = linkage._assembly.stands(angles)
+    stand = linkage._assembly.assemblable(angles)
     first, last = 60 - np.argmin(stand[60::-1]), 60 + np.argmin(stand[60:])
     near = angles if stand.all() else angles[first + 1 : last]
     assume(len(near) > 2)
@@ -232,9 +232,9 @@ def test_nothing_jumps_along_the_turn(linkage):
 @given(planar_linkages(most=2))
 def test_newtons_method_finds_what_the_dyads_give(linkage):
     angles = linkage.drawn_angle + np.linspace(-0.2, 0.2, 9)
-    angles = angles[linkage._assembly.stands(angles)]
+    angles = angles[linkage._assembly.assemblable(angles)]
     other = without_dyads(linkage)
-    reached = other._assembly.stands(angles)
+    reached = other._assembly.assemblable(angles)
     # Newton's method stops at the first dead point, dyads stand beyond it as well.
     assert reached[np.argmin(np.abs(angles - linkage.drawn_angle))]
     motion, same = (each.motion(angles[reached], 2.0, 1.0) for each in (linkage, other))

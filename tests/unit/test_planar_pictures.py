@@ -18,7 +18,7 @@ from flexmech import (
     load_mechanism,
     moving_frequencies,
 )
-from flexmech.linkages import GROUND, JointSpring, LinkPoint, Load, Spring, linkage_positions
+from flexmech.linkages import GROUND, AttachmentPoint, JointSpring, Load, Spring, linkage_positions
 from flexmech.mechanism import Mechanism, drawing
 from flexmech.plots import page_width, plot_coupler_curve, plot_linkage, plot_mode_shapes
 from flexmech.plots.animation import EnlargedMotion, Scene
@@ -47,13 +47,13 @@ def drawn(sketch: LinkageSketch, what: str) -> list[Symbol]:
 
 def sprung() -> Mechanism:
     """A slider-crank with springs in joints and with loads of every kind."""
-    rod = LinkPoint("rod", 0.15)
+    rod = AttachmentPoint("rod", 0.15)
     return replace(
         SLIDER_CRANK,
         joint_springs=(JointSpring("A", torsional_stiffness=2.0, radial_stiffness=1e6),),
-        springs=(Spring("return", LinkPoint(GROUND, 0.1, -0.1), rod, 10.0, 0.1),),
+        springs=(Spring("return", AttachmentPoint(GROUND, 0.1, -0.1), rod, 10.0, 0.1),),
         loads=(
-            Load("push", LinkPoint("rod", 0.3), ((-10.0, 0.0),)),
+            Load("push", AttachmentPoint("rod", 0.3), ((-10.0, 0.0),)),
             Load("side", rod, ((0.0, 5.0),), axes="link"),
             Load("brake", rod, ((0.0, 0.0),) * 2, (1.0, -4.0), over="time", at=(0.0, 1.0)),
         ),

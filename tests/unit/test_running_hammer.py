@@ -54,8 +54,10 @@ def test_the_frozen_linkage_answers_otherwise(found: RunningHammerTest) -> None:
 def test_loads_and_springs_count_in_runs_and_in_what_is_predicted() -> None:
     """A spring with damper at the coupler, one in a joint, and a load over the crank angle."""
     middle = LinkPoint("rocker", 0.5)
-    place = linkages.LinkPoint("rocker", 0.5 * 0.2667)
-    spring = linkages.Spring("hold", linkages.LinkPoint("ground", 0.2, 0.5), place, 400.0, 0.3, 0.5)
+    place = linkages.AttachmentPoint("rocker", 0.5 * 0.2667)
+    spring = linkages.Spring(
+        "hold", linkages.AttachmentPoint("ground", 0.2, 0.5), place, 400.0, 0.3, 0.5
+    )
     hinge = linkages.JointSpring("B", 0.0, 0.002)
     load = linkages.Load(
         "press", place, ((0.0, 0.0), (2.0, 0.0)), (0.0, 0.0), "ground", "crank_angle", (0.5, 1.0)

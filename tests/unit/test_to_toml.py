@@ -17,10 +17,10 @@ from flexmech.errors import InputError
 from flexmech.hygrothermal import Exposure, HygrothermalState, mechanism_in_state
 from flexmech.linkages import (
     GROUND,
+    AttachmentPoint,
     CouplerPoint,
     FourBar,
     JointSpring,
-    LinkPoint,
     Load,
     PlanarLinkage,
     RotatingArm,
@@ -89,9 +89,7 @@ def test_quantities_are_written_to_be_read(value, dimension, text):
     assert parse_quantity(text, dimension) == value
 
 
-ALL = [
-    value for name in units.__all__ if isinstance(value := getattr(units, name), units.Dimension)
-]
+ALL = [value for value in vars(units).values() if isinstance(value, units.Dimension)]
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False), st.sampled_from(ALL))
@@ -387,9 +385,11 @@ def linkages(draw: st.DrawFn) -> FourBar | RotatingArm | PlanarLinkage:
 
 
 @st.composite
-def link_points(draw: st.DrawFn, topology: Topology) -> LinkPoint:
+def link_points(draw: st.DrawFn, topology: Topology) -> AttachmentPoint:
     link = draw(st.sampled_from(topology.links))
-    return LinkPoint(link.name, draw(st.sampled_from([0.0, 1.0]) | numbers(0.0, 1.0)) * link.length)
+    return AttachmentPoint(
+        link.name, draw(st.sampled_from([0.0, 1.0]) | numbers(0.0, 1.0)) * link.length
+    )
 
 
 @st.composite
@@ -415,7 +415,7 @@ def any_loads(draw: st.DrawFn, topology: Topology, name: str) -> Load:
 def any_springs(draw: st.DrawFn, topology: Topology, name: str) -> Spring:
     first, second = draw(link_points(topology)), draw(link_points(topology))
     if first.link == second.link:
-        second = LinkPoint(GROUND, draw(numbers(-1, 1)), draw(numbers(-1, 1)))
+        second = AttachmentPoint(GROUND, draw(numbers(-1, 1)), draw(numbers(-1, 1)))
     return Spring(name, first, second, *(draw(numbers(0.0, 1e3)) for _ in range(3)))
 
 

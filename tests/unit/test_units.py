@@ -22,7 +22,7 @@ from flexmech.units import (
     parse_quantity,
 )
 
-ALL = [value for name in units.__all__ if isinstance(value := getattr(units, name), Dimension)]
+ALL = [value for value in vars(units).values() if isinstance(value, Dimension)]
 
 
 @pytest.mark.parametrize(

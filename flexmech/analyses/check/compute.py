@@ -12,9 +12,9 @@ import xarray as xr
 from flexmech.analyses.check.remarks import USUAL_TRANSMISSION_ANGLE, remarks
 from flexmech.analyses.check.result import ModelCheck
 from flexmech.analyses.datasets import provenance, with_units
-from flexmech.analyses.frequencies import Formulation, natural_frequencies
 from flexmech.analyses.frequencies.discretisation import mesh_error
-from flexmech.analyses.frequencies.formulation import Systems
+from flexmech.analyses.frequencies.formulation import Formulation, Systems
+from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.analyses.requests import engine_of
 from flexmech.analyses.section_profile.properties import LINK_PROPERTIES, section_properties
 from flexmech.arrays import FloatArray
@@ -27,9 +27,9 @@ from flexmech.linkages import (
     FourBar,
     LinkEnd,
     Topology,
+    assemblable,
     linkage_positions,
     shown_crank_angle,
-    standing,
 )
 from flexmech.linkages.topology import End
 from flexmech.mechanism import Mechanism, drawing
@@ -210,7 +210,7 @@ def drawn_mechanism(mechanism: Mechanism, crank_angle: float) -> xr.Dataset:
 def _paths(mechanism: Mechanism, angles: FloatArray) -> dict[str, FloatArray]:
     """Places of what moves at crank angles, by name; shape (angle, 2) each."""
     linkage, topology = mechanism.linkage, mechanism.linkage.topology
-    assembled = standing(linkage, angles)
+    assembled = assemblable(linkage, angles)
     motion = linkage.motion(angles[assembled])
     found = {}
     for name, place in _moving_ends(topology).items():
@@ -240,7 +240,7 @@ def _moving_ends(topology: Topology) -> dict[str, LinkEnd]:
 
 
 def _transmission_angle(linkage: FourBar) -> FloatArray:
-    assembled = standing(linkage, TURN)
+    assembled = assemblable(linkage, TURN)
     angle = np.full(TURN.size, np.nan)
     angle[assembled] = linkage.transmission_angle(TURN[assembled])
     return angle

@@ -15,9 +15,7 @@ from flexmech.arrays import FloatArray
 from flexmech.choices import MODES, MOST_MODES, PRESTRESS_LEVELS, MapPrestress, Prestress
 from flexmech.linear_system import Engine, LinearSystem, RotationTerms, StressedLinks, has_dampers
 from flexmech.linkages import CrankDrive
-from flexmech.time_domain.equations_of_motion import DrivenLinkage
-from flexmech.time_domain.integrators import simulator
-from flexmech.time_domain.periodic_motion import simulated_orbit
+from flexmech.time_domain import DrivenLinkage, simulated_orbit, simulator
 from flexmech.validation import check_choice, check_count
 
 # Vibration moves frequencies by a part of what speed does; a step of an eighth of a degree makes

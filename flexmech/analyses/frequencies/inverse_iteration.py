@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -59,6 +59,19 @@ class Pencil:
         for place in range(len(system.mass)):
             yield cls(*pattern, np.stack([matrix[place, rows, columns] for matrix in dense]))
 
+    @classmethod
+    def block_diagonal(cls, pencils: Sequence[Pencil]) -> Pencil:
+        """Those of several positions, of one size, as one."""
+        rows, starts, taken = [], [np.zeros(1, dtype=np.intc)], 0
+        for number, pencil in enumerate(pencils):
+            rows.append(pencil.rows + number * (len(pencil.starts) - 1))
+            starts.append(pencil.starts[1:] + taken)
+            taken += len(pencil.rows)
+        entries = np.concatenate([pencil.entries for pencil in pencils], axis=1)
+        return cls(
+            np.concatenate(rows, dtype=np.intc), np.concatenate(starts, dtype=np.intc), entries
+        )
+
     def total(self, *factors: complex) -> csc_array:
         """Sum of M, C and K times factors."""
         size = len(self.starts) - 1
@@ -73,20 +86,68 @@ def _pattern(
     return rows.astype(np.intc), starts.astype(np.intc)
 
 
-def inverse_iteration(
+def ritz_values(
+    pencils: Sequence[Pencil], shapes: FloatArray, *, rigid: bool = False
+) -> NDArray[np.complex128]:
+    """Eigenvalues of symmetric undamped matrices after one step of inverse iteration.
+
+    The step is taken in the space of all shapes of a position, whose Ritz values are the result
+    (Bathe, *Finite Element Procedures*, sec. 11.6: subspace iteration).
+
+    Parameters
+    ----------
+    pencils : sequence of Pencil
+        Of B positions, n coordinates each.
+    shapes : ndarray, shape (B, n, m)
+        To begin with, by ascending frequency.
+    rigid : bool
+        Whether the stiffness may have no inverse because of rigid modes; the matrices are then
+        shifted by the square of the lowest frequency.
+
+    Returns
+    -------
+    ndarray, shape (B, m)
+        In rad/s; not a number where a squared frequency is negative by round-off.
+    """
+    # All positions at once: the factors of a block diagonal matrix are those of its blocks.
+    shift = np.zeros(len(pencils))
+    every = Pencil.block_diagonal(pencils)
+    loads = _product(every.total(1, 0, 0), shapes)
+    if rigid:
+        first = shapes[:, :, :1]
+        forces = _product(every.total(0, 0, 1), first)
+        shift = np.sum(first * forces, axis=(1, 2)) / np.sum(first * loads[:, :, :1], axis=(1, 2))
+    entries = np.repeat(shift, [len(own.rows) for own in pencils]) * every.entries[0]
+    shifted = replace(every, entries=every.entries + np.outer([0.0, 0.0, 1.0], entries))
+    factors = splu(shifted.total(0, 0, 1))
+    better = factors.solve(loads.reshape(-1, loads.shape[-1])).reshape(loads.shape)
+    inertia = np.swapaxes(better, 1, 2) @ _product(every.total(1, 0, 0), better)
+    stiffness = np.swapaxes(better, 1, 2) @ loads - shift[:, None, None] * inertia
+    squares = np.array(
+        [
+            scipy.linalg.eigh(*each, eigvals_only=True)
+            for each in zip(stiffness, inertia, strict=True)
+        ]
+    )
+    # Round-off of lengths or stiffnesses beyond all proportion: of such a mode nothing is known.
+    return np.asarray(1j * np.sqrt(np.where(squares < 0, np.nan, squares)))
+
+
+def _product(matrix: csc_array, columns: FloatArray) -> FloatArray:
+    """Block diagonal matrix times columns (B, n, m) of its blocks."""
+    return np.asarray(matrix @ columns.reshape(-1, columns.shape[-1])).reshape(columns.shape)
+
+
+def newton_values(
     pencil: Pencil,
     eigenvalues: NDArray[np.complex128],
     shapes: NDArray[Any],
-    *,
-    symmetric: bool,
-    rigid: bool = False,
     steps: int = 1,
 ) -> NDArray[np.complex128]:
     """Eigenvalues of ``(lambda^2 M + lambda C + K) x = 0`` near approximate ones.
 
-    One step for symmetric matrices without damping is taken in the space of all shapes, whose
-    Ritz values are the result. Else each mode is improved by itself, by Newton's method (Ruhe
-    1973, eq. 3.5), whose linear system is that of inverse iteration about the eigenvalue.
+    Each mode is improved by itself, by Newton's method (Ruhe 1973, eq. 3.5), whose linear system
+    is that of inverse iteration about the eigenvalue.
 
     Parameters
     ----------
@@ -96,37 +157,16 @@ def inverse_iteration(
         To begin with, in rad/s.
     shapes : ndarray, shape (n, m)
         To begin with.
-    symmetric : bool
-        Whether mass and stiffness are symmetric, and nothing is damped.
-    rigid : bool
-        Whether the stiffness may have no inverse because of rigid modes; symmetric matrices are
-        then shifted by the square of the lowest frequency.
     steps : int
         At most; the last one is that after which an eigenvalue stays where it is.
 
     Returns
     -------
     ndarray, shape (m,)
-        In rad/s; not a number where a squared frequency is negative by round-off.
+        In rad/s.
     """
-    if symmetric and steps == 1:
-        return _ritz_values(pencil, shapes, rigid=rigid)
     pairs = zip(eigenvalues.astype(complex), shapes.T.astype(complex), strict=True)
     return np.array([_newton(pencil, value, x, steps) for value, x in pairs])
-
-
-def _ritz_values(pencil: Pencil, shapes: FloatArray, *, rigid: bool) -> NDArray[np.complex128]:
-    """After one step of inverse iteration with all shapes (n, m)."""
-    mass, shift = pencil.total(1, 0, 0), 0.0
-    loads = mass @ shapes
-    if rigid:
-        first = shapes[:, 0]
-        shift = float(first @ (pencil.total(0, 0, 1) @ first) / (first @ loads[:, 0]))
-    better = splu(pencil.total(shift, 0, 1)).solve(loads)
-    inertia = better.T @ (mass @ better)
-    squares = scipy.linalg.eigh(better.T @ loads - shift * inertia, inertia, eigvals_only=True)
-    # Round-off of lengths or stiffnesses beyond all proportion: of such a mode nothing is known.
-    return np.asarray(1j * np.sqrt(np.where(squares < 0, np.nan, squares)))
 
 
 def _newton(pencil: Pencil, value: complex, x: NDArray[np.complex128], steps: int) -> complex:

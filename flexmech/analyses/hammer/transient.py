@@ -28,9 +28,7 @@ from flexmech.choices import LinkDirection
 from flexmech.errors import InputError
 from flexmech.linear_system import LinkPoint
 from flexmech.linkages import LockedCrank
-from flexmech.time_domain import LinkState
-from flexmech.time_domain.integrators import simulator
-from flexmech.time_domain.recorded_runs import Impact
+from flexmech.time_domain import Impact, LinkState, simulator
 
 _ATTENUATION = 80.0
 """In dB, of what sampling would fold into the band."""

@@ -19,7 +19,7 @@ NO_DEFLECTION = 1e-12
 def probes(engine: Engine) -> list[str]:
     """Where each link's deflection is read: the ``tip`` of a clamped link, else the ``middle``."""
     topology = engine.mechanism.linkage.topology
-    clamped = {clamp.held.link for clamp in topology.clamps}
+    clamped = {clamp.link_end.link for clamp in topology.clamps}
     return ["tip" if name in clamped else "middle" for name in topology.link_names]
 
 
@@ -171,8 +171,8 @@ def constraint_drift(engine: Engine, displacement: FloatArray, motion: RigidMoti
         return elastic(end) + motion.position(link, x)
 
     gaps = [place(pin.follower) - place(topology.leader_of(pin.leader)) for pin in topology.pins]
-    gaps += [elastic(clamp.held) for clamp in topology.clamps]
-    gaps += [elastic(pivot.held) for pivot in topology.pivots]
+    gaps += [elastic(clamp.link_end) for clamp in topology.clamps]
+    gaps += [elastic(pivot.link_end) for pivot in topology.pivots]
     return float(max(np.hypot(gap[:, 0], gap[:, 1]).max() for gap in gaps))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import scipy.linalg
 
 from flexmech.analyses.damping_ratios import with_damping_time
-from flexmech.analyses.frequencies import natural_frequencies
+from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import engines_of, sampled_turn
 from flexmech.analyses.response.request import MOST_SAMPLES, NO_PERIODIC_START, ResponseRequest
@@ -269,7 +269,7 @@ def lowest_axial_frequency(engine: Engine, crank_angle: FloatArray) -> float:
         [link.stiffness for link in links],
         RotationTerms.all_or_none(False),
     )
-    clamped = [topology.index(clamp.held.link) for clamp in topology.clamps]
+    clamped = [topology.index(clamp.link_end.link) for clamp in topology.clamps]
     turning = [frames.targets[number][-2:] for number in clamped]
     free = np.setdiff1d(np.arange(frames.size), turning)
     loose = bool(topology.welds or any(link.rigid for link in links))

@@ -16,9 +16,16 @@ from flexmech.analyses.response.start import linear_start, simulation_start
 from flexmech.arrays import FloatArray, LabelledProgress, StepProgress
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
-from flexmech.time_domain import DrivenLinkage, Trajectory, linear_run
-from flexmech.time_domain.equations_of_motion import DETAIL, is_reduced, stretches_in_runs
-from flexmech.time_domain.integrators import UnbalancedStepError, simulator
+from flexmech.time_domain import (
+    DETAIL,
+    DrivenLinkage,
+    Trajectory,
+    UnbalancedStepError,
+    is_reduced,
+    linear_run,
+    simulator,
+    stretches_in_runs,
+)
 
 logger = logging.getLogger(__name__)
 

@@ -189,7 +189,9 @@ def linear_start(linkage: DrivenLinkage, request: ResponseRequest, step: float) 
     if request.start == "periodic":
         return periodic_state(linkage, _steps_of_a_turn(request, step))
     time = _start_times(request.drive)
-    position = linkage.standing(time).quasi_static(constrained=linkage.shaft_coordinates)
+    position = linkage.quasi_static_equations(time).quasi_static(
+        constrained=linkage.shaft_coordinates
+    )
     return VibrationState(position[0], _rate(position, time), nothing)
 
 

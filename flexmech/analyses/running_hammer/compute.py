@@ -23,8 +23,7 @@ from flexmech.analyses.running_hammer.result import RunningHammerTest
 from flexmech.arrays import ComplexArray, IntArray, LabelledProgress, silent
 from flexmech.linear_system import Engine
 from flexmech.threads import one_thread
-from flexmech.time_domain.equations_of_motion import stretches_in_runs
-from flexmech.time_domain.integrators import step_lag
+from flexmech.time_domain import step_lag, stretches_in_runs
 from flexmech.validation import check_instance
 
 # Of the first natural frequency at rest: the bandwidth, if none is asked for. It holds the first

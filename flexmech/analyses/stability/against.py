@@ -31,13 +31,12 @@ from flexmech.analyses.stability.speed_range import (
 from flexmech.analyses.stability.speed_window import NODES
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.arrays import FloatArray, LabelledProgress
-from flexmech.dimensions import TEMPERATURE_DIFFERENCE, Dimension
 from flexmech.errors import ComputationError, InputError, suggestion
 from flexmech.hygrothermal import HygrothermalState, mechanism_in_state
 from flexmech.linear_system import Engine
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile import mechanism_with, quantities_of
-from flexmech.units import RATIO
+from flexmech.units import RATIO, TEMPERATURE_DIFFERENCE, Dimension
 from flexmech.validation import check_number, checked_array
 
 DAMPING_PARAMETER, MOISTURE, TEMPERATURE_RISE = "damping-ratio", "moisture", "temperature-rise"
@@ -201,20 +200,17 @@ def map_against(
     except KeyboardInterrupt:
         interrupted = True
     over = ("engine", "parameter", "crank_speed")
+    words = re.sub("[-_.]", " ", against.parameter)
+    attributes = {"units": against.dimension.unit or "1", "long_name": words}
     return xr.Dataset(
         {"against_growth_rate": (over, rate), "against_unstable": (over, state.astype(str))},
-        coords={"parameter": ("parameter", against.values, _attributes(against))},
+        coords={"parameter": ("parameter", against.values, attributes)},
         attrs={
             "against": against.parameter,
             "against_column": against.column,
             "interrupted_against": int(interrupted),
         },
     )
-
-
-def _attributes(against: Against) -> dict[str, str]:
-    words = against.parameter.replace("_", " ").replace("-", " ").replace(".", " ")
-    return {"units": against.dimension.unit or "1", "long_name": words}
 
 
 def _fill(

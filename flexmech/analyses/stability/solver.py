@@ -23,7 +23,7 @@ from flexmech.arrays import FloatArray
 from flexmech.choices import MapPrestress, MovingFrame
 from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linear_system import Engine, Prestress, is_constant_turn, stressed_along_turn
-from flexmech.time_domain.periodic_motion import (
+from flexmech.time_domain import (
     MovingModes,
     NonlinearOrbit,
     SampledTurn,
@@ -64,7 +64,7 @@ class SolvedSpeed:
         A crank angle in rad at which the linkage is statically unstable.
     orbit_distance, orbit_residual : float or None
         Of the periodic motion, with prestress ``trajectory``; see
-        :class:`flexmech.time_domain.periodic_motion.NonlinearOrbit`.
+        :class:`flexmech.time_domain.NonlinearOrbit`.
     """
 
     modes: SelectedModes

@@ -13,7 +13,7 @@ from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem
 from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linear_system import whole
-from flexmech.time_domain.periodic_motion import MovingModes
+from flexmech.time_domain import MovingModes
 
 MOST_STEPS = 1_000_000
 SHAPE_ANGLES = 16
@@ -29,7 +29,7 @@ class VibratingLinkage:
     crank_speed : float
         rad/s.
     scale : ndarray, shape (m,)
-        See :class:`flexmech.time_domain.periodic_motion.MovingModes`.
+        See :class:`flexmech.time_domain.MovingModes`.
     conservative, dissipative : FourierSeries
         Of the system's matrix (2 m, 2 m), and of what damping of links adds to it.
     attached : FourierSeries

@@ -58,9 +58,9 @@ def joint_points(topology: Topology) -> list[JointPoint]:
     """
     pins = (pin for pin in topology.pins if not pin.sprung)
     followers = _followers([*pins, *topology.welds])
-    held = {clamp.held for clamp in topology.clamps}
-    held |= {pivot.held for pivot in topology.pivots if not pivot.sprung}
-    sliders = {slider.held: number for number, slider in enumerate(topology.sliders)}
+    held = {clamp.link_end for clamp in topology.clamps}
+    held |= {pivot.link_end for pivot in topology.pivots if not pivot.sprung}
+    sliders = {slider.link_end: number for number, slider in enumerate(topology.sliders)}
     roots = dict.fromkeys([*held, *sliders, *followers])
     return [
         JointPoint((root, *followers.get(root, ())), root in held, sliders.get(root))
@@ -80,7 +80,7 @@ def turning_joints(topology: Topology) -> list[TurningJoint]:
     list of TurningJoint
     """
     followers = _followers(topology.welds)
-    held = {clamp.held for clamp in topology.clamps}
+    held = {clamp.link_end for clamp in topology.clamps}
     roots = dict.fromkeys([*held, *followers])
     return [
         TurningJoint((root, *followers.get(root, ())), root in held)

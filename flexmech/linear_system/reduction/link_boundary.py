@@ -109,6 +109,12 @@ def link_boundary(ends: JoinedEnds, link: LinkModel) -> LinkBoundary:
     if len(link.shaft) and not len(shaft):
         shaft = np.array([len(columns)])
         columns.append(link.shaft)
+    # The section of a body off the axis is a joint too: a rigid link is welded to it.
+    fixed_to = [body for body in link.bodies if body.is_off_axis and not body.of_section]
+    arms = [body.rows.any(axis=0) for body in fixed_to]
+    taken = fixed.copy()
+    taken[np.concatenate([*columns, np.zeros(0, dtype=np.intp)])] = True
+    columns += list(np.flatnonzero(np.any(arms, axis=0) & ~taken)[:, None]) if arms else []
     unit = np.zeros((link.size, len(columns)))
     for number, rows in enumerate(columns):
         unit[rows, number] = 1.0
@@ -120,12 +126,12 @@ def link_boundary(ends: JoinedEnds, link: LinkModel) -> LinkBoundary:
 def _held(topology: Topology, link: LinkModel) -> Iterator[IntArray]:
     """Coordinates that the ground, the shaft or a fitting holds."""
     for clamp in topology.clamps:
-        if clamp.held.link == link.name:
-            yield link.end_displacement(clamp.held.end)
-            yield link.end_rotation_of(clamp.held.end)
+        if clamp.link_end.link == link.name:
+            yield link.end_displacement(clamp.link_end.end)
+            yield link.end_rotation_of(clamp.link_end.end)
     for pivot in topology.pivots:
-        if pivot.held.link == link.name and not pivot.sprung:
-            yield link.end_displacement(pivot.held.end)
+        if pivot.link_end.link == link.name and not pivot.sprung:
+            yield link.end_displacement(pivot.link_end.end)
     for place in topology.joined_ends:
         if place.link == link.name:
             yield link.end_warping_of(place.end)
@@ -133,8 +139,8 @@ def _held(topology: Topology, link: LinkModel) -> Iterator[IntArray]:
 
 def _tied_ends(topology: Topology) -> set[LinkEnd]:
     tied = {place for tie in topology.ties for place in (tie.leader, tie.follower)}
-    tied |= {slider.held for slider in topology.sliders}
-    return tied | {pivot.held for pivot in topology.pivots if pivot.sprung}
+    tied |= {slider.link_end for slider in topology.sliders}
+    return tied | {pivot.link_end for pivot in topology.pivots if pivot.sprung}
 
 
 def _welded_ends(topology: Topology) -> set[LinkEnd]:

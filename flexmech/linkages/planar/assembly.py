@@ -57,7 +57,7 @@ class Assembly:
         RigidMotion
         """
         turned = np.ravel(theta) - self.drawn_at
-        if self.drawing.is_still:
+        if self.drawing.is_stationary:
             if np.any(omega) or np.any(alpha):
                 raise InputError(
                     "the frame stands still, clamped at several points: nothing turns; choose "
@@ -84,15 +84,15 @@ class Assembly:
             ),
         )
 
-    def stands(self, theta: FloatArray) -> NDArray[np.bool_]:
-        """Whether the linkage can stand at crank angles of shape (A,)."""
+    def assemblable(self, theta: FloatArray) -> NDArray[np.bool_]:
+        """Whether the linkage can be assembled at crank angles of shape (A,)."""
         try:
             self.body_motion(theta - self.drawn_at)
         except InputError:
             if len(theta) == 1:
                 return np.array([False])
             half = len(theta) // 2
-            return np.concatenate([self.stands(theta[:half]), self.stands(theta[half:])])
+            return np.concatenate([self.assemblable(theta[:half]), self.assemblable(theta[half:])])
         return np.ones(len(theta), dtype=bool)
 
     def body_motion(self, angle: FloatArray, steps: int | None = None) -> dict[int, BodyMotion]:
@@ -132,7 +132,7 @@ class Assembly:
         zero, one = np.zeros_like(angle), np.ones_like(angle)
         axis = self.drawing.complex_point(self.drawing.drive.point)
         ground = BodyMotion(axis, axis + 0j * one, one + 0j, 0j * one, 0j * one, zero, zero)
-        if self.drawing.is_still:
+        if self.drawing.is_stationary:
             return {GROUND_BODY: ground, CRANK: ground}
         crank = BodyMotion(axis, ground.place, np.exp(1j * angle), 0j * one, 0j * one, one, zero)
         return {GROUND_BODY: ground, CRANK: crank}

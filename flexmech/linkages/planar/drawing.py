@@ -198,8 +198,8 @@ class Drawing:
         return ends
 
     @property
-    def is_still(self) -> bool:
-        """Whether several clamps hold a frame to the ground, so that nothing drives it."""
+    def is_stationary(self) -> bool:
+        """Whether several clamps fix a frame to the ground, so that nothing drives it."""
         return sum(joint.kind == "clamp" for joint in self.joints) > 1
 
     @property

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -45,37 +44,9 @@ class PointPath:
         return cls(body.point(drawn), body.point_1(drawn), body.point_2(drawn))
 
 
-class Locus(Protocol):
-    """A curve on which a point stays, moved by bodies that are known."""
-
-    def gradient(self, bodies: Known, place: ComplexArray) -> ComplexArray:
-        """Unit normal at a place."""
-        ...
-
-    def gap(self, bodies: Known, place: ComplexArray) -> FloatArray:
-        """Distance of a place from the curve, along the normal."""
-        ...
-
-    def speed(self, bodies: Known, place: ComplexArray) -> FloatArray:
-        """First derivative that a point of the curve needs along the normal."""
-        ...
-
-    def acceleration(self, bodies: Known, place: ComplexArray, first: ComplexArray) -> FloatArray:
-        """Second derivative along the normal of a point with a first derivative.
-
-        Parameters
-        ----------
-        bodies : sequence of BodyMotion
-            Those known so far.
-        place, first : ndarray of complex
-            Of the point, and its first derivative.
-        """
-        ...
-
-
 @dataclass(frozen=True)
-class Circle(Locus):
-    """Places at a distance from a point of a known body."""
+class Circle:
+    """Locus of places at a distance from a point of a known body."""
 
     body: int
     centre: complex
@@ -95,15 +66,23 @@ class Circle(Locus):
         return dot(self.gradient(bodies, place), bodies[self.body].point_1(self.centre))
 
     def acceleration(self, bodies: Known, place: ComplexArray, first: ComplexArray) -> FloatArray:
-        """Second derivative along the normal of a point with a first derivative."""
+        """Second derivative that a point needs along the normal.
+
+        Parameters
+        ----------
+        bodies : mapping of int to BodyMotion
+            Those known so far.
+        place, first : ndarray of complex, shape (B,)
+            Of the point, and its first derivative.
+        """
         body = bodies[self.body]
         relative = np.abs(first - body.point_1(self.centre)) ** 2 / self.radius
         return dot(self.gradient(bodies, place), body.point_2(self.centre)) - relative
 
 
 @dataclass(frozen=True)
-class Line(Locus):
-    """Places on a straight line of a known body, by a point of it and its direction drawn."""
+class Line:
+    """Locus on a straight line of a known body, by a point of it and its direction drawn."""
 
     body: int
     through: complex
@@ -123,7 +102,15 @@ class Line(Locus):
         return bodies[self.body].line_rates(self.through, self.along, place)[0]
 
     def acceleration(self, bodies: Known, place: ComplexArray, first: ComplexArray) -> FloatArray:
-        """Second derivative along the normal of a point with a first derivative."""
+        """Second derivative that a point needs along the normal.
+
+        Parameters
+        ----------
+        bodies : mapping of int to BodyMotion
+            Those known so far.
+        place, first : ndarray of complex, shape (B,)
+            Of the point, and its first derivative.
+        """
         return bodies[self.body].line_rates(self.through, self.along, place, first)[1]
 
 

@@ -1,4 +1,4 @@
-"""From a drawing to the topology that the engines read: who leads, who follows."""
+"""From a drawing to the topology that the engines read: leading and following link ends."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ def derived_topology(drawing: Drawing, sprung: tuple[str, ...]) -> Topology:
 
     At each point one end leads: one of a rigid link where there is one, since flexible ends can
     follow it, otherwise that of the first link. The first connection at a point has the point's
-    name, further ones ``<point>-<beam>``, after the end that follows or is held.
+    name, further ones ``<point>-<beam>``, after the end that follows or is on the ground.
 
     Parameters
     ----------
     drawing : Drawing
     sprung : tuple of str
-        Joints that springs alone hold together.
+        Joints with springs in place of a rigid bearing.
 
     Returns
     -------
@@ -75,7 +75,7 @@ class _Connections:
         joint, groups = self.drawing.joint(point), self._welded_ends(point)
         heads = [group[0] for group in groups]
         if point in self.drawing.ground:
-            self._hold_on_ground(joint, heads)
+            self._join_to_ground(joint, heads)
         else:
             if joint.kind == "slider":
                 name = self._name(point, heads[0])
@@ -104,7 +104,7 @@ class _Connections:
     def _is_flexible(self, end: LinkEnd) -> bool:
         return not self.rigid[end.link]
 
-    def _hold_on_ground(self, joint: PlanarJoint, heads: list[LinkEnd]) -> None:
+    def _join_to_ground(self, joint: PlanarJoint, heads: list[LinkEnd]) -> None:
         for number, head in enumerate(heads):
             name = self._name(joint.point, head)
             if joint.kind == "clamp" and number == 0:
@@ -112,7 +112,7 @@ class _Connections:
             else:
                 self.pivots.append(Pivot(name, head, name in self.sprung))
 
-    def _slider(self, name: str, joint: PlanarJoint, held: LinkEnd) -> Slider:
+    def _slider(self, name: str, joint: PlanarJoint, end: LinkEnd) -> Slider:
         """The line through a point of the drawing, in the axes of what carries it."""
         assert joint.direction is not None
         drawing, place = self.drawing, self.drawing.complex_point(joint.point)
@@ -123,7 +123,7 @@ class _Connections:
             along = drawing.complex_point(beam.end) - start
             guide, place = beam.name, (place - start) * abs(along) / along
         offset = (place / cmath.rect(1.0, joint.direction)).imag
-        return Slider(name, held, joint.direction, offset, guide)
+        return Slider(name, end, joint.direction, offset, guide)
 
     def _name(self, point: str, end: LinkEnd) -> str:
         name = f"{point}-{end.link}" if point in self._names else point

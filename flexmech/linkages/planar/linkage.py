@@ -47,19 +47,19 @@ class PlanarLinkage:
     ground : tuple of str
         Points that do not move. Links turn about them; the clamp is one of them.
     joints : tuple of PlanarJoint
-        What points do that are not pins; the clamp is one. Several clamps hold a frame of welded
-        links that stands still at every crank angle.
+        What points do that are not pins; the clamp is one. Several clamps fix a frame of welded
+        links, which is stationary at every crank angle.
     drawn_at : float, optional
         Crank angle of the drawing in rad; that of the crank's first beam if left out.
     sprung : tuple of str
-        Joints of the topology, pins or pivots, that springs alone hold together when links
-        bend. A mechanism names those with a radial stiffness by itself.
+        Joints of the topology, pins or pivots, with springs in place of a rigid bearing. A
+        mechanism names those with a radial stiffness by itself.
 
     Raises
     ------
     InputError
-        One message for what is wrong: an unknown point, a chain that does not close or is held
-        twice, a drawing in a dead point.
+        One message for what is wrong: an unknown point, a chain that does not close or is
+        overconstrained, a drawing in a dead point.
 
     Examples
     --------
@@ -124,7 +124,7 @@ class PlanarLinkage:
         return Assembly(self.drawing, self.drawn_angle)
 
     def sprung_at(self, joints: Collection[str]) -> Self:
-        """The linkage with springs alone holding these joints, and no others.
+        """The linkage with springs in place of rigid bearings in these joints, and no others.
 
         Parameters
         ----------
@@ -194,12 +194,12 @@ class PlanarLinkage:
         Raises
         ------
         InputError
-            If it is a frame that stands still.
+            If it is a stationary frame.
         """
         own = {link.name: link.length for link in self.topology.links}
         if ground_growth == 1 and all(lengths[name] == length for name, length in own.items()):
             return self
-        if self.drawing.is_still:
+        if self.drawing.is_stationary:
             raise InputError(
                 "a frame that stands still has the lengths of its drawing: held at several points, "
                 "it would be stressed by others; draw it anew"
@@ -222,12 +222,12 @@ class PlanarLinkage:
         ]
 
     def _range(self) -> str:
-        if self.drawing.is_still:
+        if self.drawing.is_stationary:
             return "it stands still: nothing drives it"
         angles = np.radians(np.arange(0.0, 360.0))
         return (
             "the crank turns fully"
-            if self._assembly.stands(angles).all()
+            if self._assembly.assemblable(angles).all()
             else ("the crank does not turn fully")
         )
 

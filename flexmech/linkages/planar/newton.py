@@ -168,11 +168,10 @@ class NewtonGroup:
         start = np.zeros((1, len(self._scale)))
         matrix = self._scaled_jacobian(known(np.zeros(1)), start)
         sign = float(np.linalg.slogdet(matrix)[0][0])
-        halves = [self._half(known, way, sign) for way in (-1.0, 1.0)]
-        angle = np.concatenate([halves[0][0][:0:-1], halves[1][0]])
-        unknowns = np.concatenate([halves[0][1][:0:-1], halves[1][1]])
-        slope = np.concatenate([halves[0][2][:0:-1], halves[1][2]])
-        locks = (halves[0][3], halves[1][3])
+        back, ahead = (self._half(known, way, sign) for way in (-1.0, 1.0))
+        columns = zip(*back[0][:0:-1], *ahead[0], strict=True)
+        angle, unknowns, slope = (np.array(column) for column in columns)
+        locks = (back[1], ahead[1])
         if not any(locks):
             self._check_period(unknowns)
         return FollowedPath(angle, unknowns, slope, sign, locks)
@@ -230,8 +229,8 @@ class NewtonGroup:
 
     def _half(
         self, known: Known, way: float, sign: float
-    ) -> tuple[FloatArray, FloatArray, FloatArray, str]:
-        """Crank angles, unknowns and slopes over half a turn, and the joint that ends it."""
+    ) -> tuple[list[tuple[float, FloatArray, FloatArray]], str]:
+        """Crank angle, unknowns and slopes of postures over half a turn; joint that ends it."""
         angle, step = 0.0, FIRST_STEP
         now = np.zeros(len(self._scale))
         slope, bend = self._slopes(known(np.zeros(1)), now)
@@ -246,21 +245,14 @@ class NewtonGroup:
                 step /= 2
                 if step < SMALLEST_STEP:
                     joint = self._loosest_joint(known(np.array([way * angle])), now)
-                    return *self._stacked(kept), joint
+                    return kept, joint
                 continue
             angle, (now, slope, bend, missed) = there, taken
             kept.append((way * angle, now, slope))
             # The prediction misses in proportion to the third power of the step.
             wish = (MOST_MISSED / 4 / max(missed, 1e-12)) ** (1 / 3)
             step = min(LARGEST_STEP, step * float(np.clip(wish, 0.5, 2.0)))
-        return *self._stacked(kept), ""
-
-    @staticmethod
-    def _stacked(
-        kept: list[tuple[float, FloatArray, FloatArray]],
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        angles, unknowns, slopes = zip(*kept, strict=True)
-        return np.array(angles), np.array(unknowns), np.array(slopes)
+        return kept, ""
 
     def _step(
         self, known: Known, angle: float, guess: FloatArray, sign: float

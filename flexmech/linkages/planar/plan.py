@@ -44,9 +44,9 @@ def assembly_order(drawing: Drawing, bodies: Bodies, drawn_at: float) -> tuple[S
     Raises
     ------
     InputError
-        If a body is joined to nothing, can move freely, or is held twice.
+        If a body is joined to nothing, can move freely, or is overconstrained.
     """
-    if drawing.is_still:
+    if drawing.is_stationary:
         _refuse_two_drives(drawing, bodies)
         return ()
     _refuse_unjoined(bodies)
@@ -63,7 +63,7 @@ def assembly_order(drawing: Drawing, bodies: Bodies, drawn_at: float) -> tuple[S
 
 
 def _refuse_two_drives(drawing: Drawing, bodies: Bodies) -> None:
-    """Several clamps hold a frame whose links are all welded; what moves has one."""
+    """Several clamps fix a frame whose links are all welded; a mechanism has one."""
     if len(bodies.links) > CRANK + 1:
         named = " and ".join(joint.point for joint in drawing.joints if joint.kind == "clamp")
         raise InputError(
@@ -110,16 +110,16 @@ class _Order:
         return [body for body in range(len(self.bodies.links)) if body not in self.known]
 
     def refuse_redundant(self, bodies: Iterable[int], equations: int) -> None:
-        """Refuse bodies that known ones hold by more equations than they have unknowns."""
+        """Refuse bodies with more equations to known ones than they have unknowns."""
         group = tuple(bodies)
         joints = self._on(group)
         if _equations(joints) > equations:
             if group == (CRANK,):
                 drive = self.drawing.drive.point
-                held = [own for own in joints if own.point != drive]
-                if not held:
+                redundant = [own for own in joints if own.point != drive]
+                if not redundant:
                     return
-                joint = held[0].point
+                joint = redundant[0].point
             else:
                 joint = joints[-1].point
             names = ", ".join(self.bodies.name(body) for body in group)

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import cmath
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
+from flexmech.linkages.body_motion import BodyMotion, BodyPoint
+from flexmech.linkages.constraints import Coincidence, Constraints, PointOnLine
 from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, Bodies, GuidedPoint, SharedPoint
 from flexmech.linkages.planar.drawing import Drawing
 
 ITERATIONS = 30
 # Of the size.
-SETTLED, CLOSED = 1e-15, 1e-12
+CONVERGED, CLOSED = 1e-15, 1e-12
 # Of the size: frames of welded beams that close must close after they have grown.
 FITS = 1e-9
 
@@ -44,12 +45,12 @@ def resized_points(
         If the linkage cannot be put together with these lengths.
     """
     shapes = _Shapes(drawing, bodies, lengths, ground_growth)
-    places = _assembled(shapes)
+    placed = _assembled(shapes)
     found = {
-        point: places[here[0]][0] + places[here[0]][1] * shapes.at[here[0], point]
+        point: placed.of(here[0]).point(shapes.at[here[0], point])[0]
         for point, here in bodies.at_point.items()
     }
-    return {point: (place.real, place.imag) for point, place in found.items()}
+    return {point: (float(place.real), float(place.imag)) for point, place in found.items()}
 
 
 class _Shapes:
@@ -75,7 +76,15 @@ class _Shapes:
             if links:
                 self._lay_out(body, links)
 
-    def through(self, line: GuidedPoint) -> complex:
+    def condition(self, own: SharedPoint | GuidedPoint) -> Coincidence | PointOnLine:
+        """What a joint asks of the bodies with their new dimensions."""
+        if isinstance(own, SharedPoint):
+            ends = (BodyPoint(body, self.at[body, own.point]) for body in (own.first, own.second))
+            return Coincidence(*ends)
+        point = BodyPoint(own.body, self.at[own.body, own.point])
+        return PointOnLine(point, BodyPoint(own.guide, self._through(own)), own.along)
+
+    def _through(self, line: GuidedPoint) -> complex:
         """Where a line passes in its guide."""
         drawn = self.drawing.complex_point(line.point)
         guide = self.drawing.joint(line.point).guide
@@ -90,8 +99,7 @@ class _Shapes:
         """Places of a body's points, beam by beam from its first point."""
         first = self.drawing.drive.point if body == CRANK else self.drawing.link(links[0]).points[0]
         self.at[body, first] = 0j
-        beams = [beam for link in links for beam in self.drawing.link(link).beams]
-        waiting = list(beams)
+        waiting = [beam for link in links for beam in self.drawing.link(link).beams]
         while waiting:
             beam = next(
                 b for b in waiting if (body, b.start) in self.at or (body, b.end) in self.at
@@ -112,77 +120,36 @@ class _Shapes:
             )
 
 
-def _assembled(shapes: _Shapes) -> list[tuple[complex, complex]]:
-    """Origin and turn of each body, by Newton's method from the drawing."""
+def _assembled(shapes: _Shapes) -> BodyMotion:
+    """Bodies at rest, put together by Newton's method from the drawing; a batch of shape (1,)."""
     drawing, bodies = shapes.drawing, shapes.bodies
-    drive = drawing.drive.point
-    places: list[tuple[complex, complex]] = [(0j, 1 + 0j)]
-    for body in range(1, len(bodies.links)):
-        point = next(name for (own, name) in shapes.at if own == body)
-        places.append((drawing.complex_point(point), 1 + 0j))
-    places[CRANK] = (shapes.at[GROUND_BODY, drive], 1 + 0j)
-    constraints = [own for own in bodies.constraints if not _of_crank_and_ground(own)]
+    # Reversed: of a body's points the first one stays.
+    first = {body: drawing.complex_point(point) for body, point in reversed(shapes.at)}
+    first |= {GROUND_BODY: 0j, CRANK: shapes.at[GROUND_BODY, drawing.drive.point]}
+    count = len(bodies.links)
+    start = np.array([[first[body] for body in range(count)]])
+    rest = np.zeros((1, count))
+    placed = BodyMotion(0j * rest[0], start, 1 + 0j * rest, 0j * rest, 0j * rest, rest, rest)
+    conditions = [shapes.condition(x) for x in bodies.constraints if not _of_crank_and_ground(x)]
+    moving = range(CRANK + 1, count)
+    constraints = Constraints(conditions, moving)
     for _ in range(ITERATIONS):
-        residual, matrix = _equations(shapes, constraints, places)
-        if not residual.size or np.abs(residual).max() < SETTLED * drawing.size:
+        gap = constraints.gap(placed)[0]
+        if np.abs(gap).max(initial=0.0) < CONVERGED * drawing.size:
             break
-        change = np.linalg.lstsq(matrix, -residual, rcond=None)[0]
-        for body in range(2, len(places)):
-            x, y, phi = change[3 * body - 6 : 3 * body - 3]
-            origin, turn = places[body]
-            places[body] = (origin + complex(x, y), turn * cmath.exp(1j * phi))
-    residual, _matrix = _equations(shapes, constraints, places)
-    if residual.size and not np.abs(residual).max() < CLOSED * drawing.size:
+        change = np.linalg.lstsq(constraints.jacobian(placed)[0], -gap, rcond=None)[0]
+        x, y, phi = change.reshape(-1, 3).T
+        place, turn = placed.place.copy(), placed.turn.copy()
+        place[0, moving] += x + 1j * y
+        turn[0, moving] *= np.exp(1j * phi)
+        placed = replace(placed, place=place, turn=turn)
+    if not np.abs(constraints.gap(placed)).max(initial=0.0) < CLOSED * drawing.size:
         raise InputError(
             "the linkage cannot be put together at the crank angle of its drawing after its links "
             "have changed their lengths; draw it farther from a dead point"
         )
-    return places
+    return placed
 
 
 def _of_crank_and_ground(own: SharedPoint | GuidedPoint) -> bool:
     return isinstance(own, SharedPoint) and {own.first, own.second} == {GROUND_BODY, CRANK}
-
-
-def _equations(
-    shapes: _Shapes,
-    constraints: list[SharedPoint | GuidedPoint],
-    places: list[tuple[complex, complex]],
-) -> tuple[FloatArray, FloatArray]:
-    """Residuals in m, and their derivatives by origins and angles of bodies 2 and up."""
-    residual: list[float] = []
-    rows: list[FloatArray] = []
-    for own in constraints:
-        if isinstance(own, SharedPoint):
-            moved = [_moved(shapes, body, own.point, places) for body in (own.first, own.second)]
-            gap = moved[0] - moved[1]
-            parts = ((own.first, 1.0), (own.second, -1.0))
-            for normal in (1 + 0j, 1j):
-                row = np.zeros(3 * len(places))
-                for (body, sign), place in zip(parts, moved, strict=True):
-                    row[3 * body : 3 * body + 3] += sign * _row(normal, place - places[body][0])
-                residual.append((np.conj(normal) * gap).real)
-                rows.append(row)
-            continue
-        origin, turn = places[own.guide]
-        normal = 1j * turn * own.along
-        place = _moved(shapes, own.body, own.point, places)
-        gap = place - origin - turn * shapes.through(own)
-        row = np.zeros(3 * len(places))
-        row[3 * own.body : 3 * own.body + 3] += _row(normal, place - places[own.body][0])
-        row[3 * own.guide : 3 * own.guide + 3] -= _row(normal, place - origin)
-        residual.append((np.conj(normal) * gap).real)
-        rows.append(row)
-    return np.array(residual), np.array(rows).reshape(-1, 3 * len(places))[:, 6:]
-
-
-def _moved(
-    shapes: _Shapes, body: int, point: str, places: list[tuple[complex, complex]]
-) -> complex:
-    origin, turn = places[body]
-    return origin + turn * shapes.at[body, point]
-
-
-def _row(normal: complex, arm: complex) -> FloatArray:
-    """Derivative of a place along a normal by the displacement and angle of its body."""
-    return np.array([normal.real, normal.imag, (np.conj(normal) * 1j * arm).real])

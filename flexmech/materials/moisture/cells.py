@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,6 +12,7 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError
 from flexmech.materials.moisture.diffusivity import Diffusivity
 from flexmech.materials.moisture.slab import Faces
+from flexmech.validation import POSITIVE, check_fields
 
 FEWEST_CELLS = 4
 # Cells at a fine end are cosh(2)^2 = 14 times smaller than in the middle: with more, the error in
@@ -46,20 +47,12 @@ class DiffusionLayer:
     diffusivity_across: Diffusivity | None = None
 
     def __post_init__(self) -> None:
-        for name, unit in (("thickness", "m"), ("capacity", "kg/m^3")):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0):
-                raise InputError(
-                    f"{name} of a layer that takes up water must be positive, got {value} {unit}"
-                )
+        numbers = {"thickness": "m", "capacity": "kg/m^3"}
+        check_fields(self, numbers, POSITIVE, "of a layer that takes up water")
 
     def same_material(self, other: DiffusionLayer) -> bool:
         """Whether water moves in another layer as it does in this one."""
-        return (self.diffusivity, self.capacity, self.diffusivity_across) == (
-            other.diffusivity,
-            other.capacity,
-            other.diffusivity_across,
-        )
+        return replace(self, thickness=other.thickness) == other
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,12 +162,7 @@ def _merged(layers: Sequence[DiffusionLayer]) -> tuple[DiffusionLayer, ...]:
     for layer in layers[1:]:
         below = merged[-1]
         if below.same_material(layer):
-            merged[-1] = DiffusionLayer(
-                below.thickness + layer.thickness,
-                below.diffusivity,
-                below.capacity,
-                below.diffusivity_across,
-            )
+            merged[-1] = replace(below, thickness=below.thickness + layer.thickness)
         else:
             merged.append(layer)
     return tuple(merged)

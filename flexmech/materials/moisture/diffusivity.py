@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
+from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_fields
 
 GAS_CONSTANT = 8.31446261815324
 
@@ -37,15 +38,9 @@ class Diffusivity:
     activation_energy: float = 0.0
 
     def __post_init__(self) -> None:
-        for name, unit in (("value", "m^2/s"), ("reference_temperature", "K")):
-            number = getattr(self, name)
-            if not (np.isfinite(number) and number > 0):
-                raise InputError(f"{name} of a diffusivity must be positive, got {number} {unit}")
-        if not (np.isfinite(self.activation_energy) and self.activation_energy >= 0):
-            raise InputError(
-                "activation_energy of a diffusivity must be zero or positive, got "
-                f"{self.activation_energy} J/mol"
-            )
+        of = "of a diffusivity"
+        check_fields(self, {"value": "m^2/s", "reference_temperature": "K"}, POSITIVE, of)
+        check_fields(self, {"activation_energy": "J/mol"}, NOT_NEGATIVE, of)
 
     def at(self, temperature: ArrayLike) -> FloatArray:
         """Diffusivity in m^2/s at temperatures.
@@ -98,8 +93,7 @@ class MoistureEquilibrium:
                 f"equilibrium_moisture must lie between 0 and 100 %, got "
                 f"{100 * self.saturation:g} %"
             )
-        if not (np.isfinite(self.humidity_exponent) and self.humidity_exponent > 0):
-            raise InputError(f"humidity_exponent must be positive, got {self.humidity_exponent}")
+        check_fields(self, {"humidity_exponent": ""}, POSITIVE)
 
     def moisture(self, relative_humidity: ArrayLike) -> FloatArray:
         """Moisture in equilibrium with relative humidities.

@@ -85,7 +85,7 @@ class Fluxes:
             passed[inside] = found[np.searchsorted(wanted, times[inside])]
             state = found[-1]
         start = initial * self.waves.mean[:, None] * np.ones(self._cells)
-        saturation = start + (passed @ self._held.T).reshape(len(times), *start.shape)
+        saturation = start + (passed @ self._content.T).reshape(len(times), *start.shape)
         return saturation, passed @ self._inward
 
     def _solve(
@@ -98,14 +98,14 @@ class Fluxes:
     ) -> FloatArray:
         """Water through the faces at times of a period, (t, u)."""
         mean = np.repeat(self.waves.mean, self._cells)
-        coupling = self._through @ self._held
+        coupling = self._through @ self._content
         # The solver asks for many rates at one temperature.
         conductance = lru_cache(maxsize=1)(self._conductance)
 
         def rate(since: float, passed: FloatArray) -> FloatArray:
             humidity, temperature = period.at(period.start + since)
             ahead = humidity**self.humidity_exponent - initial
-            lag = ahead * mean - self._held @ passed
+            lag = ahead * mean - self._content @ passed
             return np.asarray(conductance(temperature) * (self._through @ lag))
 
         def jacobian(since: float, passed: FloatArray) -> SparseMatrix:
@@ -148,7 +148,7 @@ class Fluxes:
         return self._in_waves(scipy.sparse.vstack([faces, sides]) if self._has_sides else faces)
 
     @cached_property
-    def _held(self) -> SparseMatrix:
+    def _content(self) -> SparseMatrix:
         """Saturation of the cells by the water through their faces and sides."""
         n = self._cells
         share: Any = 1 / self.mesh.capacity

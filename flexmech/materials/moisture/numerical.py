@@ -14,6 +14,7 @@ from flexmech.materials.moisture.cells import DiffusionLayer, Waves, graded, lay
 from flexmech.materials.moisture.fluxes import Fluxes
 from flexmech.materials.moisture.history import Ambient
 from flexmech.materials.moisture.slab import Faces, checked_faces
+from flexmech.validation import POSITIVE, check_number
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,8 +172,7 @@ def diffuse_bar(
         If SciPy's solver fails.
     """
     wanted = _checked(times, faces, initial, humidity_exponent, tolerance)
-    if not (np.isfinite(width) and width > 0):
-        raise InputError(f"width must be positive, got {width} m")
+    check_number(width, "width", "m", POSITIVE)
     if any(layer.diffusivity_across is None for layer in layers):
         raise InputError("exposed sides need a diffusivity_across of each layer")
     if cells[1] < 4 or cells[1] % 2:
@@ -206,7 +206,6 @@ def _checked(
         raise InputError(f"times must rise from zero, where the exposure begins; got {wanted}")
     if not 0 <= initial <= 1:
         raise InputError(f"initial saturation must lie between 0 and 1, got {initial}")
-    for name, value in (("humidity_exponent", exponent), ("tolerance", tolerance)):
-        if not (np.isfinite(value) and value > 0):
-            raise InputError(f"{name} must be positive, got {value}")
+    check_number(exponent, "humidity_exponent", bounds=POSITIVE)
+    check_number(tolerance, "tolerance", bounds=POSITIVE)
     return wanted

@@ -17,7 +17,7 @@ from scipy.special import erfc
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.validation import check_choice
+from flexmech.validation import POSITIVE, check_choice, check_number
 
 Faces = Literal["both", "lower", "upper"]
 """The faces of a slab that are exposed; the other one is sealed."""
@@ -49,9 +49,8 @@ def diffusion_length(thickness: float, diffusivity: float, faces: Faces) -> floa
     InputError
         If the thickness or the diffusivity is not positive or ``faces`` no such word.
     """
-    for name, value, unit in (("thickness", thickness, "m"), ("diffusivity", diffusivity, "m^2/s")):
-        if not (np.isfinite(value) and value > 0):
-            raise InputError(f"{name} must be positive, got {value} {unit}")
+    check_number(thickness, "thickness", "m", POSITIVE)
+    check_number(diffusivity, "diffusivity", "m^2/s", POSITIVE)
     checked_faces(faces)
     return thickness / 2 if faces == "both" else thickness
 

@@ -77,8 +77,8 @@ def greatest_gap(assembly: LinkAssembly, start: RigidMotion, position: FloatArra
     def place(end: LinkEnd) -> FloatArray:
         return assembly.part_of(end).end_place(end.end, position)
 
-    held = [clamp.held for clamp in topology.clamps]
-    held += [pivot.held for pivot in topology.pivots if not pivot.sprung]
+    held = [clamp.link_end for clamp in topology.clamps]
+    held += [pivot.link_end for pivot in topology.pivots if not pivot.sprung]
     gaps = [place(end) - place_at_start(assembly, start, end) for end in held]
     gaps += [place(tie.leader) - place(tie.follower) for tie in _rigid_ties(topology)]
     closed = drifting_joints(assembly, Shaft(float(start.angle[assembly.base]), 0.0, 0.0), start)
@@ -117,14 +117,14 @@ def drifting_joints(
         return _closed_joints(assembly, shaft, start)
     eccentric = {part.name for _, part in assembly.beams if part.arms is not None}
     pins = [(leading_end(topology, pin.leader), pin.follower) for pin in _rigid_ties(topology)]
-    clamped = topology.clamps[0].held
+    clamped = topology.clamps[0].link_end
     lever = place_on_hub(assembly, start, clamped)
     return Joints(
         shaft,
         HubClamp(_axis_point(assembly, clamped), lever, len(assembly.kind.vectors) == 2),
         [
             (_axis_point(assembly, end), _pair(place_at_start(assembly, start, end)))
-            for end in (pivot.held for pivot in topology.pivots if not pivot.sprung)
+            for end in (pivot.link_end for pivot in topology.pivots if not pivot.sprung)
             if end.link in eccentric
         ],
         [
@@ -145,12 +145,12 @@ def _closed_joints(assembly: LinkAssembly, shaft: Shaft, start: RigidMotion) -> 
         return float(start.angle[topology.index(end.link)])
 
     places = [
-        PlaceGap(joined(clamp.held), None, place_on_hub(assembly, start, clamp.held), True)
+        PlaceGap(joined(clamp.link_end), None, place_on_hub(assembly, start, clamp.link_end), True)
         for clamp in topology.clamps
     ]
     places += [
         PlaceGap(joined(end), None, _pair(place_at_start(assembly, start, end)), False)
-        for end in (pivot.held for pivot in topology.pivots if not pivot.sprung)
+        for end in (pivot.link_end for pivot in topology.pivots if not pivot.sprung)
     ]
     places += [
         PlaceGap(joined(tie.follower), joined(leading_end(topology, tie.leader)), (0.0, 0.0), False)
@@ -160,7 +160,7 @@ def _closed_joints(assembly: LinkAssembly, shaft: Shaft, start: RigidMotion) -> 
     places += [PlaceGap(body, node, (0.0, 0.0), False) for body, node in fixed]
     shaft_angle = float(start.angle[assembly.base])
     angles = [
-        AngleGap(joined(clamp.held), None, angle(clamp.held) - shaft_angle)
+        AngleGap(joined(clamp.link_end), None, angle(clamp.link_end) - shaft_angle)
         for clamp in topology.clamps
     ]
     angles += [
@@ -177,7 +177,7 @@ def _closed_joints(assembly: LinkAssembly, shaft: Shaft, start: RigidMotion) -> 
         if slider.guide:
             own = joined(LinkEnd(slider.guide, "start"))
             guide = JoinedEnd(own.first, own.node, place, own.has_slope)
-        lines.append(LineGap(joined(slider.held), guide, place, slider.direction))
+        lines.append(LineGap(joined(slider.link_end), guide, place, slider.direction))
     rows = 2 * len(places) + len(angles) + len(lines)
     return ClosedJoints(shaft, list(chain(places, angles, lines)), rows)
 

@@ -8,7 +8,7 @@ inertia on the hub instead, and a torque over time.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from flexmech.linkages import Clamp, CrankDrive, LockedCrank
 from flexmech.linkages.motion import normal
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.connectors import Connectors
+from flexmech.multibody.connectors import ConnectorItems
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.joints import add_sliders, add_ties
 from flexmech.multibody.library import load_exudyn
@@ -38,7 +38,7 @@ from flexmech.multibody.running.loads import (
     add_running_loads,
 )
 from flexmech.multibody.running.user_functions import Shaft
-from flexmech.time_domain.recorded_runs import Impact
+from flexmech.time_domain import Impact
 
 
 class RunningModel:
@@ -121,8 +121,8 @@ class RunningModel:
             self.constraints[joint] = [tie.position, *others]
         self.sliders = {line.slider.joint: line for line in add_sliders(assembly)}
         self.constraints |= {joint: [line.constraint] for joint, line in self.sliders.items()}
-        connectors = Connectors(assembly, fixed, runs=True)
-        self.connectors = RunningConnectors(connectors, list(links), self.shaft, self._start)
+        connectors = ConnectorItems(assembly, fixed, runs=True)
+        self.connectors = RunningConnectors(connectors, links, self.shaft, self._start)
         self.sprung = {
             item.spring.joint: item.radial for item in connectors.joints if item.radial is not None
         }
@@ -131,15 +131,17 @@ class RunningModel:
         self.joints = drifting_joints(assembly, self.shaft, self._start)
 
     def joint_force(
-        self, multiplier: FloatArray, position: FloatArray, velocity: FloatArray
+        self, multiplier: FloatArray, position: FloatArray, sprung: Mapping[str, FloatArray]
     ) -> FloatArray:
         """Force on the held or following link at each joint in ground axes.
 
         Parameters
         ----------
         multiplier : ndarray, shape (m, n_multipliers)
-        position, velocity : ndarray, shape (m, size)
-            Coordinates of the links and their rates.
+        position : ndarray, shape (m, size)
+            Coordinates of the links.
+        sprung : mapping of str to ndarray, shape (m, 2)
+            Forces of the joints that springs alone hold, by their names.
 
         Returns
         -------
@@ -148,7 +150,6 @@ class RunningModel:
         """
         names = self.assembly.topology.joint_names
         force = np.zeros((len(multiplier), len(names), 2))
-        sprung = self.connectors.joint_forces(position, velocity)
         for joint, values in sprung.items():
             force[:, names.index(joint)] = values
         for joint, constraints in self.constraints.items():
@@ -278,17 +279,17 @@ class RunningModel:
         assembly, items = self.assembly, self.assembly.items
         name = f"clamp_{clamp.joint}"
         items.begin(f"clamp {clamp.joint}: the link's end on the hub, its axis parallel to it")
-        lever = place_on_hub(assembly, self._start, clamp.held)
+        lever = place_on_hub(assembly, self._start, clamp.link_end)
         on_hub = items.add(
             "MarkerBodyRigid", f"{name}_on_hub", bodyNumber=hub, localPosition=[*lever, 0.0]
         )
-        on_link = assembly.add_end_marker(clamp.held, f"{name}_on_{clamp.held.link}")
+        on_link = assembly.add_end_marker(clamp.link_end, f"{name}_on_{clamp.link_end.link}")
         pin = items.add("RevoluteJoint2D", name, markerNumbers=[on_hub, on_link])
-        link = assembly.topology.index(clamp.held.link)
+        link = assembly.topology.index(clamp.link_end.link)
         turn = float(self._start.angle[link] - self._start.angle[assembly.base])
         if turn:
             on_hub = assembly.add_body_frame(hub, f"{name}_direction", 0.0, 0.0, turn)
-        axis = assembly.add_section_marker(clamp.held, f"{name}_axis")
+        axis = assembly.add_section_marker(clamp.link_end, f"{name}_axis")
         items.add(
             "GenericJoint",
             f"{name}_rotation",
@@ -303,14 +304,17 @@ class RunningModel:
         for pivot in assembly.topology.pivots:
             if pivot.sprung:
                 continue
-            name, place = f"pivot_{pivot.joint}", place_at_start(assembly, self._start, pivot.held)
+            name, place = (
+                f"pivot_{pivot.joint}",
+                place_at_start(assembly, self._start, pivot.link_end),
+            )
             assembly.items.begin(f"pivot {pivot.joint}")
-            if not assembly.is_at_node(pivot.held):
-                pin = assembly.add_ground_pin(name, pivot.held, [*map(float, place), 0.0])[1]
+            if not assembly.is_at_node(pivot.link_end):
+                pin = assembly.add_ground_pin(name, pivot.link_end, [*map(float, place), 0.0])[1]
                 constraints[pivot.joint] = [pin]
                 continue
-            node = assembly.end_node(pivot.held)
-            offset = place - assembly.reference_place(pivot.held)
+            node = assembly.end_node(pivot.link_end)
+            offset = place - assembly.reference_place(pivot.link_end)
             constraints[pivot.joint] = [
                 assembly.add_constraint(f"{name}_{axis}", fixed, node, i, offset=float(offset[i]))
                 for i, axis in enumerate("xy")

@@ -5,7 +5,7 @@
 rigid motion and weight as load. Links are reduced to component modes whose static shapes
 turn with the pins: here the whole shape moves (Galerkin), because a response in time does
 not depend on the frame in which it is written, as frozen eigenvalues do. Axial modes above
-the frequencies of interest follow statically: a bowed link stretches when it bends.
+the frequencies of interest are condensed: a bowed link stretches when it bends.
 
 The equations are linear about straight links, or about their quasi-static equilibrium. On
 request the links stretch by half the square of their slopes, whatever these are at the
@@ -18,7 +18,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
 from flexmech.choices import MODES
@@ -46,9 +45,10 @@ from flexmech.time_domain.equations_of_motion.reduced_links import (
     stretching_links,
 )
 from flexmech.time_domain.equations_of_motion.stress_history import StressHistory
-from flexmech.time_domain.recorded_runs import LinkState
+from flexmech.time_domain.recorded_runs.states import LinkState
 
-# Newton's method for a start in balance, from close by.
+# Newton's method for a start in balance: it takes four passes from the linear one, and ends at a
+# change of the greatest displacement whose square is less than round-off.
 MOST_PASSES = 30
 CONVERGED = 1e-10
 
@@ -90,6 +90,8 @@ class DrivenLinkage:
         What comes on top of the linear equations.
     shaft : DrivenShaft or None
         A shaft that is free.
+    stress : StressHistory
+        Of the reduced links.
     """
 
     def __init__(
@@ -117,16 +119,17 @@ class DrivenLinkage:
         self.bases = reduced.engine_bases
         self.frames = LinkFrames(reduced.topology, self.links)
         self.stretch = LinkageStretch(self.frames, reduced.stretches) if stretches else None
-        self.connectors = DrivenConnectors(engine, self.frames, drive)
+        self.shaft = DrivenShaft.of(engine, drive, self.frames, reduced.unreduced, self.own_bases)
+        turns_far = self.shaft is not None and self.shaft.is_natural
+        self.connectors = DrivenConnectors(engine, self.frames, drive, torque_follows=turns_far)
         self._condensed = np.zeros(self.frames.size, dtype=bool)
-        for target, condensed in zip(self.frames.targets, reduced.follows, strict=True):
+        for target, condensed in zip(self.frames.targets, reduced.condensed, strict=True):
             self._condensed[target[condensed]] = True
-        self.shaft = DrivenShaft.of(engine, drive, self.frames, self.links, self.bases)
         guided = stretches and has_turning_lines(reduced.topology)
         level: Prestress = prestress
-        if stretches:
+        if stretches and not turns_far:
             level = "axial" if guided else "none"
-        self._stress = StressHistory(
+        self.stress = StressHistory(
             engine,
             self.unreduced,
             self.own_bases,
@@ -134,6 +137,7 @@ class DrivenLinkage:
             level,
             with_energy=with_energy,
             rigid_links_only=guided,
+            equilibrium_of=self.bases if turns_far else None,
         )
 
     @property
@@ -143,14 +147,16 @@ class DrivenLinkage:
 
     @property
     def shaft_coordinates(self) -> list[int]:
-        """The independent coordinate that is a free shaft's rotation; none where it is not."""
+        """Of linear equations that which is a free shaft's rotation; none where it is not."""
         if self.shaft is None:
             return []
-        return [int(np.sum(~self._condensed[: self.shaft.column]))]
+        number = self.shaft.link
+        column = self.frames.targets[number][self.links[number].shaft[0]]
+        return [int(np.sum(~self._condensed[:column]))]
 
     @property
     def is_condensed(self) -> bool:
-        """Whether some coordinates of the frames follow the others statically."""
+        """Whether some coordinates of the frames are condensed statically."""
         return bool(self._condensed.any())
 
     def motion(self, time: FloatArray) -> RigidMotion:
@@ -162,14 +168,7 @@ class DrivenLinkage:
         full = inertia_loads(self.unreduced, motion, self.engine.mechanism.gravity)
         return [load @ basis for load, basis in zip(full, self.own_bases, strict=True)]
 
-    def equations(
-        self,
-        time: FloatArray,
-        *,
-        still: bool = False,
-        load: Sequence[FloatArray] | None = None,
-        tables: bool = True,
-    ) -> Equations:
+    def equations(self, time: FloatArray, *, still: bool = False, tables: bool = True) -> Equations:
         """Equations of motion.
 
         Parameters
@@ -178,8 +177,6 @@ class DrivenLinkage:
             In s.
         still : bool
             Leave out the rotation terms: what the loads would do if nothing moved.
-        load : sequence of ndarray, shape (n_link,), optional
-            Forces on the reduced links in their frames, in place of all others.
         tables : bool
             Whether the tables of loads count; see :meth:`DrivenConnectors.unit_forces`.
 
@@ -187,15 +184,17 @@ class DrivenLinkage:
         -------
         Equations
         """
-        motion, stress = self.motion(time), self._stress.at(time)
-        if load is None:
-            force = self._force(motion, stress)
-            if self.connectors.any:
-                pushed = self.connectors.force(motion, time, tables=tables)
-                force = force + self._with_torque(motion, pushed)
-        else:
-            force = self.frames.gather(motion, [np.tile(f, (len(time), 1)) for f in load])
-        matrices = self._matrices(time, motion, stress, still=still)
+        motion, stress = self.motion(time), self.stress.at(time)
+        force, torque = np.zeros((len(time), self.frames.size)), None
+        if self.stress.tells_forces:
+            force += self.frames.gather(motion, self.loads(motion))
+        if self.connectors.any:
+            force += self.connectors.force(motion, time, tables=tables)
+        if self.shaft is not None:
+            torque = self.shaft.torque(motion, force)
+            force += self.shaft.force(motion, torque)
+        force += self.frames.gather(motion, [-s.prestress for s in stress])
+        matrices = self._matrices(time, motion, stress, still=still, torque=torque)
         return Equations.condensed(motion, matrices, force, self._condensed)
 
     def unit_equations(
@@ -208,22 +207,35 @@ class DrivenLinkage:
         time : ndarray, shape (m,)
             In s.
         load : sequence of ndarray, shape (n_link,), optional
-            One more load, the last: see :meth:`equations`.
+            One more load, the last: forces on the reduced links in their frames.
 
         Returns
         -------
         list of Equations
         """
-        own = [] if load is None else [self.equations(time, load=load)]
-        if not self.connectors.table_count:
-            return own
+        if load is None and not self.connectors.table_count:
+            return []
         motion = self.motion(time)
-        matrices = self._matrices(time, motion, self._stress.at(time))
+        matrices = self._matrices(time, motion, self.stress.at(time))
         units = self.connectors.unit_forces(motion)
-        return [
-            Equations.condensed(motion, matrices, self._with_torque(motion, force), self._condensed)
-            for force in units
-        ] + own
+        if self.shaft is not None:
+            units = [f + self.shaft.force(motion, self.shaft.torque(motion, f)) for f in units]
+        if load is not None:
+            units.append(self.frames.gather(motion, [np.tile(f, (len(time), 1)) for f in load]))
+        return [Equations.condensed(motion, matrices, f, self._condensed) for f in units]
+
+    def histories(self, time: FloatArray, force: FloatArray | None = None) -> FloatArray:
+        """How much of each of the k unit loads acts at times of shape (m,), (m, k).
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+            In s.
+        force : ndarray, shape (m,), optional
+            That of one more load, the last.
+        """
+        tables = self.connectors.histories(time)
+        return tables if force is None else np.column_stack([tables, force])
 
     def _matrices(
         self,
@@ -232,31 +244,31 @@ class DrivenLinkage:
         stress: list[LinkStress],
         *,
         still: bool = False,
+        torque: FloatArray | None = None,
     ) -> SystemMatrices:
-        """Matrices of all coordinates of the frames."""
+        """Matrices of all coordinates of the frames, under the torque (m,) of a free shaft."""
         terms = RotationTerms.all_or_none(not still)
+        tangents = [s.stiffness for s in stress]
+        if self.shaft is not None and torque is not None:
+            tangents[self.shaft.link] = tangents[self.shaft.link] + self.shaft.stiffness(torque)
         matrices = self.frames.assemble(
             motion,
-            [s.stiffness for s in stress],
+            tangents,
             terms,
             [LinkDamping(s.damping, s.damping) for s in stress],
-            self._stress.guiding(time),
+            self.stress.guiding(time),
         )
         if self.connectors.any:
             return self.connectors.added(motion, matrices, terms, time)
         return matrices
 
-    def standing(self, time: FloatArray) -> Equations:
+    def quasi_static_equations(self, time: FloatArray) -> Equations:
         """Equations at times of shape (m,) of which the quasi-static state is wanted.
 
-        Without the rotation terms, but of links that turn as one body: their displacement stands
-        still in the frame, and its inertia forces are then among the terms.
+        Without the rotation terms, but of links that turn as one body: their displacement is
+        constant in the frame, and its inertia forces are then among the terms.
         """
         return self.equations(time, still=not self.engine.turns_as_one_body)
-
-    def stress(self, time: FloatArray) -> list[LinkStress]:
-        """Stress of each reduced link at times of shape (m,)."""
-        return self._stress.at(time)
 
     def link_motion(
         self, equations: Equations, vibration: VibrationState
@@ -274,7 +286,7 @@ class DrivenLinkage:
         -------
         list of tuple of ndarray, shape (m, n_link)
         """
-        return self.frames.link_motion(equations.motion, *equations.following.expanded(vibration))
+        return self.frames.link_motion(equations.motion, *equations.expansion.expanded(vibration))
 
     def link_state(self, equations: Equations, vibration: VibrationState) -> LinkState:
         """State of the engine's links at the first of the instants."""
@@ -334,18 +346,22 @@ class DrivenLinkage:
         have.
         """
         equations = self.equations(np.zeros(1), still=True)
-        parts = [-s.prestress for s in self.stress(np.zeros(1))]
+        parts = [-s.prestress for s in self.stress.at(np.zeros(1))]
         inner = self.frames.gather(equations.motion, parts)[0]
         position = np.zeros(self.size)
-        axial = np.flatnonzero(self._axial()[~self._condensed])
+        along = np.zeros(self.frames.size, dtype=bool)
+        for number, (link, target) in enumerate(zip(self.links, self.frames.targets, strict=True)):
+            own = self.frames.own(number)
+            along[target[own[link.is_axial[own]]]] = True
+        axial = np.flatnonzero(along[~self._condensed])
         if len(axial):
-            force = equations.following.expansion[0].T @ inner
+            force = equations.expansion.matrix[0].T @ inner
             stiffness = equations.stiffness[0]
             position[axial] = np.linalg.solve(stiffness[np.ix_(axial, axial)], force[axial])
         return position
 
     def balanced(self, position: FloatArray, time: float = 0.0) -> FloatArray:
-        """Position z of links that stretch at which they stand still under the loads, (n,).
+        """Static equilibrium z of links that stretch, under the loads at an instant, (n,).
 
         Parameters
         ----------
@@ -364,15 +380,17 @@ class DrivenLinkage:
             If Newton's method does not converge.
         """
         assert self.stretch is not None
-        equations = self.standing(np.array([time]))
+        equations = self.quasi_static_equations(np.array([time]))
         turns = self.stretch.pin_turns(equations.motion)
-        moved = np.setdiff1d(np.arange(self.size), self.shaft_coordinates)
+        held, shaft = np.zeros((0, self.size)), self.shaft
+        held = held if shaft is None else shaft.force(equations.motion, np.ones(1))
         stiffness, force, z = equations.stiffness[0], equations.force[0], np.array(position)
         for _ in range(MOST_PASSES):
             pulled, tangent = self.stretch.still(turns, z)
-            gap = (force - stiffness @ z - pulled)[moved]
-            change = np.linalg.solve((stiffness + tangent)[np.ix_(moved, moved)], gap)
-            z[moved] += change
+            gap = np.concatenate([force - stiffness @ z - pulled, -held @ z])
+            bordered = np.block([[stiffness + tangent, held.T], [held, np.zeros(2 * [len(held)])]])
+            change = np.linalg.solve(bordered, gap)[: self.size]
+            z += change
             if np.abs(change).max() <= CONVERGED * np.abs(z).max():
                 return z
         raise ComputationError(
@@ -380,21 +398,3 @@ class DrivenLinkage:
             f"{np.degrees(float(self.drive.crank_angle(time))):.6g} deg; lower the crank speed, or "
             "choose start rigid"
         )
-
-    def _axial(self) -> NDArray[np.bool_]:
-        """Coordinates of the frames that move their own link along its axis."""
-        axial = np.zeros(self.frames.size, dtype=bool)
-        for number, (link, target) in enumerate(zip(self.links, self.frames.targets, strict=True)):
-            own = self.frames.own(number)
-            axial[target[own[link.is_axial[own]]]] = True
-        return axial
-
-    def _force(self, motion: RigidMotion, stress: list[LinkStress]) -> FloatArray:
-        force = self.frames.gather(motion, [-s.prestress for s in stress])
-        if not self._stress.tells_forces:
-            return force
-        return force + self._with_torque(motion, self.frames.gather(motion, self.loads(motion)))
-
-    def _with_torque(self, motion: RigidMotion, force: FloatArray) -> FloatArray:
-        """Forces (m, size) of the frames, and the torque of a free shaft that balances them."""
-        return force if self.shaft is None else self.shaft.with_torque(motion, force)

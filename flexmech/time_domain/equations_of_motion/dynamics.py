@@ -17,9 +17,9 @@ from flexmech.linkages.connection_forces import connections, line_normal, solve_
 from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain.equations_of_motion.driven_connectors import ActingForces, LinkMotion
 from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
-from flexmech.time_domain.equations_of_motion.equations import Following
+from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
 from flexmech.time_domain.equations_of_motion.link_inertia import LinkInertia, MovingLink, dot
-from flexmech.time_domain.recorded_runs import StepBlock
+from flexmech.time_domain.recorded_runs.recording import StepBlock
 
 
 class LinkageDynamics:
@@ -40,14 +40,14 @@ class LinkageDynamics:
         ]
 
     def step_block(
-        self, time: FloatArray, following: Following, vibration: VibrationState
+        self, time: FloatArray, expansion: StaticExpansion, vibration: VibrationState
     ) -> StepBlock:
         """What is recorded of consecutive steps.
 
         Parameters
         ----------
         time : ndarray, shape (m,)
-        following : Following
+        expansion : StaticExpansion
             At these times.
         vibration : VibrationState
             Arrays of shape (m, n).
@@ -59,20 +59,20 @@ class LinkageDynamics:
         """
         linkage, motion = self.linkage, self.linkage.motion(time)
         frames, gravity = linkage.frames, np.asarray(linkage.engine.mechanism.gravity)
-        coordinates = following.expanded(vibration)
+        coordinates = expansion.expanded(vibration)
         elastic = frames.link_motion(motion, *coordinates)
         unit = linkage.engine.mechanism.linkage.motion(motion.crank_angle, 1.0)
         moving = [
             MovingLink.of(number, parts, motion, unit, gravity)
             for number, parts in enumerate(elastic)
         ]
-        # How what follows moves in its link's frame while z stands still.
-        unit_following = frames.dependent_rows(unit)
+        # How dependent ends move in their link's frame at constant z.
+        unit_rates = frames.dependent_rows(unit)
         totals = np.zeros((6, len(time)))
         ends, fields = [], []
         acting = self._acting(time, motion, elastic, unit, coordinates[0])
         for number, (inertia, link, stress) in enumerate(
-            zip(self._inertias, moving, linkage.stress(time), strict=True)
+            zip(self._inertias, moving, linkage.stress.at(time), strict=True)
         ):
             damping = stress.damping_force(link.rate)
             inner, strain, prestress = stress.of(link.displacement)
@@ -90,9 +90,9 @@ class LinkageDynamics:
             torque = dot(link.virtual_velocity, rigid) + link.virtual_turn * inertia.turning_power(
                 link
             )
-            for led in unit_following[number]:
-                turned = (led.rate @ coordinates[0][:, led.columns, None])[..., 0]
-                torque += dot(turned, shapes[:, led.rows])
+            for end in unit_rates[number]:
+                turned = (end.rate @ coordinates[0][:, end.columns, None])[..., 0]
+                torque += dot(turned, shapes[:, end.rows])
             weight = inertia.gravity_energy(
                 motion.origin[:, number], motion.angle[:, number], link.displacement, gravity
             )
@@ -127,7 +127,7 @@ class LinkageDynamics:
         )
         if linkage.shaft is None:
             return block
-        return linkage.shaft.carried(block, motion, *coordinates[:2])
+        return linkage.shaft.carried(block, motion)
 
     def _acting(
         self,
@@ -167,8 +167,8 @@ class LinkageDynamics:
             needed[link] = needed[link] - force
             leader = topology.index(pin.leader.link)
             needed[leader] = needed[leader] + force
-        held = [(clamp.joint, clamp.held) for clamp in topology.clamps]
-        held += [(pivot.joint, pivot.held) for pivot in topology.pivots]
+        held = [(clamp.joint, clamp.link_end) for clamp in topology.clamps]
+        held += [(pivot.joint, pivot.link_end) for pivot in topology.pivots]
         for joint, end in held:
             forces[joint] = needed[topology.index(end.link)]
         return np.stack([forces[name] for name in topology.joint_names], axis=1)

@@ -1,4 +1,4 @@
-"""Linear equations of motion at some instants, and what follows from their coordinates."""
+"""Linear equations of motion at some instants, and the coordinates condensed statically."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from flexmech.linkages import RigidMotion
 
 
 @dataclass(frozen=True)
-class Following:
-    """How all coordinates of the frames follow from z at m instants.
+class StaticExpansion:
+    """All coordinates of the frames by z, and by the loads, at m instants (static condensation).
 
     Parameters
     ----------
-    expansion : ndarray, shape (m, size, n) or (1, n, n)
-        From z to the coordinates of the frames; one unit matrix where none follows.
+    matrix : ndarray, shape (m, size, n) or (1, n, n)
+        From z to the coordinates of the frames; one unit matrix where none is condensed.
     offset : ndarray, shape (m, size)
-        What the loads alone add to those that follow.
+        What the loads alone add to the condensed ones.
     """
 
-    expansion: FloatArray
+    matrix: FloatArray
     offset: FloatArray
 
     @classmethod
     def of_all(cls, size: int) -> Self:
-        """None of ``size`` coordinates follows another."""
+        """None of ``size`` coordinates is condensed."""
         return cls(np.eye(size)[None], np.zeros((1, size)))
 
     def expanded(self, vibration: VibrationState) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -47,10 +47,10 @@ class Following:
         tuple of ndarray
         """
         parts = (vibration.position, vibration.velocity, vibration.acceleration)
-        if self.expansion.shape[1] == self.expansion.shape[2]:
+        if self.matrix.shape[1] == self.matrix.shape[2]:
             return parts
         position, velocity, acceleration = (
-            (self.expansion @ part[..., None])[..., 0] for part in parts
+            (self.matrix @ part[..., None])[..., 0] for part in parts
         )
         return position + self.offset, velocity, acceleration
 
@@ -65,12 +65,12 @@ class Equations(EquationsOfMotion):
     force : ndarray, shape (m, n)
     motion : RigidMotion
         Batch of shape (m,).
-    following : Following
-        Coordinates of the frames that follow statically.
+    expansion : StaticExpansion
+        To the condensed coordinates of the frames.
     """
 
     motion: RigidMotion
-    following: Following
+    expansion: StaticExpansion
 
     @classmethod
     def condensed(
@@ -78,9 +78,9 @@ class Equations(EquationsOfMotion):
         motion: RigidMotion,
         matrices: SystemMatrices,
         force: FloatArray,
-        follows: NDArray[np.bool_],
+        gone: NDArray[np.bool_],
     ) -> Self:
-        """Equations of those coordinates that do not follow the others statically.
+        """Equations of the coordinates that are left by static condensation (Guyan, 1965).
 
         Parameters
         ----------
@@ -89,22 +89,23 @@ class Equations(EquationsOfMotion):
         matrices : SystemMatrices
             Of all coordinates of the frames.
         force : ndarray, shape (m, size)
-        follows : ndarray of bool, shape (size,)
+        gone : ndarray of bool, shape (size,)
+            Coordinates that are condensed.
 
         Returns
         -------
         Equations
         """
-        gone, kept = np.flatnonzero(follows), np.flatnonzero(~follows)
-        following = Following.of_all(len(follows))
-        if len(gone):
+        inner, kept = np.flatnonzero(gone), np.flatnonzero(~gone)
+        expansion = StaticExpansion.of_all(len(gone))
+        if len(inner):
             offset = np.zeros_like(force)
-            hold = matrices.stiffness[:, gone[:, None], gone]
-            offset[:, gone] = np.linalg.solve(hold, force[:, gone, None])[..., 0]
-            matrices, expansion = condense(matrices, follows)
+            stiffness = matrices.stiffness[:, inner[:, None], inner]
+            offset[:, inner] = np.linalg.solve(stiffness, force[:, inner, None])[..., 0]
+            matrices, matrix = condense(matrices, gone)
             force = force[:, kept] + np.einsum(
-                "mgk,mg->mk", expansion[:, gone[:, None], np.arange(len(kept))], force[:, gone]
+                "mgk,mg->mk", matrix[:, inner[:, None], np.arange(len(kept))], force[:, inner]
             )
-            following = Following(expansion, offset)
+            expansion = StaticExpansion(matrix, offset)
         parts = matrices.mass, matrices.damping, matrices.stiffness, force
-        return cls(*parts, motion, following)
+        return cls(*parts, motion, expansion)

@@ -62,9 +62,7 @@ class LinkageStretch:
             self.size += len(own)
         self.gradient, self.slopes = self._spread("gradient"), self._spread("slopes")
         self.weights = scipy.linalg.block_diag(*(link.weights for link in links))
-        self.damping_time = np.concatenate(
-            [np.full(len(link.gradient), link.damping_time) for link in links]
-        )
+        self.damping_time = np.concatenate([link.damping_time for link in links])
 
     @property
     def is_damped(self) -> bool:
@@ -75,13 +73,11 @@ class LinkageStretch:
         """Turns of the following ends; ``motion`` is a batch of shape (m,)."""
         count, first = len(motion.crank_angle), self._frames.size
         turn, rate = np.zeros((2, count, self.size - first, self._frames.end_count))
-        for places, following in zip(
-            self._places, self._frames.dependent_rows(motion), strict=True
-        ):
-            for led in following:
-                rows = places[led.rows] - first
-                turn[:, rows[:, None], led.columns] = led.turn
-                rate[:, rows[:, None], led.columns] = led.rate
+        for places, ends in zip(self._places, self._frames.dependent_rows(motion), strict=True):
+            for end in ends:
+                rows = places[end.rows] - first
+                turn[:, rows[:, None], end.columns] = end.turn
+                rate[:, rows[:, None], end.columns] = end.rate
         return PinTurns(turn, rate)
 
     def spread(self, turn: FloatArray, columns: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Links of a driven linkage in component modes, and which of these follow statically."""
+"""Links of a driven linkage in component modes, and which of these are condensed statically."""
 
 from __future__ import annotations
 
@@ -46,15 +46,15 @@ class ReducedLinks:
     models : tuple of LinkModel
     bases : tuple of ndarray, shape (n_full, n)
         From each reduced link's coordinates to those of the unreduced one.
-    follows : tuple of ndarray of bool, shape (n,)
-        Coordinates that follow the others statically.
+    condensed : tuple of ndarray of bool, shape (n,)
+        Coordinates that are condensed statically.
     """
 
     topology: Topology
     unreduced: tuple[NaturalLink, ...]
     models: tuple[LinkModel, ...]
     bases: tuple[FloatArray, ...]
-    follows: tuple[NDArray[np.bool_], ...]
+    condensed: tuple[NDArray[np.bool_], ...]
 
     @classmethod
     def all_of(cls, engine: Engine) -> ReducedLinks:
@@ -115,14 +115,8 @@ def is_reduced(engine: Engine) -> bool:
 
 
 def can_stretch(engine: Engine) -> bool:
-    """Whether an engine tells how its links stretch by the square of their slopes.
-
-    What turns with a free shaft must be stiffened by what pulls at it, which neither rigid links
-    nor a hub tell by a stretch.
-    """
-    topology = engine.mechanism.linkage.topology
-    stiff = any(link.rigid for link in topology.links) or any(c.hub for c in topology.clamps)
-    return engine.stretches is not None and not (stiff and engine.shaft == "free")
+    """Whether an engine tells how its links stretch by the square of their slopes."""
+    return engine.stretches is not None
 
 
 def stretches_in_runs(engine: Engine, prestress: Prestress) -> bool:
@@ -180,8 +174,8 @@ def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
         for number, link in enumerate(zip(links, models, bases, strict=True))
     ]
     unreduced, models, bases = zip(*found, strict=True)
-    follows = tuple(np.zeros(model.size, dtype=bool) for model in models)
-    return ReducedLinks(topology, unreduced, models, bases, follows)
+    condensed = tuple(np.zeros(model.size, dtype=bool) for model in models)
+    return ReducedLinks(topology, unreduced, models, bases, condensed)
 
 
 def prestressed_links(

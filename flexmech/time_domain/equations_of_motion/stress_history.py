@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -30,9 +29,9 @@ from flexmech.time_domain.equations_of_motion.link_stress import LinkStress, Str
 
 # Positions a turn; halving the spacing moves deflections by less than 1e-4 of their peak.
 SAMPLES_PER_TURN = 120
-LEAST_SAMPLES = 24
-# What the shapes of stress leave out, relative to the greatest.
-ROUND_OFF = 1e-14
+# What the distributions of stress leave out, relative to the greatest: some fifty times the unit
+# round-off of the values that they are made of. At 1e-6 deflections change by 1e-5 of their peak.
+LEFT_OUT = 1e-14
 
 
 class StressHistory:
@@ -54,6 +53,9 @@ class StressHistory:
         Whether the stress counts in rigid links and sliders alone, and elastic links are
         straight and without stress. They stretch by themselves, but a rigid link has no strain
         that would tell what the forces of its joints are against a turn.
+    equilibrium_of : sequence of ndarray, shape (n_engine, n), optional
+        Basis of each link's coordinates in the engine's, of links that stretch by themselves: the
+        stress is what the forces by this lack in the equilibrium.
 
     Attributes
     ----------
@@ -80,9 +82,10 @@ class StressHistory:
         *,
         with_energy: bool = True,
         rigid_links_only: bool = False,
+        equilibrium_of: Sequence[FloatArray] | None = None,
     ) -> None:
         self._engine, self._links = engine, tuple(links)
-        self._rigid_only = rigid_links_only
+        self._rigid_only, self._equilibrium_of = rigid_links_only, equilibrium_of
         self._bases = tuple(bases)
         self._drive = drive
         self._prestress = prestress
@@ -91,7 +94,7 @@ class StressHistory:
         self._sizes = [basis.shape[1] for basis in bases]
         # Damping changes with the stress only where links are bowed.
         damped = any(link.damping.any() for link in links)
-        self._damping_varies = damped and prestress == "equilibrium"
+        self._damping_varies = damped and prestress == "equilibrium" and equilibrium_of is None
         self._damping = [
             basis.T @ link.damping @ basis for link, basis in zip(links, bases, strict=True)
         ]
@@ -113,10 +116,11 @@ class StressHistory:
             sampled.append(self._sampled(rise_time, angle, speed, acceleration))
         values = np.concatenate(sampled)
         share, shapes = _few_shapes(values, self._scale(values))
-        self._guides = shapes[:, sum(self._width(size) for size in self._sizes) :]
+        stops = np.cumsum([sum(self._widths(size)) for size in self._sizes])
+        *parts, self._guides = np.split(shapes, stops, axis=1)
         self._shapes = [
-            StressShapes.unpacked(shapes[:, part], size, damping)
-            for part, size, damping in zip(self._columns(), self._sizes, self._damping, strict=True)
+            StressShapes.unpacked(part, size, damping)
+            for part, size, damping in zip(parts, self._sizes, self._damping, strict=True)
         ]
         turn = share[: len(angles)]
         # The last position of a turn is the first.
@@ -151,35 +155,22 @@ class StressHistory:
                 rate[rising] = self._rise(time[rising], 1)
         return share, rate
 
-    def _columns(self) -> list[slice]:
-        """Where each link's values are among those of all links."""
-        stops = np.cumsum([self._width(size) for size in self._sizes])
-        return [
-            slice(stop - self._width(size), stop)
-            for size, stop in zip(self._sizes, stops.tolist(), strict=True)
-        ]
+    def _widths(self, size: int) -> list[int]:
+        """Columns of one link: of stiffness, prestress, offset and, where it varies, damping."""
+        square = size * size
+        return [square, size, 1] + [square] * self._damping_varies
 
     def _scale(self, values: FloatArray) -> FloatArray:
         """Greatest stiffness, prestress, offset and damping of each link, column by column."""
-        scale = np.ones(values.shape[1])
-        for size, columns in zip(self._sizes, self._columns(), strict=True):
-            square = size * size
-            edges = columns.start + np.array([0, square, square + size, square + size + 1])
-            for start, stop in pairwise([*edges.tolist(), columns.stop]):
-                scale[start:stop] = np.abs(values[:, start:stop]).max(initial=0.0) or 1.0
-        last = sum(self._width(size) for size in self._sizes)
-        scale[last:] = np.abs(values[:, last:]).max(initial=0.0) or 1.0
-        return scale
-
-    def _width(self, size: int) -> int:
-        """Columns of one link: stiffness, prestress, offset and perhaps damping."""
-        square = size * size
-        return square + size + 1 + (square if self._damping_varies else 0)
+        widths = [width for size in self._sizes for width in self._widths(size)]
+        widths.append(values.shape[1] - sum(widths))
+        parts = np.split(values, np.cumsum(widths[:-1]), axis=1)
+        return np.repeat([np.abs(part).max(initial=0.0) or 1.0 for part in parts], widths)
 
     def _run_up_times(self) -> FloatArray:
         drive = self._drive
         turns = abs(drive.crank_angle(drive.run_up_time) - drive.start_angle) / (2 * np.pi)
-        count = max(LEAST_SAMPLES, SAMPLES_PER_TURN, int(np.ceil(SAMPLES_PER_TURN * turns)))
+        count = max(SAMPLES_PER_TURN, int(np.ceil(SAMPLES_PER_TURN * turns)))
         return np.linspace(0.0, drive.run_up_time, count + 1)
 
     def _sampled(
@@ -196,6 +187,9 @@ class StressHistory:
         for batch in self._engine.batches(len(angle)):
             motion = linkage.motion(*(v[batch] for v in motion_of))
             stressed = self._engine.stressed_links(motion, self._prestress)
+            if self._equilibrium_of is not None:
+                packed.append(self._lacking(stressed, self._equilibrium_of))
+                continue
             # Runs in time have the inertia of straight links.
             stressed = with_straight_inertia(self._engine.links, motion, stressed)
             if self._rigid_only:
@@ -237,6 +231,31 @@ class StressHistory:
         carried = CarriedInertia.of(topology, self._engine.links, motion)
         return None if carried is None else carried.forces(place)
 
+    def _lacking(self, stressed: StressedLinks, bases: Sequence[FloatArray]) -> FloatArray:
+        """As :meth:`_packed`, of straight links with what the forces of stretching ones lack.
+
+        Bodies off the axis turn with their sections, and rigid links, in natural coordinates.
+        """
+        places, forces = stressed.displacement, stressed.internal_force
+        stretches, columns = self._engine.stretches, []
+        assert places is not None
+        assert forces is not None
+        assert stretches is not None
+        for number, link in enumerate(self._engine.links):
+            own, batch = self._bases[number], len(places[number])
+            stiffness = own.T @ self._links[number].stiffness @ own
+            lacking = np.zeros((batch, own.shape[1]))
+            if not link.rigid and not any(body.is_off_axis for body in link.bodies):
+                q = places[number].copy()
+                sections = np.setdiff1d(np.flatnonzero(link.fields.tangential), link.vectors)
+                q[:, sections] = np.sin(q[:, sections])
+                found, _ = stretches[number].remainder(q, np.zeros_like(q))
+                found += (link.stiffness @ q.T).T
+                lacking = (forces[number] - found) @ bases[number]
+            stiff = np.broadcast_to(stiffness.ravel(), (batch, stiffness.size))
+            columns += [stiff, lacking, np.zeros((batch, 1))]
+        return np.concatenate(columns, axis=1)
+
     def _packed(self, stressed: StressedLinks, motion: RigidMotion) -> FloatArray:
         """Stiffness, prestress and offset of all links side by side, (B, total)."""
         columns, batch = [], len(motion.crank_angle)
@@ -277,7 +296,7 @@ class StressHistory:
             power = CubicSpline(where, np.sum(force[:, own] * path(where, 1), axis=1))
             energy = power.antiderivative()(where) + force[0, own] @ place[0, own] / 2
             values[:, start + size * size + size] += energy
-            start += self._width(size)
+            start += sum(self._widths(size))
             first = own.stop
 
 
@@ -288,7 +307,7 @@ def _few_shapes(values: FloatArray, scale: FloatArray) -> tuple[FloatArray, Floa
     says what each column is measured by.
     """
     rest, shares, shapes = values / scale, [], []
-    least = ROUND_OFF * np.linalg.norm(rest, axis=1).max()
+    least = LEFT_OUT * np.linalg.norm(rest, axis=1).max()
     while (size := np.linalg.norm(rest, axis=1)).max() > least:
         shape = rest[size.argmax()] / size.max()
         share = rest @ shape

@@ -3,48 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import StepOperators, VibrationState, march, step_operators
-from flexmech.time_domain.equations_of_motion import DrivenLinkage, Following
+from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
+from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
 from flexmech.time_domain.integrators.position_table import PositionTable
 
-# Steps whose operators are interpolated at once.
+# Steps whose operators are interpolated at once. Speed alone: they stay in the processor's cache.
 CACHED_STEPS = 64
-
-
-@dataclass(frozen=True)
-class StepRows:
-    """What m instants need: the step that ends there, and what follows statically.
-
-    Parameters
-    ----------
-    linear : StepOperators
-    following : Following
-    pushed : ndarray, shape (m, k, n), or None
-        By how much a unit of each load at the step's end moves the next prediction.
-    pushed_offset : ndarray, shape (m, k, size), or None
-        What a unit of each load adds to coordinates that follow statically.
-    """
-
-    linear: StepOperators
-    following: Following
-    pushed: FloatArray | None = None
-    pushed_offset: FloatArray | None = None
-
-    def under(self, force: FloatArray) -> StepRows:
-        """The same instants with so much of each load, (m, k), besides all other forces."""
-        if self.pushed is None or self.pushed_offset is None or not force.any():
-            return self
-        forced = self.linear.forced + np.einsum("mk,mkn->mn", force, self.pushed)
-        following = self.following
-        if following.expansion.shape[1] != following.expansion.shape[2]:
-            offset = following.offset + np.einsum("mk,mkn->mn", force, self.pushed_offset)
-            following = replace(following, offset=offset)
-        return replace(self, linear=replace(self.linear, forced=forced), following=following)
 
 
 class StepTable:
@@ -68,54 +37,53 @@ class StepTable:
         self._load = load
         self._table = PositionTable(linkage, self._solve)
 
-    def rows(self, time: FloatArray, force: FloatArray | None = None) -> StepRows:
-        """Operators and what follows at some times; the operators until the next call.
+    def rows(
+        self, time: FloatArray, force: FloatArray | None = None
+    ) -> tuple[StepOperators, StaticExpansion]:
+        """Of the steps that end at some times; the operators until the next call.
 
         Parameters
         ----------
         time : ndarray, shape (m,)
             In s.
         force : ndarray, shape (m,), optional
-            How much of the table's load acts at these times.
+            How much of the table's load acts at these times; needed where it has one.
 
         Returns
         -------
-        StepRows
+        StepOperators
+        StaticExpansion
         """
-        rows = self._unpacked(self._table.at(time))
-        if rows.pushed is None:
-            return rows
-        acting = self._linkage.connectors.histories(time)
-        if self._load is not None:
-            own = np.zeros(len(time)) if force is None else force
-            acting = np.column_stack([acting, own])
-        return rows.under(acting)
+        advance, forced, pushed, *rest = self._table.at(time)
+        acting = self._linkage.histories(time, force)
+        expansion = StaticExpansion.of_all(self._linkage.size)
+        if rest:
+            matrix, offset, pushed_offset = rest
+            expansion = StaticExpansion(matrix.copy(), offset + _under(acting, pushed_offset))
+        return StepOperators(self._step, advance, forced + _under(acting, pushed)), expansion
 
     def _solve(self, time: FloatArray) -> list[FloatArray]:
         linkage = self._linkage
         equations = linkage.equations(time, tables=False)
-        linear, following = step_operators(equations, self._step), equations.following
-        parts = [linear.advance, linear.forced]
+        units = linkage.unit_equations(time, self._load)
+        linear, expansion = step_operators(equations, self._step), equations.expansion
+        pushed = [step_operators(one, self._step).forced for one in units]
+        parts = [linear.advance, linear.forced, _side_by_side(pushed, linear.forced)]
         if linkage.is_condensed:
-            parts += [following.expansion, following.offset]
-        loaded = linkage.unit_equations(time, self._load)
-        if loaded:
-            pushed = [step_operators(one, self._step).forced for one in loaded]
-            size = linkage.frames.size
-            offsets = [np.broadcast_to(one.following.offset, (len(time), size)) for one in loaded]
-            parts += [np.stack(pushed, axis=1), np.stack(offsets, axis=1)]
+            offsets = [one.expansion.offset for one in units]
+            parts += [expansion.matrix, expansion.offset]
+            parts.append(_side_by_side(offsets, expansion.offset))
         return parts
 
-    def _unpacked(self, parts: list[FloatArray]) -> StepRows:
-        linkage = self._linkage
-        linear = StepOperators(self._step, parts[0], parts[1])
-        pushed = pushed_offset = None
-        if self._load is not None or linkage.connectors.table_count:
-            pushed, pushed_offset = parts[-2:]
-        following = Following.of_all(linkage.size)
-        if linkage.is_condensed:
-            following = Following(parts[2].copy(), parts[3].copy())
-        return StepRows(linear, following, pushed, pushed_offset)
+
+def _side_by_side(units: list[FloatArray], like: FloatArray) -> FloatArray:
+    """What a unit of each load gives, (m, k, n), from k arrays of the shape (m, n) of another."""
+    return np.swapaxes(np.reshape(units, (len(units), *like.shape)), 0, 1)
+
+
+def _under(force: FloatArray, units: FloatArray) -> FloatArray:
+    """What so much of each load gives, (m, n), by a unit of each."""
+    return np.asarray(np.einsum("mk,mkn->mn", force, units))
 
 
 class LinearMarch:
@@ -148,7 +116,7 @@ class LinearMarch:
 
     def on(
         self, time: FloatArray, state: VibrationState, force: FloatArray | None = None
-    ) -> tuple[VibrationState, Following]:
+    ) -> tuple[VibrationState, StaticExpansion]:
         """March from the first of some times to the others, in parts that stay in the cache.
 
         Parameters
@@ -158,25 +126,25 @@ class LinearMarch:
         state : VibrationState
             At the first of them, arrays of shape (n,).
         force : ndarray, shape (m + 1,), optional
-            How much of the table's load acts at these times.
+            How much of the table's load acts at these times; needed where it has one.
 
         Returns
         -------
         VibrationState
             Arrays of shape (m + 1, n).
-        Following
+        StaticExpansion
             At the same times.
         """
-        acting = np.zeros_like(time) if force is None else force
+        acting = np.zeros((len(time), 0)) if force is None else force
         histories, expansions, offsets = [], [], []
         for first in range(0, len(time) - 1, CACHED_STEPS):
             some = slice(first + 1, first + 1 + CACHED_STEPS)
-            rows = self._table.rows(time[some], acting[some])
-            history = march(rows.linear, state)
+            operators, expansion = self._table.rows(time[some], acting[some])
+            history = march(operators, state)
             state = history[-1]
             histories.append(history if first == 0 else history[1:])
-            expansions.append(rows.following.expansion)
-            offsets.append(rows.following.offset)
+            expansions.append(expansion.matrix)
+            offsets.append(expansion.offset)
         whole = VibrationState(
             *(
                 np.concatenate([getattr(h, name) for h in histories])
@@ -184,9 +152,9 @@ class LinearMarch:
             )
         )
         if not self._linkage.is_condensed:
-            return whole, Following.of_all(self._linkage.size)
-        start = self._table.rows(time[:1], acting[:1]).following
-        return whole, Following(
-            np.concatenate([start.expansion, *expansions]),
+            return whole, StaticExpansion.of_all(self._linkage.size)
+        start = self._table.rows(time[:1], acting[:1])[1]
+        return whole, StaticExpansion(
+            np.concatenate([start.matrix, *expansions]),
             np.concatenate([start.offset, *offsets]),
         )

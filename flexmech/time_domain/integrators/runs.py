@@ -8,7 +8,7 @@ displacements are those of an engine that simulates.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Protocol, cast
 
@@ -21,12 +21,15 @@ from flexmech.dynamical_systems.lobatto import STAGES
 from flexmech.errors import ComputationError, InputError
 from flexmech.linear_system import Engine, LinkPoint, displacement_row
 from flexmech.linkages import CrankDrive, LockedCrank
-from flexmech.time_domain.equations_of_motion import DrivenLinkage, LinkageDynamics
+from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
+from flexmech.time_domain.equations_of_motion.dynamics import LinkageDynamics
+from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
 from flexmech.time_domain.integrators.linear_march import LinearMarch
 from flexmech.time_domain.integrators.stretch_march import StretchMarch
-from flexmech.time_domain.recorded_runs import Impact, LinkState, Recorder, Trajectory
+from flexmech.time_domain.recorded_runs.recording import Recorder, Trajectory
+from flexmech.time_domain.recorded_runs.states import Impact, LinkState
 
-# Steps that are recorded at once.
+# Steps that are recorded at once. Memory alone: some 10 MB of a four-bar's matrices and forces.
 BLOCK_STEPS = 1024
 # Displacements beyond this many metres are no small vibration of any linkage.
 DIVERGED = 1e6
@@ -108,40 +111,65 @@ def linear_run(
     march, dynamics = marching(linkage, step), LinkageDynamics(linkage)
     recorder = Recorder(sample_time, step, band, march.stride)
     steps = march.stride * -(-recorder.steps // march.stride)
-    state = start_state(linkage, position, velocity)
-    for done in range(0, steps, BLOCK_STEPS):
-        count = min(BLOCK_STEPS, steps - done)
-        time = step * np.arange(done, done + count + 1, dtype=float)
-        with np.errstate(over="ignore", invalid="ignore"):
-            history, following = march.on(time, state)
-        refuse_divergence(linkage, time, history)
-        recorder.add(dynamics.step_block(time, following, history))
-        state = history[-1]
+    start = position, velocity
+    for done, time, history, expansion in _blocks(linkage, march, start, step, steps):
+        recorder.add(dynamics.step_block(time, expansion, history))
         if progress is not None:
-            progress(done + count, steps)
+            progress(done, steps)
     run = recorder.finish()
-    return replace(
+    run = replace(
         run,
         displacement=[q @ b.T for q, b in zip(run.displacement, linkage.bases, strict=True)],
         rate=[q @ b.T for q, b in zip(run.rate, linkage.bases, strict=True)],
     )
+    return run if linkage.shaft is None else linkage.shaft.turned_back(run)
 
 
-def start_state(
+def _blocks(
+    linkage: DrivenLinkage,
+    march: LinearMarch | StretchMarch,
+    start: tuple[FloatArray, FloatArray],
+    step: float,
+    steps: int,
+    pulses: Sequence[HalfSinePulse] | None = None,
+) -> Iterator[tuple[int, FloatArray, VibrationState, StaticExpansion]]:
+    """Run from a position and velocity, block by block; each begins where the last one ends.
+
+    Pulses act where the march has a load.
+
+    Yields
+    ------
+    int
+        Steps done.
+    ndarray, shape (m,)
+        Times of the block in s.
+    VibrationState
+        Arrays of shape (m, n).
+    StaticExpansion
+
+    Raises
+    ------
+    ComputationError
+        If displacements grow beyond all bounds; names the time and the crank angle.
+    """
+    state = _start_state(linkage, *start)
+    for first in range(0, steps, BLOCK_STEPS):
+        done = min(first + BLOCK_STEPS, steps)
+        time = step * np.arange(first, done + 1, dtype=float)
+        force = None
+        if pulses is not None:
+            force = np.zeros(len(time)) + sum(pulse.force(time) for pulse in pulses)
+        with np.errstate(over="ignore", invalid="ignore"):
+            history, expansion = march.on(time, state, force)
+        _refuse_divergence(linkage, time, history)
+        yield done, time, history, expansion
+        state = history[-1]
+
+
+def _start_state(
     linkage: DrivenLinkage, position: FloatArray, velocity: FloatArray
 ) -> VibrationState:
-    """State at time zero whose acceleration satisfies the equations of motion.
-
-    Parameters
-    ----------
-    linkage : DrivenLinkage
-    position, velocity : ndarray, shape (n,)
-
-    Returns
-    -------
-    VibrationState
-        Arrays of shape (n,).
-    """
+    """State at time zero, arrays of shape (n,), with the acceleration that balances it."""
     equations = linkage.equations(np.zeros(1))
     if linkage.stretch is not None:
         pulled = linkage.stretch.remainder(
@@ -151,22 +179,8 @@ def start_state(
     return initial_state(equations, position, velocity)
 
 
-def refuse_divergence(linkage: DrivenLinkage, time: FloatArray, history: VibrationState) -> None:
-    """Refuse displacements that grow beyond all bounds.
-
-    Parameters
-    ----------
-    linkage : DrivenLinkage
-    time : ndarray, shape (m,)
-        In s.
-    history : VibrationState
-        At these times.
-
-    Raises
-    ------
-    ComputationError
-        Names the time and the crank angle.
-    """
+def _refuse_divergence(linkage: DrivenLinkage, time: FloatArray, history: VibrationState) -> None:
+    """Refuse displacements that grow beyond all bounds."""
     size = np.abs(history.position).max(axis=1)
     wrong = ~(size < DIVERGED)
     if not wrong.any():
@@ -244,20 +258,14 @@ class StruckLinkage:
         """
         linkage, march = self._linkage, self._march
         march.restart()
-        state = start_state(linkage, start.position, start.velocity)
         whole = march.stride * -(-steps // march.stride)
         found = np.empty(whole + 1)
-        for done in range(0, whole, BLOCK_STEPS):
-            count = min(BLOCK_STEPS, whole - done)
-            time = self._step * np.arange(done, done + count + 1, dtype=float)
-            force = np.zeros(len(time)) + sum(pulse.force(time) for pulse in pulses)
-            with np.errstate(over="ignore", invalid="ignore"):
-                history, following = march.on(time, state, force)
-            refuse_divergence(linkage, time, history)
-            coordinates = following.expanded(history)
+        begin = start.position, start.velocity
+        blocks = _blocks(linkage, march, begin, self._step, whole, pulses)
+        for done, time, history, expansion in blocks:
+            coordinates = expansion.expanded(history)
             moved = linkage.frames.link_motion(linkage.motion(time), *coordinates)
-            found[done : done + count + 1] = moved[self._place][0] @ self._row
-            state = history[-1]
+            found[done + 1 - len(time) : done + 1] = moved[self._place][0] @ self._row
         return found[: steps + 1]
 
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems.lobatto import POSITION, RATE, RATE_BY_POSITION, STAGES
-from flexmech.time_domain.equations_of_motion import Equations, LinkageStretch, PinTurns
+from flexmech.time_domain.equations_of_motion.equations import Equations
+from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStretch, PinTurns
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,9 @@ from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import VibrationState
 from flexmech.dynamical_systems.lobatto import MARCH_ON, PREDICTION, RATE_BY_POSITION, STAGES
 from flexmech.errors import ComputationError
-from flexmech.time_domain.equations_of_motion import (
-    DrivenLinkage,
-    Following,
+from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
+from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
+from flexmech.time_domain.equations_of_motion.linkage_stretch import (
     LinkageStretch,
     PinTurns,
     StretchForces,
@@ -43,13 +43,14 @@ LAST_CHANGE = 1e-3
 # A pass gains about two digits: after a change that is smaller by this, the next block begins
 # with the fewest passes again.
 AMPLE = 30
-# Newton's method with the tangent of the bowed links.
+# Newton's method with the tangent of the bowed links. Five or six passes lead to a change whose
+# square is less than round-off; a step that takes twice as many is too long.
 NEWTON_PASSES = 12
 NEWTON_CHANGE = 1e-9
-# Links that all but stand still have no H^2 z'' to measure changes by: then this part of z is taken
-# in its place, in a pass and in Newton's method.
+# Links at rest in their frames have no H^2 z'' to measure changes by: then this part of z is taken
+# in its place, in a pass and in Newton's method. Both leave 1e-9 to 1e-12 of z, above round-off.
 STILL, NEWTON_STILL = 1e-6, 1e-3
-# Double steps whose operators stay in the cache.
+# Double steps whose operators are interpolated at once. Speed alone: they stay in the cache.
 CACHED_STEPS = 32
 # Taylor's polynomial at the stages, from z, H z' and H^2 z'' at the start.
 TAYLOR = np.array([[1.0, 1 / 2, 1 / 8], [1.0, 1.0, 1 / 2]])
@@ -98,7 +99,7 @@ class StretchMarch:
 
     def on(
         self, time: FloatArray, state: VibrationState, force: FloatArray | None = None
-    ) -> tuple[VibrationState, Following]:
+    ) -> tuple[VibrationState, StaticExpansion]:
         """March from the first of some times to the others.
 
         Parameters
@@ -108,13 +109,13 @@ class StretchMarch:
         state : VibrationState
             At the first of them, arrays of shape (n,).
         force : ndarray, shape (2 m + 1,), optional
-            How much of the load acts at these times.
+            How much of the load acts at these times; needed where there is one.
 
         Returns
         -------
         VibrationState
             Arrays of shape (2 m + 1, n).
-        Following
+        StaticExpansion
             At the same times.
 
         Raises
@@ -132,7 +133,7 @@ class StretchMarch:
             rows = self._rows(time[some], acting)
             history[:, some] = self._block(rows, history[:, first])
         whole = VibrationState(history[0], history[1] / double, history[2] / double**2)
-        return whole, Following.of_all(self._linkage.size)
+        return whole, StaticExpansion.of_all(self._linkage.size)
 
     def _solve(self, end: FloatArray) -> list[FloatArray]:
         """What the double steps need that end at times of shape (m,)."""
@@ -151,10 +152,7 @@ class StretchMarch:
         """Operators at middles and ends, (2 m,); valid until the next call."""
         resistance, own, answer, yielding, turn, rate, units = self._table.at(time[1::STAGES])
         if units.shape[2]:
-            acting = self._linkage.connectors.histories(time)
-            if self._load is not None:
-                acting = np.column_stack([acting, np.zeros(len(time)) if force is None else force])
-            acting = acting.reshape(len(own), STAGES, 1, -1)
+            acting = self._linkage.histories(time, force).reshape(len(own), STAGES, 1, -1)
             own = own + (acting @ units)[:, :, 0]
         return StageOperators(resistance, own, answer, yielding, PinTurns(turn, rate))
 

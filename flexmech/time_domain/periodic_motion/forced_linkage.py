@@ -13,7 +13,7 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.choices import LinkDirection
-from flexmech.dynamical_systems import ForcedPeriodicSystem, FourierSeries
+from flexmech.dynamical_systems import ForcedPeriodicSystem
 from flexmech.linear_system import (
     LinkFrames,
     LinkMatrix,
@@ -25,7 +25,7 @@ from flexmech.linear_system import (
 )
 from flexmech.time_domain.periodic_motion.moving_modes import MovingModes
 
-# Crank angles whose unreduced matrices are held in memory at a time.
+# Crank angles whose unreduced matrices are in memory at a time. Memory alone.
 BATCH = 64
 
 
@@ -68,13 +68,7 @@ def forced_linkage(
     force[:, size:] = into / root
     reading[:, :size] = out / root
     remainder = static_remainder(moving, stressed, hit, seen, direction, connected)
-    series = FourierSeries.through
-    if turn.is_constant:
-        return ForcedPeriodicSystem(
-            moving.system(),
-            *(FourierSeries.constant(v.mean(axis=0)) for v in (force, reading, remainder)),
-        )
-    return ForcedPeriodicSystem(moving.system(), series(force), series(reading), series(remainder))
+    return ForcedPeriodicSystem(moving.system(), *map(turn.series, (force, reading, remainder)))
 
 
 def static_remainder(
@@ -129,28 +123,19 @@ def static_remainder(
         loads[places[0]][:] = rows[0]
         moved = np.linalg.solve(stiffness, frames.gather(motion, loads)[..., None])
         whole = frames.link_coordinates(motion, moved)[places[1]][..., 0] @ rows[1]
-        held = _stiffness(moving, tangent, some, connected=connected is not None)
-        kept = np.linalg.solve(held, into[some, :, None])[..., 0]
-        answer[some] = whole - (out[some] * kept).sum(axis=1)
+        own = np.linalg.solve(_stiffness(moving, tangent, some), into[some, :, None])[..., 0]
+        answer[some] = whole - (out[some] * own).sum(axis=1)
     return answer
 
 
-def _shapes(moving: MovingModes, some: slice) -> list[FloatArray]:
-    """Moving modes in the coordinates of each unreduced link, (B, n_link, m)."""
-    turn = moving.turn
-    reduced = turn.frames.link_coordinates(turn.displaced.at(some), moving.basis[some])
-    return [basis @ q for basis, q in zip(turn.bases, reduced, strict=True)]
-
-
-def _stiffness(
-    moving: MovingModes, tangent: Sequence[LinkMatrix], some: slice, *, connected: bool
-) -> FloatArray:
+def _stiffness(moving: MovingModes, tangent: Sequence[LinkMatrix], some: slice) -> FloatArray:
     """``P' K P`` at some crank angles, (B, m, m)."""
-    shapes = _shapes(moving, some)
+    turn, modes = moving.turn, moving.basis[some]
+    reduced = turn.frames.link_coordinates(turn.displaced.at(some), modes)
+    shapes = [basis @ q for basis, q in zip(turn.bases, reduced, strict=True)]
     parts = [np.swapaxes(q, 1, 2) @ (k @ q) for q, k in zip(shapes, tangent, strict=True)]
-    if connected and moving.turn.connected is not None:
-        basis = moving.basis[some]
-        parts.append(np.swapaxes(basis, 1, 2) @ (moving.turn.connected.stiffness[some] @ basis))
+    if turn.connected is not None:
+        parts.append(np.swapaxes(modes, 1, 2) @ (turn.connected.stiffness[some] @ modes))
     return np.asarray(sum(parts))
 
 

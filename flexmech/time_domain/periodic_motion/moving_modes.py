@@ -23,7 +23,7 @@ turn.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,8 +31,12 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.choices import MovingFrame
 from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem
-from flexmech.linear_system import LinkMatrix, LinkModel
-from flexmech.time_domain.periodic_motion.nodal_frames import NodalFrame, quarter_turn
+from flexmech.linear_system import LinkMatrix
+from flexmech.time_domain.periodic_motion.nodal_frames import (
+    ground_rates,
+    inertia_in_ground_axes,
+    quarter_turn,
+)
 from flexmech.time_domain.periodic_motion.sampled_turn import SampledTurn
 
 # A subspace turns fast where its highest frequency comes nearer than this part to the next one,
@@ -190,19 +194,12 @@ def moving_modes(
         turn,
         basis,
         scale,
-        _series(turn, matrix),
-        _series(turn, links.matrix(skew, root)),
-        _series(turn, _of_connectors(turn, basis).matrix(skew, root)),
+        turn.series(matrix),
+        turn.series(links.matrix(skew, root)),
+        turn.series(_of_connectors(turn, basis).matrix(skew, root)),
         stiffness,
         fixed,
     )
-
-
-def _series(turn: SampledTurn, matrix: FloatArray) -> FourierSeries:
-    """Series through a matrix (N, 2 m, 2 m), of its mean where it is constant by nature."""
-    if turn.is_constant:
-        return FourierSeries.constant(matrix.mean(axis=0))
-    return FourierSeries.through(matrix)
 
 
 def _scale_and_fixed_basis(
@@ -244,9 +241,8 @@ def _of_connectors(turn: SampledTurn, basis: FloatArray) -> _Forces:
         nothing = np.zeros_like(across @ basis)
         return _Forces(nothing, nothing)
     forces = across @ connected.damping
-    rates = FourierSeries.through(basis).rate().samples(len(basis)) / turn.period
     answers = across @ ((connected.turning + connected.circulatory) @ basis)
-    return _Forces(forces @ basis, forces @ rates + answers)
+    return _Forces(forces @ basis, forces @ turn.rate(basis) + answers)
 
 
 def _projected(
@@ -259,9 +255,9 @@ def _projected(
         across = np.swapaxes(shapes, 1, 2)
         in_frame = _in_link_frame if frame == "link" else _in_ground_axes
         inertia, rates = in_frame(turn, number, shapes)
-        for sign, each in [(1.0, inertia), *_turned_bodies(turn, number, shapes)]:
-            skew += sign * each.skew
-            stiffness += sign * each.stiffness
+        for sign, (b, q) in [(1.0, inertia), *_turned_bodies(turn, number, shapes)]:
+            skew += sign * b
+            stiffness += sign * q
         stiffness += across @ (turn.tangent[number] @ shapes)
         forces = across @ turn.damping[number]
         damping += forces @ shapes
@@ -275,45 +271,28 @@ def _projected(
     return skew, stiffness, _Forces(damping, moving_damping)
 
 
-@dataclass(frozen=True)
-class _Inertia:
-    """What a link's inertia gives to B and Q."""
-
-    skew: FloatArray
-    stiffness: FloatArray
-
-
 def _inertia(
-    link: LinkModel | NodalFrame,
-    mass: LinkMatrix,
+    matrices: Iterable[LinkMatrix],
     speed: FloatArray,
     shapes: FloatArray,
     rates: FloatArray,
-) -> _Inertia:
-    """Of a link."""
-    return _energy((mass, link.gyroscopic, link.centrifugal_mass), speed, shapes, rates)
+) -> tuple[FloatArray, FloatArray]:
+    """What a link's ``M``, ``S`` and ``M_t`` give to B and Q.
 
-
-def _energy(
-    matrices: Sequence[LinkMatrix], speed: FloatArray, shapes: FloatArray, rates: FloatArray
-) -> _Inertia:
-    """Of ``|P y. + P. y|_M^2 / 2 + omega (P y. + P. y)' S P y + omega^2 y' P' M_t P y / 2``."""
+    Of ``|P y. + P. y|_M^2 / 2 + omega (P y. + P. y)' S P y + omega^2 y' P' M_t P y / 2``.
+    """
     mass, gyroscopic, centrifugal = matrices
     turning = speed * (gyroscopic @ shapes)
     across, across_rates = np.swapaxes(shapes, 1, 2), np.swapaxes(rates, 1, 2)
     coriolis = across_rates @ turning
-    return _Inertia(
-        skew=across @ (mass @ rates + turning),
-        stiffness=-coriolis
-        - np.swapaxes(coriolis, 1, 2)
-        - across_rates @ (mass @ rates)
-        - across @ (speed**2 * (centrifugal @ shapes)),
-    )
+    stiffness = -coriolis - np.swapaxes(coriolis, 1, 2) - across_rates @ (mass @ rates)
+    stiffness -= across @ (speed**2 * (centrifugal @ shapes))
+    return across @ (mass @ rates + turning), stiffness
 
 
 def _turned_bodies(
     turn: SampledTurn, number: int, shapes: FloatArray
-) -> Iterator[tuple[float, _Inertia]]:
+) -> Iterator[tuple[float, tuple[FloatArray, FloatArray]]]:
     """Inertia of bodies on a link where its sections turn them, less that on the straight link."""
     speed = turn.frame_speed[:, number, None, None]
     angles = [] if turn.turns is None else turn.turns[number]
@@ -322,28 +301,25 @@ def _turned_bodies(
             for sign, turned in ((1.0, angle), (-1.0, np.zeros_like(angle))):
                 centre = body.centre_map(turned) @ (body.rows @ shapes)
                 own = body.about_centre.matrices(np.zeros(()), on_axis=sign < 0)
-                yield sign, _energy(list(own), speed, centre, turn.rate(centre))
+                yield sign, _inertia(own, speed, centre, turn.rate(centre))
 
 
 def _in_link_frame(
     turn: SampledTurn, number: int, shapes: FloatArray
-) -> tuple[_Inertia, FloatArray]:
+) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
     """Inertia by rates in the link's frame, and these rates (N, n_link, m)."""
     link, speed = turn.models[number], turn.frame_speed[:, number, None, None]
-    rates = turn.rate(shapes)
-    return _inertia(link, link.mass, speed, shapes, rates), rates
+    rates, matrices = turn.rate(shapes), (link.mass, link.gyroscopic, link.centrifugal_mass)
+    return _inertia(matrices, speed, shapes, rates), rates
 
 
 def _in_ground_axes(
     turn: SampledTurn, number: int, shapes: FloatArray
-) -> tuple[_Inertia, FloatArray]:
+) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
     """Inertia by rates in ground axes; the rates that damping feels, (N, n_link, m)."""
-    frame, reduction = NodalFrame(turn.unreduced[number]), turn.bases[number]
-    speed = turn.frame_speed[:, number, None, None]
-    full = reduction @ shapes
-    moving = frame.rates(full, turn.displaced.angle[:, number], turn.period)
-    rates = moving - speed * (quarter_turn(frame.link) @ full)
-    return (
-        _inertia(frame, frame.link.mass, speed, full, moving),
-        np.linalg.pinv(reduction) @ rates,
-    )
+    link, reduction = turn.unreduced[number], turn.bases[number]
+    speed, full = turn.frame_speed[:, number, None, None], reduction @ shapes
+    moving = ground_rates(link, full, turn.displaced.angle[:, number], turn.period)
+    rates = moving - speed * (quarter_turn(link) @ full)
+    inertia = _inertia(inertia_in_ground_axes(link), speed, full, moving)
+    return inertia, np.linalg.pinv(reduction) @ rates

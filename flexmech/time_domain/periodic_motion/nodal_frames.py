@@ -15,59 +15,51 @@ across are of different degree a small rest remains, of the element's length.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import FourierSeries
-from flexmech.linear_system import LinkModel, whole
+from flexmech.linear_system import LinkMatrix, LinkModel, whole
 
 
-@dataclass(frozen=True)
-class NodalFrame:
-    """An unreduced link's inertia by rates of its nodes' displacements in ground axes.
+def inertia_in_ground_axes(link: LinkModel) -> tuple[LinkMatrix, FloatArray, FloatArray]:
+    """Mass matrix, ``S*`` and ``M_t*`` of a link, each (n, n).
 
     Parameters
     ----------
     link : LinkModel
         Unreduced.
     """
+    turn = quarter_turn(link)
+    crossed = turn.T @ link.gyroscopic
+    turned = turn.T @ link.mass @ turn
+    gyroscopic = whole(link.gyroscopic) - link.mass @ turn
+    return link.mass, gyroscopic, whole(link.centrifugal_mass) + turned - crossed - crossed.T
 
-    link: LinkModel
 
-    @property
-    def gyroscopic(self) -> FloatArray:
-        """``S*``, (n, n)."""
-        return np.asarray(whole(self.link.gyroscopic) - self.link.mass @ quarter_turn(self.link))
+def ground_rates(
+    link: LinkModel, shapes: FloatArray, angle: FloatArray, period: float
+) -> FloatArray:
+    """Rates ``v`` of shapes along a turn, in the link's axes.
 
-    @property
-    def centrifugal_mass(self) -> FloatArray:
-        """``M_t*``, (n, n)."""
-        turn, link = quarter_turn(self.link), self.link
-        crossed = turn.T @ link.gyroscopic
-        turned = turn.T @ link.mass @ turn
-        return np.asarray(whole(link.centrifugal_mass) + turned - crossed - crossed.T)
+    Parameters
+    ----------
+    link : LinkModel
+        Unreduced.
+    shapes : ndarray, shape (N, n, m)
+        In the link's frame at evenly spaced times of a turn.
+    angle : ndarray, shape (N,)
+        Of the link in rad.
+    period : float
+        In s.
 
-    def rates(self, shapes: FloatArray, angle: FloatArray, period: float) -> FloatArray:
-        """Rates ``v`` of shapes along a turn, in the link's axes.
-
-        Parameters
-        ----------
-        shapes : ndarray, shape (N, n, m)
-            In the link's frame at evenly spaced times of a turn.
-        angle : ndarray, shape (N,)
-            Of the link in rad.
-        period : float
-            In s.
-
-        Returns
-        -------
-        ndarray, shape (N, n, m)
-        """
-        ground = vectors_turned(self.link, shapes, angle)
-        rates = FourierSeries.through(ground).rate().samples(len(shapes)) / period
-        return vectors_turned(self.link, rates, -angle)
+    Returns
+    -------
+    ndarray, shape (N, n, m)
+    """
+    ground = _vectors_turned(link, shapes, angle)
+    rates = FourierSeries.through(ground).rate().samples(len(shapes)) / period
+    return _vectors_turned(link, rates, -angle)
 
 
 def quarter_turn(link: LinkModel) -> FloatArray:
@@ -87,20 +79,8 @@ def quarter_turn(link: LinkModel) -> FloatArray:
     return turn
 
 
-def vectors_turned(link: LinkModel, shapes: FloatArray, angle: FloatArray) -> FloatArray:
-    """Shapes whose vectors are turned; other coordinates stay.
-
-    Parameters
-    ----------
-    link : LinkModel
-    shapes : ndarray, shape (N, n, m)
-    angle : ndarray, shape (N,)
-        In rad.
-
-    Returns
-    -------
-    ndarray, shape (N, n, m)
-    """
+def _vectors_turned(link: LinkModel, shapes: FloatArray, angle: FloatArray) -> FloatArray:
+    """Shapes (N, n, m) whose vectors are turned by angles (N,); other coordinates stay."""
     x, y = link.vectors
     cosine, sine = np.cos(angle)[:, None, None], np.sin(angle)[:, None, None]
     turned = shapes.copy()

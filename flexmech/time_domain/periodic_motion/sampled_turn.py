@@ -26,9 +26,10 @@ from flexmech.linear_system import (
     unchanged,
 )
 from flexmech.linkages import CrankDrive, RigidMotion
-from flexmech.time_domain.equations_of_motion import ReducedLinks, prestressed_links
+from flexmech.time_domain.equations_of_motion.reduced_links import ReducedLinks, prestressed_links
 
-# Times the frequency up to which component modes are kept for the natural frequencies alone.
+# Times the frequency up to which component modes are kept for the natural frequencies alone: the
+# moving subspace is that of a few more modes than are asked for.
 DETAIL = 2.0
 
 
@@ -202,7 +203,13 @@ class SampledTurn:
         """Time derivative of what is periodic along the turn, (N, ...)."""
         return FourierSeries.through(samples).rate().samples(len(samples)) / self.period
 
-    @cached_property
+    def series(self, samples: FloatArray) -> FourierSeries:
+        """Series through samples (N, ...); of their mean where nothing changes along the turn."""
+        if self.is_constant:
+            return FourierSeries.constant(samples.mean(axis=0))
+        return FourierSeries.through(samples)
+
+    @property
     def mass(self) -> FloatArray:
         """Mass matrix in the coordinates of ``frames``, (N, n, n)."""
         return self._frozen[0]

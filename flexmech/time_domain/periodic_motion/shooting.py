@@ -21,68 +21,29 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import VibrationState, initial_state, march
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
-from flexmech.time_domain.equations_of_motion import DrivenLinkage, Equations, Following
-from flexmech.time_domain.integrators import StepTable
-from flexmech.time_domain.recorded_runs import LinkState, Trajectory
+from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
+from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
+from flexmech.time_domain.integrators.linear_march import StepTable
+from flexmech.time_domain.recorded_runs.recording import Trajectory
+from flexmech.time_domain.recorded_runs.states import LinkState
 
-# Steps whose matrices are solved at once; fewer than in a single run, because a motion from a
-# unit of each coordinate is kept for all of them.
+# Steps whose matrices are solved at once. Memory alone: fewer than in a single run, because a
+# motion from a unit of each coordinate is kept for all of them.
 BLOCK_STEPS = 256
-# Reciprocal condition number below which a turn returns some motion so exactly to itself
-# that the fixed point is made of round-off.
+# Reciprocal condition number below which a turn returns some motion so exactly to itself that the
+# fixed point is made of round-off. At the critical speed of an arm, found to all digits, steps of
+# the trapezoidal rule leave 1.0e-11; what is free to drift has 1e-16.
 RESONANT = 1e-11
 logger = logging.getLogger(__name__)
 
-Turn = Callable[[LinkState], Trajectory]
-
 # The iteration ends when a turn closes to this part of its greatest displacement. Without
 # damping the fastest modes return with phases that the linear equations only guess: where
-# they keep it from getting there, the best turn counts if it closes to within the second.
+# they keep it from getting there, the best turn counts if it closes to within the second. An orbit
+# that closes to 2e-4 is off by about as much, which a figure does not show.
 CLOSURE = 2e-4
 LEAST_CLOSURE = 2e-3
-# One or two turns do as a rule; each costs a simulation.
+# One or two turns do as a rule; each costs a simulation, and one that is no nearer ends the search.
 MOST_TURNS = 12
-
-
-@dataclass(frozen=True)
-class TurnMap:
-    """How a turn of the crank changes the state ``(z, z')``, from crank angle at time zero.
-
-    Parameters
-    ----------
-    monodromy : ndarray, shape (2 n, 2 n)
-    forced : ndarray, shape (2 n,)
-        State at the end of a turn that starts at zero.
-    """
-
-    monodromy: FloatArray
-    forced: FloatArray
-
-
-def turn_map(linkage: DrivenLinkage, steps: int) -> TurnMap:
-    """Map of one turn by the trapezoidal rule.
-
-    Parameters
-    ----------
-    linkage : DrivenLinkage
-        At constant crank speed.
-    steps : int
-        Time steps a turn.
-
-    Returns
-    -------
-    TurnMap
-
-    Raises
-    ------
-    InputError
-        If the crank speed is not constant, or loads do not repeat themselves with the turn.
-    """
-    state = None
-    for _, _, history in _all_motions(linkage, steps):
-        state = history[-1]
-    assert state is not None
-    return _map_to(state)
 
 
 def periodic_state(linkage: DrivenLinkage, steps: int) -> VibrationState:
@@ -108,9 +69,9 @@ def periodic_state(linkage: DrivenLinkage, steps: int) -> VibrationState:
         If a free vibration fits a turn exactly, so that without damping the forced motion
         grows without limit.
     """
-    equations = linkage.equations(np.zeros(1))
-    position, velocity = _fixed_point(linkage, turn_map(linkage, steps), equations)
-    return initial_state(equations, position, velocity)
+    state = _fixed_point(linkage, *turn_map(linkage, steps))
+    n = linkage.size
+    return initial_state(linkage.equations(np.zeros(1)), state[:n], state[n:])
 
 
 def periodic_turn(linkage: DrivenLinkage, steps: int) -> list[FloatArray]:
@@ -134,16 +95,15 @@ def periodic_turn(linkage: DrivenLinkage, steps: int) -> list[FloatArray]:
         As :func:`periodic_state`.
     """
     blocks = list(_all_motions(linkage, steps))
-    turn = _map_to(blocks[-1][2][-1])
-    start = np.concatenate(_fixed_point(linkage, turn, linkage.equations(np.zeros(1))))
+    start = _fixed_point(linkage, *_affine_map(blocks[-1][2][-1]))
     # Each motion is the forced one plus what a unit of a coordinate at the start adds to it.
     share = np.concatenate([[1 - start.sum()], start])
     parts: list[list[FloatArray]] = [[] for _ in linkage.links]
-    for time, following, history in blocks:
+    for time, expansion, history in blocks:
         motion = VibrationState(
             history.position @ share, history.velocity @ share, history.acceleration @ share
         )
-        moving = linkage.frames.link_motion(linkage.motion(time), *following.expanded(motion))
+        moving = linkage.frames.link_motion(linkage.motion(time), *expansion.expanded(motion))
         for part, basis, (q, _, _) in zip(parts, linkage.bases, moving, strict=True):
             part.append(q[:-1] @ basis.T)
     return [np.concatenate(part) for part in parts]
@@ -151,14 +111,14 @@ def periodic_turn(linkage: DrivenLinkage, steps: int) -> list[FloatArray]:
 
 def _all_motions(
     linkage: DrivenLinkage, steps: int
-) -> Iterator[tuple[FloatArray, Following, VibrationState]]:
+) -> Iterator[tuple[FloatArray, StaticExpansion, VibrationState]]:
     """March through a turn from zero and from a unit of each coordinate, block by block.
 
     Yields
     ------
     ndarray, shape (m + 1,)
         Times of the start of the block and of the end of each of its m steps.
-    Following
+    StaticExpansion
         At these times.
     VibrationState
         At the same times; arrays of shape (m + 1, n, 1 + 2 n).
@@ -179,27 +139,55 @@ def _all_motions(
     for first in range(0, steps, BLOCK_STEPS):
         last = min(first + BLOCK_STEPS, steps)
         time = step * np.arange(first, last + 1, dtype=float)
-        rows = table.rows(time)
-        history = march(rows.linear[1:], state)
+        operators, expansion = table.rows(time)
+        history = march(operators[1:], state)
         state = history[-1]
-        yield time, rows.following, history
+        yield time, expansion, history
 
 
-def _map_to(end: VibrationState) -> TurnMap:
+def turn_map(linkage: DrivenLinkage, steps: int) -> tuple[FloatArray, FloatArray]:
+    """How a turn of the crank changes the state ``(z, z')``, by the trapezoidal rule.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+        At constant crank speed.
+    steps : int
+        Time steps a turn.
+
+    Returns
+    -------
+    ndarray, shape (2 n, 2 n)
+        Monodromy matrix from crank angle at time zero.
+    ndarray, shape (2 n,)
+        State at the end of a turn that starts at zero.
+
+    Raises
+    ------
+    InputError
+        If the crank speed is not constant, or loads do not repeat themselves with the turn.
+    """
+    state = None
+    for _, _, history in _all_motions(linkage, steps):
+        state = history[-1]
+    assert state is not None
+    return _affine_map(state)
+
+
+def _affine_map(end: VibrationState) -> tuple[FloatArray, FloatArray]:
+    """As :func:`turn_map`, from the ends of all motions."""
     ends = np.concatenate([end.position, end.velocity])
-    return TurnMap(ends[:, 1:] - ends[:, :1], ends[:, 0])
+    return ends[:, 1:] - ends[:, :1], ends[:, 0]
 
 
-def _fixed_point(
-    linkage: DrivenLinkage, turn: TurnMap, equations: Equations
-) -> tuple[FloatArray, FloatArray]:
-    """Position and velocity that a turn returns to; ``equations`` begin at time zero."""
-    n = linkage.size
+def _fixed_point(linkage: DrivenLinkage, monodromy: FloatArray, forced: FloatArray) -> FloatArray:
+    """Position and velocity at time zero that a turn returns to, (2 n,)."""
+    equations = linkage.equations(np.zeros(1))
     # Positions by their stiffness and velocities by their mass: both count as energies, and
     # the condition number is none of units.
     energies = (np.diagonal(equations.stiffness[0]), np.diagonal(equations.mass[0]))
     scale = np.sqrt(np.abs(np.concatenate(energies)))
-    gap = scale[:, None] * (np.eye(2 * n) - turn.monodromy) / scale
+    gap = scale[:, None] * (np.eye(len(forced)) - monodromy) / scale
     if 1 / np.linalg.cond(gap) < RESONANT:
         raise ComputationError(
             f"crank speed {CRANK_SPEED} is critical: a free vibration fits one turn of the crank "
@@ -207,8 +195,7 @@ def _fixed_point(
             "give the links damping",
             crank_speed=linkage.drive.speed,
         )
-    state = np.linalg.solve(gap, scale * turn.forced) / scale
-    return state[:n], state[n:]
+    return np.asarray(np.linalg.solve(gap, scale * forced) / scale)
 
 
 @dataclass(frozen=True)
@@ -231,7 +218,9 @@ class PeriodicOrbit:
     turns: int
 
 
-def simulated_orbit(linkage: DrivenLinkage, steps: int, simulate_turn: Turn) -> PeriodicOrbit:
+def simulated_orbit(
+    linkage: DrivenLinkage, steps: int, simulate_turn: Callable[[LinkState], Trajectory]
+) -> PeriodicOrbit:
     """Find the periodic motion of a simulation.
 
     Parameters
@@ -252,11 +241,10 @@ def simulated_orbit(linkage: DrivenLinkage, steps: int, simulate_turn: Turn) -> 
     ComputationError
         If the iteration does not close the orbit, or the crank speed is critical.
     """
-    monodromy, n = turn_map(linkage, steps).monodromy, linkage.size
+    (monodromy, forced), n = turn_map(linkage, steps), linkage.size
+    state = _fixed_point(linkage, monodromy, forced)
     gain = np.linalg.inv(np.eye(2 * n) - monodromy)
     equations = linkage.equations(np.zeros(1))
-    start = periodic_state(linkage, steps)
-    state = np.concatenate([start.position, start.velocity])
     best: PeriodicOrbit | None = None
     for turns in range(1, MOST_TURNS + 1):
         first = linkage.link_state(
@@ -270,8 +258,8 @@ def simulated_orbit(linkage: DrivenLinkage, steps: int, simulate_turn: Turn) -> 
         best = orbit
         if orbit.closure <= CLOSURE:
             return orbit
-        gap = _state(linkage, _at(turn, -1)) - _state(linkage, _at(turn, 0))
-        state = state + gain @ gap
+        end, begin = (_coordinates(linkage, turn, sample) for sample in (-1, 0))
+        state = state + gain @ (end - begin)
     assert best is not None
     if best.closure <= LEAST_CLOSURE:
         return best
@@ -292,9 +280,7 @@ def _closure(linkage: DrivenLinkage, turn: Trajectory) -> float:
     return gap / size
 
 
-def _at(turn: Trajectory, sample: int) -> LinkState:
-    return LinkState([q[sample] for q in turn.displacement], [r[sample] for r in turn.rate])
-
-
-def _state(linkage: DrivenLinkage, state: LinkState) -> FloatArray:
+def _coordinates(linkage: DrivenLinkage, turn: Trajectory, sample: int) -> FloatArray:
+    """Position and velocity of the linear equations at a sample, (2 n,)."""
+    state = LinkState([q[sample] for q in turn.displacement], [r[sample] for r in turn.rate])
     return np.concatenate(linkage.coordinates(state))

@@ -166,9 +166,8 @@ class Recorder:
         self._forces = ForceRecord(sample_time, step, band, (1.0,) if stride == 1 else WEIGHTS)
         self._parts: list[dict[str, list[FloatArray]]] = []
         self._taken = 0
-        self._work = np.zeros(3)  # drive, dissipated, prestress
+        self._work = np.zeros(3)  # dissipated, drive, prestress
         self._balance_start: float | None = None
-        self._turns_freely = False
         self._worst = 0.0
         self._peak = 0.0
 
@@ -184,8 +183,8 @@ class Recorder:
         """Take the next steps."""
         powers = np.stack(
             [
-                block.driving_torque * block.crank_speed,
                 block.dissipation_power,
+                block.driving_torque * block.crank_speed,
                 block.prestress_power,
             ]
         )
@@ -201,7 +200,7 @@ class Recorder:
         stored = block.kinetic_energy + block.strain_energy + block.gravity_energy
         if self._balance_start is None:
             self._balance_start = float(stored[0])
-        gap = stored - self._balance_start - work[0] + work[1] - work[2]
+        gap = stored - self._balance_start - work[1] + work[0] - work[2]
         self._worst = max(self._worst, float(np.abs(gap[:: self._stride]).max()))
         self._peak = max(self._peak, float(block.kinetic_energy.max()))
         self._sample(block, work)
@@ -215,6 +214,7 @@ class Recorder:
             ]
 
         self._forces.finish()
+        turned = joined("shaft")
         return Trajectory(
             time=self.sample_time[: self._taken],
             displacement=joined("displacement"),
@@ -226,7 +226,7 @@ class Recorder:
             energy=EnergyHistory(*joined("energy")[0].T),
             energy_error=self._worst / self._peak,
             step=self.step,
-            shaft=ShaftMotion(*joined("shaft")) if self._turns_freely else None,
+            shaft=ShaftMotion(*turned) if turned else None,
         )
 
     def _sample(self, block: StepBlock, work: FloatArray) -> None:
@@ -239,20 +239,10 @@ class Recorder:
             hermite_interpolation(block.time, q, r, before, fraction)
             for q, r in zip(block.displacement, block.rate, strict=True)
         ]
-        energy = np.stack(
-            [
-                block.kinetic_energy,
-                block.strain_energy,
-                block.gravity_energy,
-                work[1],
-                work[0],
-                work[2],
-            ],
-            axis=1,
-        )
+        stored = block.kinetic_energy, block.strain_energy, block.gravity_energy
+        energy = np.stack([*stored, *work], axis=1)
         turned: list[FloatArray] = []
         if block.shaft is not None:
-            self._turns_freely = True
             rotation, rate = block.shaft.rotation[:, None], block.shaft.rate[:, None]
             turned = [
                 v[:, 0] for v in hermite_interpolation(block.time, rotation, rate, before, fraction)

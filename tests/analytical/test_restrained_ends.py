@@ -15,10 +15,11 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from flexmech.analyses.beam_theory import theory_attributes
-from flexmech.analyses.frequencies import moving_frequencies, natural_frequencies
+from flexmech.analyses.frequencies.compute import moving_frequencies
+from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.beams import BEAM_SHAPES, build_chain
-from flexmech.beams.held_ends import held_beam, held_ends
 from flexmech.beams.link_matrices import Chain
+from flexmech.beams.restrained_ends import restrained_beam, restrained_ends
 from flexmech.beams.solid_link import SolidLink, bending_between_pins
 from flexmech.linear_system import whole
 from flexmech.linkages import FourBar, LinkMass, RotatingArm
@@ -44,7 +45,7 @@ def chain_of(layers: LaminateSection, theory: str, length: float, elements: int 
     section = BeamSection.of_laminate(replace(layers, twist="free")).with_damping_time(1e-5)
     mass = LinkMass(length, section.mass_per_length)
     chain = build_chain("link", section, mass, elements, BEAM_SHAPES[theory])
-    held = held_ends(layers, length)
+    held = restrained_ends(layers, length)
     assert held is not None
     return held.hold(chain, section.mass_per_length)
 
@@ -111,7 +112,7 @@ def test_long_links_hold_their_twist_alone() -> None:
     """A torque along the link adds c^2 GJ (turn of the ends)^2 / (2 L)."""
     layers = layers_of((30,), 4)
     length = 41 * layers.width
-    held = held_ends(layers, length)
+    held = restrained_ends(layers, length)
     assert held is not None
     assert not held.solid
     free, whole = (replace(layers, twist=twist).bending_stiffness for twist in ("free", "held"))  # type: ignore[arg-type]
@@ -122,7 +123,7 @@ def test_long_links_hold_their_twist_alone() -> None:
     assert chain.coupling is not None
     expected = torsion / length * np.outer(turned, turned)
     assert chain.coupling.stiffness == pytest.approx(expected, rel=1e-8, abs=1e-9 * torsion)
-    assert held_ends(layers_of((0, 90, 90, 0), 4), length) is None
+    assert restrained_ends(layers_of((0, 90, 90, 0), 4), length) is None
 
 
 @pytest.mark.thorough
@@ -130,7 +131,7 @@ def test_long_links_hold_their_twist_alone() -> None:
 def test_short_links_keep_their_energies_positive(elements: int) -> None:
     """A difference in shear is no bending: it would take stiffness and mass away."""
     short = layers_of((65, -21, -35, 0, 74), 3.9)
-    held = held_ends(short, 4 * THICKNESS)
+    held = restrained_ends(short, 4 * THICKNESS)
     assert held is not None
     assert not held.solid
     for layers in (short, layers_of((30, 0), 1)):
@@ -162,8 +163,8 @@ def test_links_between_joints_are_held_in_the_reference_engine() -> None:
     free = BeamSection.of_laminate(replace(layers_of((30,), 4), twist="free"))
     stated = replace(section, bending_stiffness=2 * section.bending_stiffness)
     for other in (free, stated):
-        assert held_beam(linkage_of(other), "coupler")[1] is None
-    assert held_beam(Mechanism(RotatingArm(0.3), {"arm": section}), "arm")[1] is None
+        assert restrained_beam(linkage_of(other), "coupler")[1] is None
+    assert restrained_beam(Mechanism(RotatingArm(0.3), {"arm": section}), "arm")[1] is None
 
 
 def test_the_equilibrium_has_what_the_ends_hold() -> None:

@@ -1,7 +1,7 @@
 """What joints at both ends add to a link of off-axis plies: bending and twist in three dimensions.
 
-Plies off the link's axis twist it as it bends. End faces that joints hold flat keep the ends from
-twisting and warping, so that the bending moment at a place depends on the curvature everywhere: no
+Plies off the link's axis twist it as it bends. End faces that joints keep plane restrain twist and
+warping of the ends, so that the bending moment at a place depends on the curvature everywhere: no
 stiffness of a section tells it. A beam whose twist is free is right in the middle of a long link.
 What is missing is found from the link itself, in three dimensions
 (:mod:`flexmech.beams.solid_link`), for five distributions of the bending moment: those of couples
@@ -36,13 +36,13 @@ WAVES = 3
 # Of the bending stiffness that end faces may seem to take away. They add to it; what takes is a
 # difference in shear.
 SOFTEST = 0.2
-# Elements of the beam that the link is held against.
+# Elements of the beam with which the link is compared.
 ELEMENTS = 28
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 
 
 @dataclass(frozen=True, eq=False)
-class HeldEnds:
+class RestrainedEnds:
     """Energies by distributions of the curvature along a link.
 
     Parameters
@@ -68,7 +68,7 @@ class HeldEnds:
 
     @property
     def solid(self) -> bool:
-        """Whether the link was computed in three dimensions; else its twist is held alone."""
+        """Whether the link was computed in three dimensions; else its twist is restrained alone."""
         return len(self.shapes) > 1
 
     @property
@@ -103,7 +103,7 @@ class HeldEnds:
         values = np.einsum("ki,ieg->keg", self.shapes, _moments(x))
         return sum_of_elements(np.einsum("keg,eg,egp->kep", values, weights, curvature))
 
-    def hold(self, chain: Chain, mass_per_length: float) -> Chain:
+    def restrain(self, chain: Chain, mass_per_length: float) -> Chain:
         """A chain of elements with these energies in its matrices.
 
         Parameters
@@ -122,7 +122,7 @@ class HeldEnds:
         swollen = section.free_curvature * self.constant
         coupling = Coupling(rows, self.stiffness, section.damping.bending, swollen)
         inertia = mass_per_length / self.mass_per_length * rows.T @ self.mass @ rows
-        held = replace(
+        restrained = replace(
             model,
             mass=whole(model.mass) + inertia,
             # What twists moves in the linkage's plane too, on both sides of the axis.
@@ -131,10 +131,10 @@ class HeldEnds:
             stiffness=whole(model.stiffness) + coupling.stiffness,
             damping=whole(model.damping) + coupling.damping_time * coupling.stiffness,
         )
-        return replace(chain, model=held, coupling=coupling)
+        return replace(chain, model=restrained, coupling=coupling)
 
 
-def held_beam(mechanism: Mechanism, link: str) -> tuple[BeamSection, HeldEnds | None]:
+def restrained_beam(mechanism: Mechanism, link: str) -> tuple[BeamSection, RestrainedEnds | None]:
     """Section of a flexible link's beam, and what its joints add to that.
 
     Parameters
@@ -147,7 +147,7 @@ def held_beam(mechanism: Mechanism, link: str) -> tuple[BeamSection, HeldEnds | 
     -------
     section : BeamSection
         With its twist free where the joints' part is told besides.
-    held : HeldEnds, optional
+    added : RestrainedEnds, optional
         None of links that are not between two joints, whose plies are along or across, whose
         stiffness is stated, or whose twist is stated to be free.
     """
@@ -161,8 +161,8 @@ def held_beam(mechanism: Mechanism, link: str) -> tuple[BeamSection, HeldEnds | 
         return section, None
     if section.bending_stiffness != layers.bending_stiffness:
         return section, None
-    held = held_ends(layers, mechanism.link_mass(link).length)
-    if held is None:
+    added = restrained_ends(layers, mechanism.link_mass(link).length)
+    if added is None:
         return section, None
     free = BeamSection.of_laminate(replace(layers, twist="free"))
     kept: Mapping[str, object] = {
@@ -177,11 +177,11 @@ def held_beam(mechanism: Mechanism, link: str) -> tuple[BeamSection, HeldEnds | 
             "rotary_inertia",
         )
     }
-    return replace(free, **kept), held  # type: ignore[arg-type]
+    return replace(free, **kept), added  # type: ignore[arg-type]
 
 
 @lru_cache(maxsize=64)
-def held_ends(section: LaminateSection, length: float) -> HeldEnds | None:
+def restrained_ends(section: LaminateSection, length: float) -> RestrainedEnds | None:
     """What joints at both ends add to a beam whose twist is free.
 
     Parameters
@@ -192,8 +192,8 @@ def held_ends(section: LaminateSection, length: float) -> HeldEnds | None:
 
     Returns
     -------
-    HeldEnds, optional
-        None where the plies are along or across, or nothing that joints hold can matter. Of links
+    RestrainedEnds, optional
+        None where the plies are along or across, or no restraint by joints can matter. Of links
         longer than :data:`SHORT` widths, of more than :data:`MOST_RUNS` runs of equal plies, and so
         short that shear hides their bending, the constant torque of
         :mod:`flexmech.sections.free_edges` alone.
@@ -206,15 +206,15 @@ def held_ends(section: LaminateSection, length: float) -> HeldEnds | None:
     return _from_solid(free, length) or _twist_alone(free, length)
 
 
-def _twist_alone(free: LaminateSection, length: float) -> HeldEnds:
+def _twist_alone(free: LaminateSection, length: float) -> RestrainedEnds:
     """A constant torque along the link that takes the twist back on the average."""
     shapes = np.zeros((1, 2 + WAVES))
     shapes[0, 0] = 1 / np.sqrt(length)
     stiffness = np.array([[twisted_back(free)]])
-    return HeldEnds(length, shapes, stiffness, np.zeros((1, 1)), free.mass_per_length)
+    return RestrainedEnds(length, shapes, stiffness, np.zeros((1, 1)), free.mass_per_length)
 
 
-def _from_solid(free: LaminateSection, length: float) -> HeldEnds | None:
+def _from_solid(free: LaminateSection, length: float) -> RestrainedEnds | None:
     """Of a link in three dimensions; None of one so short that its shear hides its bending."""
     solid = SolidLink.of(free, length)
     loads = np.concatenate([solid.couples(), solid.waves(WAVES)], axis=1)
@@ -237,13 +237,13 @@ def _from_solid(free: LaminateSection, length: float) -> HeldEnds | None:
     if np.linalg.eigvalsh(added)[0] < -SOFTEST * bending:
         return None
     shapes = inverse @ _load_moments(length)
-    held = HeldEnds(length, shapes, (added + added.T) / 2, 0 * added, free.mass_per_length)
-    rows = held.rows(chain.nodes, chain.elements)[:, inner]
-    moved = np.linalg.solve(stiffness + rows.T @ held.stiffness @ rows, own)
+    found = RestrainedEnds(length, shapes, (added + added.T) / 2, 0 * added, free.mass_per_length)
+    rows = found.rows(chain.nodes, chain.elements)[:, inner]
+    moved = np.linalg.solve(stiffness + rows.T @ found.stiffness @ rows, own)
     lacking = answers.T @ (solid.mass @ answers) - moved.T @ whole(chain.model.mass)[grid] @ moved
     by_shapes = np.linalg.inv(rows @ moved)
     inertia = by_shapes.T @ lacking @ by_shapes
-    return replace(held, mass=_without_negative((inertia + inertia.T) / 2))
+    return replace(found, mass=_without_negative((inertia + inertia.T) / 2))
 
 
 def _without_negative(matrix: FloatArray) -> FloatArray:
