@@ -44,7 +44,13 @@ def kinematics(
     value, unit = (None, "rad/s") if speed is None else (speed.single, speed.unit)
     request = analyses.KinematicsRequest(typed.radians(angles), value, lumped, unit)
     mechanism = mechanism_of(model)
-    deliver(analyses.Kinematics, lambda _: analysis(mechanism, request), output, model=model, speeds=speed)
+    deliver(
+        analyses.Kinematics,
+        lambda _: analysis(mechanism, request),
+        output,
+        model=model,
+        speeds=speed,
+    )
 
 
 def coupler_curve(

@@ -9,11 +9,11 @@ import numpy as np
 
 from flexmech import analyses, choices, linkages
 from flexmech.analyses.campbell import compute as campbell_analysis
-from flexmech.analyses.kinematics import compute as kinematics_analysis
-from flexmech.analyses.response import compute as response_analysis
 from flexmech.analyses.frequencies.request import operating_speeds
+from flexmech.analyses.kinematics import compute as kinematics_analysis
 from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import engine_of
+from flexmech.analyses.response import compute as response_analysis
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, Exposure, absorbing_links, mechanism_in_state
