@@ -8,14 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.attachments import AttachmentPoint, JointSpring, Load, Spring
 from flexmech.linkages.motion import RigidMotion, cross
 from flexmech.linkages.topology import Topology
-
-# In units of the linkage's size: the ends of a spring that are nearer have met.
-MET = 1e-9
 
 
 @dataclass(frozen=True)
@@ -81,7 +78,7 @@ class SpringLine:
         """
         line, relative_velocity = places[1] - places[0], velocities[1] - velocities[0]
         length = np.linalg.norm(line, axis=-1)
-        met = length <= MET * size
+        met = length <= SAME_PLACE * size
         if needs_direction and np.any(met):
             angle = np.degrees(crank_angle[met].flat[0])
             raise InputError(
