@@ -19,7 +19,7 @@ from flexmech.dynamical_systems import (
     sample_intervals,
     state_modes,
 )
-from flexmech.dynamical_systems.periodic_schur import periodic_schur_form, short_products
+from flexmech.dynamical_systems.periodic_schur import _groups, periodic_schur_form, short_products
 from flexmech.dynamical_systems.periodic_system import matrix_exponentials
 from flexmech.errors import ComputationError, FlexmechError, InputError, one_line
 from flexmech.files import given_path
@@ -115,12 +115,9 @@ def test_groups_of_multipliers_part_where_they_are_far_apart():
     step = basis @ np.diag(np.exp(rates / 2)) @ basis.T
     form = periodic_schur_form(np.stack([step, step]))
     assert [group.stop - group.start for group in form.groups] == [2, 2, 1]
-    # A group as wide as 15.6 parts at its widest gap, though that is less than four.
-    rates = -3.9 * np.arange(5.0)
-    step = basis @ np.diag(np.exp(rates / 2)) @ basis.T
-    form = periodic_schur_form(np.stack([step, step]))
-    assert len(form.groups) > 1
-    assert max(np.abs(form.seam[g.stop :, g]).max(initial=0.0) for g in form.groups) <= 1e-11
+    # A group wider than twelve parts at its widest gap, though that is less than four.
+    assert [group.stop for group in _groups(-3.9 * np.arange(4.0))] == [4]
+    assert [group.stop for group in _groups(np.array([0.0, -3.2, -7.1, -10.0, -13.0]))] == [2, 5]
 
 
 def test_groups_that_part_slowly_are_waited_for():
