@@ -156,6 +156,31 @@ def test_loci_that_touch_lock_and_are_not_apart():
             linkage.resized(lengths, 1.0).motion(np.arccos(cosine))
 
 
+def test_slotted_links_that_are_touched_lock_and_are_not_apart():
+    """A pin on a slotted link whose slot passes a pivot at a distance that the pin just has."""
+    for number in range(40):
+        beside = 0.15 + 1e-3 * number
+        pin = 0.1j
+        from_pivot = pin - 0.2
+        ahead = np.sqrt(abs(from_pivot) ** 2 - beside**2)
+        along = from_pivot / (ahead + 1j * beside)
+        points = {"O2": 0, "A": pin, "O4": 0.2, "C": 0.2 + 0.4 * along / abs(along)}
+        links = {"crank": "O2 A", "slotted!": "O4 C"}
+        slider = PlanarJoint("A", "slider", direction=0.0, guide="slotted")
+        linkage = drawn(points, links, "O2 O4", slider)
+        limit = np.arccos((0.1**2 + 0.2**2 - beside**2) / (2 * 0.1 * 0.2))
+        with pytest.raises(InputError, match="locks"):
+            linkage.motion(limit)
+
+
+def test_circles_about_one_centre_do_not_meet():
+    """A crank as long as the ground leads its pin through the other pivot."""
+    for rocker in (0.15, 0.21):
+        linkage = drawn_four_bar(0.2, 0.21, rocker, 0.2)
+        with np.errstate(all="raise"), pytest.raises(InputError, match="cannot be assembled"):
+            linkage.motion(0.0)
+
+
 def test_a_point_in_a_pin_has_no_double_points():
     linkage = FourBar(0.25, 0.1, 0.28, 0.27)
     for part in (0.0, 1e-16, 0.1 * ROUND_OFF):
