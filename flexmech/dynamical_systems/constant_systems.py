@@ -122,7 +122,8 @@ class StateModes:
 
     def below(self, frequency: float) -> NDArray[np.bool_]:
         """Which poles, (2n,), oscillate and are smaller than a frequency in Hz."""
-        return (self.poles.imag != 0) & (np.abs(self.poles) < 2 * np.pi * frequency)
+        oscillates: NDArray[np.bool_] = self.poles.imag != 0
+        return oscillates & (np.abs(self.poles) < 2 * np.pi * frequency)
 
     def residual(
         self, response: FloatArray, force: FloatArray, kept: NDArray[np.bool_]
