@@ -7,8 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from flexmech.analyses.frequencies import Formulation
-from flexmech.analyses.frequencies.formulation import Systems
+from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.linear_system import Engine
 from flexmech.validation import Bounds

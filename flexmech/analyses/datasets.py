@@ -83,43 +83,74 @@ DEGREES = math.degrees(1.0)
 """In a radian."""
 
 
-def table_over(*dims: str, **columns: xr.DataArray) -> pd.DataFrame:
+Columns = dict[str, str | xr.DataArray]
+"""Columns of a table: variables of a dataset, or values that it does not hold, by their names."""
+
+
+def table_of(
+    dataset: xr.Dataset, dims: Sequence[str], columns: Mapping[str, str | xr.DataArray]
+) -> pd.DataFrame:
     """Variables side by side, with a row for each combination of indices, the last one fastest.
 
     A zero has no sign.
-
-    Examples
-    --------
-    >>> time = xr.DataArray([0.0, 1.0], dims="time")
-    >>> link = xr.DataArray(["crank", "rocker"], dims="link")
-    >>> table_over("link", "time", link=link, time_s=time)["link"].tolist()
-    ['crank', 'crank', 'rocker', 'rocker']
-    """
-    arrays = xr.broadcast(*(column.drop_vars(column.coords) for column in columns.values()))
-    values = (_unsigned_zeros(array.transpose(*dims).values.ravel()) for array in arrays)
-    return pd.DataFrame(dict(zip(columns, values, strict=True)))
-
-
-def _unsigned_zeros(values: NDArray[Any]) -> NDArray[Any]:
-    """The same, with 0 in the place of -0; what is no number stays."""
-    return values + 0.0 if values.dtype.kind == "f" else values
-
-
-def table_of(dataset: xr.Dataset, dims: Sequence[str], columns: Mapping[str, str]) -> pd.DataFrame:
-    """Variables of a dataset side by side, as :func:`table_over`.
 
     Parameters
     ----------
     dataset : xarray.Dataset
     dims : sequence of str
-    columns : mapping of str to str
-        Variables by the names of their columns.
+        Over which the rows go; each column is over some of them.
+    columns : mapping of str to str or DataArray
+        By the names of the columns: variables of the dataset, or values that it does not hold.
+        A variable whose column ends in ``_deg`` is in rad, and in degrees in the table.
 
     Returns
     -------
     pandas.DataFrame
+
+    Examples
+    --------
+    >>> data = xr.Dataset(coords={"link": ["crank", "rocker"], "time": [0.0, 1.0]})
+    >>> table_of(data, ("link", "time"), {"link": "link", "time_s": "time"})["link"].tolist()
+    ['crank', 'crank', 'rocker', 'rocker']
     """
-    return table_over(*dims, **{column: dataset[name] for column, name in columns.items()})
+    found = {
+        column: _column(dataset, column, of) if isinstance(of, str) else of
+        for column, of in columns.items()
+    }
+    arrays = xr.broadcast(*(column.drop_vars(column.coords) for column in found.values()))
+    values = (array.transpose(*dims).values.ravel() for array in arrays)
+    # Zero is added to numbers so that none is -0.
+    unsigned = (each + 0.0 if each.dtype.kind == "f" else each for each in values)
+    return pd.DataFrame(dict(zip(columns, unsigned, strict=True)))
+
+
+def _column(dataset: xr.Dataset, column: str, name: str) -> xr.DataArray:
+    """Values of a variable in a column's unit."""
+    values = dataset[name]
+    if not column.endswith("_deg"):
+        return values
+    degrees = DEGREES * values
+    # Crank angles are asked for in degrees: beyond nine places stands the round-off of turning
+    # them into rad and back, 1e-13 deg of a turn.
+    return degrees.round(9) if name == "crank_angle" else degrees
+
+
+def columns_along(form: str, variable: xr.DataArray, dim: str) -> dict[str, xr.DataArray]:
+    """A column for each place along a dimension, such as a link or an axis.
+
+    Parameters
+    ----------
+    form : str
+        Of the columns' names, such as ``"{}_peak_deflection_m"``.
+    variable : DataArray
+    dim : str
+        With coordinates, which stand in the names.
+
+    Returns
+    -------
+    dict of str to DataArray
+    """
+    return {form.format(place): variable.sel({dim: place}) for place in variable[dim].values}
 
 
 Row = TypeVar("Row")

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, SupportsFloat
 
+import xarray as xr
+
+from flexmech.analyses.beam_theory import theory_warnings
 from flexmech.analyses.requests import environment_of
 from flexmech.hygrothermal import Environment, inert_links, resin_retention, swollen_links
 from flexmech.mechanism import Mechanism
@@ -100,7 +103,22 @@ def left_out_warnings(attributes: Mapping[Any, Any]) -> tuple[str, ...]:
     )
 
 
+def warnings_of(attributes: Mapping[Any, Any]) -> tuple[str, ...]:
+    """Warnings of a result on what it leaves out: loads over time, and what beam theories do."""
+    return (*left_out_warnings(attributes), *theory_warnings(attributes))
+
+
+def speed_unit(dataset: xr.Dataset) -> str:
+    """Unit in which a result speaks of crank speeds."""
+    return str(dataset.attrs.get("speed_unit", "rad/s"))
+
+
+def speed_text(speed: SupportsFloat, unit: str) -> str:
+    """A crank speed in rad/s, in a unit to six digits."""
+    return f"{from_si(float(speed), unit):.6g}"
+
+
 def crank_speed_text(attributes: Mapping[Any, Any]) -> str:
     """Crank speed of a result, in the unit in which it speaks of speeds."""
     unit = str(attributes["speed_unit"])
-    return f"{from_si(float(attributes['crank_speed']), unit):.6g} {unit}"
+    return f"{speed_text(attributes['crank_speed'], unit)} {unit}"

@@ -56,6 +56,33 @@ def in_radians(name: str, values: ArrayLike) -> FloatArray:
     return angles
 
 
+def check_list(
+    name: str, values: FloatArray, *, one: str = "value", increasing: bool = False
+) -> None:
+    """Refuse what is no list of one number or more, and numbers that repeat or do not increase.
+
+    Parameters
+    ----------
+    name : str
+        Of the argument, for messages.
+    values : ndarray
+    one : str
+        What one of them is.
+    increasing : bool
+        Whether they have to increase; else none may be there twice.
+
+    Raises
+    ------
+    InputError
+    """
+    if values.ndim != 1 or not len(values):
+        raise InputError(f"{name} must be a list of one value or more")
+    if increasing and np.any(np.diff(values) <= 0):
+        raise InputError(f"{name} must increase; sort them and leave out repetitions")
+    if len(np.unique(values)) != len(values):
+        raise InputError(f"{name} repeats a {one}; give each one once")
+
+
 def engine_of(value: Engine, *, elastic: bool = True) -> Engine:
     """The engine; anything else, or one of rigid links alone, is refused with what to write.
 
@@ -131,6 +158,9 @@ def _one_of(value: T, kinds: tuple[type, ...], what: str, remedy: str) -> T:
     return value
 
 
+CHECKED_SPEEDS = 3
+"""At which the error of a map over crank speeds is estimated, each a map of its own: at both ends
+and in the middle, since the error changes steadily with the speed."""
 ANGLES = 24
 """Every 15 degrees: natural frequencies move slowly enough for bounds to be told by these."""
 

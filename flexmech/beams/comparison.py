@@ -144,15 +144,8 @@ def _configurations(mechanism: Mechanism) -> RigidMotion:
 def _standing(mechanism: Mechanism, crank_angle: FloatArray) -> RigidMotion:
     """The linkage at crank angles, where its springs have a direction; InputError elsewhere."""
     motion, topology = mechanism.linkage.motion(crank_angle), mechanism.linkage.topology
-    nowhere, size = np.zeros((len(crank_angle), 2)), max(link.length for link in topology.links)
     for spring in mechanism.springs:
-        places = [
-            np.broadcast_to((end.x, end.y), nowhere.shape)
-            if end.is_ground
-            else motion.position(topology.index(end.link), end.x)
-            for end in (spring.first, spring.second)
-        ]
-        SpringLine.of(spring, crank_angle, places, [nowhere, nowhere], size)
+        SpringLine.of(spring, topology, motion)
     return motion
 
 

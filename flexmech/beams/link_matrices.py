@@ -140,7 +140,7 @@ def build_chain(
         end_warping=last + warping,
         vectors=per_node * np.arange(len(nodes)) + np.array([[0], [1]]),
     )
-    return Chain(model.with_bodies(mass.bodies), nodes, beams)
+    return Chain(model.carrying(mass), nodes, beams)
 
 
 def _kinked(

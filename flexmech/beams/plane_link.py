@@ -21,8 +21,8 @@ import scipy.sparse.linalg as spla
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.parabolas import Parabolas, graded, rows_of_runs
-from flexmech.linear_system import LinkModel, LinkReadings, RigidFields
-from flexmech.linkages import LinkBody, LinkMass
+from flexmech.linear_system import LinkModel, LinkReadings, RigidBody, RigidFields
+from flexmech.linkages import LinkMass
 from flexmech.materials import solid_stiffness
 from flexmech.sections import LaminateSection
 
@@ -101,7 +101,9 @@ def plane_link(
     """
     places = [x for x, rigid in zip((0.0, mass.length), joined, strict=True) if rigid]
     attached = [(x, value * np.diag([1.0, 1.0, 0.0])) for x, value in _points(mass)]
-    attached += [(body.position, _inertia_of(body)) for body in mass.bodies]
+    attached += [
+        (body.position, RigidBody.fixed(body).matrices(np.zeros(()))[0]) for body in mass.bodies
+    ]
     solid = _PlaneSolid.of(
         section, mass, [each for each in attached if each[0] not in places], sprung
     )
@@ -137,13 +139,6 @@ def plane_link(
 
 def _points(mass: LinkMass) -> list[tuple[float, float]]:
     return list(zip(mass.point_positions, mass.point_masses, strict=True))
-
-
-def _inertia_of(body: LinkBody) -> FloatArray:
-    """By displacement along, across and rotation of the section that a body is fixed to, (3, 3)."""
-    a, c = body.offset
-    moved = np.array([[1.0, 0.0, -c], [0.0, 1.0, a]])
-    return np.asarray(body.mass * moved.T @ moved + np.diag([0.0, 0.0, body.inertia]))
 
 
 def _at_nodes(fraction: FloatArray, length: FloatArray) -> FloatArray:

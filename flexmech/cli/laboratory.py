@@ -87,13 +87,10 @@ def hammer(
     seed
         Of the noise: the same seed gives the same noise.
     """
+    from flexmech.analyses import HammerRequest, HammerTest, RunningHammerRequest, RunningHammerTest
     from flexmech.analyses.damping_ratios import with_damping_ratio
-    from flexmech.analyses.hammer import HammerRequest, HammerTest, hammer_test
-    from flexmech.analyses.running_hammer import (
-        RunningHammerRequest,
-        RunningHammerTest,
-        running_hammer_test,
-    )
+    from flexmech.analyses.hammer.compute import hammer_test
+    from flexmech.analyses.running_hammer.compute import running_hammer_test
     from flexmech.linear_system import LinkPoint
     from flexmech.measured_data import check_uff
     from flexmech.modelfile import load_mechanism

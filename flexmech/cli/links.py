@@ -26,7 +26,7 @@ def check(
         Crank angle of the picture and the natural frequencies in degrees. Left out: frequencies
         at 0, and a picture in which the links stand apart.
     """
-    from flexmech.analyses.check import ModelCheck, check_mechanism
+    from flexmech.analyses import ModelCheck, check_mechanism
     from flexmech.modelfile import load_mechanism
     from flexmech.reference import ReferenceEngine
 
@@ -47,7 +47,7 @@ def section(
     Stiffness, coupling, mass and damping; strain and stress through the thickness under unit
     loads; dry, or in heat and moisture.
     """
-    from flexmech.analyses.section_profile import SectionProfiles, section_profiles
+    from flexmech.analyses import SectionProfiles, section_profiles
     from flexmech.modelfile import load_mechanism
 
     mechanism = load_mechanism(model)
@@ -80,7 +80,7 @@ def moisture(
         Temperature of air and links: degrees Celsius unless a unit is given. Left out: the model's
         reference temperature.
     """
-    from flexmech.analyses.moisture import MoistureUptake, moisture_uptake
+    from flexmech.analyses import MoistureUptake, moisture_uptake
     from flexmech.modelfile import load_mechanism
 
     request = load_mechanism(model), relative_humidity, time, temperature, link

@@ -119,7 +119,7 @@ def campbell(
         longer at low speeds.
     """
     from flexmech.analyses import CampbellDiagram
-    from flexmech.analyses.campbell import campbell as analysis
+    from flexmech.analyses.campbell.compute import campbell as analysis
     from flexmech.modelfile import load_mechanism
 
     mechanism = load_mechanism(model)
@@ -187,8 +187,8 @@ def stability(
         quantity of the model file such as links.coupler.in_plane_thickness; over a comma list or
         START:STOP:STEPS, as in "damping-ratio 0:2%:20" for 20 equal steps from 0 to 2 %.
     """
-    from flexmech.analyses.stability import StabilityMap
-    from flexmech.analyses.stability import stability as analysis
+    from flexmech.analyses.stability.compute import stability as analysis
+    from flexmech.analyses.stability.result import StabilityMap
     from flexmech.modelfile import load_mechanism
 
     mechanism = load_mechanism(model)

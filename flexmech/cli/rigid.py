@@ -38,8 +38,8 @@ def kinematics(
         Also with lumped masses: elements of each link, whose mass is halved onto their ends, in
         the order of the links, as in 1,4,4; or one number for all.
     """
-    from flexmech.analyses.kinematics import Kinematics, KinematicsRequest
-    from flexmech.analyses.kinematics import kinematics as analysis
+    from flexmech.analyses import Kinematics, KinematicsRequest
+    from flexmech.analyses.kinematics.compute import kinematics as analysis
     from flexmech.modelfile import load_mechanism
 
     given = (None, "rad/s") if speed is None else (speed.single, speed.unit)
@@ -69,7 +69,7 @@ def coupler_curve(
     link : NAME
         Link that the point is on: the coupler, or any link of any linkage.
     """
-    from flexmech.analyses.coupler_path import CouplerPaths, coupler_paths
+    from flexmech.analyses import CouplerPaths, coupler_paths
     from flexmech.modelfile import load_mechanism
 
     request = load_mechanism(model), typed.radians(angles), point, environment
@@ -99,7 +99,7 @@ def synthesize(
             f"--deviation: must lie between 0 and 90 deg (both excluded), got {deviation:g} deg"
         )
 
-    from flexmech.analyses.synthesis import CrankRockerSynthesis, crank_rocker_synthesis
+    from flexmech.analyses import CrankRockerSynthesis, crank_rocker_synthesis
 
     def compute(_: object) -> CrankRockerSynthesis:
         with naming("--rocker-angle"):

@@ -123,7 +123,8 @@ def response(
         What response.nc holds: needed for pictures, animation and comparisons; or all, with the
         places and energies of the links at every sample.
     """
-    from flexmech.analyses import response as analysis
+    from flexmech.analyses.response import compute as analysis
+    from flexmech.analyses.response.result import Response
     from flexmech.modelfile import load_mechanism
     from flexmech.plots import mp4_available
 
@@ -134,7 +135,7 @@ def response(
 
     alone = "animation: a GIF alone, for MP4 needs ffmpeg; install it and run again"
     deliver(
-        analysis.Response,
+        Response,
         lambda progress: analysis.response(
             make_engines(mechanism, engine, element, elements, shaft),
             replace(run.request, prestress=prestress),
@@ -167,7 +168,7 @@ def export(
     that response --engine exudyn runs.
     """
     from flexmech.analyses import Summary
-    from flexmech.analyses.response import exudyn_system
+    from flexmech.analyses.response.compute import exudyn_system
     from flexmech.modelfile import load_mechanism
     from flexmech.multibody import SCRIPT, ExudynEngine
 

@@ -348,7 +348,7 @@ def parameter_range(
     """
     if typed is None:
         return None
-    from flexmech.analyses.stability import parameters_of
+    from flexmech.analyses.stability.against import parameters_of
 
     parameter, text = typed
     known = parameters_of(mechanism)

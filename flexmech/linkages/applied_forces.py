@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,10 @@ from flexmech.errors import InputError
 from flexmech.linkages.attachments import AttachmentPoint, JointSpring, Load, Spring
 from flexmech.linkages.motion import RigidMotion, cross
 from flexmech.linkages.topology import Topology
+
+Moved = Callable[[int, float], tuple[FloatArray, FloatArray]]
+"""From a link's number and a place on it to its displacement from the rigid motion: along ground x
+and y with the rotation of the section, (..., 3), and the rate of that."""
 
 
 @dataclass(frozen=True)
@@ -45,24 +49,21 @@ class SpringLine:
     def of(
         cls,
         spring: Spring,
-        crank_angle: FloatArray,
-        places: Sequence[FloatArray],
-        velocities: Sequence[FloatArray],
-        size: float,
+        topology: Topology,
+        motion: RigidMotion,
+        moved: Moved | None = None,
         *,
         needs_direction: bool = True,
     ) -> SpringLine:
-        """Line of a spring whose ends are known.
+        """Line of a spring in each position of its linkage.
 
         Parameters
         ----------
         spring : Spring
-        crank_angle : ndarray, shape (...)
-            In rad, for messages.
-        places, velocities : sequence of ndarray, shape (..., 2)
-            Of its first and its second end, in ground axes.
-        size : float
-            Of the linkage in m.
+        topology : Topology
+        motion : RigidMotion
+        moved : callable, optional
+            See :data:`Moved`; links are where the rigid motion has them without it.
         needs_direction : bool
             Whether ends that meet are refused. The force alone of a spring without free
             length and damping is nothing there.
@@ -76,11 +77,15 @@ class SpringLine:
         InputError
             Where the ends meet; names the crank angle.
         """
-        line, relative_velocity = places[1] - places[0], velocities[1] - velocities[0]
+        first, second = (
+            _point_motion(topology, motion, end, moved) for end in (spring.first, spring.second)
+        )
+        line, relative_velocity = second[0] - first[0], second[1] - first[1]
         length = np.linalg.norm(line, axis=-1)
+        size = max(spring.free_length, *(link.length for link in topology.links))
         met = length <= SAME_PLACE * size
         if needs_direction and np.any(met):
-            angle = np.degrees(crank_angle[met].flat[0])
+            angle = np.degrees(motion.crank_angle[met].flat[0])
             raise InputError(
                 f"spring {spring.name}: its ends meet at crank angle {angle:.6g} deg, where its "
                 "force has no direction; move an end, or leave that crank angle out"
@@ -127,7 +132,11 @@ class ForceOnLink:
 
 
 def forces_of_loads(
-    topology: Topology, motion: RigidMotion, loads: Sequence[Load], time: ArrayLike = 0.0
+    topology: Topology,
+    motion: RigidMotion,
+    loads: Sequence[Load],
+    time: ArrayLike = 0.0,
+    moved: Moved | None = None,
 ) -> Iterator[ForceOnLink]:
     """Each load as it acts in each position.
 
@@ -138,28 +147,47 @@ def forces_of_loads(
     loads : sequence of Load
     time : array_like, shape (...)
         Of each position in s, for loads over time.
+    moved : callable, optional
+        See :data:`Moved`.
 
     Yields
     ------
     ForceOnLink
     """
     for load in loads:
-        link = topology.index(load.point.link)
-        values = load.values(motion.crank_angle, time)
-        force = load.in_ground_axes(values, motion.angle[..., link])
-        yield ForceOnLink(link, load.point.x, force, values[..., 2])
+        link, x = topology.index(load.point.link), load.point.x
+        values, angle = load.values(motion.crank_angle, time), motion.angle[..., link]
+        if moved is not None:
+            angle = angle + moved(link, x)[0][..., 2]
+        yield ForceOnLink(link, x, load.in_ground_axes(values, angle), values[..., 2])
 
 
-def forces_of_springs(
-    topology: Topology, motion: RigidMotion, springs: Sequence[Spring]
+def applied_forces(
+    topology: Topology,
+    motion: RigidMotion,
+    loads: Sequence[Load],
+    springs: Sequence[Spring],
+    joint_springs: Sequence[JointSpring],
+    angles: FloatArray,
+    time: ArrayLike = 0.0,
+    moved: Moved | None = None,
 ) -> Iterator[ForceOnLink]:
-    """Both ends of each spring, by its length and the length's rate.
+    """Forces of loads, of springs on both their ends, and torques of springs in joints.
 
     Parameters
     ----------
     topology : Topology
     motion : RigidMotion
+    loads : sequence of Load
     springs : sequence of Spring
+    joint_springs : sequence of JointSpring
+        In pins and pivots; of radial springs nothing is told, which carry what the joint does.
+    angles : ndarray, shape (..., n_links)
+        Of the links in rad, counted on continuously as the linkage turns.
+    time : array_like, shape (...)
+        Of each position in s, for loads over time.
+    moved : callable, optional
+        See :data:`Moved`; links are where the rigid motion has them without it.
 
     Yields
     ------
@@ -170,67 +198,78 @@ def forces_of_springs(
     InputError
         Where the ends of a spring meet and its direction is not defined.
     """
+    yield from forces_of_loads(topology, motion, loads, time, moved)
     for spring in springs:
-        ends = (spring.first, spring.second)
-        places, rates = zip(*(_point_motion(topology, motion, end) for end in ends), strict=True)
-        line = SpringLine.of(
-            spring,
-            motion.crank_angle,
-            places,
-            rates,
-            max(spring.free_length, *(link.length for link in topology.links)),
-            needs_direction=bool(spring.free_length or spring.damping),
-        )
-        for end, sign in zip(ends, (1.0, -1.0), strict=True):
+        needed = bool(spring.free_length or spring.damping)
+        line = SpringLine.of(spring, topology, motion, moved, needs_direction=needed)
+        for end, sign in ((spring.first, 1.0), (spring.second, -1.0)):
             if not end.is_ground:
                 force = sign * line.tension[..., None] * line.along
                 nothing = np.zeros_like(line.tension)
                 yield ForceOnLink(topology.index(end.link), end.x, force, nothing)
+    for own in joint_springs:
+        if own.torsional_stiffness or own.torsional_damping:
+            gap, rate = joint_gap(topology, motion, own, angles, moved)
+            torque = own.torque(gap[..., 2], rate[..., 2])
+            for sign, link, x in _sides(topology, own):
+                yield ForceOnLink(link, x, np.zeros((*torque.shape, 2)), sign * torque)
 
 
-def forces_of_joint_springs(
+def joint_gap(
     topology: Topology,
     motion: RigidMotion,
-    springs: Sequence[JointSpring],
+    spring: JointSpring,
     angles: FloatArray,
-) -> Iterator[ForceOnLink]:
-    """Torques of the springs in pins and pivots on the links that meet there.
+    moved: Moved | None = None,
+) -> tuple[FloatArray, FloatArray]:
+    """Where the following end of a sprung joint is against the leading one, and its rate.
 
     Parameters
     ----------
     topology : Topology
     motion : RigidMotion
-    springs : sequence of JointSpring
+    spring : JointSpring
     angles : ndarray, shape (..., n_links)
-        Of the links in rad, counted on continuously as the linkage turns.
+        As in :func:`applied_forces`.
+    moved : callable, optional
+        See :data:`Moved`.
 
-    Yields
-    ------
-    ForceOnLink
+    Returns
+    -------
+    tuple of ndarray, shape (..., 3)
+        Along ground x and y in m, and the angle between the links in rad; and their rates.
     """
-    ends = topology.pinned_ends
-    for spring in springs:
-        if not (spring.torsional_stiffness or spring.torsional_damping):
-            continue
-        sides = [
-            (sign, place)
-            for sign, place in zip((1.0, -1.0), ends[spring.joint], strict=True)
-            if place is not None
-        ]
-        opening = topology.opening(spring.joint, angles)
-        torque = spring.torque(opening, topology.opening(spring.joint, motion.angular_velocity))
-        for sign, place in sides:
-            link = topology.index(place.link)
-            x = 0.0 if place.end == "start" else topology.links[link].length
-            yield ForceOnLink(link, x, np.zeros((*torque.shape, 2)), sign * torque)
+    gap, rate = np.zeros((2, *motion.crank_angle.shape, 3))
+    gap[..., 2] = topology.opening(spring.joint, angles)
+    rate[..., 2] = topology.opening(spring.joint, motion.angular_velocity)
+    if moved is not None:
+        for sign, link, x in _sides(topology, spring):
+            apart, parting = moved(link, x)
+            gap, rate = gap + sign * apart, rate + sign * parting
+    return gap, rate
+
+
+def _sides(topology: Topology, spring: JointSpring) -> list[tuple[float, int, float]]:
+    """Sign, link and place of the ends that meet in a joint, the following one first."""
+    ends = topology.pinned_ends[spring.joint]
+    links = [topology.index(end.link) if end else -1 for end in ends]
+    return [
+        (sign, link, 0.0 if end.end == "start" else topology.links[link].length)
+        for sign, link, end in zip((1.0, -1.0), links, ends, strict=True)
+        if end is not None
+    ]
 
 
 def _point_motion(
-    topology: Topology, motion: RigidMotion, point: AttachmentPoint
+    topology: Topology, motion: RigidMotion, point: AttachmentPoint, moved: Moved | None
 ) -> tuple[FloatArray, FloatArray]:
     """Position and velocity of a point in ground axes, each of shape (..., 2)."""
     if point.is_ground:
         place = np.broadcast_to((point.x, point.y), (*motion.crank_angle.shape, 2))
         return place, np.zeros_like(place)
     link = topology.index(point.link)
-    return motion.position(link, point.x), motion.velocity(link, point.x)
+    place, velocity = motion.position(link, point.x), motion.velocity(link, point.x)
+    if moved is None:
+        return place, velocity
+    displacement, rate = moved(link, point.x)
+    return place + displacement[..., :2], velocity + rate[..., :2]

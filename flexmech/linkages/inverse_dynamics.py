@@ -13,12 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
-from flexmech.linkages.applied_forces import (
-    ForceOnLink,
-    forces_of_joint_springs,
-    forces_of_loads,
-    forces_of_springs,
-)
+from flexmech.linkages.applied_forces import ForceOnLink, applied_forces
 from flexmech.linkages.attachments import JointSpring, Load, Spring
 from flexmech.linkages.connection_forces import (
     connections,
@@ -125,11 +120,7 @@ def inverse_dynamics(
     """
     force, moment = _inertia_loads(motion, masses, gravity)
     angles = motion.angle if continuous_angles is None else continuous_angles
-    applied = (
-        *forces_of_loads(topology, motion, loads, time),
-        *forces_of_springs(topology, motion, springs),
-        *forces_of_joint_springs(topology, motion, joint_springs, angles),
-    )
+    applied = tuple(applied_forces(topology, motion, loads, springs, joint_springs, angles, time))
     rows = np.concatenate([force, moment[..., None]], axis=-1)
     _add_forces(rows, motion, applied)
     unknown = solve_connections(topology, motion, rows.reshape(*rows.shape[:-2], -1))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from math import radians
 from typing import NamedTuple
 
 from flexmech.errors import InputError
@@ -11,38 +12,23 @@ from flexmech.unit_registry import base_units
 RATIO = ""
 # SI unit and factor of the units that need no pint, whose first import takes a second.
 _KNOWN: dict[str, tuple[str, float]] = {
-    "s": ("s", 1.0),
-    "ms": ("s", 1e-3),
-    "us": ("s", 1e-6),
-    "Hz": ("Hz", 1.0),
-    "kHz": ("Hz", 1e3),
-    "rad": ("rad", 1.0),
-    "m": ("m", 1.0),
-    "mm": ("m", 1e-3),
-    "um": ("m", 1e-6),
-    "N": ("N", 1.0),
-    "Nm": ("N m", 1.0),
-    "N m": ("N m", 1.0),
-    "m/s": ("m/s", 1.0),
-    "m/s2": ("m/s^2", 1.0),
-    "m/s^2": ("m/s^2", 1.0),
-    "rad/s": ("rad/s", 1.0),
-    "m/N": ("m/N", 1.0),
-    "m/(N s)": ("m/(N s)", 1.0),
-    "m/(N s^2)": ("m/(N s^2)", 1.0),
-    "m/m": (RATIO, 1.0),
-    "um/m": (RATIO, 1e-6),
-    "ustrain": (RATIO, 1e-6),
-    "microstrain": (RATIO, 1e-6),
-    "uε": (RATIO, 1e-6),
-    "ue": (RATIO, 1e-6),
-    "%": (RATIO, 1e-2),
-    "1e-6": (RATIO, 1e-6),
-    "1": (RATIO, 1.0),
-    "-": (RATIO, 1.0),
+    unit: (si, size)
+    for si, sizes in {
+        "s": {"ms": 1e-3, "us": 1e-6},
+        "Hz": {"kHz": 1e3},
+        "rad": dict.fromkeys(("deg", "°", "degree", "degrees"), radians(1.0)),
+        "m": {"mm": 1e-3, "um": 1e-6},
+        "N m": {"Nm": 1.0},
+        "m/s^2": {"m/s2": 1.0},
+        **{si: {} for si in ("N", "m/s", "rad/s", "m/N", "m/(N s)", "m/(N s^2)")},
+        RATIO: {
+            **dict.fromkeys(("m/m", "1", "-"), 1.0),
+            "%": 1e-2,
+            **dict.fromkeys(("um/m", "ustrain", "microstrain", "uε", "ue", "1e-6"), 1e-6),
+        },
+    }.items()
+    for unit, size in {si: 1.0, **sizes}.items()
 }
-_DEGREE = 0.017453292519943295
-_KNOWN |= dict.fromkeys(("deg", "°", "degree", "degrees"), ("rad", _DEGREE))
 # Behind a name, as flexmech's own files have them: coupler_mid_deflection_m, crank_angle_deg.
 _SUFFIXES: dict[str, str] = {
     **{name: name for name in ("s", "ms", "us", "Hz", "kHz", "deg", "rad", "m", "mm", "um", "N")},
@@ -142,7 +128,7 @@ def _unit(text: str, header: str) -> tuple[str, float]:
     unit = text.strip().translate(_MICRO)
     if unit == "uepsilon":
         unit = "microstrain"
-    if unit in _KNOWN:
+    if unit and unit in _KNOWN:
         return _KNOWN[unit]
     found = base_units(unit) if unit else None
     if found is None:

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError, suggestion
 from flexmech.validation import check_choice, checked_array, checked_tuple
 
@@ -54,7 +54,7 @@ class MeasuredQuantity:
 
     name: str
     unit: str
-    values: FloatArray | NDArray[np.complex128]
+    values: FloatArray | ComplexArray
     header: str = ""
 
     def __post_init__(self) -> None:

@@ -20,7 +20,7 @@ from flexmech.measured_data.uff_contents import (
     UffTrace,
 )
 from flexmech.measured_data.uff_units import (
-    QUANTITY_CODES,
+    QUANTITIES,
     SI,
     UffUnits,
     ordinate_unit,
@@ -112,7 +112,8 @@ def contents_of(datasets: Sequence[DataSet]) -> UffFile:
                 raise InputError(f"data set 164 has the factors {units}: correct its units")
         elif number == 151:
             found[151].append(dataset)
-        elif number in readers and len(dataset) > 1 and _is_complex_mode(dataset):
+        # Of data at nodes, those of complex modes are read; all other data sets are.
+        elif number in readers and len(dataset) > 1 and (number != 55 or "eig" in dataset):
             found[number].append(readers[number](dataset, units))
         else:
             others.append(number)
@@ -210,10 +211,10 @@ def _function(number: int, one: UffFunction) -> DataSet:
         "abscissa_spec_data_type": ABSCISSAE[one.abscissa],
         "abscissa_axis_lab": one.abscissa.capitalize(),
         "abscissa_axis_units_lab": {"time": "s", "frequency": "Hz"}.get(one.abscissa, "NONE"),
-        "ordinate_spec_data_type": QUANTITY_CODES[one.quantity],
+        "ordinate_spec_data_type": QUANTITIES[one.quantity].code,
         "ordinate_axis_lab": one.quantity.capitalize(),
         "ordinate_axis_units_lab": si_unit(one.quantity) or "NONE",
-        "orddenom_spec_data_type": QUANTITY_CODES[one.over],
+        "orddenom_spec_data_type": QUANTITIES[one.over].code,
         "orddenom_axis_lab": one.over.capitalize() if label != si_unit(one.quantity) else "NONE",
         "orddenom_axis_units_lab": si_unit(one.over) or "NONE",
         "z_axis_axis_lab": "NONE",
@@ -261,11 +262,6 @@ def _check_finite(values: Any, name: str) -> None:
         raise InputError(
             f"{name}: holds values that are not finite, which a universal file cannot; leave it out"
         )
-
-
-def _is_complex_mode(dataset: DataSet) -> bool:
-    """Of data at nodes, those of complex modes are read; all other data sets are."""
-    return dataset["type"] != 55 or "eig" in dataset
 
 
 def _text(value: object) -> str:

@@ -14,7 +14,6 @@ from os import PathLike
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError, one_line
@@ -161,16 +160,10 @@ def read_uff_record(path: str | PathLike[str]) -> MeasuredRecord:
                 "in other units"
             )
         else:
-            quantities.append(MeasuredQuantity(name, each.unit, _values(each), name))
+            quantities.append(MeasuredQuantity(name, each.unit, each.values, name))
     return MeasuredRecord(
         "frequency" if responses else "time", position, tuple(quantities), str(path), unreadable
     )
-
-
-def _values(function: UffFunction) -> FloatArray | NDArray[np.complex128]:
-    if np.iscomplexobj(function.values):
-        return np.asarray(function.values, dtype=np.complex128)
-    return np.asarray(function.values, dtype=np.float64)
 
 
 def _names(functions: list[UffFunction]) -> list[str]:

@@ -9,38 +9,30 @@ from flexmech.errors import InputError
 from flexmech.measured_data.headers import read_header
 from flexmech.measured_data.uff_contents import UffQuantity
 
-QUANTITY_CODES: dict[UffQuantity, int] = {
-    "none": 0,
-    "strain": 3,
-    "displacement": 8,
-    "velocity": 11,
-    "acceleration": 12,
-    "force": 13,
+
+class _Quantity(NamedTuple):
+    """Specific data type of data set 58, SI unit, alone and over a force, and exponents in that.
+
+    Time is in seconds in every universal file; of a ratio that has no data type no unit is known.
+    """
+
+    code: int
+    unit: str
+    over_force: str | None = None
+    length: int = 0
+    force: int = 0
+
+
+QUANTITIES: dict[UffQuantity, _Quantity] = {
+    "none": _Quantity(0, ""),
+    "strain": _Quantity(3, "", "1/N"),
+    "displacement": _Quantity(8, "m", "m/N", length=1),
+    "velocity": _Quantity(11, "m/s", "m/(N s)", length=1),
+    "acceleration": _Quantity(12, "m/s^2", "m/(N s^2)", length=1),
+    "force": _Quantity(13, "N", force=1),
 }
-"""Specific data types of data set 58; a force is one of excitation."""
+"""What functions of universal files are of; a force is one of excitation."""
 REACTION_FORCE = 9
-GENERAL = 1
-# Exponents of length and force; time is in seconds in every universal file.
-_EXPONENTS: dict[UffQuantity, tuple[int, int]] = {
-    "none": (0, 0),
-    "strain": (0, 0),
-    "displacement": (1, 0),
-    "velocity": (1, 0),
-    "acceleration": (1, 0),
-    "force": (0, 1),
-}
-_UNITS: dict[tuple[UffQuantity, UffQuantity], str] = {
-    ("none", "none"): "",
-    ("strain", "none"): "",
-    ("displacement", "none"): "m",
-    ("velocity", "none"): "m/s",
-    ("acceleration", "none"): "m/s^2",
-    ("force", "none"): "N",
-    ("displacement", "force"): "m/N",
-    ("velocity", "force"): "m/(N s)",
-    ("acceleration", "force"): "m/(N s^2)",
-    ("strain", "force"): "1/N",
-}
 
 
 class UffUnits(NamedTuple):
@@ -80,7 +72,7 @@ def quantity_of(code: int) -> UffQuantity:
     """
     if code == REACTION_FORCE:
         return "force"
-    return next((name for name, known in QUANTITY_CODES.items() if known == code), "other")
+    return next((name for name, known in QUANTITIES.items() if known.code == code), "other")
 
 
 def si_unit(quantity: UffQuantity, over: UffQuantity = "none") -> str:
@@ -100,15 +92,22 @@ def si_unit(quantity: UffQuantity, over: UffQuantity = "none") -> str:
     InputError
         If no such ratio can be written.
     """
-    if quantity == over:
-        return ""
-    try:
-        return _UNITS[quantity, over]
-    except KeyError:
+    unit = _unit(quantity, over)
+    if unit is None:
         raise InputError(
             f"{quantity} over {over} has no data type in a universal file; give displacement, "
             "velocity, acceleration or strain, alone or over force"
-        ) from None
+        )
+    return unit
+
+
+def _unit(quantity: UffQuantity, over: UffQuantity) -> str | None:
+    if quantity == over:
+        return ""
+    known = QUANTITIES.get(quantity)
+    if known is None or over not in ("none", "force"):
+        return None
+    return known.unit if over == "none" else known.over_force
 
 
 def ordinate_unit(dataset: Mapping[str, Any], units: UffUnits | None) -> tuple[str | None, float]:
@@ -131,16 +130,15 @@ def ordinate_unit(dataset: Mapping[str, Any], units: UffUnits | None) -> tuple[s
     """
     quantity = quantity_of(int(dataset["ordinate_spec_data_type"]))
     over = quantity_of(int(dataset["orddenom_spec_data_type"]))
-    known = (quantity, over) in _UNITS or (quantity == over and quantity != "other")
+    unit = None if "other" in (quantity, over) else _unit(quantity, over)
     if int(dataset["func_type"]) == 6:  # a coherence has no unit, whatever its axes are called
         return "", 1.0
-    if known and si_unit(quantity, over) == "" and quantity != "none":
+    if unit == "" and quantity != "none":
         return "", 1.0
-    if units is not None and known and quantity != "none":
-        length, force = _EXPONENTS[quantity]
-        per_length, per_force = _EXPONENTS[over]
-        factor = units.length ** (length - per_length) * units.force ** (force - per_force)
-        return si_unit(quantity, over), 1.0 / factor
+    if units is not None and unit is not None and quantity != "none":
+        of, per = QUANTITIES[quantity], QUANTITIES[over]
+        factor = units.length ** (of.length - per.length) * units.force ** (of.force - per.force)
+        return unit, 1.0 / factor
     numerator = _label(dataset, "ordinate")
     if numerator is None:
         return None, 1.0

@@ -88,11 +88,6 @@ class IdentifiedModes:
         return np.asarray(-self.pole.real / abs(self.pole))
 
     @property
-    def residual_terms(self) -> _ResidualTerms:
-        """What stands for all modes outside the band."""
-        return _ResidualTerms(self.lower_residual, self.upper_residual, self.upper_series)
-
-    @property
     def found(self) -> NDArray[np.bool_]:
         """Which of the modes were found, shape (k,)."""
         return np.asarray(np.isfinite(self.pole))
@@ -116,7 +111,8 @@ class IdentifiedModes:
         found = self.found
         value = modal_sum(s, self.pole[found], self.residue[:, found])
         value += modal_sum(s, self.further_pole, self.further_residue)
-        return value + self.residual_terms.at(s)
+        terms = self.lower_residual, self.upper_residual, self.upper_series
+        return value + _ResidualTerms(*terms).at(s)
 
     def circle(self, mode: int, point: int = 0) -> tuple[complex, float]:
         """Circle of a mode in the Nyquist diagram of the receptance.

@@ -56,10 +56,9 @@ class AttachedPart:
     centre: tuple[float, float]
 
     @property
-    def moments(self) -> tuple[float, float, float, float]:
-        """Mass, its first moments along and across and its polar second moment about the axis."""
-        own = RigidBody.fixed(self.body)
-        return own.mass, *own.first_moment, own.second_moment
+    def inertia(self) -> RigidBody:
+        """Its inertia about the axis."""
+        return RigidBody.fixed(self.body)
 
 
 def add_attached_bodies(
@@ -199,21 +198,20 @@ def _add_beam(
 
 
 def _add_rigid(items: SystemItems, mechanism: Mechanism, name: str, start: int) -> RigidPart:
-    mass = mechanism.link_mass(name)
-    moments = (mass.moment(0), mass.moment(1), mass.moment_across, mass.moment(2))
+    inertia = RigidBody.of_link(mechanism.link_mass(name))
     items.begin(f"{name}: a rigid body, its node at the start of the link")
     node = items.add("NodeRigidBody2D", f"{name}_node", referenceCoordinates=[0.0, 0.0, 0.0])
-    total, along, across, second = moments
+    total, (along, across) = inertia.mass, inertia.first_moment
     body = items.add(
         "ObjectRigidBody2D",
         f"{name}_body",
         nodeNumber=node,
         mass=total,
-        inertia=second,
+        inertia=inertia.second_moment,
         centerOfMass=[along / total, across / total] if total else [0.0, 0.0],
     )
     own = slice(start, start + RIGID_SIZE)
-    return RigidPart(name, mass.length, [node], body, moments, own)
+    return RigidPart(name, mechanism.link_mass(name).length, [node], body, inertia, own)
 
 
 def _polar_slopes(

@@ -156,16 +156,16 @@ class _Applied:
         assembly = model.assembly
         relative = motion.angle - motion.angle[:, assembly.base, None]
         forces = np.concatenate(loads, axis=1)
-        couples = np.zeros((len(forces), len(assembly.parts) + len(assembly.attached), 2))
-        bodies = iter(enumerate(assembly.attached, len(assembly.parts)))
-        for place, link in enumerate(dead.links.tolist()):
-            part, number = assembly.parts[link], link
+        places = {turned.angle: number for number, turned in enumerate(model.loads.turning)}
+        couples = np.zeros((len(forces), len(places), 2))
+        for number, (link, row) in enumerate(zip(dead.links.tolist(), dead.rows, strict=True)):
+            part = assembly.parts[link]
+            angle = part.coordinates.start + row
             if not isinstance(part, RigidPart):
-                number, attached = next(bodies)
                 # What turns with the body is not on the node as well.
-                forces[:, attached.angle] -= dead.moment[place]
-            couple = couples[:, number]
-            couple[:] = np.transpose([dead.virial[place], dead.moment[place]]) / part.length
+                forces[:, angle] -= dead.moment[number]
+            couple = couples[:, places[angle]]
+            couple[:] = np.transpose([dead.virial[number], dead.moment[number]]) / part.length
             turn_vectors(couple, (np.array([0]), np.array([1])), relative[:, link])
         for link, part in enumerate(assembly.parts):
             own, angle = forces[:, part.coordinates], relative[:, link]

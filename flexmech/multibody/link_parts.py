@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
+from flexmech.linear_system import RigidBody
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.topology import End
 from flexmech.multibody.arms import Arms
@@ -144,9 +145,8 @@ class RigidPart:
     nodes : list of ItemNumber
         The one node.
     body : ItemNumber
-    moments : tuple of float
-        Mass in kg, its first moments along and across the link in kg m, and its polar second
-        moment in kg m^2, about the start.
+    inertia : RigidBody
+        About the start.
     coordinates : slice
     """
 
@@ -154,13 +154,13 @@ class RigidPart:
     length: float
     nodes: list[ItemNumber]
     body: ItemNumber
-    moments: tuple[float, float, float, float]
+    inertia: RigidBody
     coordinates: slice
 
     @property
     def centre(self) -> tuple[float, float]:
         """Centre of mass from the start, along and across the link, in m."""
-        mass, along, across, _ = self.moments
+        mass, (along, across) = self.inertia.mass, self.inertia.first_moment
         return (along / mass, across / mass) if mass else (0.0, 0.0)
 
     @property

@@ -9,7 +9,7 @@ of its linearization.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,7 +39,9 @@ class JointForce:
 
 
 def joint_forces(model: StaticModel, state: FloatArray) -> Iterator[JointForce]:
-    """Forces of pins, welds, sliders and ground pins off nodes, after a static solution.
+    """Forces of pins, welds, sliders and ground pins off nodes, and of radial springs.
+
+    After a static solution.
 
     Parameters
     ----------
@@ -80,17 +82,32 @@ def joint_forces(model: StaticModel, state: FloatArray) -> Iterator[JointForce]:
         yield held
         if line.slider.guide:
             yield JointForce(guide, held.place, -held.force)
+    for item in () if model.connectors is None else model.connectors.joints:
+        if item.radial is None:
+            continue
+        follower = on(item.follower, np.zeros(2))
+        if item.leader is None:
+            ground = assembly.mbs.GetObjectParameter(item.ground, "referencePosition")
+            before = np.array(ground)[:2]
+        else:
+            before = assembly.part_of(item.leader).end_place(item.leader.end, state)
+        force = -(item.spring.radial_stiffness or 0.0) * (follower.place - before)
+        yield replace(follower, force=force)
+        if item.leader is not None:
+            yield on(item.leader, -force)
 
 
 def turning_stiffness(model: StaticModel, state: FloatArray, couples: FloatArray) -> FloatArray:
-    """Stiffness against turning of rigid links and attached bodies after a static solution.
+    """Stiffness against turning of rigid links and bodies at nodes after a static solution.
+
+    Loads and springs on points of rigid links are not counted.
 
     Parameters
     ----------
     model : StaticModel
     state : ndarray, shape (size,)
         Coordinates of all links.
-    couples : ndarray, shape (n_links + n_attached, 2)
+    couples : ndarray, shape (n_turning, 2)
         As :meth:`flexmech.multibody.static_loads.StaticLoads.set` took them.
 
     Returns
@@ -100,19 +117,11 @@ def turning_stiffness(model: StaticModel, state: FloatArray, couples: FloatArray
     """
     parts = model.assembly.parts
     stiffness = np.zeros(model.assembly.size)
-    for attached, couple in zip(model.assembly.attached, couples[len(parts) :], strict=True):
-        arm = parts[attached.link].length * direction(state[attached.angle])
-        stiffness[attached.angle] += couple @ arm
+    for turned, couple in zip(model.loads.turning, couples, strict=True):
+        arm = parts[turned.link].length * direction(state[turned.angle])
+        stiffness[turned.angle] += couple @ arm
     rigid = [link for link, part in enumerate(parts) if isinstance(part, RigidPart)]
-    if not rigid:
-        return stiffness
-    for link in rigid:
-        end = parts[link].end_place("end", state)
-        own = parts[link].coordinates
-        stiffness[own.stop - 1] = couples[link] @ (end - state[own][:2])
-        if model.applied is not None:
-            stiffness[own.stop - 1] += model.applied.virial(state)[link]
-    for acting in joint_forces(model, state):
+    for acting in joint_forces(model, state) if rigid else ():
         if acting.link in rigid:
             own = parts[acting.link].coordinates
             stiffness[own.stop - 1] += acting.force @ (acting.place - state[own][:2])

@@ -9,6 +9,7 @@ Loads and springs of a model at standstill, moved through the crank angles.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -17,10 +18,29 @@ from flexmech.arrays import FloatArray
 from flexmech.linkages import AttachmentPoint, RigidMotion, continuous_angles
 from flexmech.linkages.motion import direction, normal
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.connectors import Connectors, JointSpringItem, SpringItem, angle_of_end
+from flexmech.multibody.connectors import ConnectorItems, JointSpringItem, SpringItem, angle_of_end
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import BeamPart, RigidPart
+
+
+@dataclass(frozen=True)
+class TurningBody:
+    """A rigid link, or a body at a node, that forces of fixed direction turn.
+
+    Parameters
+    ----------
+    link : int
+    angle : int
+        Its angle among the coordinates of all links.
+    at_start, at_end : ItemNumber
+        Loads as far apart as the ends of the link.
+    """
+
+    link: int
+    angle: int
+    at_start: ItemNumber
+    at_end: ItemNumber
 
 
 class StaticLoads:
@@ -30,20 +50,21 @@ class StaticLoads:
     ----------
     assembly : LinkAssembly
         Not assembled yet; the point masses of its cables are added along.
+
+    Attributes
+    ----------
+    turning : list of TurningBody
     """
 
     def __init__(self, assembly: LinkAssembly) -> None:
         self._assembly = assembly
         self._at_points: list[tuple[ItemNumber, int]] = []
-        self._couples: dict[int, tuple[ItemNumber, ItemNumber]] = {}
         self._nodal = self._add_nodal_forces()
-        for link, part in enumerate(assembly.parts):
-            if isinstance(part, RigidPart):
-                self._couples[link] = self._add_couple(f"load_{link}", part.body, part.length)
-        for count, attached in enumerate(assembly.attached):
-            name, length = f"attached_load_{count}", assembly.parts[attached.link].length
-            couple = self._add_couple(name, attached.number, length)
-            self._couples[len(assembly.parts) + count] = couple
+        self.turning = [
+            self._add_couple(link, angle, body)
+            for link, part in enumerate(assembly.parts)
+            for angle, body in self._turning_bodies(link, part).items()
+        ]
 
     def set(self, forces: FloatArray, couples: FloatArray) -> None:
         """Give the forces.
@@ -53,22 +74,21 @@ class StaticLoads:
         forces : ndarray, shape (size,)
             Generalized forces on the coordinates of all links, in the crank's frame. The moment
             on a rigid link is not read.
-        couples : ndarray, shape (n_links + n_attached, 2)
-            Force at the end of each rigid link, with its opposite at the start, in the crank's
-            frame; and those of each attached body, as far apart as the ends of its link.
+        couples : ndarray, shape (n_turning, 2)
+            Force on each of :attr:`turning` at its end, with its opposite at the start, in the
+            crank's frame.
         """
         mbs, at_nodes = self._assembly.mbs, forces.copy()
         for load, first in self._at_points:
             _set_load(mbs, load, at_nodes[first : first + 2])
             at_nodes[first : first + 2] = 0.0
-        for number, (at_start, at_end) in self._couples.items():
-            couple, carried = couples[number], np.zeros(2)
-            if number < len(self._assembly.parts):
-                own = self._assembly.parts[number].coordinates
-                carried = forces[own][:2]
-                at_nodes[own] = 0.0
-            _set_load(mbs, at_start, carried - couple)
-            _set_load(mbs, at_end, couple)
+        for turned, couple in zip(self.turning, couples, strict=True):
+            part, carried = self._assembly.parts[turned.link], np.zeros(2)
+            if isinstance(part, RigidPart):
+                carried = forces[part.coordinates][:2]
+                at_nodes[part.coordinates] = 0.0
+            _set_load(mbs, turned.at_start, carried - couple)
+            _set_load(mbs, turned.at_end, couple)
         if self._nodal is not None:
             mbs.SetObjectParameter(self._nodal, "forceVector", at_nodes[self._elastic])
 
@@ -103,17 +123,30 @@ class StaticLoads:
             marker = self._assembly.add_axis_point(part, number, f"{name}_point")
             self._at_points.append((self._add_load(name, marker), coordinate))
 
-    def _add_couple(
-        self, name: str, body: ItemNumber, length: float
-    ) -> tuple[ItemNumber, ItemNumber]:
-        """Forces at the node of a body and at a length from it along its link."""
+    def _turning_bodies(self, link: int, part: BeamPart | RigidPart) -> dict[int, ItemNumber]:
+        """Bodies of a link that forces turn, by their angle among the coordinates of all links."""
+        if isinstance(part, RigidPart):
+            return {part.coordinates.stop - 1: part.body}
+        found: dict[int, ItemNumber] = {}
+        if part.bodies is not None and part.section.mass_axis:
+            first = part.coordinates.start + part.kind.clamped
+            found = {
+                first + part.kind.per_node * node: body
+                for node, body in enumerate(part.bodies.numbers)
+            }
+        attached = (own for own in self._assembly.attached if own.link == link)
+        return found | {own.angle: own.number for own in attached}
+
+    def _add_couple(self, link: int, angle: int, body: ItemNumber) -> TurningBody:
+        """Forces at the node of a body and at a link's length from it along the link."""
+        name, length = f"load_{link}_{angle}", self._assembly.parts[link].length
         start, end = (
             self._add_load(
-                f"{name}_{i}", self._assembly.add_body_frame(body, f"{name}_point_{i}", x)
+                f"{name}_at_{i}", self._assembly.add_body_frame(body, f"{name}_point_{i}", x)
             )
             for i, x in enumerate((0.0, length))
         )
-        return start, end
+        return TurningBody(link, angle, start, end)
 
     def _add_load(self, name: str, marker: ItemNumber) -> ItemNumber:
         return self._assembly.items.add(
@@ -136,11 +169,11 @@ class StaticConnectors:
 
     Parameters
     ----------
-    connectors : Connectors
+    connectors : ConnectorItems
         Of the model.
     """
 
-    def __init__(self, connectors: Connectors) -> None:
+    def __init__(self, connectors: ConnectorItems) -> None:
         self._all = connectors
         self._motion: RigidMotion | None = None
         self._angles: FloatArray = np.zeros((0, 0))
@@ -192,62 +225,6 @@ class StaticConnectors:
                 mbs.SetObjectParameter(item.number, "force", force)
                 changed = changed or abs(force - before) > SETTLED * (abs(force) + abs(before))
         return changed
-
-    def virial(self, state: FloatArray) -> FloatArray:
-        """Products of the forces on rigid links and their places from the start.
-
-        Parameters
-        ----------
-        state : ndarray, shape (size,)
-            Coordinates of all links after a static solution.
-
-        Returns
-        -------
-        ndarray, shape (n_links,)
-            In N m; zero of elastic links.
-        """
-        assembly = self._all.assembly
-        total = np.zeros(len(assembly.parts))
-
-        def add(point: AttachmentPoint, force: FloatArray, in_link_axes: bool = False) -> None:
-            link = -1 if point.is_ground else assembly.topology.index(point.link)
-            part = assembly.parts[link]
-            if link < 0 or not isinstance(part, RigidPart):
-                return
-            angle = float(state[part.coordinates][2])
-            along = np.array([1.0, 0.0]) if in_link_axes else direction(np.array(angle))
-            total[link] += point.x * float(force @ along)
-
-        for item, (x, y, _) in zip(self._all.loads, self._values, strict=True):
-            force, turns = np.array([x, y]), item.load.axes == "link"
-            add(item.load.point, force if turns else _turned(force, -self._turn), turns)
-        for each in self._all.springs:
-            spring, (along, length) = each.spring, self._line(each)
-            pull = spring.stiffness * (length - spring.free_length)
-            pull += assembly.mbs.GetObjectParameter(each.number, "force")
-            add(spring.first, pull * along)
-            add(spring.second, -pull * along)
-        for joint in self._all.joints:
-            force = self._radial_force(joint, state)
-            for end, sign in ((joint.follower, 1.0), (joint.leader, -1.0)):
-                if end is not None and joint.radial is not None:
-                    link = assembly.topology.links[assembly.topology.index(end.link)]
-                    x = 0.0 if end.end == "start" else link.length
-                    add(AttachmentPoint(end.link, x), sign * force)
-        return total
-
-    def _radial_force(self, item: JointSpringItem, state: FloatArray) -> FloatArray:
-        """Force of a joint's radial spring on the following end in the model's axes, (2,)."""
-        if item.radial is None:
-            return np.zeros(2)
-        assembly = self._all.assembly
-        place = assembly.part_of(item.follower).end_place(item.follower.end, state)
-        if item.leader is not None:
-            before = assembly.part_of(item.leader).end_place(item.leader.end, state)
-        else:
-            ground = assembly.mbs.GetObjectParameter(item.ground, "referencePosition")
-            before = np.array(ground)[:2]
-        return -(item.spring.radial_stiffness or 0.0) * np.asarray(place - before)
 
     def _line(self, item: SpringItem) -> tuple[FloatArray, float]:
         """Direction from the first to the second end in the model's axes, and length in m."""

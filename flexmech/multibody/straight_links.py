@@ -67,7 +67,7 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
             fields=kind.rigid_fields(part.positions),
             vectors=np.stack([x, y]),
         )
-        models.append(link.with_bodies(assembly.mechanism.link_mass(name).bodies))
+        models.append(link.carrying(assembly.mechanism.link_mass(name)))
     return tuple(models)
 
 

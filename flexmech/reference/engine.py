@@ -120,8 +120,9 @@ class ReferenceEngine(Engine):
         """Second-order stretch of each link; see :attr:`Engine.stretches`."""
         if self.mechanism.is_free_strained:
             return None
+        turns_far = self.free_shaft is not None and self.free_shaft.turns_far
         return tuple(
-            chain_stretch(self.chains[number])
+            chain_stretch(self.chains[number], turns_far=turns_far)
             if number in self.chains
             else LinkStretch.none(link.size)
             for number, link in enumerate(self.clamped_links)
@@ -195,7 +196,17 @@ class ReferenceEngine(Engine):
         varying = self._varying(motion)
         inertia = inertia_loads(self.clamped_links, motion, self.mechanism.gravity)
         loads = self._with_connectors(inertia, motion, displacement)
-        return self._displaced(motion, displacement, varying, loads)
+        stressed = self._displaced(motion, displacement, varying, loads)
+        # What inertia forces do to arms that turn is no internal force of a running link.
+        assert stressed.internal_force is not None
+        dead, columns = self._dead(motion, loads, displacement), [q.T for q in displacement]
+        fallen, stiffness = [np.zeros_like(q) for q in columns], dead.by_link(columns)
+        dead.resist(fallen, columns)
+        for number, link in enumerate(self.clamped_links):
+            if link.rigid:
+                fallen[number][2] = stiffness[number] * columns[number][2]
+            stressed.internal_force[number] -= fallen[number].T
+        return stressed
 
     def _displaced(
         self,

@@ -131,10 +131,10 @@ class ForceBalance:
         self, dead: DeadMoments, displacement: Sequence[FloatArray], entries: TangentEntries
     ) -> None:
         """Add to tangents of flexible links what their bodies resist a turn with."""
-        for link, row, stiffness in dead.turning(displacement):
+        for link, (rows, stiffness) in dead.turning(displacement).items():
             if link not in self.links:
                 continue
             tangent = entries.of_link(link)
-            element = min(row // self.per_node, len(tangent) - 1)
-            place = self.links[link].relative_places[row - self.per_node * element]
+            element = np.minimum(rows // self.per_node, len(tangent) - 1)
+            place = self.links[link].relative_places[rows - self.per_node * element]
             tangent[element, place, place] += stiffness

@@ -17,11 +17,11 @@ from flexmech.analyses import (
     moving_frequencies,
     section_profiles,
 )
-from flexmech.analyses import campbell as campbell_analysis
-from flexmech.analyses import response as response_analysis
+from flexmech.analyses.campbell import compute as campbell_analysis
 from flexmech.analyses.frequencies.request import operating_speeds
 from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import engine_of
+from flexmech.analyses.response import compute as response_analysis
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.choices import MODES, MOST_MODES, REPORT_PARTS, TOLERANCE, ReportPart
 from flexmech.errors import InputError
@@ -271,7 +271,7 @@ def _responses(
 
 def _kinematics(mechanism: Mechanism, speeds: FloatArray, request: ReportRequest) -> list[Result]:
     """Of the rigid linkage at each speed at which it turns; at rest if it turns at none."""
-    from flexmech.analyses.kinematics import KinematicsRequest, kinematics
+    from flexmech.analyses.kinematics.compute import KinematicsRequest, kinematics
 
     return [
         kinematics(

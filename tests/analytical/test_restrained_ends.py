@@ -15,7 +15,8 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from flexmech.analyses.beam_theory import theory_attributes
-from flexmech.analyses.frequencies import moving_frequencies, natural_frequencies
+from flexmech.analyses.frequencies.compute import moving_frequencies
+from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.beams import BEAM_SHAPES, build_chain
 from flexmech.beams.link_matrices import Chain
 from flexmech.beams.restrained_ends import restrained_beam, restrained_ends

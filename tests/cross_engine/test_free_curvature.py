@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from flexmech.analyses import natural_frequencies
-from flexmech.analyses.response import ResponseRequest, response
+from flexmech.analyses.response.compute import response
+from flexmech.analyses.response.request import ResponseRequest
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive, FourBar, RotatingArm

@@ -11,8 +11,9 @@ from scipy import signal
 
 import flexmech
 from flexmech.analyses.damping_ratios import with_damping_ratio
-from flexmech.analyses.hammer import LockedLinkage, planned_record, taken_record
-from flexmech.analyses.hammer.transient import unwarped
+from flexmech.analyses.hammer.locked_linkage import LockedLinkage
+from flexmech.analyses.hammer.plan import planned_record
+from flexmech.analyses.hammer.transient import taken_record, unwarped
 from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.errors import InputError
 from flexmech.linear_system import LinkPoint

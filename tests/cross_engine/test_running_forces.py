@@ -21,9 +21,10 @@ from flexmech import (
     PointMass,
     ReferenceEngine,
 )
-from flexmech.analyses.response import ResponseRequest, response
+from flexmech.analyses.response.compute import response
 from flexmech.analyses.response.measurements import deflections
 from flexmech.analyses.response.plan import lowest_axial_frequency
+from flexmech.analyses.response.request import ResponseRequest
 from flexmech.linkages import CrankDrive
 from flexmech.time_domain import DrivenLinkage, LinkState, UnbalancedStepError, linear_run
 from tests.random_mechanisms import random_case

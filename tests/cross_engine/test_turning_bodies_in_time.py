@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from flexmech import CrankDrive, ExudynEngine, ReferenceEngine
-from flexmech.analyses.response import ResponseRequest, response
+from flexmech.analyses.response.compute import response
 from flexmech.analyses.response.measurements import deflections
+from flexmech.analyses.response.request import ResponseRequest
 from flexmech.linear_system import Engine
 from flexmech.time_domain import DrivenLinkage, LinkState, linear_run
 from tests.cross_engine.test_exudyn_joints import strips

@@ -6,7 +6,7 @@ The same matter on the same mesh. Whatever is asked, each engine answers alike f
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -26,10 +26,14 @@ from flexmech.analyses.frequencies.eigenproblem import solve_modes
 from flexmech.analyses.hammer.locked_linkage import LockedLinkage
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine, LinkPoint
+from flexmech.linkages import JointSpring
 from flexmech.linkages.motion import direction
 from flexmech.materials import Material
 from flexmech.mechanism import AttachedBody
 from flexmech.sections import BeamSection
+from flexmech.time_domain import nonlinear_orbit
+from tests.cross_engine.test_exudyn_connectors import strips
+from tests.cross_engine.test_exudyn_joints import FOUR_BAR
 
 ENGINES = pytest.mark.parametrize("make", [ReferenceEngine, ExudynEngine])
 SAME = 1e-6
@@ -201,6 +205,20 @@ def test_both_have_the_same_floquet_modes(name: str, make: type[Engine], tmp_pat
 
 
 @ENGINES
+def test_both_have_the_same_orbit(make: type[Engine], tmp_path: Path) -> None:
+    """With arms of small turns, or without the moments on these, 4e-6 of the displacement apart."""
+    drawing = four_bar(Body(0.1, 1e-4, (0.01, 0.05)), thickness=2.5)
+    orbits = []
+    for mechanism in drawing.both(tmp_path):
+        engine = make(mechanism, 2, component_modes=False)
+        moved = nonlinear_orbit(engine, 5.0).displacement
+        orbits.append(dict(zip(engine.topology.link_names, moved, strict=True)))
+    for name in drawing.links:
+        body, weld = (orbit[name] for orbit in orbits)
+        np.testing.assert_allclose(body, weld, rtol=0, atol=1e-7 * np.abs(weld).max())
+
+
+@ENGINES
 def test_both_have_the_same_receptance(make: type[Engine], tmp_path: Path) -> None:
     """Of a hammer test at one end of the link that carries the body."""
     mechanisms = DRAWINGS["inside a coupler"].both(tmp_path)
@@ -235,6 +253,66 @@ def test_random_bodies(seed: int, make: type[Engine], tmp_path: Path) -> None:
         for terms in (False, True):
             first, second = (frequencies(engine, speed, rotation_terms=terms) for engine in drawn)
             np.testing.assert_allclose(first, second, rtol=SAME)
+
+
+def heavy_strip(axis: float, elements: int, *, of_bodies: bool) -> Mechanism:
+    """An arm that bows under its weight, whose mass is off the pins' axis.
+
+    Along the link, or in as many bodies as there are elements.
+    """
+    strip = BeamSection.rectangle(Material(2e9, 2700.0), 4e-3, 25e-3)
+    gravity, linkage = (0.0, -20.0), RotatingArm(0.3)
+    if not of_bodies:
+        section = replace(strip, mass_axis=axis, layers=None)
+        return Mechanism(linkage, {"arm": section}, gravity=gravity)
+    share = np.full(elements, 0.3 / elements)
+    share[-1] /= 2
+    bodies = tuple(
+        AttachedBody(
+            "arm", float(x), strip.mass_per_length * s, strip.rotary_inertia * s, (0.0, axis)
+        )
+        for x, s in zip(np.linspace(0.0, 0.3, elements + 1)[1:], share.tolist(), strict=True)
+    )
+    nothing = 1e-9 * strip.mass_per_length, 1e-9 * strip.rotary_inertia
+    light = replace(strip, mass_per_length=nothing[0], rotary_inertia=nothing[1], layers=None)
+    return Mechanism(linkage, {"arm": light}, gravity=gravity, bodies=bodies)
+
+
+@ENGINES
+def test_a_heavy_side_turns_with_its_section(make: type[Engine]) -> None:
+    """A section whose centre of mass is off the axis is a chain of bodies there.
+
+    What tells the mass above the axis from that below, 2e-3 of the frequencies, comes to that of
+    the bodies with the square of the mesh; with arms of the straight link it was 3e-3 off.
+    """
+
+    def told_apart(elements: int, *, of_bodies: bool) -> FloatArray:
+        strips = (heavy_strip(axis, elements, of_bodies=of_bodies) for axis in (1.9e-3, -1.9e-3))
+        element = {"reference": "timoshenko", "exudyn": "geometrically-exact"}[make.name]
+        engines = [make(strip, elements, element, component_modes=False) for strip in strips]
+        above, below = (natural_frequencies(e, np.zeros(1), 12.0, modes=3)[0] for e in engines)
+        return np.asarray(above / below - 1)
+
+    gaps = [np.abs(told_apart(n, of_bodies=True) - told_apart(n, of_bodies=False)) for n in (8, 16)]
+    assert np.all(gaps[1] < 1e-4)
+    assert np.all(gaps[1] < 0.3 * gaps[0])
+
+
+def test_a_body_is_found_beside_a_sprung_joint() -> None:
+    """Exudyn's cables have a body without mass there, on which another link's moment stood.
+
+    That left frequencies 1e-4 off.
+    """
+    spring = JointSpring("A", torsional_stiffness=0.5)
+    body = AttachedBody("rocker", 0.1, 0.05, 1e-5, (0.0, 0.05))
+    mechanism = replace(
+        strips(FOUR_BAR, joint_springs=(spring,)), bodies=(body,), gravity=(0.0, -9.81)
+    )
+    first, second = (
+        natural_frequencies(make(mechanism, 8, component_modes=False), 0.5, 8.0, modes=3)
+        for make in (ReferenceEngine, ExudynEngine)
+    )
+    np.testing.assert_allclose(second, first, rtol=5e-6)
 
 
 @ENGINES

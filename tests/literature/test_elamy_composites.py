@@ -33,10 +33,9 @@ from flexmech.studies import (
     study_composites,
     verdict_on,
 )
-from flexmech.studies.composite_crank_rockers.claims import _Tests, all_models
+from flexmech.studies.composite_crank_rockers.claims import _Tests, all_models, separable_error
 from flexmech.studies.composite_crank_rockers.compute import composite_dataset
 from flexmech.studies.composite_crank_rockers.linkages import BEAMS, PAPERS_MESH, PLY_MODELS, SECOND
-from flexmech.studies.composite_crank_rockers.structure import separable_error
 from tests.unit.figure_checks import FULL_WIDTH_PANEL, check_layout, legend_texts
 
 LAMINATES = ("C1", "C2", "C3", "C4", "C5", "C6")

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from flexmech import ExudynEngine, ReferenceEngine
-from flexmech.analyses.response import ResponseRequest, response
+from flexmech.analyses.response.compute import response
+from flexmech.analyses.response.request import ResponseRequest
 from flexmech.linkages import CrankDrive
 from flexmech.verification.methods.running import stored_deflection
 

@@ -8,16 +8,16 @@ import numpy as np
 import xarray as xr
 
 from flexmech import ExudynEngine, ReferenceEngine, load_mechanism
-from flexmech.analyses.stability import (
+from flexmech.analyses.stability.dataset import dataset_of
+from flexmech.analyses.stability.engine_stability import (
     Band,
     BandEdge,
-    CheckedErrors,
     EngineStability,
+    ExponentErrors,
     NoEquilibrium,
-    StabilityRequest,
     TrackedSpeed,
 )
-from flexmech.analyses.stability.dataset import dataset_of
+from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.example_models import example_model
 from flexmech.linear_system import Engine
 
@@ -108,7 +108,7 @@ def engine_stability(
     known: dict[str, Any] = {
         "speeds": [solved(speed) for speed in speeds.tolist()],
         "bands": bands(),
-        "errors": CheckedErrors(np.array([20.0, 90.0]), np.full(2, 2e-5), np.array([1e-4, 4e-4])),
+        "errors": [ExponentErrors(20.0, 2e-5, 1e-4), ExponentErrors(90.0, 2e-5, 4e-4)],
         "is_definite": True,
         "moving_modes": 9,
         "closed_early": 3,

@@ -24,8 +24,9 @@ from flexmech import (
     load_mechanism,
     natural_frequencies,
 )
-from flexmech.analyses.check import ModelCheck, check_mechanism
+from flexmech.analyses.check.compute import check_mechanism
 from flexmech.analyses.check.remarks import remarks
+from flexmech.analyses.check.result import ModelCheck
 from flexmech.analyses.summary import Table
 from flexmech.cli import app
 

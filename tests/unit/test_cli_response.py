@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from flexmech.analyses.response import Response
+from flexmech.analyses.response.result import Response
 from flexmech.cli import app
 from flexmech.cli.typed import REVOLUTIONS, RUN_UP, SPEED, STEP
 from flexmech.modelfile import template

@@ -13,7 +13,9 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from flexmech import plots
-from flexmech.analyses.response import Response, ResponseRequest, response
+from flexmech.analyses.response.compute import response
+from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.response.result import Response
 from flexmech.analyses.response.words import check_lines, load_lines, peak_table, supported
 from flexmech.cli import app
 from flexmech.errors import ComputationError
@@ -78,7 +80,7 @@ def invented(
         path.write_bytes(b"frames")
         seen.animated.append(path.name)
 
-    monkeypatch.setattr("flexmech.analyses.response.response", analysis)
+    monkeypatch.setattr("flexmech.analyses.response.compute.response", analysis)
     monkeypatch.setattr(plots, "write_animation", write_animation)
     monkeypatch.setattr(plots, "mp4_available", lambda: seen.mp4)
     return seen

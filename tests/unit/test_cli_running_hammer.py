@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from flexmech import LinkPoint, RunningHammerRequest, RunningHammerTest
-from flexmech.analyses import running_hammer
+from flexmech.analyses.running_hammer import compute as running_hammer
 from flexmech.cli import app
 from flexmech.linear_system import Engine
 from tests.unit.running_hammer_data import running_hammer_dataset

@@ -11,7 +11,9 @@ import pytest
 from typer.testing import CliRunner
 
 from flexmech import InputError, load_mechanism
-from flexmech.analyses.stability import EngineStability, StabilityRequest, against, compute
+from flexmech.analyses.stability import against, compute
+from flexmech.analyses.stability.engine_stability import EngineStability
+from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.arrays import LabelledProgress
 from flexmech.cli import app
 from flexmech.cli.typed import DAMPING_RATIO, STEPS, parameter_range

@@ -11,7 +11,7 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from flexmech.analyses import MovingFrequencies, ResponseRequest, moving_frequencies
-from flexmech.analyses.response import response
+from flexmech.analyses.response.compute import response
 from flexmech.cli import app
 from flexmech.cli.options import asked_environment
 from flexmech.cli.reading import from_options

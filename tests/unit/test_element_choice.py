@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 
 from flexmech import CrankDrive, HygrothermalState, ResponseRequest
 from flexmech.analyses import moving_frequencies, natural_frequencies
-from flexmech.analyses.response import response
-from flexmech.analyses.speed_sweep import speed_sweep
+from flexmech.analyses.response.compute import response
+from flexmech.analyses.speed_sweep.compute import speed_sweep
 from flexmech.beams import compare_theories
 from flexmech.cli import app
 from flexmech.linear_system import NEGLIGIBLE, Engine

@@ -12,7 +12,8 @@ from typer.testing import CliRunner
 
 import flexmech
 from flexmech import HammerRequest, InputError, LinkPoint
-from flexmech.analyses.hammer import LockedLinkage, RecordPlan, planned_record
+from flexmech.analyses.hammer.locked_linkage import LockedLinkage
+from flexmech.analyses.hammer.plan import RecordPlan, planned_record
 from flexmech.analyses.hammer.transient import taken_record
 from flexmech.cli import app
 from tests.unit.hammer_data import ALUMINIUM, damped_engine, small_request, small_test

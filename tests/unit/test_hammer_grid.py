@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from flexmech import HammerRequest, LinkPoint, hammer_test, plots
-from flexmech.analyses.hammer import LockedLinkage
+from flexmech.analyses.hammer.locked_linkage import LockedLinkage
 from flexmech.analyses.hammer.measurement import grid_points
 from flexmech.cli.application import app
 from flexmech.errors import InputError

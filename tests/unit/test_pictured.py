@@ -10,9 +10,12 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from flexmech import InputError, Mechanism, MovingFrequencies, ReferenceEngine, moving_frequencies
-from flexmech.analyses.frequencies import Formulation, FrequencyRequest, frequencies_at, pictured
+from flexmech.analyses.frequencies import pictured
+from flexmech.analyses.frequencies.formulation import Formulation
 from flexmech.analyses.frequencies.frequency_map import systems_at
 from flexmech.analyses.frequencies.pictured import SEEN, bent_angles
+from flexmech.analyses.frequencies.positions import frequencies_at
+from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.arrays import FloatArray
 from flexmech.cli import app
 from flexmech.plots import plot_frequencies, plot_mode_shapes

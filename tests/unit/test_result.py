@@ -17,7 +17,7 @@ from flexmech.analyses import (
     ResponseRequest,
     moving_frequencies,
 )
-from flexmech.analyses.speed_sweep import speed_sweep
+from flexmech.analyses.speed_sweep.compute import speed_sweep
 from flexmech.errors import InputError
 from flexmech.linkages import CrankDrive
 from flexmech.reference import ReferenceEngine

@@ -11,7 +11,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flexmech.analyses.section_profile import section_profiles
+from flexmech.analyses.section_profile.compute import section_profiles
 from flexmech.linkages import RotatingArm
 from flexmech.materials import Laminate, Layer, Material, Ply
 from flexmech.mechanism import Mechanism

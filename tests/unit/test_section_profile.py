@@ -23,7 +23,8 @@ from flexmech import (
     mechanism_in_state,
 )
 from flexmech.analyses.remarks import environment_lines
-from flexmech.analyses.section_profile import SectionProfiles, section_profiles
+from flexmech.analyses.section_profile.compute import section_profiles
+from flexmech.analyses.section_profile.result import SectionProfiles
 from flexmech.analyses.summary import Table
 from flexmech.materials import Layer, PlyDamping
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flexmech import InputError
-from flexmech.analyses.stability import StabilityRequest
+from flexmech.analyses.stability.request import StabilityRequest
 
 
 def test_speeds_are_kept_from_slow_to_fast_in_either_direction():

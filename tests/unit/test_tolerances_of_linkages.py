@@ -14,6 +14,7 @@ from flexmech.linkages import (
     PlanarJoint,
     PlanarLink,
     PlanarLinkage,
+    RotatingArm,
     finite_double_points,
     focal_cubic,
 )
@@ -83,11 +84,12 @@ def test_lengths_that_make_a_change_point():
 
 
 def test_ends_of_a_spring_that_meet():
-    spring = Spring("s", AttachmentPoint("arm", 1.0), AttachmentPoint(GROUND, 0.0), 1.0, 0.5)
+    arm = RotatingArm(1.0)
+    motion = arm.motion(np.zeros(1))
 
     def line(apart):
-        ends = [np.zeros((1, 2)), np.array([[apart, 0.0]])]
-        return SpringLine.of(spring, np.zeros(1), ends, [np.zeros((1, 2))] * 2, 1.0)
+        ends = AttachmentPoint("arm", 1.0 - apart), AttachmentPoint(GROUND, 1.0)
+        return SpringLine.of(Spring("s", *ends, 1.0, 0.5), arm.topology, motion)
 
     assert line(FARTHER).along[0, 0] == 1.0
     with pytest.raises(InputError, match="its ends meet"):

@@ -53,14 +53,10 @@ class Bands:
 
     def with_(self, other: Bands) -> Bands:
         """Both, in order of the speed."""
-        speed = np.concatenate([self.crank_speed, other.crank_speed])
-        order = np.argsort(speed)
-        return Bands(
-            speed[order],
-            np.concatenate([self.values, other.values])[order],
-            np.concatenate([self.angle, other.angle])[order],
-            np.concatenate([self.frequency, other.frequency])[order],
-        )
+        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
+        both = [np.concatenate(pair) for pair in pairs]
+        order = np.argsort(both[0])
+        return Bands(*(each[order] for each in both))
 
 
 @dataclass

@@ -15,7 +15,9 @@ from flexmech.analyses.campbell.projection import ProjectedSystems, projected_sy
 from flexmech.analyses.campbell.request import CampbellRequest
 from flexmech.analyses.campbell.sampling import SampledBands, sampled_bands
 from flexmech.analyses.frequencies.discretisation import check_angle_indices, mesh_error
+from flexmech.analyses.frequencies.engine_map import MOST_ELEMENTS
 from flexmech.analyses.frequencies.formulation import Systems
+from flexmech.analyses.requests import CHECKED_SPEEDS
 from flexmech.arrays import FloatArray, IntArray, unbroken_runs
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
@@ -24,8 +26,6 @@ logger = logging.getLogger(__name__)
 
 # Extremes are refined to a tenth of this before the error of the mesh is known.
 ASSUMED_ERROR = 3e-4
-MOST_ELEMENTS = 32
-CHECKED_SPEEDS = 3
 
 
 @dataclass(frozen=True)

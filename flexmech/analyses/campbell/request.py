@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.analyses.frequencies import Formulation, FrequencyRequest
+from flexmech.analyses.frequencies.formulation import Formulation
+from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.analyses.requests import without_end
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError

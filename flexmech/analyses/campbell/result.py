@@ -9,10 +9,10 @@ import numpy as np
 import pandas as pd
 
 from flexmech import plots
-from flexmech.analyses.beam_theory import theory_lines, theory_warnings
+from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.campbell import words
-from flexmech.analyses.datasets import table_of, table_over
-from flexmech.analyses.remarks import left_out_warnings
+from flexmech.analyses.datasets import Columns, columns_along, table_of
+from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.requests import fewer_modes_lines
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
@@ -92,14 +92,11 @@ class CampbellDiagram(Result):
         tables = {self.stem: self.bands(), "critical_speeds": self.critical_speeds()}
         if "peak_ratio" in self.dataset:
             ratio = self.dataset["peak_ratio"]
-            columns = {
-                f"{link}_peak_over_quasi_static": ratio.sel(link=link)
-                for link in ratio["link"].values
+            columns: Columns = {
+                "crank_speed_rad_s": "response_speed",
+                **columns_along("{}_peak_over_quasi_static", ratio, "link"),
             }
-            speed = ratio["response_speed"]
-            tables["response_peaks"] = table_over(
-                "response_speed", crank_speed_rad_s=speed, **columns
-            )
+            tables["response_peaks"] = table_of(self.dataset, ("response_speed",), columns)
         return tables
 
     def plot(
@@ -145,5 +142,4 @@ class CampbellDiagram(Result):
             *words.error_lines(data),
             *words.response_lines(data),
         )
-        warned = (*left_out_warnings(data.attrs), *theory_warnings(data.attrs))
-        return Summary(parts, words.verdict(data), warned)
+        return Summary(parts, words.verdict(data), warnings_of(data.attrs))

@@ -6,13 +6,14 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_reason
+from flexmech.analyses.remarks import speed_text, speed_unit
 from flexmech.analyses.summary import Table
 from flexmech.units import from_si
 
 
 def critical_table(dataset: xr.Dataset) -> Table:
     """Ranges of speed in which an order meets a branch, grouped by engine and branch."""
-    unit = _unit(dataset)
+    unit = speed_unit(dataset)
     names = [str(name) for name in dataset["engine"].values]
     groups = []
     for engine in names:
@@ -45,14 +46,14 @@ def critical_table(dataset: xr.Dataset) -> Table:
 def operating_lines(dataset: xr.Dataset) -> list[str]:
     """Which orders meet a branch at the operating speeds of the model file, by the first engine."""
     speeds = [float(speed) for speed in str(dataset.attrs.get("operating_speeds", "")).split()]
-    unit, found = _unit(dataset), []
+    unit, found = speed_unit(dataset), []
     first = dataset["critical_engine"] == dataset["engine"].values[0]
     critical = dataset.isel(
         critical=np.flatnonzero(first.values & (dataset["critical_gap"].values == 0))
     )
     low, high = np.sort(dataset["crank_speed"].values[[0, -1]])
     for speed in speeds:
-        name = f"{from_si(speed, unit):.6g} {unit}"
+        name = f"{speed_text(speed, unit)} {unit}"
         if not low <= speed <= high:
             found.append(f"{name} is not among the speeds asked for")
             continue
@@ -66,12 +67,10 @@ def operating_lines(dataset: xr.Dataset) -> list[str]:
 
 def gap_lines(dataset: xr.Dataset) -> list[str]:
     """Crank speeds without a result, and why."""
-    unit, lines = _unit(dataset), []
+    unit, lines = speed_unit(dataset), []
     for n in range(dataset.sizes["gap"]):
         gap = dataset.isel(gap=n)
-        first, last = (
-            f"{from_si(float(gap[f'gap_{end}']), unit):.6g}" for end in ("first", "last")
-        )
+        first, last = (speed_text(gap[f"gap_{end}"], unit) for end in ("first", "last"))
         where = f"at {first} {unit}" if first == last else f"from {first} to {last} {unit}"
         count = int(gap["gap_count"])
         lines.append(
@@ -83,7 +82,7 @@ def gap_lines(dataset: xr.Dataset) -> list[str]:
 
 def error_lines(dataset: xr.Dataset) -> list[str]:
     """Errors of the frequencies by mesh and fit, and of the critical speeds."""
-    lines, unit = [], _unit(dataset)
+    lines, unit = [], speed_unit(dataset)
     for n, name in enumerate(dataset["engine"].values):
         own = dataset.isel(engine=n)
         exists = np.isfinite(own["lowest_frequency"].isel(branch=0).values)
@@ -107,7 +106,7 @@ def response_lines(dataset: xr.Dataset) -> list[str]:
     """Speeds of the periodic motion, and where its peaks are highest."""
     if "peak_ratio" not in dataset:
         return []
-    unit, ratio = _unit(dataset), dataset["peak_ratio"]
+    unit, ratio = speed_unit(dataset), dataset["peak_ratio"]
     speeds = from_si(1.0, unit) * ratio["response_speed"].values
     lines = [f"periodic motion: at {len(speeds)} speeds"]
     if len(speeds):
@@ -136,18 +135,18 @@ def verdict(dataset: xr.Dataset) -> str:
     if not np.isfinite(apart).any():
         return "engines: no comparison is possible, at no speed have both a result"
     speed, branch, _ = np.unravel_index(int(np.nanargmax(apart)), apart.shape)
-    unit = _unit(dataset)
-    where = from_si(float(dataset["crank_speed"][speed]), unit)
+    unit = speed_unit(dataset)
+    where = speed_text(dataset["crank_speed"][speed], unit)
     return (
         f"engines: {names[0]} and {names[1]} differ by at most {float(np.nanmax(apart)):.2e} of "
-        f"the frequency, at {where:.6g} {unit}, branch {branch + 1}{theory_reason(dataset.attrs)}"
+        f"the frequency, at {where} {unit}, branch {branch + 1}{theory_reason(dataset.attrs)}"
     )
 
 
 def _by_speed(dataset: xr.Dataset, unit: str) -> str:
     """Error of the mesh at each of the speeds checked, such as "1e-04 at 0, 2e-04 at 20 rad/s"."""
     errors = dataset["discretisation_error"].max("branch").values
-    speeds = [f"{from_si(float(w), unit):.6g}" for w in dataset["check_speed"].values]
+    speeds = [speed_text(w, unit) for w in dataset["check_speed"].values]
     pairs = [f"{e:.1e} at {w}" for e, w in zip(errors, speeds, strict=True) if np.isfinite(e)]
     return f"{', '.join(pairs)} {unit}"
 
@@ -173,10 +172,6 @@ def _known(value: float, error: float) -> str:
     return f"{value:.{digits}g}" if value < 10**digits else f"{value:.0f}"
 
 
-def _unit(dataset: xr.Dataset) -> str:
-    return str(dataset.attrs.get("speed_unit", "rad/s"))
-
-
 def _speeds(dataset: xr.Dataset) -> str:
-    unit, speeds = _unit(dataset), dataset["crank_speed"].values
-    return f"{from_si(float(speeds[0]), unit):.6g} to {from_si(float(speeds[-1]), unit):.6g} {unit}"
+    unit, speeds = speed_unit(dataset), dataset["crank_speed"].values
+    return f"{speed_text(speeds[0], unit)} to {speed_text(speeds[-1], unit)} {unit}"

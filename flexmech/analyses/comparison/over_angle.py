@@ -19,7 +19,7 @@ from flexmech.analyses.comparison.parameters import (
 )
 from flexmech.analyses.comparison.problem import RecordProblem, rows_taken_at
 from flexmech.analyses.comparison.request import ComparisonRequest
-from flexmech.analyses.frequencies import natural_frequencies
+from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.analyses.requests import in_radians
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError, suggestion

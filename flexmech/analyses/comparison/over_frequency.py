@@ -19,7 +19,7 @@ from flexmech.analyses.comparison.parameters import (
 )
 from flexmech.analyses.comparison.problem import RecordProblem, rows_taken_at
 from flexmech.analyses.comparison.request import ComparisonRequest
-from flexmech.analyses.frequencies import natural_frequencies
+from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.choices import MOST_MODES
 from flexmech.dynamical_systems import direct_receptance

@@ -29,6 +29,7 @@ from flexmech.analyses.comparison.problem import CURVES, RecordProblem
 from flexmech.analyses.comparison.quantities import Gauge, gauges, matched
 from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.damping_ratios import lowest_frequency
+from flexmech.analyses.response.plan import SPECTRUM_REACH
 from flexmech.analyses.response.spectra import amplitude_spectrum
 from flexmech.arrays import FloatArray
 from flexmech.choices import MODES
@@ -52,8 +53,6 @@ _TURN_SAMPLES = 361
 _SPEED_TOLERANCE = 0.01
 # Where less than the other part is explained, a gauge turned the other way is tried.
 _LITTLE_EXPLAINED = 0.5
-# Spectra reach this far above the fastest moving mode.
-_SPECTRUM_REACH = 1.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -233,7 +232,7 @@ class TimeProblem(RecordProblem):
     def _spectra(self, dataset: xr.Dataset) -> xr.Dataset:
         """Amplitude spectra of the three curves under a Hann window."""
         curves = np.stack([dataset[name].values for name in CURVES])
-        up_to = _SPECTRUM_REACH * float(self._as_modelled.frequency_ranges().max())
+        up_to = SPECTRUM_REACH * float(self._as_modelled.frequency_ranges().max())
         frequency, amplitude = amplitude_spectrum(curves, float(self.time[1]), up_to)
         spectrum = xr.DataArray(
             amplitude,

@@ -7,8 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from flexmech.analyses.response import probes
-from flexmech.analyses.response.measurements import surface_strain
+from flexmech.analyses.response.measurements import probes, surface_strain
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError, suggestion
 from flexmech.linear_system import Engine

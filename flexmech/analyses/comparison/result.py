@@ -13,8 +13,9 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.comparison.parameters import DAMPING, STIFFNESS
 from flexmech.analyses.comparison.problem import CURVES
-from flexmech.analyses.datasets import DEGREES, table_over
-from flexmech.analyses.remarks import crank_speed_text, left_out_warnings
+from flexmech.analyses.datasets import table_of
+from flexmech.analyses.remarks import crank_speed_text, warnings_of
+from flexmech.analyses.response.agreement import LARGE_BOW
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.errors import InputError, suggestion
@@ -24,6 +25,22 @@ if TYPE_CHECKING:
 
 # Units behind the names of columns.
 _SUFFIXES = {"m": "_m", "Hz": "_Hz", "m/N": "_m_N", "m/(N s)": "_m_Ns", "m/(N s^2)": "_m_Ns2"}
+
+# Columns of the tables, and their variables: of the places by what a record is over, and of the
+# fit.
+_PLACES = {
+    "time": {"time_s": "time"},
+    "frequency": {"frequency_Hz": "frequency"},
+    "sample": {"crank_angle_deg": "crank_angle", "mode": "mode"},
+}
+_FIT = {
+    "parameter": "parameter",
+    "value": "fitted",
+    "unit": "parameter_unit",
+    "standard_error": "standard_error",
+    "p2_5": "lower",
+    "p97_5": "upper",
+}
 
 
 @dataclass(frozen=True)
@@ -105,26 +122,12 @@ class Comparison(Result):
         data = self.dataset
         suffix = _SUFFIXES.get(str(data.attrs["unit"]), "")
         parts = ("_real", "_imag") if "measured_real" in data else ("",)
-        curves = {
-            f"{curve}{part}{suffix}": data[f"{curve}{part}"] for curve in CURVES for part in parts
+        curves = {f"{curve}{part}{suffix}": f"{curve}{part}" for curve in CURVES for part in parts}
+        dimension, places = next((d, own) for d, own in _PLACES.items() if d in data.dims)
+        return {
+            self.stem: table_of(data, (dimension,), places | curves),
+            "fit": table_of(data, ("parameter",), _FIT),
         }
-        if "time" in data.dims:
-            curves = {"time_s": data["time"], **curves}
-        elif "frequency" in data.dims:
-            curves = {"frequency_Hz": data["frequency"], **curves}
-        else:
-            angle = (DEGREES * data["crank_angle"]).round(9)
-            curves = {"crank_angle_deg": angle, "mode": data["mode"], **curves}
-        dimension = next(d for d in ("time", "frequency", "sample") if d in data.dims)
-        fit = {
-            "parameter": data["parameter"],
-            "value": data["fitted"],
-            "unit": data["parameter_unit"],
-            "standard_error": data["standard_error"],
-            "p2_5": data["lower"],
-            "p97_5": data["upper"],
-        }
-        return {self.stem: table_over(dimension, **curves), "fit": table_over("parameter", **fit)}
 
     def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
         """Draw both curves, their spectra and the residual.
@@ -157,8 +160,7 @@ class Comparison(Result):
             *_correlation_lines(data),
             *_residual_lines(data),
         )
-        warned = (*_warnings(data), *left_out_warnings(data.attrs))
-        return Summary(parts, _verdict(data), warned)
+        return Summary(parts, _verdict(data), (*_warnings(data), *warnings_of(data.attrs)))
 
 
 # Part of the record's variance from which a model is said to miss what was measured.
@@ -167,9 +169,6 @@ _POOR = 0.5
 _FAR_OFF = 0.1
 # Of its sign turned, a record must be explained better by this factor to be thought of so.
 _TURNED_BETTER = 0.8
-# Deflection over a link's length beyond which linear equations show in what they are fitted to: a
-# damping time of 3 mm at 280 mm is off by 2 %, one of 6.5 mm by 5 %.
-_LARGE_BOW = 0.01
 # Factor of the intervals' width below which nobody needs to be told of it.
 _LITTLE_WIDER = 1.2
 # Beyond it two parameters can hardly be told apart.
@@ -316,7 +315,7 @@ def _warnings(data: xr.Dataset) -> tuple[str, ...]:
             f"a link deflects by {100 * attrs['bow']:.2g} % of its length: the linear equations "
             "that are fitted here shift damping and frequencies by a few per cent then",
         )
-        if attrs.get("bow", 0.0) > _LARGE_BOW
+        if attrs.get("bow", 0.0) > LARGE_BOW
         else ()
     )
     if "sample" in data.dims:

@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.datasets import DEGREES, table_over
+from flexmech.analyses.datasets import DEGREES, Columns, columns_along, table_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.linkages import FourBar
@@ -57,24 +57,24 @@ class CouplerPaths(Result):
         """Path at each crank angle, and the double points of the whole curves."""
         data = self.dataset
         angle, passage = (DEGREES * data[name] for name in ("angle", "double_point_crank_angle"))
-        position, double_point = data["position"], data["double_point_position"]
-        curve = table_over(
-            *("state", "crank_angle"),
-            state=data["name"],
-            crank_angle_deg=(DEGREES * data["crank_angle"]).round(9),
+        curve: Columns = {
+            "state": "name",
+            "crank_angle_deg": "crank_angle",
             **{name: angle.isel(link=n) for n, name in enumerate(self._angle_columns())},
-            **{f"{axis}_m": position.sel(component=axis) for axis in "xy"},
+            **columns_along("{}_m", data["position"], "component"),
             **self._transmission_columns(),
-        )
-        topology = table_over(
-            "double_point",
-            state=data["name"].sel(state=data["double_point_state"]),
-            kind=data["double_point_kind"],
-            crank_angle_1_deg=passage.isel(passage=0),
-            crank_angle_2_deg=passage.isel(passage=1),
-            **{f"{axis}_m": double_point.sel(component=axis) for axis in "xy"},
-        )
-        return {"coupler_curve": curve, "topology": topology}
+        }
+        topology: Columns = {
+            "state": data["name"].sel(state=data["double_point_state"]),
+            "kind": "double_point_kind",
+            "crank_angle_1_deg": passage.isel(passage=0),
+            "crank_angle_2_deg": passage.isel(passage=1),
+            **columns_along("{}_m", data["double_point_position"], "component"),
+        }
+        return {
+            "coupler_curve": table_of(data, ("state", "crank_angle"), curve),
+            "topology": table_of(data, ("double_point",), topology),
+        }
 
     def _angle_columns(self) -> list[str]:
         """Of a four-bar's coupler and rocker, or of the link that carries the point."""
@@ -88,10 +88,7 @@ class CouplerPaths(Result):
         limits = DEGREES * self.dataset["transmission_angle_limit"]
         return {
             "transmission_angle_deg": DEGREES * self.dataset["transmission_angle"],
-            **{
-                f"{limit}_transmission_angle_deg": limits.sel(limit=limit)
-                for limit in ("least", "greatest")
-            },
+            **columns_along("{}_transmission_angle_deg", limits, "limit"),
         }
 
     @property

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies.eigenproblem import solve_eigenvalues
 from flexmech.analyses.frequencies.formulation import Systems
-from flexmech.analyses.frequencies.reduction import unreduced_eigenvalues
+from flexmech.analyses.frequencies.reduction import ModeErrors, unreduced_eigenvalues
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.choices import MOST_ELEMENTS
 
@@ -25,31 +25,6 @@ SHARE, NEGLIGIBLE = 0.2, 1e-6
 HIGHEST_ORDER = 4
 
 
-@dataclass(frozen=True)
-class MeshError:
-    """Estimated error of the lowest modes by the mesh; each positive and of shape (A, m).
-
-    Parameters
-    ----------
-    frequency : ndarray
-        Relative.
-    damping_ratio : ndarray
-        Absolute.
-    """
-
-    frequency: FloatArray
-    damping_ratio: FloatArray
-
-    def at(self, angles: slice) -> MeshError:
-        """The error at some of the angles."""
-        return MeshError(self.frequency[angles], self.damping_ratio[angles])
-
-    def outweighs(self, reduction: MeshError) -> bool:
-        """Whether what component modes are off by has no part in it."""
-        pairs = zip(vars(self).values(), vars(reduction).values(), strict=True)
-        return all(bool(np.all(r <= np.maximum(SHARE * e, NEGLIGIBLE))) for e, r in pairs)
-
-
 def check_angle_indices(crank_angles: FloatArray, full_turn: bool) -> IntArray:
     """About a dozen of the crank angles, evenly spread, the first among them."""
     count = len(crank_angles)
@@ -59,7 +34,7 @@ def check_angle_indices(crank_angles: FloatArray, full_turn: bool) -> IntArray:
     return chosen[chosen < count]
 
 
-def mesh_error(systems: Systems, crank_angles: FloatArray, crank_speed: float) -> MeshError:
+def mesh_error(systems: Systems, crank_angles: FloatArray, crank_speed: float) -> ModeErrors:
     """Estimated error of the lowest modes by the mesh, from the distance to a finer one.
 
     No order of convergence is assumed. Bending converges in fourth order of the element length,
@@ -82,12 +57,16 @@ def mesh_error(systems: Systems, crank_angles: FloatArray, crank_speed: float) -
 
     Returns
     -------
-    MeshError
+    ModeErrors
     """
     elements = systems.engine.elements
     compared = _compared_mesh(elements)
     meshed = [_on_mesh(systems, mesh) for mesh in (elements, compared)]
-    here, there = (_eigenvalues(each, crank_angles, crank_speed) for each in meshed)
+    count = systems.formulation.modes
+    here, there = (
+        np.concatenate([solve_eigenvalues(s, count) for s in m.batches(crank_angles, crank_speed)])
+        for m in meshed
+    )
     # Of half the mesh, where a finer one does not fit into memory, the distance is the error
     # itself in first order and more than it in a higher one.
     share = np.sqrt(1 - elements / compared) if compared > elements else 1.0
@@ -98,18 +77,24 @@ def mesh_error(systems: Systems, crank_angles: FloatArray, crank_speed: float) -
     worst = slice(place, place + 1)
     for each, found in zip(meshed, (here, there), strict=True):
         exact = unreduced_eigenvalues(each, crank_angles[worst], crank_speed)
-        if not error.at(worst).outweighs(_apart(found[worst], exact)):
+        if not _outweighs(error.at(worst), _apart(found[worst], exact)):
             here, there = (unreduced_eigenvalues(m, crank_angles, crank_speed) for m in meshed)
             return _apart(here, there, share)
     return error
 
 
+def _outweighs(mesh: ModeErrors, reduction: ModeErrors) -> bool:
+    """Whether what component modes are off by has no part in what the mesh is off by."""
+    pairs = zip(vars(mesh).values(), vars(reduction).values(), strict=True)
+    return all(bool(np.all(r <= np.maximum(SHARE * e, NEGLIGIBLE))) for e, r in pairs)
+
+
 def _apart(
     here: NDArray[np.complex128], there: NDArray[np.complex128], share: float = 1.0
-) -> MeshError:
+) -> ModeErrors:
     """Difference of eigenvalues (A, m), over its share of the error."""
     ratio, other_ratio = (-values.real / np.abs(values) for values in (here, there))
-    return MeshError(
+    return ModeErrors(
         frequency=np.abs(np.abs(here) / np.abs(there) - 1) / share,
         damping_ratio=np.abs(ratio - other_ratio) / share,
     )
@@ -133,11 +118,3 @@ def _on_mesh(systems: Systems, elements: int) -> Systems:
         running=None,
         detail=max(DETAIL, systems.detail),
     )
-
-
-def _eigenvalues(
-    systems: Systems, crank_angles: FloatArray, crank_speed: float
-) -> NDArray[np.complex128]:
-    """Lowest eigenvalues, shape (A, modes)."""
-    batches = systems.batches(crank_angles, crank_speed)
-    return np.concatenate([solve_eigenvalues(s, systems.formulation.modes) for s in batches])

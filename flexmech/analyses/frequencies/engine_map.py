@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies.discretisation import (
     HIGHEST_ORDER,
-    MeshError,
     check_angle_indices,
     mesh_error,
 )
@@ -25,10 +24,9 @@ from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along, systems_at
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
 from flexmech.analyses.frequencies.pictured import scaled_parts
-from flexmech.analyses.frequencies.reduction import ReductionError, converged_modes
+from flexmech.analyses.frequencies.reduction import ModeErrors, converged_modes
 from flexmech.analyses.frequencies.refinement import Positions, same_shapes
 from flexmech.analyses.frequencies.request import FrequencyRequest
-from flexmech.analyses.frequencies.shaft_mode import shaft_readings
 from flexmech.analyses.frequencies.tracking import Tracker
 from flexmech.arrays import FloatArray, IntArray, LabelledProgress
 from flexmech.linear_system import Engine
@@ -108,19 +106,20 @@ class _CheckedSpeed:
         With as many component modes as they need.
     shapes : ndarray, shape (c, m, n_links, n_stations, 2)
         Of the modes asked for and spare ones.
-    reduction_error : ReductionError
-    mesh_error : MeshError
+    reduction_error : ModeErrors
+    mesh_error : ModeErrors
     """
 
     systems: Systems
     shapes: NDArray[Any]
-    reduction_error: ReductionError
-    mesh_error: MeshError
+    reduction_error: ModeErrors
+    mesh_error: ModeErrors
 
 
 def _checked_speeds(engine: Engine, request: FrequencyRequest) -> list[_CheckedSpeed]:
     """Reductions and errors at each speed."""
-    asked, angles, checks = _answered_by(engine, request), _check_angles(request), []
+    asked, checks = _answered_by(engine, request), []
+    angles = request.crank_angles[check_angle_indices(request.crank_angles, request.full_turn)]
     for speed in asked.crank_speeds.tolist():
         checked = converged_modes(systems_at(engine, asked, speed), angles, speed, SPARE_MODES)
         checks.append(
@@ -138,10 +137,6 @@ def _answered_by(engine: Engine, request: FrequencyRequest) -> FrequencyRequest:
     """What an engine can answer: about the quasi-static state if it does not simulate."""
     still = replace(request, formulation=request.formulation.quasi_static)
     return request if engine.simulates else still
-
-
-def _check_angles(request: FrequencyRequest) -> FloatArray:
-    return request.crank_angles[check_angle_indices(request.crank_angles, request.full_turn)]
 
 
 def _map_on_mesh(
@@ -226,7 +221,8 @@ def _along_angles(
         tracker.add(system.inertial_shapes(modes.vectors))
         found = {"frequency": modes.frequency, "damping_ratio": modes.damping_ratio}
         if system.rigid_modes:
-            found |= shaft_readings(modes)
+            found["shaft_frequency"] = np.abs(modes.rigid.imag).max(axis=1) / (2 * np.pi)
+            found["shaft_growth_rate"] = modes.rigid.real.max(axis=1)
         if losses is not None:
             states = systems.states(system.motion.crank_angle)
             prestress = systems.formulation.quasi_static_prestress

@@ -32,7 +32,6 @@ MOST_ROUNDS = 12
 ASIDE = 1 / 16
 # Crank angles further apart than this, in rad, are single positions rather than a curve.
 MOST_STEP = np.radians(15.5)
-FULL_TURN = 2 * np.pi
 
 
 @dataclass(frozen=True)
@@ -148,7 +147,7 @@ def extremes_between(
     lowest = brackets.lowest()
     where, extreme = brackets.angle[1, lowest], (sign * brackets.value[1])[lowest]
     if full_turn:
-        where = crank_angles[0] + np.mod(where - crank_angles[0], FULL_TURN)
+        where = crank_angles[0] + np.mod(where - crank_angles[0], 2 * np.pi)
     (low, high), (low_angle, high_angle) = extreme.reshape(shape), where.reshape(shape)
     return Extremes(low, low_angle, high, high_angle)
 
@@ -188,7 +187,7 @@ class _Brackets:
             value = value[: len(angle)]
             around = np.arange(-2, len(angle) + 2)
             turns, around = np.divmod(around, len(angle))
-            angle, value = angle[around] + FULL_TURN * turns, value[around]
+            angle, value = angle[around] + 2 * np.pi * turns, value[around]
         else:
             angle = np.pad(angle, 2, constant_values=np.nan)
             value = np.pad(value, ((2, 2), (0, 0)), constant_values=np.nan)

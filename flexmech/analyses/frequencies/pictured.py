@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.datasets import rigid_positions
 from flexmech.analyses.frequencies.eigenproblem import solve_modes
+from flexmech.analyses.frequencies.extremes import MOST_STEP
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.analyses.frequencies.request import FrequencyRequest
@@ -24,8 +25,6 @@ from flexmech.arrays import FloatArray
 # least this part of the frequency, as in the pictures.
 SEEN, LEAST_RANGE = 4e-3, 4e-3
 MOST_ROUNDS = 3
-# Crank angles further apart than this are single positions rather than a curve.
-MOST_STEP = np.radians(15.5)
 
 Solve = Callable[[FloatArray], FloatArray]
 

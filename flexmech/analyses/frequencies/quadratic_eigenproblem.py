@@ -175,7 +175,8 @@ def quadratic_modes(
         eigenvalues[place] = found[:most]
         if states is not None:
             vectors[place] = own[:size, which[:most]]
-        oscillating[place] = _until_one(creeping[:count])
+        # Before the first one that creeps.
+        oscillating[place] = np.append(creeping[:count], True).argmax()
     return QuadraticModes(eigenvalues, vectors, oscillating, _diverges(inverse), rigid)
 
 
@@ -250,11 +251,6 @@ def _sorted_out(
     values = np.where(creeps, -np.maximum(natural, size), values)
     order = np.argsort(np.abs(values))
     return values[order], which[order], creeps[order]
-
-
-def _until_one(creeping: NDArray[np.bool_]) -> int:
-    """How many modes stand before the first one that creeps."""
-    return int(creeping.argmax()) if creeping.any() else len(creeping)
 
 
 def _diverges(inverse: NDArray[Any]) -> NDArray[np.bool_]:

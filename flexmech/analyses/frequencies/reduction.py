@@ -43,8 +43,8 @@ MATRIX_BYTES = 4_000_000
 
 
 @dataclass(frozen=True)
-class ReductionError:
-    """How far reduced modes are from those of the unreduced matrices; each of shape (B, m).
+class ModeErrors:
+    """How far the lowest modes are off, by component modes or by the mesh; positive, (B, m) each.
 
     Parameters
     ----------
@@ -56,6 +56,10 @@ class ReductionError:
 
     frequency: FloatArray
     damping_ratio: FloatArray
+
+    def at(self, positions: slice) -> ModeErrors:
+        """The errors at some of the positions."""
+        return ModeErrors(self.frequency[positions], self.damping_ratio[positions])
 
     def is_small(self, modes: Modes, *, damped: bool) -> bool:
         """Whether the reduction will do for modes; their damping ratios too, if ``damped``."""
@@ -79,14 +83,14 @@ class CheckedModes:
         Batch of B positions.
     modes : Modes
         The modes asked for and spare ones.
-    reduction_error : ReductionError
+    reduction_error : ModeErrors
         Of the modes asked for.
     """
 
     systems: Systems
     system: LinearSystem
     modes: Modes
-    reduction_error: ReductionError
+    reduction_error: ModeErrors
 
 
 def converged_modes(
@@ -128,7 +132,7 @@ def converged_modes(
         modes = solve_modes(system, count, max(0, min(spare, system.size - count)))
         if not systems.engine.component_modes:
             none = np.zeros((len(modes.frequency), count))
-            return CheckedModes(detailed, system, modes, ReductionError(none, none))
+            return CheckedModes(detailed, system, modes, ModeErrors(none, none))
         error = reduction_error(exact, system, modes.lowest(count))
         if error.is_small(modes, damped=systems.is_damped):
             return CheckedModes(detailed, system, modes, error)
@@ -181,32 +185,28 @@ class UnreducedPositions:
     def pencils(self) -> Iterator[Pencil]:
         """Sparse matrices of each position."""
         count = len(self.crank_angle)
+        at_a_time = max(1, MATRIX_BYTES // (8 * self.systems.engine.frames.size**2))
         if self.sparse is not None:
             yield from (Pencil.of(self.sparse.at(place)) for place in range(count))
-        elif self._at_a_time >= count:
+        elif at_a_time >= count:
             yield from self._every
         else:
-            for start in range(0, count, self._at_a_time):
-                yield from self._at(slice(start, start + self._at_a_time))
+            for start in range(0, count, at_a_time):
+                yield from self._at(slice(start, start + at_a_time))
 
     @cached_property
     def _every(self) -> list[Pencil]:
+        """Of few positions, which are asked for once for each detail."""
         return list(self._at(slice(None)))
 
-    @property
-    def _at_a_time(self) -> int:
-        return max(1, MATRIX_BYTES // (8 * self.systems.engine.frames.size**2))
-
     def _at(self, part: slice) -> Iterator[Pencil]:
-        stressed = self.stressed.at(part)
-        return Pencil.of_positions(
-            self.systems.at(self.crank_angle[part], self.crank_speed[part], stressed)
-        )
+        at = self.crank_angle[part], self.crank_speed[part], self.stressed.at(part)
+        return Pencil.of_positions(self.systems.at(*at))
 
 
 def reduction_error(
     unreduced: UnreducedPositions, reduced: LinearSystem, modes: Modes
-) -> ReductionError:
+) -> ModeErrors:
     """Error of reduced modes against the unreduced matrices.
 
     The reduced modes are improved by one step of inverse iteration on the unreduced
@@ -223,7 +223,7 @@ def reduction_error(
 
     Returns
     -------
-    ReductionError
+    ModeErrors
     """
     shapes = reduced.unreduced_vectors(modes.vectors, unreduced.systems.engine.frames)
     if reduced.is_conservative:
@@ -233,7 +233,7 @@ def reduction_error(
         positions = zip(unreduced.pencils(), modes.eigenvalues, shapes, strict=True)
         improved = np.stack([newton_values(*position) for position in positions])
     better = Modes(improved, modes.vectors)
-    return ReductionError(
+    return ModeErrors(
         frequency=np.abs(modes.frequency / better.frequency - 1),
         damping_ratio=np.abs(modes.damping_ratio - better.damping_ratio),
     )

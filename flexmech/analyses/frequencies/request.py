@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from flexmech.analyses.frequencies.formulation import Formulation
-from flexmech.analyses.requests import in_radians
+from flexmech.analyses.requests import check_list, in_radians
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError
 from flexmech.mechanism import Mechanism
@@ -72,14 +72,10 @@ class FrequencyRequest:
             check_flag(self.speed_effect, "speed_effect")
         angles = in_radians("crank_angles", self.crank_angles)
         speeds = checked_array(self.crank_speeds, "crank_speeds", "rad/s")
-        for name, values in (("crank_angles", angles), ("crank_speeds", speeds)):
-            if values.ndim != 1 or not len(values):
-                raise InputError(f"{name} must be a list of one value or more")
-            object.__setattr__(self, name, values)
-        if np.any(np.diff(angles) <= 0):
-            raise InputError("crank_angles must increase; sort them and leave out repetitions")
-        if len(np.unique(speeds)) != len(speeds):
-            raise InputError("crank_speeds repeats a speed; give each one once")
+        check_list("crank_angles", angles, increasing=True)
+        check_list("crank_speeds", speeds, one="speed")
+        object.__setattr__(self, "crank_angles", angles)
+        object.__setattr__(self, "crank_speeds", speeds)
         shapes_at = np.atleast_1d(in_radians("shapes_at", self.shapes_at))
         if shapes_at.ndim != 1 or len(shapes_at) > MOST_SHAPES:
             raise InputError(f"shapes_at must be a list of {MOST_SHAPES} crank angles at most")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,22 +10,24 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.beam_theory import theory_lines, theory_reason, theory_warnings
-from flexmech.analyses.datasets import DEGREES, table_over
+from flexmech.analyses.beam_theory import theory_lines
+from flexmech.analyses.datasets import table_of
 from flexmech.analyses.frequencies import words
-from flexmech.analyses.frequencies.extremes import known_error
-from flexmech.analyses.frequencies.shaft_mode import shaft_lines, shaft_table
-from flexmech.analyses.remarks import left_out_warnings
+from flexmech.analyses.frequencies.agreement import (
+    DIMS,
+    EngineAgreement,
+    engine_agreement,
+    verdict,
+)
+from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.errors import InputError
-from flexmech.units import from_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-DIMS = ("engine", "crank_speed", "crank_angle", "mode")
 FILES = (
     "frequencies.csv",
     "frequencies.nc",
@@ -42,28 +43,36 @@ FILES = (
     "mode_shapes_*.png",
     "agreement.png",
 )
-
-
-@dataclass(frozen=True)
-class EngineAgreement:
-    """Greatest relative difference of two engines' frequencies, and where it is.
-
-    Parameters
-    ----------
-    engines : tuple of str
-    relative_difference : float
-        ``|f_b / f_a - 1|``.
-    crank_speed, crank_angle : float
-        rad/s and rad.
-    mode : int
-        Counted from 1.
-    """
-
-    engines: tuple[str, str]
-    relative_difference: float
-    crank_speed: float
-    crank_angle: float
-    mode: int
+# Columns of the tables, and their variables: where a row is, and what each table holds there.
+_PLACES = {
+    "engine": "engine",
+    "crank_speed_rad_s": "crank_speed",
+    "crank_angle_deg": "crank_angle",
+    "mode": "mode",
+}
+_COLUMNS = {
+    "frequencies": {
+        "branch": "branch_of_mode",
+        "frequency_Hz": "frequency",
+        "damping_ratio": "damping_ratio",
+    },
+    "vibration_effect": {
+        "frequency_Hz": "frequency",
+        "quasi_static_frequency_Hz": "quasi_static_frequency",
+        "relative_change": "relative_change",
+    },
+    "damping": {"damping_ratio": "strain_energy_damping"},
+    "shaft": {
+        "kind": "shaft_kind",
+        "frequency_Hz": "shaft_frequency",
+        "growth_rate_1_s": "shaft_growth_rate",
+    },
+    "hygrothermal_effect": {
+        "dry_frequency_Hz": "dry_frequency",
+        "frequency_Hz": "frequency",
+        "relative_change": "relative_change",
+    },
+}
 
 
 class MovingFrequencies(Result):
@@ -183,20 +192,7 @@ class MovingFrequencies(Result):
 
         Of a result with states, in the environment asked for.
         """
-        data = self._last.dataset
-        names = [str(name) for name in data["engine"].values]
-        if len(names) < 2:
-            return None
-        first, second = (data["frequency"].isel(engine=i).values for i in (0, 1))
-        difference = np.abs(second / first - 1)
-        speed, angle, mode = np.unravel_index(int(difference.argmax()), difference.shape)
-        return EngineAgreement(
-            engines=(names[0], names[1]),
-            relative_difference=float(difference.max()),
-            crank_speed=float(data["crank_speed"][speed]),
-            crank_angle=float(data["crank_angle"][angle]),
-            mode=int(data["mode"][mode]),
-        )
+        return engine_agreement(self._last.dataset)
 
     def vibration_effect(self) -> xr.DataArray | None:
         """How much vibration itself moves the frequencies, relative to the quasi-static ones.
@@ -225,32 +221,21 @@ class MovingFrequencies(Result):
         """
         if self._has_states:
             dry, wet = (self.state(name) for name in self.states)
-            effect = _rows(
-                dry_frequency_Hz=dry.dataset["frequency"],
-                frequency_Hz=wet.dataset["frequency"],
-                relative_change=self.relative_change(),
+            compared = wet.dataset.assign(
+                dry_frequency=dry.dataset["frequency"], relative_change=self.relative_change()
             )
+            effect = _table(compared, "hygrothermal_effect")
             below = {f"dry/{name}": table for name, table in dry.tables().items()}
             return {**wet.tables(), **below, "hygrothermal_effect": effect}
         data, effect = self.dataset, self.vibration_effect()
-        tables = {
-            self.stem: _rows(
-                branch=data["branch_of_mode"],
-                frequency_Hz=data["frequency"],
-                damping_ratio=data["damping_ratio"],
-            )
-        }
         if effect is not None:
-            tables["vibration_effect"] = _rows(
-                frequency_Hz=data["frequency"],
-                quasi_static_frequency_Hz=data["quasi_static_frequency"],
-                relative_change=effect,
-            )
-        if "strain_energy_damping" in data:
-            tables["damping"] = _rows(damping_ratio=data["strain_energy_damping"])
+            data = data.assign(relative_change=effect)
         if "shaft_frequency" in data:
-            tables["shaft"] = shaft_table(data)
-        return tables
+            data = data.assign(shaft_kind=words.shaft_kind(data))
+        known = data.variables.keys()
+        return {
+            name: _table(data, name) for name, of in _COLUMNS.items() if known >= {*of.values()}
+        }
 
     def datasets(self) -> dict[str, xr.Dataset]:
         """NetCDF files: the result; with states also each of them, as a result of its own."""
@@ -324,7 +309,7 @@ class MovingFrequencies(Result):
     def summary(self) -> Summary:
         """Extremes, errors, branches and damping; the last line compares the engines."""
         last, change = self._last, self.relative_change() if self._has_states else None
-        data, unit = last.dataset, str(self.dataset.attrs.get("speed_unit", "rad/s"))
+        data = last.dataset
         title = f"natural frequencies, {data.attrs.get('mechanism', '')}"
         lines = [
             *theory_lines(self.dataset.attrs),
@@ -334,63 +319,20 @@ class MovingFrequencies(Result):
             *words.vibration_lines(last.vibration_effect(), data),
             *words.damping_ratio_lines(data),
             *words.damping_lines(data),
-            *shaft_lines(data),
+            *words.shaft_lines(data),
             *str(self.dataset.attrs.get("environment_lines", "")).splitlines(),
             *words.change_lines(change),
         ]
         if "speed_effect" in self.dataset and "speed_effect" not in data:
             lines.append("effect of speed: not split by term, since links bend without load")
         table = words.extremes_table(last.extremes(), data, title)
-        attributes = self.dataset.attrs
-        warnings = (*left_out_warnings(attributes), *theory_warnings(attributes))
-        return Summary((table, *lines), self._verdict(unit), warnings)
-
-    def _verdict(self, unit: str) -> str:
-        """How far the engines differ at most, and where; or that only one ran."""
-        found = self.agreement()
-        if found is None:
-            engine = self.dataset["engine"].values[0]
-            return f"engines: no comparison was made, only the {engine} engine ran"
-        first, second = found.engines
-        return (
-            f"engines: {first} and {second} differ by at most {found.relative_difference:.2e} of "
-            f"the frequency, at {from_si(found.crank_speed, unit):.6g} {unit}, "
-            f"{np.degrees(found.crank_angle):.6g} deg, mode {found.mode}"
-            f"{self._judged(found)}"
-        )
-
-    def _judged(self, found: EngineAgreement) -> str:
-        """Whether errors explain how far the engines differ; if not, which one to trust."""
-        data = self._last.dataset
-        there = data.sel(crank_speed=found.crank_speed, mode=found.mode)
-        error = known_error(data).sel(crank_speed=found.crank_speed, mode=found.mode)
-        errors = {name: float(error.sel(engine=name)) for name in found.engines}
-        said = " and ".join(f"{errors[name]:.1e} of {name}" for name in found.engines)
-        if found.relative_difference <= sum(errors.values()) + 10.0**-words.MOST_DECIMALS:
-            beyond = words.beyond_tolerance(found.relative_difference, errors, self.dataset)
-            return f", within their estimated errors ({said}){beyond}"
-        reason = theory_reason(self.dataset.attrs)
-        if reason:
-            return reason
-        effect = self._last.vibration_effect()
-        if effect is not None:
-            moving = str(abs(effect).max(DIMS[1:]).idxmax("engine").item())
-            return f"; trust {moving}, whose links are in the states of the running motion"
-        better = min(errors, key=lambda name: errors[name])
-        kinds = ", ".join(f"{there['element'].sel(engine=n).item()} ({n})" for n in found.engines)
-        return (
-            f", which is beyond their estimated errors ({said}); trust {better}, whose error is "
-            f"the smaller: the elements are {kinds}"
-        )
+        warnings = warnings_of(self.dataset.attrs)
+        return Summary((table, *lines), verdict(data, last.vibration_effect()), warnings)
 
 
-def _rows(**columns: xr.DataArray) -> pd.DataFrame:
-    """Columns side by side, one row for each engine, crank speed, crank angle and mode."""
-    any_of_them = next(iter(columns.values()))
-    places = {
-        "engine": any_of_them["engine"],
-        "crank_speed_rad_s": any_of_them["crank_speed"],
-        "crank_angle_deg": (DEGREES * any_of_them["crank_angle"]).round(9),
-        "mode": any_of_them["mode"],
-    }
-    return table_over(*DIMS, **places, **columns)
+def _table(data: xr.Dataset, name: str) -> pd.DataFrame:
+    """A table over those of the dimensions that its variables have."""
+    columns = _COLUMNS[name]
+    over = [dim for dim in DIMS if any(dim in data[of].dims for of in columns.values())]
+    places = {column: dim for column, dim in _PLACES.items() if dim in over}
+    return table_of(data, over, places | columns)

@@ -104,9 +104,6 @@ def _window(gap: FloatArray, centre: int, ratio: float) -> slice:
     return slice(start, stop)
 
 
-FULL_TURN = 2 * np.pi
-
-
 @dataclass(frozen=True)
 class Branches:
     """Tracked modes along the crank angles of one speed; m modes at A angles.
@@ -177,7 +174,7 @@ class Tracker:
         positions = Positions(crank_angles, frequency, np.concatenate(self._shapes))
         if full_turn:
             # The first angle again; not a step where the last one is the same position.
-            first = positions.crank_angle[0] + FULL_TURN
+            first = positions.crank_angle[0] + 2 * np.pi
             last = max(first, positions.crank_angle[-1])
             asked[-1] = False
             positions = Positions(

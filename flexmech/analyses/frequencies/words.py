@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from flexmech.analyses.frequencies.extremes import known_error
+from flexmech.analyses.remarks import speed_text, speed_unit
 from flexmech.analyses.requests import fewer_modes_lines
 from flexmech.analyses.summary import Table
-from flexmech.units import from_si
 
 MOST_DECIMALS = 6
+RIGID = 1e-3
+"""Frequency in Hz below which the free shaft's mode is a rigid one: at rest it is zero but for the
+root of round-off, and at speed a thousand times as much or more."""
 # What stands for the engines where they agree.
 TOGETHER = ("both", "all")
 
@@ -38,14 +40,14 @@ def extremes_table(extremes: xr.Dataset, dataset: xr.Dataset, title: str) -> Tab
         One row for each speed and mode where the engines agree within their errors, and one for
         each engine where they do not.
     """
-    speed_unit = _unit(dataset)
+    unit = speed_unit(dataset)
     error = known_error(dataset)
     between = "lowest_frequency" in dataset
 
     def row(engine: Any, label: str, speed: float, mode: int) -> tuple[str, ...]:
         where = {"engine": engine, "crank_speed": speed, "mode": mode}
         place, relative = extremes.sel(where), float(error.sel(where))
-        cells = [label, _speed(speed, speed_unit), str(mode)]
+        cells = [label, speed_text(speed, unit), str(mode)]
         for extreme in ("lowest", "highest"):
             angle = place[f"{extreme}_angle"]
             cells.append(known_digits(float(place[extreme]), relative))
@@ -64,7 +66,7 @@ def extremes_table(extremes: xr.Dataset, dataset: xr.Dataset, title: str) -> Tab
             tuple(row(engine, label, speed, mode) for mode in extremes["mode"].values)
             for engine, label in shown
         ]
-    headings = ("engine", speed_unit, "mode", "lowest Hz", "at deg", "highest Hz", "at deg")
+    headings = ("engine", unit, "mode", "lowest Hz", "at deg", "highest Hz", "at deg")
     return Table(title, headings, tuple(groups))
 
 
@@ -137,35 +139,6 @@ def tracking_lines(dataset: xr.Dataset) -> list[str]:
     if torn:
         lines.append(f"branches that are not whole over these angles: {'; '.join(torn)}")
     return lines
-
-
-def beyond_tolerance(apart: float, errors: Mapping[str, float], dataset: xr.Dataset) -> str:
-    """Say why two engines within their errors are farther apart than the tolerance asked for.
-
-    Parameters
-    ----------
-    apart : float
-        Relative difference of their frequencies.
-    errors : mapping of str to float
-        Estimated relative error of either engine, by its name.
-    dataset : xarray.Dataset
-
-    Returns
-    -------
-    str
-        To be added to a sentence; empty where they are not.
-    """
-    tolerance = dataset.attrs.get("tolerance")
-    if tolerance is None or apart <= tolerance:
-        return ""
-    better, coarser = sorted(errors, key=lambda name: errors[name])
-    if errors[coarser] <= tolerance:
-        return f"; each error is within the tolerance of {tolerance:.0e}, both together are not"
-    elements = int(dataset["elements"].sel(engine=coarser).max())
-    return (
-        f"; beyond the tolerance of {tolerance:.0e}, for which {coarser} needs more than the "
-        f"{elements} elements on a link that are taken unasked; trust {better}"
-    )
 
 
 def vibration_lines(effect: xr.DataArray | None, dataset: xr.Dataset) -> list[str]:
@@ -243,6 +216,56 @@ def damping_lines(dataset: xr.Dataset) -> list[str]:
     return [f"damping by modal strain energy: {text}" for text in said]
 
 
+def shaft_lines(dataset: xr.Dataset) -> list[str]:
+    """Say what became of the free shaft's mode, where the shaft is free."""
+    if "shaft_frequency" not in dataset:
+        return []
+    kinds = shaft_kind(dataset)
+    lines = []
+    if bool((kinds == "rigid").all()):
+        return [
+            f"rigid: the mode of the free shaft, below {RIGID:g} Hz in all positions; it is not "
+            "counted among the modes"
+        ]
+    at_rest = (dataset["crank_speed"] == 0).values
+    if at_rest.any() and bool((kinds.isel(crank_speed=at_rest) == "rigid").all()):
+        lines.append(
+            f"rigid: the mode of the free shaft, below {RIGID:g} Hz at rest; it is not counted "
+            "among the modes"
+        )
+    moving = kinds.isel(crank_speed=~at_rest) if at_rest.any() else kinds
+    counts = {kind: int((moving == kind).sum()) for kind in ("rigid", "oscillates", "diverges")}
+    said = ", ".join(f"{kind} at {count}" for kind, count in counts.items() if count)
+    highest = float(dataset["shaft_frequency"].max())
+    growth = float(dataset["shaft_growth_rate"].max())
+    lines.append(
+        f"shaft: its mode, frozen at the crank angle, {said} of {moving.size} positions"
+        f"{' at speed' if at_rest.any() else ''}; frequency at most {highest:.4g} Hz, growth rate "
+        f"at most {growth:.4g} 1/s; it is not counted among the modes"
+    )
+    return lines
+
+
+def shaft_kind(dataset: xr.Dataset) -> xr.DataArray:
+    """What the shaft's mode does in each position.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a map whose shaft is free.
+
+    Returns
+    -------
+    xarray.DataArray
+        Over (engine, crank_speed, crank_angle): ``rigid`` below :data:`RIGID`, else
+        ``oscillates`` or ``diverges``.
+    """
+    frequency, growth = dataset["shaft_frequency"], dataset["shaft_growth_rate"]
+    kind = np.where(frequency.values > 0, "oscillates", "diverges")
+    fastest = np.maximum(frequency.values, np.abs(growth.values) / (2 * np.pi))
+    return frequency.copy(data=np.where(fastest < RIGID, "rigid", kind))
+
+
 def change_lines(change: xr.DataArray | None) -> list[str]:
     """How far heat and moisture move each frequency over the crank angles and speeds.
 
@@ -284,10 +307,11 @@ def _veering(flags: xr.DataArray, engine: str, dataset: xr.Dataset) -> list[str]
         return []
     speeds = flags["crank_speed"].values[positions.any("crank_angle").values]
     modes = flags["mode"].values[flags.any(["crank_speed", "crank_angle"]).values]
-    unit = _unit(dataset)
+    unit = speed_unit(dataset)
+    where = ", ".join(speed_text(speed, unit) for speed in speeds)
     return [
         f"{engine} at {int(positions.sum())} of {positions.size} positions "
-        f"(modes {', '.join(map(str, modes))}; {', '.join(_speed(s, unit) for s in speeds)} {unit})"
+        f"(modes {', '.join(map(str, modes))}; {where} {unit})"
     ]
 
 
@@ -296,11 +320,11 @@ def _unclear(place: xr.Dataset) -> list[str]:
     # Results of before this was looked at do not have it.
     if "branch_unclear" not in place or not place["branch_unclear"].any():
         return []
-    flags, unit = place["branch_unclear"].astype(bool), _unit(place)
+    flags, unit = place["branch_unclear"].astype(bool), speed_unit(place)
     modes = place["mode"].values[flags.any("crank_angle").values]
     angles = place["crank_angle"].values[flags.any("mode").values]
     return [
-        f"{place['engine'].item()} at {_speed(float(place['crank_speed']), unit)} {unit}, modes "
+        f"{place['engine'].item()} at {speed_text(place['crank_speed'], unit)} {unit}, modes "
         f"{', '.join(map(str, modes))}, before {', '.join(map(_degrees, angles))} deg"
     ]
 
@@ -312,8 +336,8 @@ def _torn_branches(place: xr.Dataset) -> list[str]:
     torn = branches[met & ~place["branch_whole"].values.astype(bool)]
     if not torn.size:
         return []
-    unit = _unit(place)
-    speed = _speed(float(place["crank_speed"]), unit)
+    unit = speed_unit(place)
+    speed = speed_text(place["crank_speed"], unit)
     return [f"{place['engine'].item()} at {speed} {unit} ({', '.join(map(str, torn))})"]
 
 
@@ -337,20 +361,12 @@ def _greatest(values: xr.DataArray) -> dict[Any, Any]:
 
 def _at(place: xr.DataArray, dataset: xr.Dataset) -> str:
     """Where a value stands: its crank speed, crank angle and mode."""
-    unit = _unit(dataset)
+    unit = speed_unit(dataset)
     angle = place["crank_angle" if "crank_angle" in place.coords else "check_angle"]
     return (
-        f"at {_speed(float(place['crank_speed']), unit)} {unit}, {_degrees(angle)} deg, "
+        f"at {speed_text(place['crank_speed'], unit)} {unit}, {_degrees(angle)} deg, "
         f"mode {place['mode'].item()}"
     )
-
-
-def _unit(dataset: xr.Dataset) -> str:
-    return str(dataset.attrs.get("speed_unit", "rad/s"))
-
-
-def _speed(speed: float, unit: str) -> str:
-    return f"{from_si(speed, unit):.6g}"
 
 
 def _degrees(angle: Any) -> str:

@@ -8,7 +8,8 @@ response point.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -199,7 +200,7 @@ def measured(
     Raises
     ------
     InputError
-        As of :func:`flexmech.analyses.hammer.hammer_test`.
+        As of :func:`flexmech.hammer_test`.
     ComputationError
         If a step of Exudyn does not converge.
     """
@@ -269,7 +270,7 @@ def _estimated(
         impact,
         request.response,
         request.direction,
-        lambda done, total: report(label, done, total),
+        partial(report, label),
     )
     generator = np.random.default_rng([request.seed, *numbers])
     force, response = (
@@ -289,10 +290,5 @@ def _estimated(
 def _in_band(whole: FrfEstimate, bandwidth: float) -> FrfEstimate:
     """The lines above zero and up to the bandwidth."""
     kept = (whole.frequency > 0) & (whole.frequency <= bandwidth * (1 + 1e-9))
-    return FrfEstimate(
-        frequency=whole.frequency[kept],
-        h1=whole.h1[kept],
-        h2=whole.h2[kept],
-        coherence=whole.coherence[kept],
-        added_damping=whole.added_damping,
-    )
+    parts = {name: getattr(whole, name)[kept] for name in ("frequency", "h1", "h2", "coherence")}
+    return replace(whole, **parts)

@@ -29,7 +29,7 @@ _BEFORE, _AFTER, _TAPER = 6.25, 6.0, 2.0
 _EXCITED = 1.3
 """Frequency times pulse duration at which the pulse's spectrum has fallen by 20 dB."""
 # Steps of the transient a sample, and a pulse at least.
-_STEPS_A_SAMPLE, _STEPS_A_PULSE = 10, 20
+_STEPS_A_SAMPLE, STEPS_A_PULSE = 10, 20
 # Times as many where they cost nothing: the exact transient's force is sampled more finely.
 _EXACT = 4
 _MOST_STEPS = 4_000_000
@@ -128,7 +128,7 @@ def planned_record(request: HammerRequest, locked: Sequence[LockedLinkage]) -> R
         )
     lasting = samples / rate - start - pulse
     missing = -np.log(LEFT) / lasting - slowest
-    oversampling = max(_STEPS_A_SAMPLE, int(np.ceil(_STEPS_A_PULSE / (pulse * rate))))
+    oversampling = max(_STEPS_A_SAMPLE, int(np.ceil(STEPS_A_PULSE / (pulse * rate))))
     if not locked[0].engine.simulates:
         oversampling *= _EXACT
     if samples * oversampling > _MOST_STEPS:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.analyses.requests import in_radians
+from flexmech.analyses.requests import check_list, in_radians
 from flexmech.arrays import FloatArray
 from flexmech.choices import (
     LINK_DIRECTIONS,
@@ -98,21 +98,13 @@ class HammerRequest:
     grid: int | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "crank_angles", _checked_angles(self.crank_angles))
-        for name in ("impact", "response"):
-            check_instance(getattr(self, name), LinkPoint, name, "give a flexmech.LinkPoint")
-        check_choice(self.direction, LINK_DIRECTIONS, "direction")
-        check_choice(self.prestress, PRESTRESS_LEVELS, "prestress")
-        check_count(self.averages, "averages")
-        if self.averages > _MOST_AVERAGES:
-            raise InputError(f"averages: {self.averages} impacts; ask for {_MOST_AVERAGES} at most")
+        angles = np.atleast_1d(in_radians("crank_angles", self.crank_angles))
+        check_list("crank_angles", angles, increasing=True)
+        object.__setattr__(self, "crank_angles", angles)
+        check_impacts(self)
         check_count(self.modes, "modes", most=MOST_MODES)
-        check_count(self.seed, "seed", 0)
         if self.grid is not None:
             check_count(self.grid, "grid", 2, "points a link")
-        units = {"bandwidth": "Hz", "duration": "s", "pulse": "s"}
-        check_fields(self, units, POSITIVE, optional=True)
-        check_number(self.noise, "noise", bounds=NOT_NEGATIVE)
         if self.pulse is not None and self.duration is not None and self.pulse >= self.duration:
             raise InputError(
                 f"the pulse of {self.pulse:g} s is longer than the record of {self.duration:g} s; "
@@ -125,11 +117,27 @@ class HammerRequest:
         return np.asarray(self.crank_angles, dtype=float)
 
 
-def _checked_angles(values: ArrayLike) -> FloatArray:
-    """Crank angles in rad, one or more that increase."""
-    angles = np.atleast_1d(in_radians("crank_angles", values))
-    if angles.ndim != 1 or not len(angles):
-        raise InputError("crank_angles must be a list of one value or more")
-    if np.any(np.diff(angles) <= 0):
-        raise InputError("crank_angles must increase; give each angle once")
-    return angles
+def check_impacts(request: object) -> None:
+    """Refuse points, directions, records and noise that no hammer test can have.
+
+    Parameters
+    ----------
+    request : HammerRequest or RunningHammerRequest
+
+    Raises
+    ------
+    InputError
+    """
+    asked = vars(request)
+    for name in ("impact", "response"):
+        check_instance(
+            asked[name], LinkPoint, name, "write flexmech.LinkPoint.parse('coupler:0.5')"
+        )
+    check_choice(asked["direction"], LINK_DIRECTIONS, "direction")
+    check_choice(asked["prestress"], PRESTRESS_LEVELS, "prestress")
+    check_count(asked["averages"], "averages", most=_MOST_AVERAGES)
+    check_count(asked["seed"], "seed", 0)
+    check_fields(
+        request, {"bandwidth": "Hz", "duration": "s", "pulse": "s"}, POSITIVE, optional=True
+    )
+    check_number(asked["noise"], "noise", bounds=NOT_NEGATIVE)

@@ -11,10 +11,10 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.beam_theory import theory_lines, theory_warnings
-from flexmech.analyses.datasets import DEGREES, table_over
+from flexmech.analyses.beam_theory import theory_lines
+from flexmech.analyses.datasets import DEGREES, table_of
 from flexmech.analyses.hammer.uff import uff_contents
-from flexmech.analyses.remarks import left_out_warnings
+from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.arrays import FloatArray
@@ -25,6 +25,33 @@ from flexmech.measured_data import write_uff
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+
+_OVER_MODES = {"crank_angle_deg": "crank_angle", "mode": "mode"}
+# Columns of the tables, and their variables.
+_FRF = {
+    "crank_angle_deg": "crank_angle",
+    "frequency_Hz": "frequency",
+    "receptance_real_m_N": "unwindowed_receptance_real",
+    "receptance_imag_m_N": "unwindowed_receptance_imag",
+    "coherence": "coherence",
+}
+_IDENTIFIED = _OVER_MODES | {
+    "frequency_Hz": "identified_frequency",
+    "damping_ratio": "identified_damping_ratio",
+    "eigen_frequency_Hz": "eigen_frequency",
+    "eigen_damping_ratio": "eigen_damping_ratio",
+    "mac": "mac",
+}
+_SHAPES = _OVER_MODES | {
+    "link": "point_link",
+    "fraction": "point_fraction",
+    "shape_real": "shape_real",
+    "shape_imag": "shape_imag",
+    "eigen_shape_real": "eigen_shape_real",
+    "eigen_shape_imag": "eigen_shape_imag",
+    "complexity_factor": "complexity_factor",
+}
 
 
 class HammerTest(Result):
@@ -67,15 +94,7 @@ class HammerTest(Result):
         -------
         pandas.DataFrame
         """
-        data = self.dataset
-        return table_over(
-            *("crank_angle", "frequency"),
-            crank_angle_deg=DEGREES * data["crank_angle"],
-            frequency_Hz=data["frequency"],
-            receptance_real_m_N=data["unwindowed_receptance_real"],
-            receptance_imag_m_N=data["unwindowed_receptance_imag"],
-            coherence=data["coherence"],
-        )
+        return table_of(self.dataset, ("crank_angle", "frequency"), _FRF)
 
     def identified(self) -> pd.DataFrame:
         """Modes of the band: identified ones beside those of the eigen model.
@@ -86,17 +105,7 @@ class HammerTest(Result):
             Not a number where a mode was not identified; ``mac`` where the impact roves over a
             grid.
         """
-        data = self.dataset
-        table = table_over(
-            *("crank_angle", "mode"),
-            crank_angle_deg=DEGREES * data["crank_angle"],
-            mode=data["mode"],
-            frequency_Hz=data["identified_frequency"],
-            damping_ratio=data["identified_damping_ratio"],
-            eigen_frequency_Hz=data["eigen_frequency"],
-            eigen_damping_ratio=data["eigen_damping_ratio"],
-            mac=data["mac"],
-        )
+        table = table_of(self.dataset, ("crank_angle", "mode"), _IDENTIFIED)
         return table.dropna(subset=["eigen_frequency_Hz"], ignore_index=True)
 
     def shapes(self) -> pd.DataFrame:
@@ -111,23 +120,11 @@ class HammerTest(Result):
         InputError
             If no grid was roved.
         """
-        data = self.dataset
-        if "point" not in data.dims:
+        if "point" not in self.dataset.dims:
             raise InputError(
                 "this hammer test has no grid of impacts; ask for it by grid=N (--grid N)"
             )
-        table = table_over(
-            *("crank_angle", "mode", "point"),
-            crank_angle_deg=DEGREES * data["crank_angle"],
-            mode=data["mode"],
-            link=data["point_link"],
-            fraction=data["point_fraction"],
-            shape_real=data["shape_real"],
-            shape_imag=data["shape_imag"],
-            eigen_shape_real=data["eigen_shape_real"],
-            eigen_shape_imag=data["eigen_shape_imag"],
-            complexity_factor=data["complexity_factor"],
-        )
+        table = table_of(self.dataset, ("crank_angle", "mode", "point"), _SHAPES)
         return table.dropna(subset=["eigen_shape_real"], ignore_index=True)
 
     def tables(self) -> dict[str, pd.DataFrame]:
@@ -176,11 +173,7 @@ class HammerTest(Result):
             *_record_lines(data),
             *theory_lines(data.attrs),
         )
-        warned = (
-            *_unfound_warnings(data),
-            *left_out_warnings(data.attrs),
-            *theory_warnings(data.attrs),
-        )
+        warned = (*_unfound_warnings(data), *warnings_of(data.attrs))
         return Summary(parts, _verdict(data), warned)
 
     def save_uff(self, folder: str | Path) -> list[Path]:

@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.datasets import DEGREES, table_over
+from flexmech.analyses.datasets import DEGREES, Columns, columns_along, table_of
 from flexmech.analyses.remarks import crank_speed_text
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
@@ -20,6 +20,11 @@ if TYPE_CHECKING:
 
 # Relative difference up to which two values are the same.
 _SAME = 1e-12
+# Angles that some linkages have, in words.
+_TRANSMISSION = {
+    "transmission_angle": "transmission angle",
+    "reversed_transmission_angle": "transmission angle with the rocker driving",
+}
 
 
 class Kinematics(Result):
@@ -114,74 +119,63 @@ class Kinematics(Result):
         mean = _mean(data["driving_power"])
         if mean is not None:
             lines.append(f"mean driving power over the turn: {_number(mean, power)} W")
-        for angle, words in (
-            ("transmission_angle", "transmission angle"),
-            ("reversed_transmission_angle", "transmission angle with the rocker driving"),
-        ):
+        for angle, words in _TRANSMISSION.items():
             if angle in data:
                 lines.append(_extremes(words, DEGREES * data[angle], "deg"))
         return Summary((motion, joints, *lines))
 
 
-def _degrees(data: xr.Dataset) -> xr.DataArray:
-    return (DEGREES * data["crank_angle"]).round(9)
-
-
-def _components(vector: xr.DataArray, column: str) -> dict[str, xr.DataArray]:
-    """Columns of a vector in the plane, named by its axes."""
-    return {column.format(axis): vector.sel(component=axis) for axis in "xy"}
-
-
 def _motion_table(data: xr.Dataset) -> pd.DataFrame:
-    return table_over(
-        *("crank_angle", "link"),
-        crank_angle_deg=_degrees(data),
-        link=data["link"],
-        angle_deg=DEGREES * data["angle"],
-        angular_velocity_rad_s=data["angular_velocity"],
-        angular_acceleration_rad_s2=data["angular_acceleration"],
-        **_components(data["centre_position"], "centre_{}_m"),
-        **_components(data["centre_acceleration"], "centre_a{}_m_s2"),
-        **_components(data["inertia_force"], "inertia_force_{}_N"),
-        inertia_moment_Nm=data["inertia_moment"],
-    )
+    vectors = {
+        "centre_{}_m": "centre_position",
+        "centre_a{}_m_s2": "centre_acceleration",
+        "inertia_force_{}_N": "inertia_force",
+    }
+    columns: Columns = {
+        "crank_angle_deg": "crank_angle",
+        "link": "link",
+        "angle_deg": "angle",
+        "angular_velocity_rad_s": "angular_velocity",
+        "angular_acceleration_rad_s2": "angular_acceleration",
+        **_components(data, vectors),
+        "inertia_moment_Nm": "inertia_moment",
+    }
+    return table_of(data, ("crank_angle", "link"), columns)
 
 
 def _force_table(data: xr.Dataset, of: str = "") -> pd.DataFrame:
-    return table_over(
-        *("crank_angle", "joint"),
-        crank_angle_deg=_degrees(data),
-        joint=data["joint"],
-        **_components(data[f"{of}joint_force"], "{}_N"),
-        moment_Nm=data[f"{of}joint_moment"],
-    )
+    columns: Columns = {
+        "crank_angle_deg": "crank_angle",
+        "joint": "joint",
+        **_components(data, {"{}_N": f"{of}joint_force"}),
+        "moment_Nm": f"{of}joint_moment",
+    }
+    return table_of(data, ("crank_angle", "joint"), columns)
 
 
 def _drive_table(data: xr.Dataset, of: str = "") -> pd.DataFrame:
-    angles = {
-        f"{name}_deg": DEGREES * data[name]
-        for name in ("transmission_angle", "reversed_transmission_angle")
-        if name in data and not of
-    }
-    return table_over(
-        "crank_angle",
-        crank_angle_deg=_degrees(data),
-        torque_Nm=data[f"{of}driving_torque"],
-        power_W=data[f"{of}driving_power"],
-        **angles,
-    )
+    columns = {"torque_Nm": f"{of}driving_torque", "power_W": f"{of}driving_power"}
+    if not of:
+        columns |= {f"{angle}_deg": angle for angle in _TRANSMISSION if angle in data}
+    return table_of(data, ("crank_angle",), {"crank_angle_deg": "crank_angle", **columns})
 
 
 def _lump_table(data: xr.Dataset) -> pd.DataFrame:
-    return table_over(
-        *("crank_angle", "lump"),
-        crank_angle_deg=_degrees(data),
-        link=data["lump_link"],
-        position_m=data["lump_position"],
-        mass_kg=data["lump_mass"],
-        **_components(data["lump_acceleration"], "a{}_m_s2"),
-        **_components(data["lump_inertia_force"], "inertia_force_{}_N"),
-    )
+    vectors = {"a{}_m_s2": "lump_acceleration", "inertia_force_{}_N": "lump_inertia_force"}
+    columns: Columns = {
+        "crank_angle_deg": "crank_angle",
+        "link": "lump_link",
+        "position_m": "lump_position",
+        "mass_kg": "lump_mass",
+        **_components(data, vectors),
+    }
+    return table_of(data, ("crank_angle", "lump"), columns)
+
+
+def _components(data: xr.Dataset, vectors: dict[str, str]) -> dict[str, xr.DataArray]:
+    """Columns of vectors in the plane, named by its axes."""
+    parts = (columns_along(form, data[name], "component") for form, name in vectors.items())
+    return {column: values for part in parts for column, values in part.items()}
 
 
 def _link_row(link: xr.Dataset) -> tuple[str, ...]:

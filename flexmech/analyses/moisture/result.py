@@ -8,13 +8,18 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.datasets import table_over
+from flexmech.analyses.datasets import Columns, table_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.units import ZERO_CELSIUS, from_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+# Columns of the tables, and their variables; moisture as percentages besides.
+_PROFILE = {"link": "link", "time_s": "profile_time", "place_m": "place"}
+_LAWS = {name: name for name in ("uptake", "short_time_uptake", "shen_springer_uptake")}
 
 
 class MoistureUptake(Result):
@@ -45,22 +50,16 @@ class MoistureUptake(Result):
     def tables(self) -> dict[str, pd.DataFrame]:
         """Profiles at some times, and the uptake over time with the laws beside it."""
         data = self.dataset
-        profile = table_over(
-            *("link", "profile_time", "cell"),
-            link=data["link"],
-            time_s=data["profile_time"],
-            place_m=data["place"],
-            moisture_percent=100 * data["profile"],
-        )
-        laws = ("uptake", "short_time_uptake", "shen_springer_uptake")
-        uptake = table_over(
-            *("link", "time"),
-            link=data["link"],
-            time_s=data["time"],
-            sqrt_time_sqrt_s=data["time"] ** 0.5,
-            moisture_percent=100 * data["moisture"],
-            **{name: data[name] for name in laws},
-        )
+        columns: Columns = {**_PROFILE, "moisture_percent": 100 * data["profile"]}
+        profile = table_of(data, ("link", "profile_time", "cell"), columns)
+        columns = {
+            "link": "link",
+            "time_s": "time",
+            "sqrt_time_sqrt_s": data["time"] ** 0.5,
+            "moisture_percent": 100 * data["moisture"],
+            **_LAWS,
+        }
+        uptake = table_of(data, ("link", "time"), columns)
         return {"moisture_profile": profile.dropna(), "moisture_uptake": uptake}
 
     def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:

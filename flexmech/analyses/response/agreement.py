@@ -17,8 +17,9 @@ _ERRORS = {
     "driving_torque": "torque",
     "peak_driving_torque": "peak_torque",
 }
-# Deflection over a link's length beyond which linear kinematics shows.
-_LARGE_BOW = 0.01
+LARGE_BOW = 0.01
+"""Deflection over a link's length beyond which linear equations show: a damping time that is fitted
+to deflections of 3 mm of 280 mm is off by 2 %, to 6.5 mm by 5 %."""
 
 
 def errors_of(dataset: xr.Dataset) -> xr.Dataset:
@@ -180,7 +181,7 @@ def _large_bow(dataset: xr.Dataset) -> str:
     """Why to trust the engine whose displacements may be large; nothing where they are small."""
     bow = abs(dataset["deflection"]).max(("engine", "time")) / dataset["length"]
     simulated = dataset["engine"].values[dataset["nonlinear"].values.astype(bool)]
-    if float(bow.max()) <= _LARGE_BOW or len(simulated) != 1:
+    if float(bow.max()) <= LARGE_BOW or len(simulated) != 1:
         return ""
     link, most = bow.idxmax("link").item(), 100 * float(bow.max())
     return (

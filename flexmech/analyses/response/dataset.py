@@ -9,7 +9,8 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.datasets import attributes_of, provenance, rigid_positions
-from flexmech.analyses.frequencies import Formulation, frequencies_at
+from flexmech.analyses.frequencies.formulation import Formulation
+from flexmech.analyses.frequencies.positions import frequencies_at
 from flexmech.analyses.response import measurements
 from flexmech.analyses.response.measurements import peaks_between
 from flexmech.analyses.response.plan import SPECTRUM_REACH, RunPlan, oscillating, vibrating_engine

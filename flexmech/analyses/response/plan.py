@@ -9,7 +9,7 @@ import numpy as np
 import scipy.linalg
 
 from flexmech.analyses.damping_ratios import with_damping_time
-from flexmech.analyses.frequencies import natural_frequencies
+from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import engines_of, sampled_turn
 from flexmech.analyses.response.request import MOST_SAMPLES, NO_PERIODIC_START, ResponseRequest

@@ -12,9 +12,9 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.beam_theory import theory_lines, theory_warnings
-from flexmech.analyses.datasets import DEGREES, table_over
-from flexmech.analyses.remarks import crank_speed_text
+from flexmech.analyses.beam_theory import theory_lines
+from flexmech.analyses.datasets import Columns, columns_along, table_of
+from flexmech.analyses.remarks import crank_speed_text, warnings_of
 from flexmech.analyses.response import words
 from flexmech.analyses.response.agreement import (
     agreement_line,
@@ -201,24 +201,23 @@ class Response(Result):
     def tables(self) -> dict[str, pd.DataFrame]:
         """Histories, one row for each engine and sample."""
         data = self.dataset
-        deflection, strain, force = data["deflection"], data["strain"], data["joint_force"]
-        pinned, clamped = (data["link"][data["probe"] == at].values for at in ("middle", "tip"))
-        columns: dict[str, xr.DataArray] = {
-            "engine": data["engine"],
-            "time_s": data["time"],
-            "crank_angle_deg": (DEGREES * data["crank_angle"]).round(9),
-            **{f"{link}_mid_deflection_m": deflection.sel(link=link) for link in pinned},
-            **{f"{link}_tip_deflection_m": deflection.sel(link=link) for link in clamped},
-            **{f"{link}_mid_strain": strain.sel(link=link) for link in pinned},
-            "driving_torque_Nm": data["driving_torque"],
-            **words.shaft_columns(data),
-            **{
-                f"pin_{joint}_{axis}_N": force.sel(joint=joint, component=axis)
-                for joint in self.pins
-                for axis in ("x", "y")
-            },
+        pinned, clamped = (data.sel(link=data["probe"] == at) for at in ("middle", "tip"))
+        columns: Columns = {
+            "engine": "engine",
+            "time_s": "time",
+            "crank_angle_deg": "crank_angle",
+            **columns_along("{}_mid_deflection_m", pinned["deflection"], "link"),
+            **columns_along("{}_tip_deflection_m", clamped["deflection"], "link"),
+            **columns_along("{}_mid_strain", pinned["strain"], "link"),
+            "driving_torque_Nm": "driving_torque",
         }
-        return {self.stem: table_over("engine", "time", **columns)}
+        if "shaft_rotation" in data:
+            columns["shaft_rotation_deg"] = "shaft_rotation"
+            columns["crank_speed_fluctuation_rad_s"] = "crank_speed_fluctuation"
+        for joint in self.pins:
+            force = data["joint_force"].sel(joint=joint)
+            columns |= columns_along(f"pin_{joint}_{{}}_N", force, "component")
+        return {self.stem: table_of(data, ("engine", "time"), columns)}
 
     @property
     def pins(self) -> list[str]:
@@ -312,4 +311,4 @@ class Response(Result):
             *data.attrs["environment_lines"].splitlines(),
         )
         verdict = agreement_line(agreement, data)
-        return Summary(parts, verdict, theory_warnings(data.attrs))
+        return Summary(parts, verdict, warnings_of(data.attrs))

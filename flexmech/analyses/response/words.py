@@ -15,7 +15,7 @@ from flexmech.analyses.summary import Table
 _MOST_DIGITS = 4
 # Of deflections in the table of peaks.
 _TABLE_DIGITS = 5
-# Rotation of a free shaft in rad beyond which equations that are linear in it show.
+# Rotation of a free shaft in rad beyond which equations for small ones show.
 _LARGE_ROTATION = np.radians(5)
 # A crank angle this close below a whole turn, in turns, is the turn's end.
 _WHOLE_TURN = 1e-9
@@ -33,7 +33,7 @@ def peak_table(
     Parameters
     ----------
     peaks : xarray.Dataset
-        Of :meth:`flexmech.analyses.response.Response.peaks`.
+        Of :meth:`flexmech.analyses.Response.peaks`.
     start : float
         Crank angle at time zero in rad.
     title : str
@@ -122,16 +122,6 @@ def _greatest(errors: xr.DataArray) -> xr.DataArray:
     return errors.max([name for name in errors.dims if name != "engine"])
 
 
-def shaft_columns(data: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Columns of a free shaft's rotation and speed over (engine, time); none where it is not."""
-    if "shaft_rotation" not in data:
-        return {}
-    return {
-        "shaft_rotation_deg": DEGREES * data["shaft_rotation"],
-        "crank_speed_fluctuation_rad_s": data["crank_speed_fluctuation"],
-    }
-
-
 def shaft_lines(data: xr.Dataset) -> list[str]:
     """Report how far a free shaft leaves its prescribed motion, and what linear theory makes of it.
 
@@ -157,9 +147,9 @@ def shaft_lines(data: xr.Dataset) -> list[str]:
     linear = peak.sel(engine=~data["nonlinear"].astype(bool))
     if linear.sizes["engine"] and float(linear.max()) > _LARGE_ROTATION:
         lines.append(
-            f"shaft: the equations of {', '.join(map(str, linear['engine'].values))} are linear in "
-            f"its rotation, which is beyond the {np.degrees(_LARGE_ROTATION):.0f} deg up to which "
-            "that holds; trust the exudyn engine, or give the shaft more inertia"
+            f"shaft: the equations of {', '.join(map(str, linear['engine'].values))} are for "
+            f"small rotations, its own is beyond the {np.degrees(_LARGE_ROTATION):.0f} deg up to "
+            "which they hold; trust the exudyn engine, or give the shaft more inertia"
         )
     return lines
 
@@ -170,7 +160,7 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
     Parameters
     ----------
     peaks : xarray.Dataset
-        Of :meth:`flexmech.analyses.response.Response.peaks`.
+        Of :meth:`flexmech.analyses.Response.peaks`.
     data : xarray.Dataset
         Of the response.
 

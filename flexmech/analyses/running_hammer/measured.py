@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from flexmech.analyses.response import ResponseRequest
+from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.start import linear_start
 from flexmech.analyses.running_hammer.plan import RunPlan
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
@@ -34,7 +35,7 @@ _HALVING = 0.01
 _MOST_HALVINGS = 4
 # An order whose greatest amplitude is below this part of that of the strongest order is measured
 # by the latter: where the linkage is a rotating arm, all but order 0 are round-off.
-_FAINT = 1e-4
+FAINT = 1e-4
 
 
 @dataclass(frozen=True)
@@ -89,11 +90,11 @@ def measured_response(
     ComputationError
         If a run fails, or no impact is small enough.
     """
-    added, twin = added_by_impacts(run, plan, _labelled(report, "impacts"))
+    added, twin = added_by_impacts(run, plan, partial(report, "impacts"))
     whole = _estimated(plan, added)
     for _ in range(_MOST_HALVINGS):
         half_plan = plan.softer(0.5)
-        label = _labelled(report, "impacts of half the force")
+        label = partial(report, "impacts of half the force")
         half_added, _ = added_by_impacts(run, half_plan, label, twin)
         half = _estimated(half_plan, half_added)
         change = _change(whole.response, half.response, request.orders)
@@ -118,10 +119,6 @@ def measured_response(
         peak_response=float(size.max()),
         twin_defect=float(unrepeated / max(np.abs(twin).max(), size.max())),
     )
-
-
-def _labelled(report: LabelledProgress, label: str) -> Callable[[int, int], None]:
-    return lambda done, total: report(label, done, total)
 
 
 def _estimated(plan: RunPlan, added: FloatArray) -> HarmonicEstimate:
@@ -166,7 +163,7 @@ def _change(whole: ComplexArray, half: ComplexArray, orders: int) -> FloatArray:
     asked = slice(middle - orders, middle + orders + 1)
     apart = np.abs(whole[asked] - half[asked]).max(axis=1)
     size = np.abs(whole[asked]).max(axis=1)
-    return np.asarray(apart / np.maximum(size, _FAINT * size.max()))
+    return np.asarray(apart / np.maximum(size, FAINT * size.max()))
 
 
 # Natural frequencies that the reduction of engines that do not simulate gets right at least.

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmech.analyses.hammer.plan import STEPS_A_PULSE
+from flexmech.analyses.response.run import STEPS_PER_PERIOD
 from flexmech.analyses.running_hammer.prediction import Prediction
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.arrays import FloatArray, IntArray
@@ -22,9 +24,6 @@ GUARD_ORDERS = 3
 # of their distance crank angles are jittered to either side.
 _SPARE_IMPACTS = 2
 _JITTER = 0.1
-# Steps in a period of the bandwidth, and in a pulse.
-_STEPS_A_PERIOD = 40
-_STEPS_A_PULSE = 20
 # Of a turn, at least: a degree; and of a run, more of which take hours.
 _LEAST_STEPS = 360
 _MOST_STEPS = 1_000_000
@@ -134,7 +133,7 @@ def planned(
             f"a pulse of {pulse:.4g} s is longer than the record of {turns * time:.4g} s; give a "
             "shorter --pulse, or a longer --duration"
         )
-    shortest = min(1 / (_STEPS_A_PERIOD * bandwidth), pulse / _STEPS_A_PULSE)
+    shortest = min(1 / (STEPS_PER_PERIOD * bandwidth), pulse / STEPS_A_PULSE)
     steps = max(_LEAST_STEPS, 2 * int(np.ceil(time / shortest / 2)))
     if steps * turns > _MOST_STEPS:
         raise InputError(

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.analyses.damping_ratios import with_damping_time
-from flexmech.analyses.frequencies import natural_frequencies
+from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
-from flexmech.analyses.stability import LinkageSolver
+from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.dynamical_systems import (
@@ -20,7 +20,7 @@ from flexmech.dynamical_systems import (
     state_modes,
 )
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
-from flexmech.linear_system import Engine, LinearSystem, LinkPoint, StressedLinks, point_rows
+from flexmech.linear_system import Engine, StressedLinks, point_rows
 from flexmech.linkages import RigidMotion
 from flexmech.time_domain import forced_linkage
 
@@ -225,7 +225,8 @@ def frozen_response(
         prestress=request.prestress,
         rotation_terms=False,
     )
-    read, put = (_rows(system, point, request) for point in (request.response, request.impact))
+    points = (request.response, request.impact)
+    read, put = (point_rows(system, point, request.direction) for point in points)
     total: ComplexArray = np.zeros((len(orders), len(frequency)), dtype=complex)
     for number in range(_FROZEN_ANGLES):
         matrices = (system.mass[number], system.damping[number], system.stiffness[number])
@@ -233,10 +234,6 @@ def frozen_response(
         own = modes.receptance(read[number, None], put[number, None], frequency)[:, 0, 0]
         total += np.exp(-1j * orders * phase[number])[:, None] * own
     return np.asarray(total / _FROZEN_ANGLES)
-
-
-def _rows(system: LinearSystem, point: LinkPoint, request: RunningHammerRequest) -> FloatArray:
-    return point_rows(system, point, request.direction)
 
 
 def _modes_below(engine: Engine, frequency: float) -> int:

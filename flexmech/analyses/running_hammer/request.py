@@ -6,21 +6,14 @@ from dataclasses import dataclass, field
 
 from flexmech import choices
 from flexmech.analyses.damping_ratios import DAMPING_RATIO
+from flexmech.analyses.hammer.request import check_impacts
 from flexmech.errors import InputError
 from flexmech.linear_system import LinkPoint
-from flexmech.validation import (
-    NOT_NEGATIVE,
-    POSITIVE,
-    check_choice,
-    check_count,
-    check_instance,
-    check_number,
-)
+from flexmech.validation import check_count, check_number
 
 # Orders to either side beyond which a crank of any speed answers nothing that can be measured.
 _MOST_ORDERS = 20
 _MIDDLE = LinkPoint("coupler", 0.5)
-_POINT = "write flexmech.LinkPoint.parse('coupler:0.5')"
 
 
 @dataclass(frozen=True)
@@ -93,18 +86,7 @@ class RunningHammerRequest:
                 "crank_speed is zero, at which nothing turns; ask for a hammer test at rest "
                 "(flexmech.hammer_test, or flexmech hammer without --running)"
             )
-        check_instance(self.impact, LinkPoint, "impact", _POINT)
-        check_instance(self.response, LinkPoint, "response", _POINT)
-        check_choice(self.direction, choices.LINK_DIRECTIONS, "direction")
-        check_choice(self.prestress, choices.PRESTRESS_LEVELS, "prestress")
+        check_impacts(self)
         if self.damping_ratio is not None:
             check_number(self.damping_ratio, "damping_ratio", bounds=DAMPING_RATIO)
-        check_count(self.orders, "orders")
-        if self.orders > _MOST_ORDERS:
-            raise InputError(f"orders must be at most {_MOST_ORDERS}, got {self.orders}")
-        check_count(self.averages, "averages")
-        for name, unit in (("bandwidth", "Hz"), ("duration", "s"), ("pulse", "s")):
-            if getattr(self, name) is not None:
-                check_number(getattr(self, name), name, unit, POSITIVE)
-        check_number(self.noise, "noise", "", NOT_NEGATIVE)
-        check_count(self.seed, "seed", 0)
+        check_count(self.orders, "orders", most=_MOST_ORDERS)

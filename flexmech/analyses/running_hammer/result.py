@@ -9,14 +9,38 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.beam_theory import theory_lines, theory_warnings
-from flexmech.analyses.datasets import table_over
-from flexmech.analyses.remarks import crank_speed_text
+from flexmech.analyses.beam_theory import theory_lines
+from flexmech.analyses.datasets import table_of
+from flexmech.analyses.remarks import crank_speed_text, warnings_of
 from flexmech.analyses.result import Result
+from flexmech.analyses.running_hammer.measured import FAINT
 from flexmech.analyses.summary import Summary, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+_OVER = ("order", "frequency")
+_PLACES = {"order": "order", "frequency_Hz": "frequency"}
+# Columns of the tables, and their variables.
+_RESPONSE = _PLACES | {
+    "receptance_real_m_N": "receptance_real",
+    "receptance_imag_m_N": "receptance_imag",
+}
+_PREDICTION = _PLACES | {
+    "receptance_real_m_N": "predicted_real",
+    "receptance_imag_m_N": "predicted_imag",
+    "frozen_real_m_N": "frozen_real",
+    "frozen_imag_m_N": "frozen_imag",
+}
+_PEAKS = {
+    "order": "order",
+    "identified_m_N": "identified_peak",
+    "identified_frequency_Hz": "identified_peak_frequency",
+    "predicted_m_N": "predicted_peak",
+    "predicted_frequency_Hz": "predicted_peak_frequency",
+    "bins_apart": "bins_apart",
+}
 
 
 class RunningHammerTest(Result):
@@ -45,14 +69,7 @@ class RunningHammerTest(Result):
         pandas.DataFrame
             ``frequency_Hz`` is that of the input.
         """
-        data = self.dataset
-        return table_over(
-            *("order", "frequency"),
-            order=data["order"],
-            frequency_Hz=data["frequency"],
-            receptance_real_m_N=data["receptance_real"],
-            receptance_imag_m_N=data["receptance_imag"],
-        )
+        return table_of(self.dataset, _OVER, _RESPONSE)
 
     def prediction(self) -> pd.DataFrame:
         """Harmonic transfer functions as predicted, and those of the frozen linkage.
@@ -61,16 +78,7 @@ class RunningHammerTest(Result):
         -------
         pandas.DataFrame
         """
-        data = self.dataset
-        return table_over(
-            *("order", "frequency"),
-            order=data["order"],
-            frequency_Hz=data["frequency"],
-            receptance_real_m_N=data["predicted_real"],
-            receptance_imag_m_N=data["predicted_imag"],
-            frozen_real_m_N=data["frozen_real"],
-            frozen_imag_m_N=data["frozen_imag"],
-        )
+        return table_of(self.dataset, _OVER, _PREDICTION)
 
     def peaks(self) -> pd.DataFrame:
         """Greatest amplitude of each order, identified and predicted.
@@ -79,16 +87,7 @@ class RunningHammerTest(Result):
         -------
         pandas.DataFrame
         """
-        data = self.dataset
-        return table_over(
-            "order",
-            order=data["order"],
-            identified_m_N=data["identified_peak"],
-            identified_frequency_Hz=data["identified_peak_frequency"],
-            predicted_m_N=data["predicted_peak"],
-            predicted_frequency_Hz=data["predicted_peak_frequency"],
-            bins_apart=data["bins_apart"],
-        )
+        return table_of(self.dataset, ("order",), _PEAKS)
 
     def tables(self) -> dict[str, pd.DataFrame]:
         """``harmonic_frf`` and ``harmonic_prediction``."""
@@ -123,15 +122,13 @@ class RunningHammerTest(Result):
             *theory_lines(data.attrs),
             *_error_lines(data),
         )
-        return Summary(parts, _verdict(data), tuple(theory_warnings(data.attrs)))
+        return Summary(parts, _verdict(data), warnings_of(data.attrs))
 
 
 # Of the acceptance of a test: amplitudes within this part, and frequencies within so many bins.
 _AGREES, _BINS = 0.05, 1
-# Sidebands that the last line speaks of, and the part of the greatest amplitude of all orders
-# that is predicted of them at least.
+# Sidebands that the last line speaks of: those that the default asks for.
 _SIDEBANDS = 2
-_FAINT = 1e-4
 
 
 def _peak_table(dataset: xr.Dataset) -> Table:
@@ -253,7 +250,7 @@ def _verdict(dataset: xr.Dataset) -> str:
 def _is_faint(dataset: xr.Dataset, order: int) -> bool:
     """Whether next to nothing is predicted of an order, as of all but one of a rotating arm."""
     peaks = dataset["predicted_peak"]
-    return bool(peaks.sel(order=order) < _FAINT * peaks.max())
+    return bool(peaks.sel(order=order) < FAINT * peaks.max())
 
 
 def _apart(order: xr.Dataset) -> float:

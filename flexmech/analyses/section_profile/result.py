@@ -10,7 +10,7 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.datasets import DEGREES, table_over
+from flexmech.analyses.datasets import Columns, columns_along, table_of
 from flexmech.analyses.requests import link_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.section_profile.properties import COUPLINGS, PROPERTIES, STORED
@@ -23,6 +23,19 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 QUANTITIES = ("strain", "normal_stress", "shear_stress", "third_order_shear_stress")
+
+# Columns of the tables, and their variables.
+_SECTIONS = {
+    **{name: name for name in ("link", "coupling")},
+    **{one.column: one.name for one in PROPERTIES},
+}
+_INSIDE = {
+    **{name: name for name in ("link", "load", "coupling", "layer", "ply")},
+    "angle_deg": "angle",
+    "y_m": "place",
+    "strain": "strain",
+    **{f"{stress}_Pa": stress for stress in QUANTITIES[1:]},
+}
 
 
 class SectionProfiles(Result):
@@ -83,17 +96,9 @@ class SectionProfiles(Result):
     def tables(self) -> dict[str, pd.DataFrame]:
         """Properties, two rows a link, profiles, a row for each place, and what plies swell by."""
         data, dims = self.dataset, ("link", "coupling")
-        properties = {one.column: data[one.name] for one in PROPERTIES}
-        tables = {"sections": table_over(*dims, **{dim: data[dim] for dim in dims}, **properties)}
+        tables = {"sections": table_of(data, dims, _SECTIONS)}
         if self.links_with_layers:
-            profiles = table_over(
-                *("link", "load", "coupling", "layer", "point"),
-                **{name: data[name] for name in ("link", "load", "coupling", "layer", "ply")},
-                angle_deg=(DEGREES * data["angle"]).round(9),
-                y_m=data["place"],
-                strain=data["strain"],
-                **{f"{stress}_Pa": data[stress] for stress in QUANTITIES[1:]},
-            )
+            profiles = table_of(data, ("link", "load", "coupling", "layer", "point"), _INSIDE)
             tables["through_thickness"] = profiles.dropna(subset="y_m")
             known = {
                 link: expansions_of_plies(self.profile(link)) for link in self.links_with_layers
@@ -283,15 +288,12 @@ def expansions_of_plies(profile: xr.Dataset) -> pd.DataFrame:
         One row a ply, none if nothing is stated of any; per K and per percent of moisture.
     """
     heat, water = profile["thermal_expansion"], profile["moisture_expansion"]
-    columns = {"ply": profile["ply"].values}
-    columns |= {
-        f"thermal_expansion_{name}_per_K": heat.sel(direction=name).values for name in DIRECTIONS
+    columns: Columns = {
+        "ply": "ply",
+        **columns_along("thermal_expansion_{}_per_K", heat, "direction"),
+        **columns_along("moisture_expansion_{}_per_percent", water / 100, "direction"),
     }
-    columns |= {
-        f"moisture_expansion_{name}_per_percent": water.sel(direction=name).values / 100
-        for name in DIRECTIONS
-    }
-    rows = pd.DataFrame(columns).drop_duplicates(ignore_index=True)
+    rows = table_of(profile, ("layer",), columns).drop_duplicates(ignore_index=True)
     return rows if rows.drop(columns="ply").to_numpy().any() else rows[:0]
 
 

@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike
 
 from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.analyses.datasets import provenance, with_units
-from flexmech.analyses.frequencies import natural_frequencies
-from flexmech.analyses.requests import engine_of, sampled_turn
-from flexmech.analyses.response import deflections_of, probes
+from flexmech.analyses.frequencies.positions import natural_frequencies
+from flexmech.analyses.requests import check_list, engine_of, sampled_turn
+from flexmech.analyses.response.measurements import deflections_of, probes
 from flexmech.analyses.response.run import STEPS_PER_PERIOD
 from flexmech.analyses.speed_sweep.result import SpeedSweep
 from flexmech.arrays import FloatArray, LabelledProgress, silent
@@ -87,8 +87,7 @@ def speed_sweep(
     speeds = checked_array(crank_speeds, "crank_speeds", "rad/s")
     if speeds.ndim != 1 or not len(speeds) or not np.all(speeds > 0):
         raise InputError("crank_speeds must be a list of positive speeds in rad/s")
-    if np.any(np.diff(speeds) <= 0):
-        raise InputError("crank_speeds must increase; sort them and leave out repetitions")
+    check_list("crank_speeds", speeds, increasing=True)
     check_choice(prestress, PRESTRESS_LEVELS, "prestress")
     check_count(orders, "orders", most=MOST_ORDERS)
     check_count(modes, "modes", most=MOST_MODES)

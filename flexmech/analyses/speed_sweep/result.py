@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from flexmech import plots
-from flexmech.analyses.beam_theory import theory_lines, theory_warnings
-from flexmech.analyses.datasets import table_over
+from flexmech.analyses.beam_theory import theory_lines
+from flexmech.analyses.datasets import Columns, columns_along, table_of
+from flexmech.analyses.remarks import speed_text, warnings_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
-from flexmech.units import from_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,10 +37,9 @@ class SpeedSweep(Result):
 
     def tables(self) -> dict[str, pd.DataFrame]:
         """Peaks, one row for each crank speed."""
-        peaks = self.dataset["peak_deflection"]
-        speeds, links = peaks["crank_speed"], peaks["link"].values
-        columns = {f"{link}_peak_deflection_m": peaks.sel(link=link) for link in links}
-        return {self.stem: table_over("crank_speed", crank_speed_rad_s=speeds, **columns)}
+        peaks = columns_along("{}_peak_deflection_m", self.dataset["peak_deflection"], "link")
+        columns: Columns = {"crank_speed_rad_s": "crank_speed", **peaks}
+        return {self.stem: table_of(self.dataset, ("crank_speed",), columns)}
 
     def plot(
         self,
@@ -78,11 +77,11 @@ class SpeedSweep(Result):
             (
                 str(link),
                 f"{1e3 * float(peaks.sel(link=link).max()):.4g}",
-                f"{from_si(float(speeds.sel(link=link)), unit):.6g}",
+                speed_text(speeds.sel(link=link), unit),
             )
             for link in peaks["link"].values
         )
         title = f"greatest steady-state deflection, {self.dataset.attrs['mechanism']}"
         table = Table(title, ("link", "mm", f"at {unit}"), (rows,))
         attributes = self.dataset.attrs
-        return Summary((table, *theory_lines(attributes)), warnings=theory_warnings(attributes))
+        return Summary((table, *theory_lines(attributes)), warnings=warnings_of(attributes))

@@ -200,20 +200,17 @@ def map_against(
     except KeyboardInterrupt:
         interrupted = True
     over = ("engine", "parameter", "crank_speed")
+    words = re.sub("[-_.]", " ", against.parameter)
+    attributes = {"units": against.dimension.unit or "1", "long_name": words}
     return xr.Dataset(
         {"against_growth_rate": (over, rate), "against_unstable": (over, state.astype(str))},
-        coords={"parameter": ("parameter", against.values, _attributes(against))},
+        coords={"parameter": ("parameter", against.values, attributes)},
         attrs={
             "against": against.parameter,
             "against_column": against.column,
             "interrupted_against": int(interrupted),
         },
     )
-
-
-def _attributes(against: Against) -> dict[str, str]:
-    words = against.parameter.replace("_", " ").replace("-", " ").replace(".", " ")
-    return {"units": against.dimension.unit or "1", "long_name": words}
 
 
 def _fill(

@@ -8,7 +8,6 @@ in. The stress of the running links is in them.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -37,36 +36,11 @@ MOST_SPEEDS = 9
 ANGLES = 36
 
 
-@dataclass(frozen=True)
-class MovingBands:
-    """Natural frequencies over a turn, of the modes asked for or of as many as there are.
+def _moving(engine: Engine, request: StabilityRequest) -> xr.Dataset:
+    """Bands of the moving frequencies, without rotation terms, at nine of the speeds at most.
 
-    Parameters
-    ----------
-    crank_speed : ndarray, shape (s,)
-        rad/s.
-    lowest, mean, highest : ndarray, shape (s, m)
-        In Hz; zero where the linkage is statically unstable.
-    """
-
-    crank_speed: FloatArray
-    lowest: FloatArray
-    mean: FloatArray
-    highest: FloatArray
-
-
-def moving_bands(engine: Engine, request: StabilityRequest) -> MovingBands:
-    """Bands at nine of a map's crank speeds at most; those without equilibrium are left out.
-
-    Parameters
-    ----------
-    engine : Engine
-    request : StabilityRequest
-
-    Returns
-    -------
-    MovingBands
-        About the quasi-static equilibrium where the map is about the periodic motion.
+    Those without equilibrium are left out. Of the modes asked for, or of as many as there are;
+    zero where the linkage is statically unstable.
     """
     level: Prestress = "equilibrium" if request.prestress == "trajectory" else request.prestress
     speeds = request.crank_speeds
@@ -80,8 +54,12 @@ def moving_bands(engine: Engine, request: StabilityRequest) -> MovingBands:
         found.append(speed)
         rows.append((hertz.min(axis=0), hertz.mean(axis=0), hertz.max(axis=0)))
     modes = len(rows[0][0]) if rows else request.modes
-    table = np.array(rows).reshape(len(rows), 3, modes)
-    return MovingBands(np.array(found), *np.moveaxis(table, 1, 0))
+    values = np.array(rows).reshape(len(rows), 3, modes)
+    names = ("lowest_frequency", "mean_frequency", "highest_frequency")
+    return xr.Dataset(
+        {name: (("moving_speed", "branch"), values[:, n]) for n, name in enumerate(names)},
+        coords={"moving_speed": np.array(found), "branch": np.arange(1, modes + 1)},
+    )
 
 
 def _frequencies(engine: Engine, speed: float, prestress: Prestress, modes: int) -> FloatArray:
@@ -195,20 +173,3 @@ def stability(
     attributes = dataset.attrs | extra.attrs | theory_attributes(engines, modes)
     attributes |= left_out_attributes(engines[0].mechanism)
     return StabilityMap(with_units(dataset.merge(extra), "stability").assign_attrs(attributes))
-
-
-def _moving(engine: Engine, request: StabilityRequest) -> xr.Dataset:
-    """Bands of the first engine's moving frequencies, without rotation terms."""
-    found = moving_bands(engine, request)
-    over, branches = ("moving_speed", "branch"), found.lowest.shape[1]
-    return xr.Dataset(
-        {
-            "lowest_frequency": (over, found.lowest),
-            "mean_frequency": (over, found.mean),
-            "highest_frequency": (over, found.highest),
-        },
-        coords={
-            "moving_speed": found.crank_speed,
-            "branch": np.arange(1, branches + 1),
-        },
-    )

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from flexmech.analyses.datasets import Column, engine_coordinates, filled, provenance, records
 from flexmech.analyses.stability.engine_map import LEAST_CLOSING_RATIO
 from flexmech.analyses.stability.engine_stability import (
     Band,
     EngineStability,
+    ExponentErrors,
     NoEquilibrium,
     TrackedSpeed,
 )
@@ -61,6 +61,11 @@ OF_BANDS: dict[str, Column[Band]] = {
     "mismatch": (float, "mismatch"),
     "first_signature": (float, lambda band: band.signatures[0]),
     "second_signature": (float, lambda band: band.signatures[1]),
+}
+OF_CHECKS: dict[str, Column[ExponentErrors]] = {
+    "speed": (float, "crank_speed"),
+    "reduction": (float, "reduction"),
+    "mesh": (float, "mesh"),
 }
 
 
@@ -113,7 +118,8 @@ def dataset_of(maps: Sequence[EngineStability], request: StabilityRequest) -> xr
         add("shaft_growth_rate", OVER_SPEEDS)
     add("harmonic_share", (*OVER_MULTIPLIERS, "harmonic"))
     bands = [(each.engine, band) for each in maps for band in each.bands]
-    variables |= records("band", bands, OF_BANDS) | _checks(maps)
+    checks = [(each.engine, errors) for each in maps for errors in each.errors]
+    variables |= records("band", bands, OF_BANDS) | records("check", checks, OF_CHECKS)
     for name in OF_ENGINES:
         variables[name] = ("engine", [getattr(each, name) for each in maps])
     dataset = xr.Dataset(
@@ -160,15 +166,3 @@ def _damping(request: StabilityRequest) -> str:
     if request.damping_ratio is None:
         return "of the model"
     return f"damping ratio {100 * request.damping_ratio:.6g} % of the first frequency at rest"
-
-
-def _checks(maps: Sequence[EngineStability]) -> dict[str, tuple[str, NDArray[Any]]]:
-    """Errors of the multipliers at the speeds checked, of all engines."""
-    names = [each.engine.name for each in maps for _ in each.errors.crank_speed]
-    parts = {
-        "check_speed": [each.errors.crank_speed for each in maps],
-        "check_reduction": [each.errors.reduction for each in maps],
-        "check_mesh": [each.errors.mesh for each in maps],
-    }
-    joined = {name: ("check", np.concatenate(values)) for name, values in parts.items()}
-    return {"check_engine": ("check", np.array(names, dtype=str))} | joined

@@ -12,7 +12,7 @@ from functools import cache
 import numpy as np
 import scipy.optimize
 
-from flexmech.analyses.stability.engine_stability import BandEdge
+from flexmech.analyses.stability.engine_stability import BandEdge, ExponentErrors
 from flexmech.analyses.stability.growth import SignedGrowth
 from flexmech.analyses.stability.selected_modes import SelectedModes, wrapped
 from flexmech.analyses.stability.solver import BY_REFINEMENT, LinkageSolver
@@ -305,19 +305,6 @@ def _beyond(growth: Callable[[float], float], low: float, high: float) -> float:
     return min(max(high - BEYOND * growth(high) / slope, least), most)
 
 
-@dataclass(frozen=True)
-class ExponentErrors:
-    """Greatest relative errors of the selected modes' exponents.
-
-    Parameters
-    ----------
-    reduction, mesh : float
-    """
-
-    reduction: float
-    mesh: float
-
-
 def exponent_errors(solver: LinkageSolver, crank_speed: float) -> ExponentErrors:
     """Compare with more moving modes, and with a mesh of half the element length.
 
@@ -335,6 +322,7 @@ def exponent_errors(solver: LinkageSolver, crank_speed: float) -> ExponentErrors
     moving, with_more_modes = coarse.both_reductions(crank_speed)
     modes, finer = coarse.solve(moving), coarse.refined()
     return ExponentErrors(
+        crank_speed,
         reduction=_apart(modes, coarse.solve(with_more_modes)),
         mesh=_apart(modes, finer.solve(finer.moving(crank_speed))) * BY_REFINEMENT,
     )

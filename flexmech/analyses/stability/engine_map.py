@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from typing import TypeVar
@@ -12,11 +12,11 @@ from typing import TypeVar
 import numpy as np
 
 from flexmech.analyses.damping_ratios import lowest_frequency, with_damping_time
+from flexmech.analyses.requests import CHECKED_SPEEDS
 from flexmech.analyses.stability.collisions import MetModes, meetings, met
 from flexmech.analyses.stability.edges import (
     ClosingSearch,
     EdgeSearch,
-    ExponentErrors,
     FoundEdge,
     closing_damping_ratio,
     edge_errors,
@@ -27,8 +27,8 @@ from flexmech.analyses.stability.edges import (
 from flexmech.analyses.stability.engine_stability import (
     Band,
     BandEdge,
-    CheckedErrors,
     EngineStability,
+    ExponentErrors,
     NoEquilibrium,
     TrackedSpeed,
 )
@@ -56,11 +56,12 @@ FOLLOWING_STEP = 1 / 40
 MOST_STEPS = 10_000
 # A band that this damping ratio closes is not worth a line.
 LEAST_CLOSING_RATIO = 1e-5
-CHECKED_SPEEDS = 3
 # Between growing speeds farther apart than this part of the lowest frequency, a band may end and
 # another begin.
 BETWEEN = 1 / 300
 
+_Outcome = SolvedSpeed | ComputationError
+"""Modes at a speed, or why there are none."""
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 
@@ -88,15 +89,6 @@ def map_engine(
         If there is an equilibrium at none of the speeds.
     """
     return _EngineMap(engine, request, report).made()
-
-
-@dataclass(frozen=True)
-class _Solution:
-    """Modes at a speed, or why there are none."""
-
-    crank_speed: float
-    solved: SolvedSpeed | None
-    refusal: ComputationError | None
 
 
 class _EngineMap:
@@ -134,10 +126,10 @@ class _EngineMap:
         if not solvable:
             raise next(iter(refused.values()))
         self._open_windows(solvable)
-        solutions, interrupted = self._solutions(solvable)
+        outcomes, interrupted = self._outcomes(solvable)
         asked = set(self._request.crank_speeds.tolist())
-        refused |= {s.crank_speed: s.refusal for s in solutions if s.refusal is not None}
-        solved = [s.solved for s in solutions if s.solved is not None]
+        refused |= {w: each for w, each in outcomes.items() if isinstance(each, ComputationError)}
+        solved = [each for each in outcomes.values() if isinstance(each, SolvedSpeed)]
         if not solved:
             raise next(iter(refused.values()))
         branches = track_modes([each.modes for each in solved])
@@ -149,7 +141,7 @@ class _EngineMap:
         bands: list[Band] = []
         narrower = 0
         within = [f for f in tracked if abs(f.crank_speed) >= abs(self._request.crank_speeds[0])]
-        errors = CheckedErrors(np.empty(0), np.empty(0), np.empty(0))
+        errors: list[ExponentErrors] = []
         try:
             if not interrupted and within:
                 found, narrower = self._meetings(within)
@@ -182,20 +174,20 @@ class _EngineMap:
             opened = self._each("damping", partial(narrow_windows, self._solver), ends)
         self._solver = replace(self._solver, windows=joined_windows(opened))
 
-    def _solutions(self, asked: Sequence[float]) -> tuple[list[_Solution], bool]:
-        """Solutions at the speeds asked for and those between, by which modes are tracked."""
-        speeds = _with_steps_between(np.array(asked), FOLLOWING_STEP * self._lowest)
-        solutions: list[_Solution] = []
+    def _outcomes(self, asked: Sequence[float]) -> tuple[dict[float, _Outcome], bool]:
+        """Modes at the speeds asked for and those between, by which modes are tracked."""
+        speeds = _with_steps_between(np.array(asked), FOLLOWING_STEP * self._lowest).tolist()
+        found: dict[float, _Outcome] = {}
         try:
-            for solution in in_order(partial(_solution, self._solver), speeds.tolist()):
-                solutions.append(solution)
-                self._progress("speeds", len(solutions), len(speeds))
+            for outcome in in_order(partial(_outcome, self._solver), speeds):
+                found[speeds[len(found)]] = outcome
+                self._progress("speeds", len(found), len(speeds))
         except KeyboardInterrupt:
-            if not any(s.solved for s in solutions):
+            if not any(isinstance(each, SolvedSpeed) for each in found.values()):
                 raise
-            logger.info("interrupted after %d of %d speeds", len(solutions), len(speeds))
-            return solutions, True
-        return solutions, False
+            logger.info("interrupted after %d of %d speeds", len(found), len(speeds))
+            return found, True
+        return found, False
 
     def _meetings(self, tracked: Sequence[TrackedSpeed]) -> tuple[list[MetModes], int]:
         """Modes that meet between the speeds, and grow or nearly do."""
@@ -214,7 +206,7 @@ class _EngineMap:
         found: Sequence[MetModes],
         refused: Sequence[float],
         definite: bool,
-    ) -> tuple[list[Band], CheckedErrors]:
+    ) -> tuple[list[Band], list[ExponentErrors]]:
         growth = SignedGrowth(self._solver)
         samples = [
             Sample(f.crank_speed, growth.of_exponents(f.exponent, f.period), f.growth_rate)
@@ -267,7 +259,7 @@ class _EngineMap:
         edges: Sequence[FoundEdge],
         closings: Sequence[ClosingSearch],
         tracked: Sequence[TrackedSpeed],
-    ) -> tuple[list[BandEdge], list[float], CheckedErrors]:
+    ) -> tuple[list[BandEdge], list[float], list[ExponentErrors]]:
         """Errors of edges, damping ratios that close bands, and errors at some steady speeds.
 
         None needs another's answer. The longest come first, so that no process waits in the end:
@@ -282,15 +274,10 @@ class _EngineMap:
             *(partial(closing_damping_ratio, self._by_ratio, each) for each in closings),
         ]
         answers = self._each("errors, and damping that closes bands", _answer, jobs)
-        errors = [answer for answer in answers if isinstance(answer, ExponentErrors)]
         return (
             [answer for answer in answers if isinstance(answer, BandEdge)][::-1],
             [answer for answer in answers if isinstance(answer, float)],
-            CheckedErrors(
-                np.array(speeds),
-                np.array([error.reduction for error in errors]),
-                np.array([error.mesh for error in errors]),
-            ),
+            [answer for answer in answers if isinstance(answer, ExponentErrors)],
         )
 
     def _each(
@@ -311,11 +298,11 @@ def _answer(job: Callable[[], Answer]) -> Answer:
     return job()
 
 
-def _solution(solver: LinkageSolver, crank_speed: float) -> _Solution:
+def _outcome(solver: LinkageSolver, crank_speed: float) -> _Outcome:
     try:
-        return _Solution(crank_speed, solver.solved(crank_speed), None)
+        return solver.solved(crank_speed)
     except ComputationError as refusal:
-        return _Solution(crank_speed, None, refusal)
+        return refusal
 
 
 def _refuse_too_many_steps(speeds: FloatArray, lowest: float) -> None:

@@ -184,21 +184,21 @@ class NoEquilibrium:
 
 
 @dataclass(frozen=True)
-class CheckedErrors:
-    """Relative errors of the selected modes' exponents at some speeds, c of them.
+class ExponentErrors:
+    """Greatest relative errors of the selected modes' exponents at a speed.
 
     Parameters
     ----------
-    crank_speed : ndarray, shape (c,)
+    crank_speed : float
         rad/s.
-    reduction, mesh : ndarray, shape (c,)
-        Greatest change of an exponent with the next larger number of moving modes; estimated
-        greatest error by the elements' length.
+    reduction, mesh : float
+        Change with the next larger number of moving modes; estimated error by the elements'
+        length.
     """
 
-    crank_speed: FloatArray
-    reduction: FloatArray
-    mesh: FloatArray
+    crank_speed: float
+    reduction: float
+    mesh: float
 
 
 @dataclass(frozen=True)
@@ -213,7 +213,8 @@ class EngineStability:
         In the order of the crank speeds asked for.
     bands : list of Band
         Unstable bands, by increasing speed.
-    errors : CheckedErrors
+    errors : list of ExponentErrors
+        At some speeds without growth.
     is_definite : bool
         Whether the Hamilton function of the undamped linkage is positive definite at all speeds,
         so that only sums of frequencies can be unstable without damping.
@@ -228,7 +229,7 @@ class EngineStability:
     engine: Engine
     speeds: list[TrackedSpeed | NoEquilibrium]
     bands: list[Band]
-    errors: CheckedErrors
+    errors: list[ExponentErrors]
     is_definite: bool
     moving_modes: int
     closed_early: int

@@ -52,8 +52,9 @@ def in_order(task: Callable[[Item], Answer], items: Sequence[Item]) -> Iterator[
     object
         Of each item, in their order.
     """
-    workers = min(_processors(), len(items))
-    if workers < 2 or len(items) <= FEW or not sys.platform.startswith("linux"):
+    here = sys.platform.startswith("linux")
+    workers = min(len(os.sched_getaffinity(0)), len(items)) if here else 1
+    if workers < 2 or len(items) <= FEW:
         with one_thread():
             yield from map(task, items)
         return
@@ -95,13 +96,6 @@ def _end(processes: Iterable[BaseProcess]) -> None:
 def _do(number: int) -> Any:
     task, items = _tasks[-1]
     return task(items[number])
-
-
-def _processors() -> int:
-    """Processors that this process may use."""
-    if sys.platform.startswith("linux"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _begin(parent: int) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.analyses.damping_ratios import DAMPING_RATIO
+from flexmech.analyses.requests import check_list
 from flexmech.analyses.stability.vibrating_linkage import MOST_STEPS, SHAPE_ANGLES
 from flexmech.arrays import FloatArray
 from flexmech.choices import (
@@ -80,8 +81,7 @@ class StabilityRequest:
 def _checked_speeds(values: FloatArray) -> FloatArray:
     """Crank speeds from the slowest to the fastest."""
     speeds = checked_array(values, "crank_speeds", "rad/s")
-    if speeds.ndim != 1 or not len(speeds):
-        raise InputError("crank_speeds must be a list of one value or more")
+    check_list("crank_speeds", speeds, one="speed")
     if not speeds.all():
         raise InputError(
             "crank_speeds holds zero, at which nothing turns and there is no period; begin above it"
@@ -91,8 +91,6 @@ def _checked_speeds(values: FloatArray) -> FloatArray:
             "crank_speeds turn both ways; modes are followed from slow to fast, so ask for "
             "forward and backward speeds one after the other"
         )
-    if len(np.unique(speeds)) != len(speeds):
-        raise InputError("crank_speeds repeats a speed; give each one once")
     return np.asarray(speeds[np.argsort(np.abs(speeds))])
 
 

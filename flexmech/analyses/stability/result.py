@@ -10,9 +10,9 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.beam_theory import theory_lines, theory_warnings
-from flexmech.analyses.datasets import table_of, table_over
-from flexmech.analyses.remarks import left_out_warnings
+from flexmech.analyses.beam_theory import theory_lines
+from flexmech.analyses.datasets import Columns, table_of
+from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.stability import words
 from flexmech.analyses.stability.dataset import EDGES, NOT_COMPUTED, PARTS
@@ -24,6 +24,18 @@ if TYPE_CHECKING:
 
 SHAFT = "shaft_growth_rate"
 # Columns of the tables, and their variables.
+GROWTH = {
+    "engine": "engine",
+    "crank_speed_rad_s": "crank_speed",
+    "multiplier_modulus": "multiplier_modulus",
+    "growth_rate_1_s": "growth_rate",
+    "unstable": "unstable",
+}
+AGAINST = {
+    "crank_speed_rad_s": "crank_speed",
+    "growth_rate_1_s": "against_growth_rate",
+    "unstable": "against_unstable",
+}
 MULTIPLIERS = {
     "engine": "engine",
     "crank_speed_rad_s": "crank_speed",
@@ -93,17 +105,9 @@ class StabilityMap(Result):
         """
         data = self.dataset
         kind, branches = _bands_at(data)
-        table = table_over(
-            *("engine", "crank_speed"),
-            engine=data["engine"],
-            crank_speed_rad_s=data["crank_speed"],
-            multiplier_modulus=data["multiplier_modulus"],
-            growth_rate_1_s=data["growth_rate"],
-            unstable=data["unstable"],
-            kind=kind,
-            branches=branches,
-            **({"shaft_growth_rate_1_s": data[SHAFT]} if SHAFT in data else {}),
-        )
+        shaft = {"shaft_growth_rate_1_s": SHAFT} if SHAFT in data else {}
+        columns: Columns = {**GROWTH, "kind": kind, "branches": branches, **shaft}
+        table = table_of(data, ("engine", "crank_speed"), columns)
         return table[table["unstable"] != NOT_COMPUTED].reset_index(drop=True)
 
     def multipliers(self) -> pd.DataFrame:
@@ -145,15 +149,8 @@ class StabilityMap(Result):
         data = self.dataset
         if "against_growth_rate" not in data:
             return pd.DataFrame()
-        values: dict[str, xr.DataArray] = {str(data.attrs["against_column"]): data["parameter"]}
-        table = table_over(
-            *("engine", "parameter", "crank_speed"),
-            engine=data["engine"],
-            **values,
-            crank_speed_rad_s=data["crank_speed"],
-            growth_rate_1_s=data["against_growth_rate"],
-            unstable=data["against_unstable"],
-        )
+        columns = {"engine": "engine", str(data.attrs["against_column"]): "parameter", **AGAINST}
+        table = table_of(data, ("engine", "parameter", "crank_speed"), columns)
         return table[table["unstable"] != NOT_COMPUTED].reset_index(drop=True)
 
     def tables(self) -> dict[str, pd.DataFrame]:
@@ -218,11 +215,7 @@ class StabilityMap(Result):
             *words.motion_lines(data),
             *words.shaft_lines(data),
         )
-        warned = (
-            *words.interrupted_warnings(data),
-            *left_out_warnings(data.attrs),
-            *theory_warnings(data.attrs),
-        )
+        warned = (*words.interrupted_warnings(data), *warnings_of(data.attrs))
         return Summary(parts, words.verdict(data), warned)
 
 

@@ -6,7 +6,7 @@ where no steps are needed.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.linalg
@@ -113,15 +113,12 @@ class SelectedModes(FloquetExponents):
 
     def taken(self, order: IntArray) -> SelectedModes:
         """The modes in another order."""
-        return SelectedModes(
-            self.crank_speed,
-            self.exponent[order],
-            self.shape[..., order],
-            self.harmonic_share[:, order],
-            self.signature[order],
-            self.liouville_defect,
-            self.steps,
-            self.rigid,
+        return replace(
+            self,
+            exponent=self.exponent[order],
+            shape=self.shape[..., order],
+            harmonic_share=self.harmonic_share[:, order],
+            signature=self.signature[order],
         )
 
 

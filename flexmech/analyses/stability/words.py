@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_reason
+from flexmech.analyses.remarks import speed_text, speed_unit
 from flexmech.analyses.stability.dataset import NO_EQUILIBRIUM, NOT_COMPUTED, PARTS
 from flexmech.analyses.summary import Table
 from flexmech.units import from_si
@@ -28,13 +29,13 @@ def shaft_lines(dataset: xr.Dataset) -> list[str]:
     """What becomes of the free shaft's own motion, of each engine; none where it is not free."""
     if "shaft_growth_rate" not in dataset:
         return []
-    unit, lines = _unit(dataset), []
+    unit, lines = speed_unit(dataset), []
     for name in dataset["engine"].values:
         rate = dataset["shaft_growth_rate"].sel(engine=name).dropna("crank_speed")
         if not rate.size:
             continue
         fastest = rate.isel(crank_speed=int(rate.values.argmax()))
-        where = f"{from_si(float(fastest['crank_speed']), unit):.6g} {unit}"
+        where = f"{speed_text(fastest['crank_speed'], unit)} {unit}"
         said = f"grows with at most {float(fastest):.3g} 1/s, at {where}"
         if float(fastest) < STILL:
             said = f"does not grow (at most {STILL:g} 1/s)"
@@ -51,9 +52,9 @@ def avoid_lines(dataset: xr.Dataset) -> list[str]:
     own = dataset.isel(band=np.flatnonzero(dataset["band_engine"].values == first))
     if not own.sizes["band"] and bool(dataset["interrupted"][0]):
         growing = dataset["unstable"].values[0] == "yes"
-        speeds = from_si(1.0, _unit(dataset)) * dataset["crank_speed"].values[growing]
+        speeds = from_si(1.0, speed_unit(dataset)) * dataset["crank_speed"].values[growing]
         some = ", ".join(f"{speed:.6g}" for speed in speeds[:MOST_ROWS]) or "none"
-        return [f"bands were not searched for; speeds that grow: {some} {_unit(dataset)}"]
+        return [f"bands were not searched for; speeds that grow: {some} {speed_unit(dataset)}"]
     if not own.sizes["band"]:
         return [f"avoid: {first} finds no crank speed{_within(dataset)} at which a vibration grows"]
     lines = [f"avoid {_sentence(own.isel(band=n))}" for n in _fastest(own, MOST_LINES)]
@@ -65,7 +66,7 @@ def avoid_lines(dataset: xr.Dataset) -> list[str]:
 
 def band_table(dataset: xr.Dataset) -> Table | None:
     """Edges with their errors, names and growth rates, grouped by engine; None without bands."""
-    unit = _unit(dataset)
+    unit = speed_unit(dataset)
     groups, left_out = [], 0
     for name in dataset["engine"].values:
         own = dataset.isel(band=np.flatnonzero(dataset["band_engine"].values == name))
@@ -121,7 +122,7 @@ def band_range(band: xr.Dataset, unit: str) -> str:
 
 def error_lines(dataset: xr.Dataset) -> list[str]:
     """How sure edges and multipliers are, of each engine."""
-    lines, unit = [], _unit(dataset)
+    lines, unit = [], speed_unit(dataset)
     for place, name in enumerate(dataset["engine"].values):
         own = dataset.isel(engine=place)
         said = []
@@ -139,14 +140,14 @@ def error_lines(dataset: xr.Dataset) -> list[str]:
 
 def gap_lines(dataset: xr.Dataset) -> list[str]:
     """Crank speeds without equilibrium, and why."""
-    unit, lines = _unit(dataset), []
+    unit, lines = speed_unit(dataset), []
     for name in dataset["engine"].values:
         own = dataset.sel(engine=name)
         for places in _runs(own):
             run = own.isel(crank_speed=places)
-            first, last = (from_si(float(w), unit) for w in run["crank_speed"].values[[0, -1]])
+            first, last = (speed_text(w, unit) for w in run["crank_speed"].values[[0, -1]])
             count = len(places)
-            where = f"at {first:.6g}" if count == 1 else f"from {first:.6g} to {last:.6g}"
+            where = f"at {first}" if count == 1 else f"from {first} to {last}"
             told = f"({count} speed{'' if count == 1 else 's'}): {run['reason'].values[0]}"
             if np.isfinite(run["growth_rate"].values).any():
                 told += "; multipliers there are those of the linear equations about straight links"
@@ -156,16 +157,16 @@ def gap_lines(dataset: xr.Dataset) -> list[str]:
 
 def motion_lines(dataset: xr.Dataset) -> list[str]:
     """About which motion the map is, and what that leaves out."""
-    lines, unit = [], _unit(dataset)
+    lines, unit = [], speed_unit(dataset)
     for number, name in enumerate(dataset["engine"].values):
         own = dataset.isel(engine=number)
         if np.isfinite(own["orbit_distance"]).any():
             distance = own["orbit_distance"].fillna(0.0)
             place = int(distance.values.argmax())
-            at = from_si(float(own["crank_speed"].values[place]), unit)
+            at = speed_text(own["crank_speed"].values[place], unit)
             lines.append(
                 f"{name}: the periodic motion is at most {100 * float(distance.max()):.3g} % of "
-                f"the greatest displacement from the quasi-static equilibrium, at {at:.6g} {unit}; "
+                f"the greatest displacement from the quasi-static equilibrium, at {at} {unit}; "
                 f"its residual is at most {float(own['orbit_residual'].max()):.0e}"
             )
         if bool(own["is_definite"]):
@@ -204,11 +205,11 @@ def verdict(dataset: xr.Dataset) -> str:
     apart = np.abs(moduli[1] - moduli[0])
     if not np.isfinite(apart).any():
         return "engines: no comparison is possible, at no speed have both a result"
-    unit, place = _unit(dataset), int(np.nanargmax(np.nan_to_num(apart).max(axis=-1)))
-    where = from_si(float(dataset["crank_speed"][place]), unit)
+    unit, place = speed_unit(dataset), int(np.nanargmax(np.nan_to_num(apart).max(axis=-1)))
+    where = speed_text(dataset["crank_speed"][place], unit)
     return (
         f"engines: moduli of {names[0]} and {names[1]} differ by at most "
-        f"{float(np.nanmax(apart)):.1e}, at {where:.6g} {unit}; "
+        f"{float(np.nanmax(apart)):.1e}, at {where} {unit}; "
         f"{_edges_apart(dataset, names, unit)}{theory_reason(dataset.attrs)}"
     )
 
@@ -250,7 +251,7 @@ def _fastest(bands: xr.Dataset, most: int) -> list[int]:
 
 
 def _sentence(band: xr.Dataset) -> str:
-    unit, closing = _unit(band), float(band["band_closing_damping_ratio"])
+    unit, closing = speed_unit(band), float(band["band_closing_damping_ratio"])
     closed = (
         f"a damping ratio of {100 * closing:.3g} % closes it"
         if np.isfinite(closing)
@@ -327,8 +328,8 @@ def _multiplier_error(own: xr.Dataset, engine: object) -> str:
     said = f"{float(own['step_error'].max()):.0e} by steps"
     checks = own.isel(check=np.flatnonzero(own["check_engine"].values == engine))
     if checks.sizes["check"]:
-        unit = _unit(own)
-        speeds = ", ".join(f"{from_si(float(w), unit):.6g}" for w in checks["check_speed"].values)
+        unit = speed_unit(own)
+        speeds = ", ".join(speed_text(w, unit) for w in checks["check_speed"].values)
         said += (
             f", {float(checks['check_reduction'].max()):.0e} by the number of moving modes and "
             f"{float(checks['check_mesh'].max()):.0e} by the mesh (estimated), at {speeds} {unit}"
@@ -346,10 +347,6 @@ def _runs(own: xr.Dataset) -> Iterator[list[int]]:
 
 
 def _within(dataset: xr.Dataset) -> str:
-    unit, speeds = _unit(dataset), dataset["crank_speed"].values
-    first, last = (f"{from_si(float(w), unit):.6g}" for w in speeds[[0, -1]])
+    unit, speeds = speed_unit(dataset), dataset["crank_speed"].values
+    first, last = (speed_text(w, unit) for w in speeds[[0, -1]])
     return f" from {first} to {last} {unit}" if len(speeds) > 1 else f" at {first} {unit}"
-
-
-def _unit(dataset: xr.Dataset) -> str:
-    return str(dataset.attrs.get("speed_unit", "rad/s"))

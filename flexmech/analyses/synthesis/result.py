@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from flexmech import plots
-from flexmech.analyses.datasets import DEGREES, table_over
+from flexmech.analyses.datasets import table_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 
@@ -37,13 +37,8 @@ class CrankRockerSynthesis(Result):
 
     def tables(self) -> dict[str, pd.DataFrame]:
         """Transmission angle at each degree of the crank."""
-        data = self.dataset.isel(linkage=0)
-        table = table_over(
-            "crank_angle",
-            crank_angle_deg=(DEGREES * data["crank_angle"]).round(9),
-            transmission_angle_deg=DEGREES * data["transmission_angle"],
-        )
-        return {"transmission_angle": table}
+        columns = {f"{name}_deg": name for name in ("crank_angle", "transmission_angle")}
+        return {self.stem: table_of(self.dataset.isel(linkage=0), ("crank_angle",), columns)}
 
     def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
         """Draw the transmission angle over a turn, in axes of the user's if they are given."""

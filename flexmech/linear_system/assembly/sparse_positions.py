@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array, csc_array
+from scipy.sparse import block_diag, coo_array, csc_array
 
 from flexmech.arrays import IntArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
@@ -119,12 +119,14 @@ class SparsePositions:
         """What bodies that are turned change in mass, gyroscopic matrix and centrifugal mass."""
         assert self._turns is not None
         link = self._frames.links[number]
-        changes = [csc_array((link.size, link.size)) for _ in range(3)]
-        for body, angle in zip(link.bodies, self._turns[number], strict=True):
-            rows = csc_array(body.rows)
-            for place, block in enumerate(body.inertia_change(angle[position])):
-                changes[place] = changes[place] + rows.T @ csc_array(block) @ rows
-        return changes
+        if not link.bodies:
+            return [csc_array((link.size, link.size))] * 3
+        rows = csc_array(np.concatenate([body.rows for body in link.bodies]))
+        pairs = zip(link.bodies, self._turns[number], strict=True)
+        blocks = [body.inertia_change(angle[position]) for body, angle in pairs]
+        return [
+            csc_array(rows.T @ block_diag(own, "csc") @ rows) for own in zip(*blocks, strict=True)
+        ]
 
     def _maps(self, number: int, position: int) -> list[csc_array]:
         """``N`` of a link and its time derivatives: ``N.``, ``N..`` in its two parts."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -13,7 +13,6 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.links.carried_inertia import CarriedInertia
 from flexmech.linear_system.links.chains import LinkMatrix, with_entries
 from flexmech.linear_system.links.link_model import LinkModel
-from flexmech.linear_system.links.rigid_body import RigidBody
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linkages import RigidMotion
 
@@ -96,23 +95,21 @@ class DeadMoments:
         -------
         DeadMoments
         """
-        places, values = [], []
+        found: dict[tuple[int, int], FloatArray] = {}
         for number, link in enumerate(links):
             for place, body in enumerate(link.bodies):
                 own, moment = body.dead(motion, number, gravity)
+                value = np.stack([own, moment])
                 if carried is not None:
-                    own, moment = (
-                        own + carried[number][place][0],
-                        moment + carried[number][place][1],
-                    )
+                    value += carried[number][place]
                 if link.rigid:
-                    moment = loads[number][:, 2]
-                    own = own if virial is None else own + virial[:, number]
-                places.append((number, int(body.rows[2].argmax())))
-                values.append((own, moment))
-        shape = (len(values), 2, len(motion.crank_angle))
-        links_and_rows = np.array(places, dtype=np.intp).reshape(-1, 2).T
-        return cls(*links_and_rows, *np.moveaxis(np.reshape(values, shape), 1, 0))
+                    value[1] = loads[number][:, 2]
+                    value[0] += 0.0 if virial is None else virial[:, number]
+                # Bodies on one section turn alike.
+                found[number, body.row] = found.get((number, body.row), 0.0) + value
+        places = np.array(list(found), dtype=np.intp).reshape(-1, 2).T
+        shape = (len(found), 2, len(motion.crank_angle))
+        return cls(*places, *np.moveaxis(np.reshape(list(found.values()), shape), 1, 0))
 
     def scaled(self, part: float) -> Self:
         """Those of a part of the forces."""
@@ -122,15 +119,15 @@ class DeadMoments:
         """Those of some positions."""
         return replace(self, virial=self.virial[:, which], moment=self.moment[:, which])
 
-    def fall(self, number: int, angle: FloatArray) -> FloatArray:
-        """By what a moment is less where its point has turned by an angle (B,); (B,)."""
+    def fall(self, points: IntArray, angle: FloatArray) -> FloatArray:
+        """By what moments of some points (m,) are less once these are turned by angles (m, B)."""
         half = 2 * np.sin(angle / 2) ** 2
-        return np.asarray(self.virial[number] * np.sin(angle) + self.moment[number] * half)
+        return np.asarray(self.virial[points] * np.sin(angle) + self.moment[points] * half)
 
-    def stiffness(self, number: int, angle: FloatArray) -> FloatArray:
-        """Derivative of :meth:`fall` by the angle, (B,)."""
+    def stiffness(self, points: IntArray, angle: FloatArray) -> FloatArray:
+        """Derivative of :meth:`fall` by the angles, (m, B)."""
         cosine, sine = np.cos(angle), np.sin(angle)
-        return np.asarray(self.virial[number] * cosine + self.moment[number] * sine)
+        return np.asarray(self.virial[points] * cosine + self.moment[points] * sine)
 
     def resist(self, force: Sequence[FloatArray], displacement: Sequence[FloatArray]) -> None:
         """Add what the moments fall by to the forces of links, in place.
@@ -139,30 +136,39 @@ class DeadMoments:
         ----------
         force, displacement : sequence of ndarray, shape (n_link, B)
         """
-        for number, (link, row) in enumerate(zip(self.links.tolist(), self.rows, strict=True)):
-            force[link][row] += self.fall(number, displacement[link][row])
+        for link, points in self._of_links():
+            rows = self.rows[points]
+            force[link][rows] += self.fall(points, displacement[link][rows])
 
-    def turning(self, displacement: Sequence[FloatArray]) -> list[tuple[int, int, FloatArray]]:
-        """Link, coordinate and stiffness (B,) of each point at displacements (n_link, B)."""
-        places = zip(self.links.tolist(), self.rows.tolist(), strict=True)
-        return [
-            (link, row, self.stiffness(number, displacement[link][row]))
-            for number, (link, row) in enumerate(places)
-        ]
+    def turning(self, displacement: Sequence[FloatArray]) -> dict[int, tuple[IntArray, FloatArray]]:
+        """Coordinates (m,) of each link that turns, and the stiffness by them (m, B).
+
+        Parameters
+        ----------
+        displacement : sequence of ndarray, shape (n_link, B)
+        """
+        return {
+            link: (self.rows[points], self.stiffness(points, displacement[link][self.rows[points]]))
+            for link, points in self._of_links()
+        }
 
     def by_link(self, displacement: Sequence[FloatArray]) -> dict[int, FloatArray]:
         """The stiffness of :meth:`turning` by link: of rigid ones, which have one point."""
-        return {link: stiffness for link, _, stiffness in self.turning(displacement)}
+        return {link: stiffness[0] for link, (_, stiffness) in self.turning(displacement).items()}
+
+    def _of_links(self) -> Iterator[tuple[int, IntArray]]:
+        """Numbers of the points of each link that has some."""
+        for link in np.unique(self.links).tolist():
+            yield link, np.flatnonzero(self.links == link)
 
     def stiffen(
         self, tangent: Mapping[int, LinkMatrix], displacement: Sequence[FloatArray]
     ) -> dict[int, LinkMatrix]:
         """Tangents (n, n) or (B, n, n) of elastic links with what their bodies resist."""
         stiffened = dict(tangent)
-        for link, row, stiffness in self.turning(displacement):
+        for link, (rows, stiffness) in self.turning(displacement).items():
             if link in stiffened:
-                place = np.array([row])
-                stiffened[link] = with_entries(stiffened[link], place, place, stiffness[:, None])
+                stiffened[link] = with_entries(stiffened[link], rows, rows, stiffness.T)
         return stiffened
 
 
@@ -197,7 +203,7 @@ def without_own_turning(
     """
     tangent, moved = list(stressed.tangent), stressed.displacement
     for number, link in enumerate(links):
-        square = motion.angular_velocity[:, number] ** 2
+        square, less = motion.angular_velocity[:, number] ** 2, []
         for body in link.bodies:
             turning = -square * (body.second_moment - body.on_axis)
             if moved is not None:
@@ -205,8 +211,8 @@ def without_own_turning(
             if moved is not None and carried is not None:
                 by_turn = carried.of_body(number, body, moved[number])[1][:, 2, 2]
                 turning = square * (body.second_moment - body.spin) - by_turn
-            if turning.any():
-                tangent[number] = _stiffened(tangent[number], body, turning)
+            less.append(turning)
+        tangent[number] = _stiffened(tangent[number], link, less)
     return replace(stressed, tangent=tangent)
 
 
@@ -231,14 +237,18 @@ def with_straight_inertia(
     tangent = list(stressed.tangent)
     for number, link in enumerate(links if stressed.displacement is not None else ()):
         square = motion.angular_velocity[:, number] ** 2
-        for body in link.bodies:
-            if body.is_off_axis:
-                beside = body.second_moment - body.spin - body.on_axis
-                tangent[number] = _stiffened(tangent[number], body, -square * beside)
+        less = [-square * own.beside * own.is_off_axis for own in link.bodies]
+        tangent[number] = _stiffened(tangent[number], link, less)
     return replace(stressed, tangent=tangent)
 
 
-def _stiffened(tangent: LinkMatrix, body: RigidBody, turning: FloatArray) -> LinkMatrix:
-    """A tangent with more stiffness (B,) against the turn of a body of the unreduced link."""
-    row = np.array([int(body.rows[2].argmax())])
-    return with_entries(tangent, row, row, turning[:, None])
+def _stiffened(tangent: LinkMatrix, link: LinkModel, turning: Sequence[FloatArray]) -> LinkMatrix:
+    """A tangent with more stiffness (B,) against the turn of each body of the unreduced link."""
+    by_row: dict[int, FloatArray] = {}
+    for body, own in zip(link.bodies, turning, strict=True):
+        if own.any():
+            by_row[body.row] = by_row.get(body.row, 0.0) + own
+    if not by_row:
+        return tangent
+    rows = np.array(list(by_row))
+    return with_entries(tangent, rows, rows, np.stack(list(by_row.values()), axis=1))

@@ -12,7 +12,7 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.links.chains import LinkMatrix, whole, with_entries
 from flexmech.linear_system.links.link_readings import LinkReadings
 from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
-from flexmech.linkages import LinkBody, RigidMotion
+from flexmech.linkages import LinkBody, LinkMass, RigidMotion
 from flexmech.linkages.motion import direction, normal
 
 NONE = np.zeros(0, dtype=np.intp)
@@ -134,7 +134,8 @@ class LinkModel:
     rigid : bool
         Whether the link is rigid; see :func:`flexmech.linear_system.links.rigid_link`.
     bodies : tuple of RigidBody
-        Whose inertia, where the link is straight, is in its matrices; a rigid link is one.
+        Whose inertia, where the link is straight, is in its matrices; a rigid link is one, and the
+        matter of sections is in so many where it is off the axis.
     """
 
     name: str
@@ -159,13 +160,16 @@ class LinkModel:
     rigid: bool = False
     bodies: tuple[RigidBody, ...] = ()
 
-    def with_bodies(self, bodies: Sequence[LinkBody]) -> LinkModel:
-        """The unreduced link with bodies fixed to its nodes.
+    def carrying(self, mass: LinkMass) -> LinkModel:
+        """The unreduced link with the bodies of its mass, and with what turns with its sections.
+
+        Distributed mass is in the matrices of the straight link. Where it is off the axis, each
+        node's share of it is a body whose arm turns with the section there.
 
         Parameters
         ----------
-        bodies : sequence of LinkBody
-            With a node at the position of each.
+        mass : LinkMass
+            With a node at the position of each body.
 
         Returns
         -------
@@ -173,10 +177,10 @@ class LinkModel:
         """
         matrices = [self.mass, self.gyroscopic, self.centrifugal_mass]
         moment, fixed = self.first_moment.copy(), []
-        nodes = body_nodes(self.readings.nodes, bodies)
-        for body, node in zip(bodies, nodes.tolist(), strict=True):
-            own = self.readings.per_node * node + np.array([0, 1, self.readings.slope])
-            fixed.append(RigidBody.fixed(body, np.eye(self.size)[own]))
+        places = body_nodes(self.readings.nodes, mass.bodies).tolist()
+        for body, node in zip(mass.bodies, places, strict=True):
+            own, section = self._section(node)
+            fixed.append(RigidBody.fixed(body, section))
             (a, c), entries = fixed[-1].first_moment, np.ix_(own, own)
             rows, columns = (each.ravel() for each in np.broadcast_arrays(*entries))
             added = fixed[-1].matrices(np.zeros(()), on_axis=True).reshape(3, -1)
@@ -185,15 +189,29 @@ class LinkModel:
                 for matrix, more in zip(matrices, added, strict=True)
             ]
             moment[:, own[:2]] += [[c, -a], [a, c]]
-        mass, gyroscopic, translational = matrices
+        if mass.offset:
+            nodes = self.readings.nodes
+            shares = mass.mass_per_length * np.convolve(np.diff(nodes), [0.5, 0.5])
+            for node, (x, share) in enumerate(zip(nodes.tolist(), shares.tolist(), strict=True)):
+                matter = LinkBody(x, share, offset=(0.0, mass.offset))
+                own_part = RigidBody.fixed(matter, self._section(node)[1])
+                fixed.append(replace(own_part, of_section=True))
+        inertia, gyroscopic, translational = matrices
         return replace(
             self,
-            mass=mass,
+            mass=inertia,
             gyroscopic=gyroscopic,
             centrifugal_mass=translational,
             first_moment=moment,
             bodies=tuple(fixed),
         )
+
+    def _section(self, node: int) -> tuple[IntArray, FloatArray]:
+        """Coordinates (3,) of displacement and rotation at a node, and their rows (3, n)."""
+        own = self.readings.per_node * node + np.array([0, 1, self.readings.slope])
+        rows = np.zeros((3, self.size))
+        rows[np.arange(3), own] = 1.0
+        return own, rows
 
     def inertia_change(self, turns: Sequence[FloatArray]) -> WholeLink | None:
         """By what bodies that are turned change the matrices of the straight link.
@@ -208,17 +226,21 @@ class LinkModel:
         WholeLink or None
             Matrices (B, n, n); None where no body is off the axis.
         """
-        parts = []
-        for body, angle in zip(self.bodies, turns, strict=True):
-            if body.is_off_axis:
-                mass, gyroscopic, centrifugal = body.inertia_change(angle)
-                rows, ends = body.rows, body.rows
-                if self.reduced_ends is not None and body.end_rows is not None:
-                    ends = body.end_rows
-                mass, gyroscopic = rows.T @ mass, rows.T @ gyroscopic
-                own = (mass @ rows, gyroscopic @ rows, rows.T @ centrifugal @ rows)
-                parts.append(WholeLink(*own, mass @ ends, gyroscopic @ ends))
-        return sum(parts[1:], parts[0]) if parts else None
+        pairs = zip(self.bodies, turns, strict=True)
+        turned = [(body, angle) for body, angle in pairs if body.is_off_axis]
+        if not turned:
+            return None
+        change = np.stack([body.inertia_change(angle) for body, angle in turned], axis=-3)
+        rows = np.stack([body.rows for body, _ in turned])
+        own_ends = [b.rows if b.end_rows is None else b.end_rows for b, _ in turned]
+
+        def by(columns: FloatArray, which: int) -> FloatArray:
+            forces = change[which] @ columns
+            across = rows.reshape(-1, self.size).T
+            return np.asarray(across @ forces.reshape(*forces.shape[:-3], -1, self.size))
+
+        ends = np.stack(own_ends)
+        return WholeLink(*(by(rows, n) for n in range(3)), *(by(ends, n) for n in range(2)))
 
     def whole(self) -> WholeLink:
         """Its matrices with all their entries."""

@@ -50,6 +50,8 @@ class RigidBody:
         The same by the link's joined ends alone; see
         :class:`flexmech.linear_system.links.link_model.EndMatrices`. Those by all coordinates where
         it is left out.
+    of_section : bool
+        Whether it is matter of the link's own sections.
     """
 
     mass: float
@@ -60,6 +62,7 @@ class RigidBody:
     position: float = 0.0
     rows: FloatArray = field(default_factory=NOWHERE.copy)
     end_rows: FloatArray | None = None
+    of_section: bool = False
 
     @classmethod
     def fixed(cls, body: LinkBody, rows: FloatArray = NOWHERE) -> Self:
@@ -92,10 +95,19 @@ class RigidBody:
         )
 
     @property
+    def row(self) -> int:
+        """Coordinate of the unreduced link that is its rotation."""
+        return int(self.rows[2].argmax())
+
+    @property
     def is_off_axis(self) -> bool:
         """Whether a turn changes its inertia."""
-        beside = self.second_moment - self.spin - self.on_axis
-        return beside > ROUND_OFF * self.second_moment
+        return self.beside > ROUND_OFF * self.second_moment
+
+    @property
+    def beside(self) -> float:
+        """Part of the second moment that the centrifugal mass of the straight link leaves out."""
+        return self.second_moment - self.spin - self.on_axis
 
     def projected(self, basis: FloatArray, ends: FloatArray | None = None) -> Self:
         """The body on a link with ``q = basis @ p``, whose joined ends move by ``ends @ p``."""
@@ -173,12 +185,107 @@ class RigidBody:
         virial, moment : ndarray, shape (B,)
             In N m.
         """
-        (a, c), angle = self.first_moment, motion.angle[:, link]
-        pull = motion.acceleration(link, self.position) - np.asarray(gravity)
-        x, y = np.sum(pull * direction(angle), axis=1), np.sum(pull * normal(angle), axis=1)
+        (a, c), (x, y) = self.first_moment, self.pull(motion, link, gravity).T
         virial = self.second_moment * motion.angular_velocity[:, link] ** 2 - (a * x + c * y)
         moment = c * x - a * y - self.second_moment * motion.angular_acceleration[:, link]
         return virial, moment
+
+    def pull(self, motion: RigidMotion, link: int, gravity: tuple[float, float]) -> FloatArray:
+        """Acceleration less gravity of its point on the straight link, along and across, (B, 2).
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        link : int
+            Number of the link.
+        gravity : tuple of float
+            In ground axes, m/s^2.
+        """
+        angle = motion.angle[:, link]
+        pull = motion.acceleration(link, self.position) - np.asarray(gravity)
+        axes = (direction(angle), normal(angle))
+        return np.stack([np.sum(pull * axis, axis=1) for axis in axes], axis=1)
+
+    def inertia(
+        self,
+        speed: FloatArray,
+        change: FloatArray,
+        pull: FloatArray,
+        moved: FloatArray,
+        rate: FloatArray,
+        faster: FloatArray,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Mass times acceleration, weight taken off, of the body displaced however far.
+
+        Parameters
+        ----------
+        speed, change : ndarray, shape (B,)
+            Angular velocity and acceleration of the frame.
+        pull : ndarray, shape (B, 2)
+            See :meth:`pull`.
+        moved, rate, faster : ndarray, shape (B, 3)
+            Displacement of the point and rotation in the frame, and their time derivatives.
+
+        Returns
+        -------
+        ndarray, shape (B, 3)
+            Force on the point and moment about it.
+        ndarray, shape (B, 3, 3)
+            Derivative by the displacement and the rotation.
+        """
+        turning = _turning(speed, change)
+        arm = np.stack(self._turned(moved[:, 2]), axis=1)
+        lever = _quarter_turned(arm)
+        carried = (turning @ moved[:, :2, None])[..., 0]
+        carried += faster[:, :2] + 2 * speed[:, None] * _quarter_turned(rate[:, :2]) + pull
+        own = _turning(speed + rate[:, 2], change + faster[:, 2])
+        force, by_q = np.zeros((len(moved), 3)), np.zeros((len(moved), 3, 3))
+        force[:, :2] = self.mass * carried + (own @ arm[..., None])[..., 0]
+        force[:, 2] = np.sum(lever * carried, axis=1)
+        force[:, 2] += self.second_moment * (change + faster[:, 2])
+        by_q[:, :2, :2] = self.mass * turning
+        by_q[:, :2, 2] = (own @ lever[..., None])[..., 0]
+        by_q[:, 2, :2] = (lever[:, None] @ turning)[:, 0]
+        by_q[:, 2, 2] = -np.sum(arm * carried, axis=1)
+        return force, by_q
+
+    def beyond_linear(
+        self,
+        motion: RigidMotion,
+        link: int,
+        gravity: tuple[float, float],
+        moved: FloatArray,
+        rate: FloatArray,
+        faster: FloatArray,
+    ) -> FloatArray:
+        """By what its inertia and weight differ from those of small displacements.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        link : int
+            Number of the link.
+        gravity : tuple of float
+            In ground axes, m/s^2.
+        moved, rate, faster : ndarray, shape (B, 3)
+            As of :meth:`inertia`.
+
+        Returns
+        -------
+        ndarray, shape (B, 3)
+            Force on the point and moment about it: what :meth:`matrices` of the straight link and
+            the load on it leave out of :meth:`inertia`.
+        """
+        speed, change = motion.angular_velocity[:, link], motion.angular_acceleration[:, link]
+        given, still = (speed, change, self.pull(motion, link, gravity)), np.zeros_like(moved)
+        beyond = self.inertia(*given, moved, rate, faster)[0]
+        beyond -= self.inertia(*given, still, still, still)[0]
+        mass, gyroscopic, centrifugal = self.matrices(np.zeros(()), on_axis=True)
+        turned = 2 * speed[:, None] * rate + change[:, None] * moved
+        linear = faster @ mass + turned @ gyroscopic.T - speed[:, None] ** 2 * moved @ centrifugal
+        return np.asarray(beyond - linear)
 
     def carried(
         self, speed: FloatArray, change: FloatArray, q: FloatArray
@@ -199,29 +306,31 @@ class RigidBody:
         ndarray, shape (B, 3, 3)
             Derivative by q.
         """
-        turn = np.zeros((len(q), 2, 2))
-        turn[:, 0, 0] = turn[:, 1, 1] = speed**2
-        turn[:, 0, 1], turn[:, 1, 0] = change, -change
-        arm = np.stack(self._turned(q[:, 2]), axis=1)
-        lever = np.stack([-arm[:, 1], arm[:, 0]], axis=1)
-        cosine, sine = np.cos(q[:, 2]), np.sin(q[:, 2])
-        moved = self.mass * q[:, :2] + arm - np.array(self.first_moment)
-        carried = (turn @ q[:, :2, None])[..., 0]
-        force, by_q = np.zeros((len(q), 3)), np.zeros((len(q), 3, 3))
-        force[:, :2] = (turn @ moved[..., None])[..., 0]
-        force[:, 2] = np.sum(lever * carried, axis=1)
-        force[:, 2] += self.second_moment * (speed**2 * sine - change * (1 - cosine))
-        by_q[:, :2, :2] = self.mass * turn
-        by_q[:, :2, 2] = (turn @ lever[..., None])[..., 0]
-        by_q[:, 2, :2] = (lever[:, None] @ turn)[:, 0]
-        by_q[:, 2, 2] = self.second_moment * (speed**2 * cosine - change * sine)
-        by_q[:, 2, 2] -= np.sum(arm * carried, axis=1)
-        return force, by_q
+        still, no_pull, turn = np.zeros_like(q), np.zeros((len(q), 2)), q[:, 2]
+        displaced, by_q = self.inertia(speed, change, no_pull, q, still, still)
+        force = self.inertia(speed, change, no_pull, still, still, still)[0] - displaced
+        dead = speed**2 * np.sin(turn) - change * (1 - np.cos(turn))
+        force[:, 2] += self.second_moment * dead
+        by_q[:, 2, 2] -= self.second_moment * (speed**2 * np.cos(turn) - change * np.sin(turn))
+        return force, -by_q
 
     def _turned(self, angle: FloatArray) -> tuple[FloatArray, FloatArray]:
         """First moment along and across, turned."""
         (a, c), cosine, sine = self.first_moment, np.cos(angle), np.sin(angle)
         return a * cosine - c * sine, a * sine + c * cosine
+
+
+def _turning(speed: FloatArray, change: FloatArray) -> FloatArray:
+    """``change J - speed^2``: acceleration of a turning vector by that vector, (B, 2, 2)."""
+    found = np.zeros((len(speed), 2, 2))
+    found[:, 0, 0] = found[:, 1, 1] = -(speed**2)
+    found[:, 0, 1], found[:, 1, 0] = -change, change
+    return found
+
+
+def _quarter_turned(vectors: FloatArray) -> FloatArray:
+    """Vectors (B, 2) turned by a quarter."""
+    return np.stack([-vectors[:, 1], vectors[:, 0]], axis=1)
 
 
 def body_nodes(nodes: FloatArray, bodies: Sequence[LinkBody]) -> IntArray:

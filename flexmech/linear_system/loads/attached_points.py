@@ -11,7 +11,7 @@ from flexmech.arrays import FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.link_place import DependentRows
 from flexmech.linear_system.links.link_model import LinkModel
-from flexmech.linkages import Load, RigidMotion
+from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
 
 
@@ -129,54 +129,26 @@ class AttachedPoint:
         turned = np.zeros_like(along) if q is None else torque * np.sin(q[:, 2])
         return np.asarray(self.x * along - turned)
 
-    def place(self, motion: RigidMotion, q: FloatArray | None) -> FloatArray:
-        """Where the point is, (B, 2): on a rigid link that has turned however far.
+    def moved(self, motion: RigidMotion, q: FloatArray) -> FloatArray:
+        """As :meth:`displacement`, of a rigid link that has turned however far.
 
         Parameters
         ----------
         motion : RigidMotion
             Batch of shape (B,), not displaced.
-        q : ndarray, shape (B, n_link), or None
-            Displacement of the link; zero where it is None.
-        """
-        place = motion.position(self.link, self.x)
-        if q is None:
-            return place
-        place = place + self.displacement(motion, q)[:, :2]
-        if self.rigid:
-            angle, turn = motion.angle[:, self.link], q[:, 2:3]
-            back = (np.cos(turn) - 1.0) * direction(angle)
-            place = place + self.x * (back + (np.sin(turn) - turn) * normal(angle))
-        return place
-
-    def load_force(
-        self,
-        load: Load,
-        values: FloatArray,
-        motion: RigidMotion,
-        displacement: Sequence[FloatArray] | None,
-    ) -> FloatArray:
-        """Force of a load that acts here.
-
-        Parameters
-        ----------
-        load : Load
-        values : ndarray, shape (B, 3)
-            Force and torque in the load's own axes.
-        motion : RigidMotion
-            Batch of shape (B,).
-        displacement : sequence of ndarray, shape (B, n_link), or None
-            Of the links; None where they are straight.
+        q : ndarray, shape (B, n_link)
+            Displacement of the link.
 
         Returns
         -------
-        ndarray, shape (B, 2)
-            In ground axes.
+        ndarray, shape (B, 3)
         """
-        angle = motion.angle[:, self.link]
-        if displacement is not None:
-            angle = angle + displacement[self.link] @ self.rows[2]
-        return load.in_ground_axes(values, angle)
+        found = self.displacement(motion, q)
+        if self.rigid:
+            angle, turn = motion.angle[:, self.link], q[:, 2:3]
+            back = (np.cos(turn) - 1.0) * direction(angle)
+            found[:, :2] += self.x * (back + (np.sin(turn) - turn) * normal(angle))
+        return found
 
     def displacement(self, motion: RigidMotion, q: FloatArray) -> FloatArray:
         """Displacement in ground axes and rotation, (B, 3), at coordinates (B, n_link)."""
@@ -202,6 +174,16 @@ class AttachedPoint:
         speed = motion.angular_velocity[:, self.link]
         found[:, 0] -= speed * moved[:, 1]
         found[:, 1] += speed * moved[:, 0]
+        return found
+
+    def moved_rate(self, motion: RigidMotion, q: FloatArray, rate: FloatArray) -> FloatArray:
+        """Time derivative of :meth:`moved`; as :meth:`displacement_rate`."""
+        found = self.displacement_rate(motion, q, rate)
+        if self.rigid:
+            angle, speed = motion.angle[:, self.link], motion.angular_velocity[:, self.link, None]
+            turn = q[:, 2:3]
+            back = (speed + rate[:, 2:3]) * (normal(angle + q[:, 2]) - normal(angle))
+            found[:, :2] += self.x * (back + speed * turn * direction(angle))
         return found
 
 

@@ -70,6 +70,44 @@ class Answer:
         return cls(None, point, turned, np.zeros_like(turned))
 
     @classmethod
+    def of_spring(
+        cls,
+        first: AttachedPoint | None,
+        second: AttachedPoint | None,
+        spring: Spring,
+        line: SpringLine,
+        *,
+        stressed: bool,
+    ) -> Self:
+        """Of a spring at its length.
+
+        Parameters
+        ----------
+        first, second : AttachedPoint or None
+            Its ends; None on the ground.
+        spring : Spring
+        line : SpringLine
+            Of shape (B,); its relative velocity is that of the rigid motion.
+        stressed : bool
+            Whether that of the tension and of the rigid motion counts.
+
+        Returns
+        -------
+        Answer
+        """
+        along = line.along
+        stiffness, damping = np.zeros((2, len(along), 3, 3))
+        lengthwise = along[:, :, None] * along[:, None]
+        across = np.eye(2) - lengthwise
+        stiffness[:, :2, :2] = spring.stiffness * lengthwise
+        damping[:, :2, :2] = spring.damping * lengthwise
+        if stressed:
+            stiffness[:, :2, :2] += (line.tension / line.length)[:, None, None] * across
+            turning = (across @ line.relative_velocity[..., None])[..., 0] / line.length[:, None]
+            stiffness[:, :2, :2] += spring.damping * along[:, :, None] * turning[:, None]
+        return cls(first, second, stiffness, damping)
+
+    @classmethod
     def of_joint(
         cls, first: AttachedPoint | None, second: AttachedPoint, own: JointSpring, batch: int
     ) -> Self:
@@ -91,54 +129,6 @@ class Answer:
         holds[:] = np.diag([own.radial_stiffness or 0.0] * 2 + [own.torsional_stiffness])
         damps[:] = np.diag([own.radial_damping] * 2 + [own.torsional_damping])
         return cls(first, second, holds, damps, in_joint=True)
-
-
-@dataclass(frozen=True)
-class SpringEnd:
-    """Where an end of a spring is.
-
-    Parameters
-    ----------
-    point : AttachedPoint or None
-        None on the ground.
-    place, velocity : ndarray, shape (B, 2)
-        In ground axes; the velocity is that of the rigid motion.
-    """
-
-    point: AttachedPoint | None
-    place: FloatArray
-    velocity: FloatArray
-
-
-@dataclass(frozen=True)
-class SpringState:
-    """A spring at its length.
-
-    Parameters
-    ----------
-    first, second : AttachedPoint or None
-        Its ends; None on the ground.
-    line : SpringLine
-        Of shape (B,); its relative velocity is that of the rigid motion.
-    """
-
-    first: AttachedPoint | None
-    second: AttachedPoint | None
-    line: SpringLine
-
-    def answer(self, spring: Spring, *, stressed: bool) -> Answer:
-        """Stiffness and damping; that of the tension and of the rigid motion if ``stressed``."""
-        line, along = self.line, self.line.along
-        stiffness, damping = np.zeros((2, len(line.length), 3, 3))
-        lengthwise = along[:, :, None] * along[:, None]
-        across = np.eye(2) - lengthwise
-        stiffness[:, :2, :2] = spring.stiffness * lengthwise
-        damping[:, :2, :2] = spring.damping * lengthwise
-        if stressed:
-            stiffness[:, :2, :2] += (line.tension / line.length)[:, None, None] * across
-            turning = (across @ line.relative_velocity[..., None])[..., 0] / line.length[:, None]
-            stiffness[:, :2, :2] += spring.damping * along[:, :, None] * turning[:, None]
-        return Answer(self.first, self.second, stiffness, damping)
 
 
 @dataclass(frozen=True)

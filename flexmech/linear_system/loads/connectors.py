@@ -13,7 +13,7 @@ the rotations of two links, a radial one between the displacements of their ends
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -28,22 +28,25 @@ from flexmech.linear_system.loads.connector_forces import (
     Answer,
     ConnectedMatrices,
     PointForce,
-    SpringEnd,
-    SpringState,
     acts_still,
     connected_matrices,
 )
 from flexmech.linkages import (
-    GROUND,
     AttachmentPoint,
     JointSpring,
     LinkEnd,
     Load,
     RigidMotion,
-    Spring,
     continuous_angles,
 )
-from flexmech.linkages.applied_forces import ForceOnLink, SpringLine
+from flexmech.linkages.applied_forces import (
+    ForceOnLink,
+    Moved,
+    SpringLine,
+    applied_forces,
+    forces_of_loads,
+    joint_gap,
+)
 from flexmech.mechanism import Mechanism
 
 
@@ -61,6 +64,7 @@ class Connectors:
         self._mechanism = mechanism
         self.links = links
         self._topology = mechanism.linkage.topology
+        self._points: dict[tuple[int, float], AttachedPoint] = {}
         self.loads: tuple[Load, ...] = tuple(x for x in mechanism.loads if x.over != "time")
 
     @property
@@ -123,10 +127,7 @@ class Connectors:
 
     def applied(self, motion: RigidMotion) -> tuple[ForceOnLink, ...]:
         """The same forces on straight links, each by itself, for a batch of shape (B,)."""
-        return tuple(
-            ForceOnLink(push.point.link, push.point.x, push.force, push.torque)
-            for push in self.point_forces(motion)
-        )
+        return tuple(self._applied(motion, None, None))
 
     def virial(
         self, motion: RigidMotion, displacement: Sequence[FloatArray] | None = None
@@ -239,22 +240,76 @@ class Connectors:
         list of PointForce
             First those of loads, then those of springs.
         """
-        point_forces = []
-        for load in self._acting(time):
-            at, values = self.point_of(load), self._values(load, motion, time)
-            force = at.load_force(load, values, motion, displacement)
-            point_forces.append(PointForce(at, force, values[:, 2]))
-        for spring in self._mechanism.springs:
-            state = self._spring_state(spring, motion, displacement)
-            force = state.line.tension[:, None] * state.line.along
-            for point, sign in ((state.first, 1.0), (state.second, -1.0)):
-                if point is not None:
-                    point_forces.append(PointForce(point, sign * force, np.zeros(len(force))))
-        own_springs = self._mechanism.joint_springs
-        angles = continuous_angles(self._mechanism.linkage, motion) if own_springs else motion.angle
-        for own in own_springs:
-            point_forces += self._joint_point_forces(own, motion, angles, displacement)
-        return point_forces
+        return [
+            PointForce(self.at(own.link, float(own.x)), own.force, own.torque)
+            for own in self._applied(motion, displacement, time)
+        ]
+
+    def _applied(
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray] | None,
+        time: FloatArray | None,
+    ) -> Iterator[ForceOnLink]:
+        own = self._mechanism
+        springs = own.joint_springs
+        angles = continuous_angles(own.linkage, motion) if springs else motion.angle
+        return applied_forces(
+            self._topology,
+            motion,
+            self._acting(time),
+            own.springs,
+            springs,
+            angles,
+            0.0 if time is None else time,
+            self._moved(motion, displacement),
+        )
+
+    def _moved(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray] | None
+    ) -> Moved | None:
+        """Where points of links are displaced; at rest in the frames of these."""
+        if displacement is None:
+            return None
+
+        def moved(link: int, x: float) -> tuple[FloatArray, FloatArray]:
+            found = self.at(link, x).moved(motion, displacement[link])
+            return found, np.zeros_like(found)
+
+        return moved
+
+    def deformations(
+        self, motion: RigidMotion, moved: Moved
+    ) -> Iterator[tuple[float, FloatArray, float, FloatArray]]:
+        """Deformations of springs and of dampers beside them, each with the constants of both.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        moved : callable
+            See :data:`flexmech.linkages.applied_forces.Moved`.
+
+        Yields
+        ------
+        tuple of float, ndarray, float, ndarray
+            Stiffness, deformation (B,), damping and rate of the deformation (B,).
+        """
+        mechanism, topology = self._mechanism, self._topology
+        for spring in mechanism.springs:
+            line = SpringLine.of(spring, topology, motion, moved, needs_direction=False)
+            yield spring.stiffness, line.length - spring.free_length, spring.damping, line.rate
+        if not mechanism.joint_springs:
+            return
+        angles = continuous_angles(mechanism.linkage, motion)
+        for own in mechanism.joint_springs:
+            gap, rate = joint_gap(topology, motion, own, angles, moved)
+            turned = gap[:, 2] - own.free_angle
+            yield own.torsional_stiffness, turned, own.torsional_damping, rate[:, 2]
+            if own.radial_stiffness is not None:
+                for way in range(2):
+                    own_way = gap[:, way], own.radial_damping, rate[:, way]
+                    yield own.radial_stiffness, *own_way
 
     def answers(
         self,
@@ -282,16 +337,17 @@ class Connectors:
         list of Answer
             Empty where loads in ground axes alone act.
         """
-        answers = []
-        for load in self._acting(time) if stressed else ():
-            if load.axes == "link":
-                point = self.point_of(load)
-                values = self._values(load, motion, time)
-                force = point.load_force(load, values, motion, displacement)
-                answers.append(Answer.of_turning_force(point, force))
+        topology, moved = self._topology, self._moved(motion, displacement)
+        turning = [load for load in self._acting(time) if stressed and load.axes == "link"]
+        instant = 0.0 if time is None else time
+        answers = [
+            Answer.of_turning_force(self.at(own.link, float(own.x)), own.force)
+            for own in forces_of_loads(topology, motion, turning, instant, moved)
+        ]
         for spring in self._mechanism.springs:
-            state = self._spring_state(spring, motion, displacement)
-            answers.append(state.answer(spring, stressed=stressed))
+            line = SpringLine.of(spring, topology, motion, moved)
+            ends = self.point(spring.first), self.point(spring.second)
+            answers.append(Answer.of_spring(*ends, spring, line, stressed=stressed))
         for own in self._mechanism.joint_springs:
             second, first = self.joint_points(own)
             answers.append(Answer.of_joint(first, second, own, len(motion.crank_angle)))
@@ -299,37 +355,6 @@ class Connectors:
 
     def _acting(self, time: FloatArray | None) -> tuple[Load, ...]:
         return self.loads if time is None else self._mechanism.loads
-
-    @staticmethod
-    def _values(load: Load, motion: RigidMotion, time: FloatArray | None) -> FloatArray:
-        """Force and torque of a load in its axes, (B, 3)."""
-        return load.values(motion.crank_angle, 0.0 if time is None else time)
-
-    def point_of(self, load: Load) -> AttachedPoint:
-        """Where a load acts."""
-        point = self.point(load.point)
-        assert point is not None
-        return point
-
-    def _joint_point_forces(
-        self,
-        own: JointSpring,
-        motion: RigidMotion,
-        angles: FloatArray,
-        displacement: Sequence[FloatArray] | None,
-    ) -> list[PointForce]:
-        """Torques of a joint's torsional spring; a radial one carries what the joint carries."""
-        second, first = self.joint_points(own)
-        sides = [(point, sign) for point, sign in ((second, 1.0), (first, -1.0)) if point]
-        opening = self._topology.opening(own.joint, angles)
-        rate = self._topology.opening(own.joint, motion.angular_velocity)
-        if displacement is not None:
-            opening = opening + sum(
-                sign * (displacement[point.link] @ point.rows[2]) for point, sign in sides
-            )
-        torque = own.torque(np.asarray(opening), rate)
-        nothing = np.zeros((len(torque), 2))
-        return [PointForce(point, nothing, sign * torque) for point, sign in sides]
 
     def joint_points(self, own: JointSpring) -> tuple[AttachedPoint, AttachedPoint | None]:
         """Ends of the following and the leading link of a joint; None on the ground."""
@@ -339,59 +364,15 @@ class Connectors:
 
     def _end(self, end: LinkEnd) -> AttachedPoint:
         number = self._topology.index(end.link)
-        x = 0.0 if end.end == "start" else self._topology.links[number].length
-        return self._at(number, x)
+        return self.at(number, 0.0 if end.end == "start" else self._topology.links[number].length)
 
-    def _at(self, number: int, x: float) -> AttachedPoint:
-        length = self._topology.links[number].length
-        return AttachedPoint.of(self.links, number, x / length, length)
+    def at(self, link: int, x: float) -> AttachedPoint:
+        """Point of a link, by its number, at a distance from its start in m."""
+        if (link, x) not in self._points:
+            length = self._topology.links[link].length
+            self._points[link, x] = AttachedPoint.of(self.links, link, x / length, length)
+        return self._points[link, x]
 
     def point(self, point: AttachmentPoint) -> AttachedPoint | None:
         """Where a point of a link is attached; None on the ground."""
-        if point.link == GROUND:
-            return None
-        return self._at(self._topology.index(point.link), point.x)
-
-    def _spring_state(
-        self, spring: Spring, motion: RigidMotion, displacement: Sequence[FloatArray] | None
-    ) -> SpringState:
-        size = max(link.length for link in self._topology.links)
-        first, second = self.spring_ends(spring, motion, displacement)
-        places, velocities = (first.place, second.place), (first.velocity, second.velocity)
-        line = SpringLine.of(spring, motion.crank_angle, places, velocities, size)
-        return SpringState(first.point, second.point, line)
-
-    def spring_ends(
-        self,
-        spring: Spring,
-        motion: RigidMotion,
-        displacement: Sequence[FloatArray] | None = None,
-    ) -> tuple[SpringEnd, SpringEnd]:
-        """First and second end of a spring.
-
-        Parameters
-        ----------
-        spring : Spring
-        motion : RigidMotion
-            Batch of shape (B,).
-        displacement : sequence of ndarray, shape (B, n_link), optional
-            Of the links; they are straight where it is left out.
-
-        Returns
-        -------
-        tuple of SpringEnd
-        """
-        return (
-            self._spring_end(spring.first, motion, displacement),
-            self._spring_end(spring.second, motion, displacement),
-        )
-
-    def _spring_end(
-        self, point: AttachmentPoint, motion: RigidMotion, displacement: Sequence[FloatArray] | None
-    ) -> SpringEnd:
-        found = self.point(point)
-        if found is None:
-            still = np.broadcast_to((point.x, point.y), (len(motion.crank_angle), 2))
-            return SpringEnd(None, still, np.zeros_like(still))
-        place = found.place(motion, None if displacement is None else displacement[found.link])
-        return SpringEnd(found, place, motion.velocity(found.link, point.x))
+        return None if point.is_ground else self.at(self._topology.index(point.link), point.x)

@@ -110,7 +110,8 @@ def link_boundary(ends: JoinedEnds, link: LinkModel) -> LinkBoundary:
         shaft = np.array([len(columns)])
         columns.append(link.shaft)
     # The section of a body off the axis is a joint too: a rigid link is welded to it.
-    arms = [body.rows.any(axis=0) for body in link.bodies if body.is_off_axis]
+    fixed_to = [body for body in link.bodies if body.is_off_axis and not body.of_section]
+    arms = [body.rows.any(axis=0) for body in fixed_to]
     taken = fixed.copy()
     taken[np.concatenate([*columns, np.zeros(0, dtype=np.intp)])] = True
     columns += list(np.flatnonzero(np.any(arms, axis=0) & ~taken)[:, None]) if arms else []

@@ -23,7 +23,7 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linear_system import LinkModel, whole
+from flexmech.linear_system import LinkModel, RigidBody, whole
 from flexmech.linkages import CrankDrive, Linkage, LockedCrank
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
@@ -52,7 +52,7 @@ class LinkEnergies:
         # Without attached bodies, which turn with their nodes.
         self._mass = [whole(link.mass) for link in links]
         for number, _ in assembly.beams:
-            for body in links[number].bodies:
+            for body in (own for own in links[number].bodies if not own.of_section):
                 own = body.matrices(np.zeros(()))[0]
                 self._mass[number] = self._mass[number] - body.rows.T @ own @ body.rows
 
@@ -77,12 +77,12 @@ class LinkEnergies:
         """
         mass, part = self._mass[link], self._assembly.parts[link]
         if isinstance(part, RigidPart):
-            return _kinetic(part.moments, position, velocity)
+            return _kinetic(part.inertia, position, velocity)
         added = np.zeros(len(position))
         for body in self._assembly.attached:
             if body.link == link:
                 own = self._own(body)
-                added += _kinetic(body.moments, position[:, own], velocity[:, own])
+                added += _kinetic(body.inertia, position[:, own], velocity[:, own])
         if part.bodies is None:
             rate = velocity if part.polar is None else part.polar.moved_rate(position, velocity)
             return np.asarray(added + np.sum(rate @ mass * rate, axis=1) / 2)
@@ -116,11 +116,11 @@ class LinkEnergies:
         part, pull = self._assembly.parts[link], np.array(self._assembly.mechanism.gravity)
         x, y = pull
         if isinstance(part, RigidPart):
-            return np.asarray(-_moment(part.moments, position) @ pull)
+            return np.asarray(-_moment(part.inertia, position) @ pull)
         added = np.zeros(len(position))
         for body in self._assembly.attached:
             if body.link == link:
-                added -= _moment(body.moments, position[:, self._own(body)]) @ pull
+                added -= _moment(body.inertia, position[:, self._own(body)]) @ pull
         if part.bodies is None:
             nodes = position if part.polar is None else part.polar.moved(position)
             return np.asarray(added - nodes @ self.weight(link))
@@ -138,24 +138,18 @@ class LinkEnergies:
         return [body.place - start, body.place - start + 1, body.angle - start]
 
 
-def _kinetic(
-    moments: tuple[float, float, float, float], position: FloatArray, velocity: FloatArray
-) -> FloatArray:
+def _kinetic(body: RigidBody, position: FloatArray, velocity: FloatArray) -> FloatArray:
     """Kinetic energy of a rigid body by place and angle of a point, (m, 3); shape (m,)."""
-    total, along, across, second = moments
-    angle, spin = position[:, 2], velocity[:, 2]
-    moment = along * normal(angle) - across * direction(angle)
-    crossed = spin * np.sum(velocity[:, :2] * moment, axis=1)
-    square = total * np.sum(velocity[:, :2] ** 2, axis=1) + second * spin**2
-    return np.asarray(square / 2 + crossed)
+    momentum = body.matrices(position[:, 2])[0] @ velocity[..., None]
+    return np.asarray(np.sum(velocity * momentum[..., 0], axis=1) / 2)
 
 
-def _moment(moments: tuple[float, float, float, float], position: FloatArray) -> FloatArray:
+def _moment(body: RigidBody, position: FloatArray) -> FloatArray:
     """Mass times the place of a rigid body's centre but for a constant, (m, 2)."""
-    total, along, across, _ = moments
-    angle = position[:, 2]
-    centre = along * direction(angle) + across * normal(angle)
-    return np.asarray(total * position[:, :2] + centre)
+    (along, across), angle = body.first_moment, position[:, 2]
+    return np.asarray(
+        body.mass * position[:, :2] + along * direction(angle) + across * normal(angle)
+    )
 
 
 @dataclass(frozen=True)
@@ -242,9 +236,9 @@ def add_running_loads(assembly: LinkAssembly, energies: LinkEnergies) -> None:
 
 
 def _add_body_weight(assembly: LinkAssembly, part: RigidPart) -> None:
-    if any(assembly.mechanism.gravity) and part.moments[0]:
+    if any(assembly.mechanism.gravity) and part.inertia.mass:
         assembly.items.begin(f"{part.name}: weight")
-        _add_weight(assembly, f"{part.name}_weight", part.body, part.moments[0], part.centre)
+        _add_weight(assembly, f"{part.name}_weight", part.body, part.inertia.mass, part.centre)
 
 
 def _add_node_weights(assembly: LinkAssembly, link: str, bodies: NodeBodies) -> None:

@@ -175,7 +175,8 @@ class Simulation:
         if shaft is not None:
             inertia = assembly.mechanism.shaft_inertia
             kinetic += inertia * motion.crank_speed**2 / 2
-        work = self.model.connectors.work(time, position, velocity)
+        work = self.model.connectors.work(time, motion, displacement, rate)
+        sprung = self.model.connectors.joint_forces(motion, displacement, rate)
         strain += work.stored
         dissipation += work.dissipation
         return StepBlock(
@@ -183,7 +184,7 @@ class Simulation:
             crank_speed=motion.crank_speed,
             displacement=displacement,
             rate=rate,
-            joint_force=self.model.joint_force(multiplier, position, velocity),
+            joint_force=self.model.joint_force(multiplier, position, sprung),
             driving_torque=self.model.driving_torque(time, multiplier),
             kinetic_energy=kinetic,
             strain_energy=strain,

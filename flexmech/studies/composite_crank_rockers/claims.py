@@ -10,7 +10,7 @@ with the name of the method that tests it here and its arguments.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from flexmech.arrays import FloatArray
 from flexmech.linkages import synthesize_crank_rocker
 from flexmech.studies.claim import REPRODUCED_WITHIN, Claim, verdict_on, within_a_tenth
-from flexmech.studies.composite_crank_rockers import linkages, structure
+from flexmech.studies.composite_crank_rockers import linkages
 
 # Printed limits are held to half a degree.
 _LIMIT_TOLERANCE = 0.5
@@ -164,7 +164,7 @@ class _Tests:
         """Whether frequency is a factor of the laminate times one of the case."""
         found = self._said_of(
             "frequency",
-            lambda values: 100 * structure.separable_error(values.sel(position=position)),
+            lambda values: 100 * separable_error(values.sel(position=position)),
             lambda from_tables, ours: abs(from_tables - ours) < _SEPARABLE_WITHIN,
         )
         tables = self.study["finite_element"].sel(position=position)
@@ -174,7 +174,7 @@ class _Tests:
     def factors(self, printed: str) -> _Finding:
         """How far the frequency falls from C1 to C6."""
         tables = self.study["published_laminate_factor"].values
-        found = np.array([structure.laminate_factors(frequency) for frequency in self.models])
+        found = np.array([laminate_factors(frequency) for frequency in self.models])
         by_tables, ours = (", ".join(f"{v:.3f}" for v in row) for row in (tables, found[0]))
         near = np.allclose(found[0], tables, rtol=REPRODUCED_WITHIN)
         return _Finding(by_tables, ours, f"C6 {_span(found[:, -1])}", near)
@@ -183,17 +183,17 @@ class _Tests:
         """How far it falls with the moduli and densities of Table 2."""
         printed_factor = float(self.study["published_laminate_factor"][-1])
         by_table_2 = self.study["frequency"].sel(plies="table 2", beams=linkages.CONVERGED)
-        found = float(structure.laminate_factors(by_table_2)[-1])
+        found = float(laminate_factors(by_table_2)[-1])
         near = within_a_tenth(printed_factor, found)
         return _Finding(f"{printed_factor:.3f}", f"{found:.3f}", "", near)
 
     def shape(self, printed: str) -> _Finding:
         """Cases and positions against each other, whatever the scale."""
         tables, *found = (
-            structure.geometric_mean(frequency, "laminate")
+            geometric_mean(frequency, "laminate")
             for frequency in (self.study["finite_element"], *self.models)
         )
-        off = [100 * structure.deviation_at_best_scale(each, tables) for each in found]
+        off = [100 * deviation_at_best_scale(each, tables) for each in found]
         near = off[0] <= 100 * REPRODUCED_WITHIN
         return _Finding("", f"{off[0]:.0f} %", f"{_span(off)} %", near)
 
@@ -284,3 +284,79 @@ def _fall(values: xr.DataArray, dim: str, high: object, low: object) -> float:
     """Mean decrease from one coordinate to another, in percent of the former."""
     ratio = values.sel({dim: low}).values / values.sel({dim: high}).values
     return float(100 * (1 - ratio.mean()))
+
+
+def laminate_factors(frequency: xr.DataArray) -> xr.DataArray:
+    """Factor s of each laminate against C1: geometric mean over cases and positions.
+
+    Linear theory with one modulus and one density a laminate gives the same ratio of two
+    laminates in every linkage and position: frequency = s(laminate) q(case, position).
+
+    Parameters
+    ----------
+    frequency : DataArray
+        Over ``laminate``, and ``position`` or ``case`` or both.
+
+    Returns
+    -------
+    DataArray
+        Over ``laminate`` and whatever other dimensions there are.
+    """
+    ratio = frequency / frequency.sel(laminate="C1")
+    return geometric_mean(ratio, [d for d in frequency.dims if d in ("position", "case")])
+
+
+def geometric_mean(values: xr.DataArray, dims: str | list[Hashable]) -> xr.DataArray:
+    """Geometric mean over dimensions.
+
+    Parameters
+    ----------
+    values : DataArray
+        Positive.
+    dims : str or list of str
+
+    Returns
+    -------
+    DataArray
+    """
+    logarithm: xr.DataArray = xr.apply_ufunc(np.log, values)
+    mean: xr.DataArray = xr.apply_ufunc(np.exp, logarithm.mean(dims))
+    return mean
+
+
+def separable_error(frequency: xr.DataArray) -> float:
+    """Greatest deviation from a factor of the laminate times one of the rest, relative.
+
+    Parameters
+    ----------
+    frequency : DataArray
+        Over ``laminate`` and others.
+
+    Returns
+    -------
+    float
+    """
+    whole = frequency.transpose("laminate", ...).values
+    logarithm = np.log(whole.reshape(len(whole), -1))
+    rest = logarithm - logarithm.mean(axis=0) - logarithm.mean(axis=1, keepdims=True)
+    return float(np.abs(np.expm1(rest + logarithm.mean())).max())
+
+
+def deviation_at_best_scale(computed: xr.DataArray, published: xr.DataArray) -> float:
+    """Greatest relative deviation from published values, left by the scale that makes it least.
+
+    With ratios of computed to published values from a to b that scale is 2 / (a + b), and
+    what it leaves (b - a) / (a + b).
+
+    Parameters
+    ----------
+    computed, published : DataArray
+        Positive, of the same dimensions.
+
+    Returns
+    -------
+    float
+    """
+    ratio = computed / published
+    low, high = float(ratio.min()), float(ratio.max())
+    return (high - low) / (high + low)

@@ -9,14 +9,14 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.datasets import provenance
-from flexmech.analyses.frequencies import natural_frequencies, strain_energy_damping
+from flexmech.analyses.frequencies.positions import natural_frequencies, strain_energy_damping
 from flexmech.arrays import LabelledProgress, silent
 from flexmech.linear_system import Engine
 from flexmech.mechanism import Mechanism
 from flexmech.reference import ReferenceEngine
 from flexmech.studies.composite_crank_rockers import linkages
+from flexmech.studies.composite_crank_rockers.claims import laminate_factors
 from flexmech.studies.composite_crank_rockers.result import CompositeStudy
-from flexmech.studies.composite_crank_rockers.structure import laminate_factors
 
 MakeEngine = Callable[[Mechanism, int, str], Engine]
 

@@ -9,7 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.datasets import table_over
+from flexmech.analyses.datasets import table_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Row, Summary, Table
 from flexmech.studies.claim import REPRODUCED_WITHIN, Claim, claim_lines, count_of_verdicts
@@ -102,6 +102,21 @@ class CompositeStudy(Result):
 # What every column of frequencies is divided by.
 _ONE = {"laminate": "C1", "case": 1, "position": "min"}
 _DIMS = ("plies", "beams", "position", "laminate", "case")
+_RATIOS = {name: f"{name}_ratio" for name in ("frequency", "finite_element", "measured")}
+# Columns of the table, and their variables.
+_COLUMNS = {
+    "position": "position",
+    "crank_angle_deg": "position_angle",
+    **{name: name for name in ("laminate", "case", "plies", "beams")},
+    "frequency_Hz": "frequency",
+    "ratio": "frequency_ratio",
+    "published_finite_element_Hz": "finite_element",
+    "published_finite_element_ratio": "finite_element_ratio",
+    "published_measured_Hz": "measured",
+    "published_measured_ratio": "measured_ratio",
+    "strain_energy_damping": "strain_energy_damping",
+    "published_damping": "damping",
+}
 
 
 def frequency_table(study: xr.Dataset) -> pd.DataFrame:
@@ -120,32 +135,21 @@ def frequency_table(study: xr.Dataset) -> pd.DataFrame:
     -------
     pandas.DataFrame
     """
-    angles = np.degrees([position_angles(published_case(case)) for case in study["case"].values])
-    study = study.assign(crank_angle_deg=(("case", "position"), angles[:, :-1]))
+    angles = np.array([position_angles(published_case(case)) for case in study["case"].values])
+    study = study.assign(position_angle=(("case", "position"), angles[:, :-1]))
     second = study.sel(position=["90"])
     second = second.assign(
         frequency=study["other_configuration"],
-        crank_angle_deg=("case", angles[:, -1]),
+        position_angle=("case", angles[:, -1]),
         strain_energy_damping=np.nan * second["strain_energy_damping"],
     ).assign_coords(position=[SECOND])
-    return pd.concat([_rows(part, study.sel(_ONE)) for part in (study, second)])
-
-
-def _rows(part: xr.Dataset, one: xr.Dataset) -> pd.DataFrame:
-    """Rows of the table; ratios are to the values of one linkage."""
-    return table_over(
-        *_DIMS,
-        position=part["position"],
-        crank_angle_deg=part["crank_angle_deg"],
-        **{name: part[name] for name in ("laminate", "case", "plies", "beams")},
-        frequency_Hz=part["frequency"],
-        ratio=part["frequency"] / one["frequency"],
-        published_finite_element_Hz=part["finite_element"],
-        published_finite_element_ratio=part["finite_element"] / one["finite_element"],
-        published_measured_Hz=part["measured"],
-        published_measured_ratio=part["measured"] / one["measured"],
-        strain_energy_damping=part["strain_energy_damping"],
-        published_damping=part["damping"],
+    one = study.sel(_ONE)
+    ratios = [part[list(_RATIOS)] / one[list(_RATIOS)] for part in (study, second)]
+    return pd.concat(
+        [
+            table_of(part.assign(ratio.rename(_RATIOS)), _DIMS, _COLUMNS)
+            for part, ratio in zip((study, second), ratios, strict=True)
+        ]
     )
 
 

@@ -10,7 +10,7 @@ knows exactly.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -28,7 +28,6 @@ from flexmech.linear_system import (
     SystemMatrices,
 )
 from flexmech.linkages import CrankDrive, Load, RigidMotion, continuous_angles
-from flexmech.linkages.applied_forces import SpringLine
 
 LinkMotion = Sequence[tuple[FloatArray, FloatArray, FloatArray]]
 
@@ -95,17 +94,27 @@ class DrivenConnectors:
     frames : LinkFrames
         Of the reduced links.
     drive : CrankDrive
+    torque_follows : bool
+        Whether the torque that balances them turns with a free shaft.
     """
 
-    def __init__(self, engine: Engine, frames: LinkFrames, drive: CrankDrive) -> None:
+    def __init__(
+        self,
+        engine: Engine,
+        frames: LinkFrames,
+        drive: CrankDrive,
+        *,
+        torque_follows: bool = False,
+    ) -> None:
         mechanism = engine.mechanism
         self._mechanism, self._frames, self._drive = mechanism, frames, drive
         self._all = Connectors(mechanism, frames.links)
         tables = tuple(load for load in mechanism.loads if load.over != "constant")
         self.winds = _winds(engine)
-        # A follower load that varies changes the stiffness; a spring that is wound up never
-        # comes back: nothing of them is interpolated.
-        self.is_interpolated = not (self.winds or any(load.axes == "link" for load in tables))
+        # A follower load or torque that varies changes the stiffness; a spring that is wound up
+        # never comes back: nothing of them is interpolated.
+        turns = any(load.axes == "link" or torque_follows for load in tables)
+        self.is_interpolated = not (self.winds or turns)
         self._tables: tuple[tuple[Load, int], ...] = ()
         self._smooth = self._all
         if self.is_interpolated:
@@ -200,7 +209,7 @@ class DrivenConnectors:
         """
         found = []
         for load, component in self._tables:
-            point = self._all.point_of(load)
+            point = self._point(load)
             values = np.zeros((len(motion.crank_angle), 3))
             values[:, component] = 1.0
             force = load.in_ground_axes(values, motion.angle[:, point.link])
@@ -263,50 +272,13 @@ class DrivenConnectors:
             (np.sum(f * moved[:, :2], axis=1) + t * moved[:, 2] for f, t, moved in pushed),
             np.zeros(len(time)),
         )
-        work = ConnectorWork.of(self._deformations(motion, elastic), power)
-        return ActingForces(shapes, fields, virtual, work)
 
-    def _deformations(
-        self, motion: RigidMotion, elastic: LinkMotion
-    ) -> Iterator[tuple[float, FloatArray, float, FloatArray]]:
-        """Stiffness, deformation, damping and rate of each spring, by where its ends are."""
-        mechanism = self._mechanism
-        topology = mechanism.linkage.topology
-        size = max(link.length for link in topology.links)
-
-        def moved(point: AttachedPoint | None) -> tuple[FloatArray, FloatArray]:
-            """Displacement in ground axes with the rotation, and its rate; (m, 3) each."""
-            if point is None:
-                return np.zeros((1, 3)), np.zeros((1, 3))
-            q, rate = elastic[point.link][:2]
+        def displaced(link: int, x: float) -> tuple[FloatArray, FloatArray]:
+            point, (q, rate, _) = self._all.at(link, x), elastic[link]
             return point.displacement(motion, q), point.displacement_rate(motion, q, rate)
 
-        for spring in mechanism.springs:
-            first, second = self._all.spring_ends(spring, motion)
-            (before, drift), (after, drifting) = moved(first.point), moved(second.point)
-            line = SpringLine.of(
-                spring,
-                motion.crank_angle,
-                (first.place + before[:, :2], second.place + after[:, :2]),
-                (first.velocity + drift[:, :2], second.velocity + drifting[:, :2]),
-                size,
-                needs_direction=False,
-            )
-            yield spring.stiffness, line.length - spring.free_length, spring.damping, line.rate
-        if not mechanism.joint_springs:
-            return
-        angles = continuous_angles(mechanism.linkage, motion)
-        for own in mechanism.joint_springs:
-            second_point, first_point = self._all.joint_points(own)
-            (before, drift), (after, drifting) = moved(first_point), moved(second_point)
-            apart, parting = after - before, drifting - drift
-            opening = apart[:, 2] + topology.opening(own.joint, angles) - own.free_angle
-            rate = parting[:, 2] + topology.opening(own.joint, motion.angular_velocity)
-            yield own.torsional_stiffness, opening, own.torsional_damping, rate
-            if own.radial_stiffness is not None:
-                for way in range(2):
-                    own_way = apart[:, way], own.radial_damping, parting[:, way]
-                    yield own.radial_stiffness, *own_way
+        work = ConnectorWork.of(self._all.deformations(motion, displaced), power)
+        return ActingForces(shapes, fields, virtual, work)
 
     def _point_forces(
         self, time: FloatArray, motion: RigidMotion, elastic: LinkMotion
@@ -334,13 +306,16 @@ class DrivenConnectors:
                     found.append((PointForce(point, force, torque), False))
         return found
 
+    def _point(self, load: Load) -> AttachedPoint:
+        return self._all.at(self._frames.topology.index(load.point.link), load.point.x)
+
     def _loads(
         self, time: FloatArray, motion: RigidMotion, elastic: LinkMotion
     ) -> list[tuple[AttachedPoint, FloatArray, FloatArray]]:
         """Point, force (m, 2) and torque (m,) of each load; linear in the section's rotation."""
         found = []
         for load in self._mechanism.loads:
-            point = self._all.point_of(load)
+            point = self._point(load)
             values = load.values(motion.crank_angle, time)
             force = load.in_ground_axes(values, motion.angle[:, point.link])
             if load.axes == "link":

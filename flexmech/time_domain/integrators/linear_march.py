@@ -12,7 +12,7 @@ from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkag
 from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
 from flexmech.time_domain.integrators.position_table import PositionTable
 
-# Steps whose operators are interpolated at once.
+# Steps whose operators are interpolated at once. Speed alone: they stay in the processor's cache.
 CACHED_STEPS = 64
 
 

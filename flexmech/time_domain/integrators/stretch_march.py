@@ -43,13 +43,14 @@ LAST_CHANGE = 1e-3
 # A pass gains about two digits: after a change that is smaller by this, the next block begins
 # with the fewest passes again.
 AMPLE = 30
-# Newton's method with the tangent of the bowed links.
+# Newton's method with the tangent of the bowed links. Three to five passes lead to a change whose
+# square is less than round-off; a step that takes more than twice as many is too long.
 NEWTON_PASSES = 12
 NEWTON_CHANGE = 1e-9
-# Links that all but stand still have no H^2 z'' to measure changes by: then this part of z is taken
-# in its place, in a pass and in Newton's method.
+# Links at rest in their frames have no H^2 z'' to measure changes by: then this part of z is taken
+# in its place, in a pass and in Newton's method. Both leave 1e-9 to 1e-12 of z, above round-off.
 STILL, NEWTON_STILL = 1e-6, 1e-3
-# Double steps whose operators stay in the cache.
+# Double steps whose operators are interpolated at once. Speed alone: they stay in the cache.
 CACHED_STEPS = 32
 # Taylor's polynomial at the stages, from z, H z' and H^2 z'' at the start.
 TAYLOR = np.array([[1.0, 1 / 2, 1 / 8], [1.0, 1.0, 1 / 2]])

@@ -25,7 +25,7 @@ from flexmech.linear_system import (
 )
 from flexmech.time_domain.periodic_motion.moving_modes import MovingModes
 
-# Crank angles whose unreduced matrices are held in memory at a time.
+# Crank angles whose unreduced matrices are in memory at a time. Memory alone.
 BATCH = 64
 
 

@@ -34,14 +34,23 @@ from flexmech.time_domain.periodic_motion.sampled_turn import SampledTurn
 
 Readings = Sequence[Sequence[FloatArray | None]]
 
-# Of a turn; an odd number leaves no harmonic whose phase is unknown.
+# Crank angles of a turn, one every two degrees: motions are then those of the full equations to
+# 2e-3, which the higher modes leave; with 31 they are not. An odd number leaves no harmonic whose
+# phase is unknown.
 SAMPLES = 181
 # Steps of the transition matrices in a period of the fastest moving mode. Readings between them
 # are those of a cubic spline: off by (2 pi / 12)^4 / 384 = 2e-4 of the fastest mode's part, which
 # hardly moves.
 STEPS_A_PERIOD = 12
+# And of a turn: two a degree, which shows its loads up to the 60th harmonic as well.
 LEAST_STEPS = 720
-# Modes besides those asked for, where nothing turns and any number of them is smooth.
+# A reading this near to a step, in steps, begins there: phases are told to round-off.
+ON_A_STEP = 1e-9
+# Motions that a turn returns to this part of themselves are not sought: without damping a critical
+# speed has no periodic motion, and the others are as good.
+RETURNED = 1e-12
+# Modes besides those asked for, where nothing turns and any number of them is smooth. What they
+# leave out follows statically.
 SPARE_MODES = 2
 
 
@@ -158,7 +167,7 @@ class FreeAndForced:
             Readings of the free motions from a unit of each state at the beginning.
         """
         steps, size = len(self.transitions), self.transitions.shape[1]
-        first = int(np.floor(phase[0] * steps + 1e-9))
+        first = int(np.floor(phase[0] * steps + ON_A_STEP))
         order = (first + np.arange(steps + 1)) % steps
         states = np.empty((steps + 1, size, size))
         states[0] = np.eye(size)
@@ -166,8 +175,7 @@ class FreeAndForced:
             np.matmul(self.transitions[step], states[index], out=states[index + 1])
         row, n = self.rows[order, reading], size - 1
         turn = states[-1]
-        # Without damping a critical speed has no periodic motion: then some motion is as good.
-        start = np.linalg.lstsq(np.eye(n) - turn[:n, :n], turn[:n, n], rcond=1e-12)[0]
+        start = np.linalg.lstsq(np.eye(n) - turn[:n, :n], turn[:n, n], rcond=RETURNED)[0]
         own = states[:, :n] @ np.append(start, 1.0)
         gap = own[-1] - own[0]
         free = np.einsum("kn,knj->kj", row, states[:, :n, :n])

@@ -8,9 +8,10 @@ damping enters. At all samples together ::
 
 with M, C and K the inertia of the links in their turning frames (all rotation terms), f the
 inertia forces of the rigid motion and the weight, f_int the engine's own internal forces at
-large displacements and D its Kelvin-Voigt damping. Inertia is linear in the displacements. That
-is exact for Exudyn's cables, whose coordinates are vectors; sections that turn keep the inertia
-of small turns against their link frame.
+large displacements and D its Kelvin-Voigt damping. Inertia is linear in the displacements, but for
+bodies and rigid links, whose arms turn however far. That is exact for Exudyn's cables, whose
+coordinates are vectors; sections that turn keep the inertia of small turns against their link
+frame.
 """
 
 from __future__ import annotations
@@ -190,6 +191,12 @@ class OrbitEquations:
                 stressed.internal_force, self._damping(stressed), moving, strict=True
             )
         ]
+        gravity = self.engine.mechanism.gravity
+        for number, (link, moved) in enumerate(zip(self.engine.links, moving, strict=True)):
+            for body in link.bodies:
+                q, rate, faster = (each @ body.rows.T for each in moved)
+                beyond = body.beyond_linear(self.motion, number, gravity, q, rate, faster)
+                forces[number] += beyond @ body.rows
         own = self._inertia
         residual = (
             times(own.mass, acceleration + damping_rate * velocity)
@@ -204,11 +211,16 @@ class OrbitEquations:
     def linearized(self, stressed: StressedLinks, damping_rate: float = 0.0) -> SystemMatrices:
         """Matrices of small changes of the motion; each (N, n, n).
 
-        What the change of the damping matrix would add is left out: Newton's method takes a
-        pass more without it, and finds the same.
+        What the change of the damping matrix and the elastic motion of bodies' arms would add is
+        left out: Newton's method takes a pass more without it, and finds the same.
         """
+        assert stressed.displacement is not None
+        turns = [
+            [q @ body.rows[2] for body in link.bodies]
+            for link, q in zip(self.engine.links, stressed.displacement, strict=True)
+        ]
         own = self.frames.assemble(
-            self.motion, stressed.tangent, RotationTerms(), self._damping(stressed)
+            self.motion, stressed.tangent, RotationTerms(), self._damping(stressed), turns=turns
         )
         if not damping_rate:
             return own

@@ -28,7 +28,8 @@ from flexmech.linear_system import (
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.equations_of_motion.reduced_links import ReducedLinks, prestressed_links
 
-# Times the frequency up to which component modes are kept for the natural frequencies alone.
+# Times the frequency up to which component modes are kept for the natural frequencies alone: the
+# moving subspace is that of a few more modes than are asked for.
 DETAIL = 2.0
 
 

@@ -20,7 +20,7 @@ from flexmech.validation import check_choice, check_instance
 # A shaft that is ahead or behind by more than this, in rad, no longer turns the linkage through
 # the positions for which its torque is made.
 RUN_AWAY = np.pi / 2
-# Positions whose inverse dynamics are held in memory at a time.
+# Positions whose inverse dynamics are in memory at a time. Memory alone: some kB each.
 BATCH = 4096
 
 

@@ -12,7 +12,8 @@ import numpy as np
 import pandas as pd
 
 from flexmech.analyses import deflections
-from flexmech.analyses.response import ResponseRequest, response
+from flexmech.analyses.response.compute import response
+from flexmech.analyses.response.request import ResponseRequest
 from flexmech.arrays import FloatArray
 from flexmech.choices import EngineName
 from flexmech.linear_system import Engine

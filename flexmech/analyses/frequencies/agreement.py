@@ -1,0 +1,129 @@
+"""How far two engines' frequencies differ, and whether their errors explain it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses.beam_theory import theory_reason
+from flexmech.analyses.frequencies.extremes import known_error
+from flexmech.analyses.frequencies.words import MOST_DECIMALS
+from flexmech.analyses.remarks import speed_text, speed_unit
+
+DIMS = ("engine", "crank_speed", "crank_angle", "mode")
+
+
+@dataclass(frozen=True)
+class EngineAgreement:
+    """Greatest relative difference of two engines' frequencies, and where it is.
+
+    Parameters
+    ----------
+    engines : tuple of str
+    relative_difference : float
+        ``|f_b / f_a - 1|``.
+    crank_speed, crank_angle : float
+        rad/s and rad.
+    mode : int
+        Counted from 1.
+    """
+
+    engines: tuple[str, str]
+    relative_difference: float
+    crank_speed: float
+    crank_angle: float
+    mode: int
+
+
+def engine_agreement(dataset: xr.Dataset) -> EngineAgreement | None:
+    """How far the first two engines differ at most; None with a single engine.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a map in one state.
+
+    Returns
+    -------
+    EngineAgreement or None
+    """
+    names = [str(name) for name in dataset["engine"].values]
+    if len(names) < 2:
+        return None
+    first, second = (dataset["frequency"].isel(engine=i).values for i in (0, 1))
+    difference = np.abs(second / first - 1)
+    speed, angle, mode = np.unravel_index(int(difference.argmax()), difference.shape)
+    return EngineAgreement(
+        engines=(names[0], names[1]),
+        relative_difference=float(difference.max()),
+        crank_speed=float(dataset["crank_speed"][speed]),
+        crank_angle=float(dataset["crank_angle"][angle]),
+        mode=int(dataset["mode"][mode]),
+    )
+
+
+def verdict(dataset: xr.Dataset, effect: xr.DataArray | None) -> str:
+    """How far the engines differ at most, and where; or that only one ran.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a map in one state.
+    effect : xarray.DataArray or None
+        How much vibration moves its frequencies, where running states were asked for.
+
+    Returns
+    -------
+    str
+    """
+    found = engine_agreement(dataset)
+    if found is None:
+        engine = dataset["engine"].values[0]
+        return f"engines: no comparison was made, only the {engine} engine ran"
+    unit, (first, second) = speed_unit(dataset), found.engines
+    return (
+        f"engines: {first} and {second} differ by at most {found.relative_difference:.2e} of "
+        f"the frequency, at {speed_text(found.crank_speed, unit)} {unit}, "
+        f"{np.degrees(found.crank_angle):.6g} deg, mode {found.mode}"
+        f"{_judged(found, dataset, effect)}"
+    )
+
+
+def _judged(found: EngineAgreement, dataset: xr.Dataset, effect: xr.DataArray | None) -> str:
+    """Whether errors explain how far the engines differ; if not, which one to trust."""
+    place = {"crank_speed": found.crank_speed, "mode": found.mode}
+    error = known_error(dataset).sel(place)
+    errors = {name: float(error.sel(engine=name)) for name in found.engines}
+    said = " and ".join(f"{errors[name]:.1e} of {name}" for name in found.engines)
+    if found.relative_difference <= sum(errors.values()) + 10.0**-MOST_DECIMALS:
+        beyond = _beyond_tolerance(found.relative_difference, errors, dataset)
+        return f", within their estimated errors ({said}){beyond}"
+    if reason := theory_reason(dataset.attrs):
+        return reason
+    if effect is not None:
+        moving = str(abs(effect).max(DIMS[1:]).idxmax("engine").item())
+        return f"; trust {moving}, whose links are in the states of the running motion"
+    better, elements = min(errors, key=lambda name: errors[name]), dataset.sel(place)["element"]
+    kinds = ", ".join(f"{elements.sel(engine=name).item()} ({name})" for name in found.engines)
+    return (
+        f", which is beyond their estimated errors ({said}); trust {better}, whose error is "
+        f"the smaller: the elements are {kinds}"
+    )
+
+
+def _beyond_tolerance(apart: float, errors: Mapping[str, float], dataset: xr.Dataset) -> str:
+    """Say why two engines within their errors are farther apart than the tolerance asked for."""
+    tolerance = dataset.attrs.get("tolerance")
+    if tolerance is None or apart <= tolerance:
+        return ""
+    better, coarser = sorted(errors, key=lambda name: errors[name])
+    if errors[coarser] <= tolerance:
+        return f"; each error is within the tolerance of {tolerance:.0e}, both together are not"
+    elements = int(dataset["elements"].sel(engine=coarser).max())
+    return (
+        f"; beyond the tolerance of {tolerance:.0e}, for which {coarser} needs more than the "
+        f"{elements} elements on a link that are taken unasked; trust {better}"
+    )
