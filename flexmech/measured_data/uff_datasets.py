@@ -42,8 +42,8 @@ ABSCISSAE = {"time": 17, "frequency": 18, "other": 1}
 # characters a line of text and the name of an entity have room for.
 SI_CODE, COMPLEX_MODE = 1, 3
 LINE, ENTITY = 80, 10
-# Part of its step by which an abscissa may miss even spacing: the step is written with six digits, by
-# which the last of two hundred values is off by as much.
+# Part of its step by which an abscissa may miss even spacing: the step is written with six digits,
+# by which the last of two hundred values is off by as much.
 UNEVEN = 1e-3
 
 DataSet = dict[str, Any]

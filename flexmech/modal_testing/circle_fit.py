@@ -22,14 +22,15 @@ from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.modal_testing.identified import fit_residues, modal_sum
 
 LEAST_PROMINENCE = 2.0
-"""Of a peak over the valleys beside it, as a factor of amplitude: noise of a few per cent makes none
-of a tenth of that."""
+"""Of a peak over the valleys beside it, as a factor of amplitude: noise of a few per cent makes
+none of a tenth of that."""
 WIDTH = 3.0
 """Half width of what is fitted, in half-power widths of the peak: nine tenths of the circle."""
 LEAST_LINES = 9
 """Frequencies that are fitted at least: 18 numbers at each point for eight unknowns."""
 HALF_WIDTHS = (4, 8, 16, 32)
-"""In lines, of what is tried for the first circle of a peak: from the least number on, and doubled."""
+"""In lines, of what is tried for the first circle of a peak: from the least number on, and
+doubled."""
 LEAST_EXPLAINED = 0.5
 """Of what stands out at a peak: noise is no circle."""
 MOST_ROUNDS = 20

@@ -18,8 +18,8 @@ from flexmech.modal_testing.refine import refined_poles, significant_poles
 IdentificationMethod = Literal["lscf", "circle-fit"]
 
 ORDERS = 30
-"""Highest number of modes of the models of LSCF: a mode is stable in a fifth of the orders at least,
-which are six then."""
+"""Highest number of modes of the models of LSCF: a mode is stable in a fifth of the orders at
+least, which are six then."""
 LEAST_LINES = 16
 """Frequencies in the band that a fit needs: of one point 32 numbers, for the 12 unknowns of a mode
 with the residual terms."""

@@ -27,8 +27,8 @@ from flexmech.arrays import FloatArray, IntArray, unbroken_runs
 
 # A cubic through them is of fourth order; more nodes would run over the bend of a band's end.
 NODES_OF_A_CUBIC = 4
-# Relative distance by which curves continued from both sides miss the node beyond a bend: a tenth of
-# the tolerance of the fit, below which a bend does not matter.
+# Relative distance by which curves continued from both sides miss the node beyond a bend: a tenth
+# of the tolerance of the fit, below which a bend does not matter.
 BEND = 3e-5
 # The sense in which the lowest, the mean and the highest frequency bend; the mean does not.
 SENSE = np.array([1.0, 0.0, -1.0])[:, None]

@@ -15,8 +15,8 @@ from flexmech.choices import MOST_ELEMENTS
 
 # Every 30 deg of a turn: each costs a solution on a finer mesh and one without component modes.
 CHECK_ANGLES = 12
-# A mesh is compared with one of four times the elements if that is no more than this, else of
-# twice as many. Of four times as many the distance is nearly the error itself (15/16 of it in second
+# A mesh is compared with one of four times the elements if that is no more than this, else of twice
+# as many. Of four times as many the distance is nearly the error itself (15/16 of it in second
 # order), and a check is not to cost more than 64 elements do.
 FINE_MESH = 64
 # Component modes of the two meshes: the difference must be of the meshes alone.

@@ -30,7 +30,8 @@ SHARE_OF_ERROR = 0.1
 LEAST_ERROR = 1e-8
 # Each leaves an eighth of the bracket: a dozen are beyond what a float can tell.
 MOST_ROUNDS = 12
-# Distance of the angles to both sides over the width of the bracket, of which an eighth is left then.
+# Distance of the angles to both sides over the width of the bracket, of which an eighth is left
+# then.
 ASIDE = 1 / 16
 # Crank angles further apart than this, in rad, are single positions rather than a curve: a little
 # more than 15 deg, in steps of which maps are usually asked for at the coarsest.

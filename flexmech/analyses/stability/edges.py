@@ -204,7 +204,8 @@ def find_top(solver: LinkageSolver, place: tuple[float, float, float]) -> Select
 
 # Relative: ratios are written with three digits.
 RATIO_TOLERANCE = 1e-5
-# Of critical damping, beyond which nothing is called a vibration; and far below what any material has.
+# Of critical damping, beyond which nothing is called a vibration; and far below what any material
+# has.
 LARGEST_RATIO, LEAST_RATIO = 1.0, 1e-9
 # The first step from the start relative to it, and its least size; a next one at most this many
 # times the last, and this much farther than a straight line through the last two asks for.
