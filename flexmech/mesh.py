@@ -9,12 +9,16 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 
+# Places at which results are told along a link: every twentieth of it, its ends and its middle.
 STATIONS = 21
+# Places nearer to each other than this part of a length are one: far above the round-off of sums of
+# decimal lengths, 1e-16, and far below what can be made, 1e-6.
+SAME_PLACE = 1e-9
 
 
 def pieces(length: float, point_positions: Sequence[float]) -> FloatArray:
     """Lengths of the pieces into which point masses divide a link."""
-    slack = 1e-9 * length
+    slack = SAME_PLACE * length
     breaks = [0.0]
     for x in sorted(point_positions):
         if breaks[-1] + slack < x < length - slack:

@@ -139,7 +139,7 @@ class JointSpringItem:
     ground: ItemNumber | None
 
 
-class Connectors:
+class ConnectorItems:
     """Loads and springs in a system that is not assembled yet.
 
     Parameters

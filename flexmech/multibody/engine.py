@@ -165,11 +165,14 @@ class ExudynEngine(Engine):
         under = self._quasi_static_loads(motion, displaced)
         loads, dead = under.loads, self._dead(motion, under.loads, under.at)
         equilibrium = static_equilibrium(self.model, motion, loads, dead)
-        if self.clamped_connectors.any:
-            turning = self.clamped_connectors.turning_stiffness(motion, equilibrium.displacement)
+        if (connectors := self.clamped_connectors).any:
+            moved = equilibrium.displacement
+            virial, acting = connectors.virial(motion, moved), connectors.forces(motion, moved)
             for number, link in enumerate(self.clamped_links):
                 if link.rigid:
-                    equilibrium.tangent[number][:, 2, 2] += turning[:, number]
+                    cosine, sine = np.cos(moved[number][:, 2]), np.sin(moved[number][:, 2])
+                    turning = virial[:, number] * cosine + acting[number][:, 2] * sine
+                    equilibrium.tangent[number][:, 2, 2] += turning
         topology = self.mechanism.linkage.topology
         refuse_large_displacements(topology, self.clamped_links, motion, equilibrium.displacement)
         return StressedLinks(

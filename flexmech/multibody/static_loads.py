@@ -18,7 +18,7 @@ from flexmech.arrays import FloatArray
 from flexmech.linkages import AttachmentPoint, RigidMotion, continuous_angles
 from flexmech.linkages.motion import direction, normal
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.connectors import Connectors, JointSpringItem, SpringItem, angle_of_end
+from flexmech.multibody.connectors import ConnectorItems, JointSpringItem, SpringItem, angle_of_end
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import BeamPart, RigidPart
@@ -158,8 +158,9 @@ def _set_load(mbs: Any, load: ItemNumber, force: FloatArray) -> None:
     mbs.SetLoadParameter(load, "loadVector", [float(force[0]), float(force[1]), 0.0])
 
 
-# Change of a damper's force, relative to it, that is none.
-SETTLED = 1e-12
+# Change of a damper's force, relative to it, at which it has converged: the round-off of a length
+# between points of displaced links.
+CONVERGED = 1e-12
 
 
 class StaticConnectors:
@@ -169,11 +170,11 @@ class StaticConnectors:
 
     Parameters
     ----------
-    connectors : Connectors
+    connectors : ConnectorItems
         Of the model.
     """
 
-    def __init__(self, connectors: Connectors) -> None:
+    def __init__(self, connectors: ConnectorItems) -> None:
         self._all = connectors
         self._motion: RigidMotion | None = None
         self._angles: FloatArray = np.zeros((0, 0))
@@ -223,7 +224,7 @@ class StaticConnectors:
                 before = mbs.GetObjectParameter(item.number, "force")
                 force = item.spring.damping * float(along @ self._approach[item.spring.name])
                 mbs.SetObjectParameter(item.number, "force", force)
-                changed = changed or abs(force - before) > SETTLED * (abs(force) + abs(before))
+                changed = changed or abs(force - before) > CONVERGED * (abs(force) + abs(before))
         return changed
 
     def _line(self, item: SpringItem) -> tuple[FloatArray, float]:

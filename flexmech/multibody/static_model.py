@@ -22,7 +22,7 @@ from flexmech.linear_system import LAST_STEP, MAX_ITERATIONS, RELATIVE_RESIDUAL,
 from flexmech.linkages import LinkEnd, RigidMotion, shown_crank_angle
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.connectors import Connectors
+from flexmech.multibody.connectors import ConnectorItems
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.joints import SliderJoint, TieJoint, add_sliders, add_ties
 from flexmech.multibody.library import load_exudyn
@@ -51,7 +51,7 @@ class StaticModel:
         Forces on the links.
     grounds : list of tuple of LinkEnd, ItemNumber and ItemNumber
         Link ends that are pinned to the ground off their nodes, the ground and the pin of each.
-    connectors : Connectors or None
+    connectors : ConnectorItems or None
         Loads and springs.
     applied : StaticConnectors or None
         The same, in the position that the model stands in.
@@ -67,7 +67,7 @@ class StaticModel:
         self.loads = StaticLoads(assembly)
         fixed = assembly.add_fixed_coordinate()
         self._offsets = self._add_supports(fixed, sprung_alone=connects)
-        self.connectors = Connectors(assembly, fixed, runs=False) if connects else None
+        self.connectors = ConnectorItems(assembly, fixed, runs=False) if connects else None
         self.applied = None if self.connectors is None else StaticConnectors(self.connectors)
         self.ties: list[TieJoint] = []
         self.sliders: list[SliderJoint] = []

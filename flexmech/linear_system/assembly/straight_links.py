@@ -24,6 +24,7 @@ from flexmech.linkages import LinkMass, RigidMotion
 from flexmech.linkages.internal_forces import LinkForces
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
+from flexmech.mesh import SAME_PLACE
 
 # A rigid link's stiffness against its rotation alone, by its three coordinates.
 TURN = np.diag([0.0, 0.0, 1.0])
@@ -175,7 +176,7 @@ def element_tensions(
     tensions = []
     for link, places in enumerate(nodes):
         length = np.diff(places)
-        inside = 1e-9 * length  # off the point masses that may sit at the nodes
+        inside = SAME_PLACE * length  # off the point masses that may sit at the nodes
         near, middle, far = (
             forces.axial_force(link, at)
             for at in (places[:-1] + inside, places[:-1] + length / 2, places[1:] - inside)

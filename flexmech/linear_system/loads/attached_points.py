@@ -176,6 +176,16 @@ class AttachedPoint:
         found[:, 1] += speed * moved[:, 0]
         return found
 
+    def moved_rate(self, motion: RigidMotion, q: FloatArray, rate: FloatArray) -> FloatArray:
+        """Time derivative of :meth:`moved`; as :meth:`displacement_rate`."""
+        found = self.displacement_rate(motion, q, rate)
+        if self.rigid:
+            angle, speed = motion.angle[:, self.link], motion.angular_velocity[:, self.link, None]
+            turn = q[:, 2:3]
+            back = (speed + rate[:, 2:3]) * (normal(angle + q[:, 2]) - normal(angle))
+            found[:, :2] += self.x * (back + speed * turn * direction(angle))
+        return found
+
 
 @dataclass(frozen=True)
 class MovedPoint:

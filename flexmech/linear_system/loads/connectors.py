@@ -45,8 +45,8 @@ from flexmech.linkages.applied_forces import (
     SpringLine,
     applied_forces,
     forces_of_loads,
+    joint_gap,
 )
-from flexmech.linkages.motion import direction
 from flexmech.mechanism import Mechanism
 
 
@@ -144,30 +144,6 @@ class Connectors:
             if point.rigid:
                 q = None if displacement is None else displacement[point.link]
                 total[:, point.link] += point.virial(motion, push.force, push.torque, q)
-        return total
-
-    def turning_stiffness(
-        self, motion: RigidMotion, displacement: Sequence[FloatArray]
-    ) -> FloatArray:
-        """Stiffness of rigid links against turning by forces on them that keep their direction.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-        displacement : sequence of ndarray, shape (B, n_link)
-
-        Returns
-        -------
-        ndarray, shape (B, n_links)
-            In N m/rad; zero of flexible ones.
-        """
-        total = np.zeros(motion.angle.shape)
-        for push in self.point_forces(motion, displacement):
-            link, x = push.point.link, push.point.x
-            if push.point.rigid:
-                along = direction(motion.angle[:, link] + displacement[link][:, 2])
-                total[:, link] += x * np.sum(push.force * along, axis=1)
         return total
 
     def added(
@@ -301,6 +277,39 @@ class Connectors:
             return found, np.zeros_like(found)
 
         return moved
+
+    def deformations(
+        self, motion: RigidMotion, moved: Moved
+    ) -> Iterator[tuple[float, FloatArray, float, FloatArray]]:
+        """Deformations of springs and of dampers beside them, each with the constants of both.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        moved : callable
+            See :data:`flexmech.linkages.applied_forces.Moved`.
+
+        Yields
+        ------
+        tuple of float, ndarray, float, ndarray
+            Stiffness, deformation (B,), damping and rate of the deformation (B,).
+        """
+        mechanism, topology = self._mechanism, self._topology
+        for spring in mechanism.springs:
+            line = SpringLine.of(spring, topology, motion, moved, needs_direction=False)
+            yield spring.stiffness, line.length - spring.free_length, spring.damping, line.rate
+        if not mechanism.joint_springs:
+            return
+        angles = continuous_angles(mechanism.linkage, motion)
+        for own in mechanism.joint_springs:
+            gap, rate = joint_gap(topology, motion, own, angles, moved)
+            turned = gap[:, 2] - own.free_angle
+            yield own.torsional_stiffness, turned, own.torsional_damping, rate[:, 2]
+            if own.radial_stiffness is not None:
+                for way in range(2):
+                    own_way = gap[:, way], own.radial_damping, rate[:, way]
+                    yield own.radial_stiffness, *own_way
 
     def answers(
         self,

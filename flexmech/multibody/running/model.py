@@ -8,7 +8,7 @@ inertia on the hub instead, and a torque over time.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from flexmech.linkages import Clamp, CrankDrive, LockedCrank
 from flexmech.linkages.motion import normal
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.connectors import Connectors
+from flexmech.multibody.connectors import ConnectorItems
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.joints import add_sliders, add_ties
 from flexmech.multibody.library import load_exudyn
@@ -121,8 +121,8 @@ class RunningModel:
             self.constraints[joint] = [tie.position, *others]
         self.sliders = {line.slider.joint: line for line in add_sliders(assembly)}
         self.constraints |= {joint: [line.constraint] for joint, line in self.sliders.items()}
-        connectors = Connectors(assembly, fixed, runs=True)
-        self.connectors = RunningConnectors(connectors, list(links), self.shaft, self._start)
+        connectors = ConnectorItems(assembly, fixed, runs=True)
+        self.connectors = RunningConnectors(connectors, links, self.shaft, self._start)
         self.sprung = {
             item.spring.joint: item.radial for item in connectors.joints if item.radial is not None
         }
@@ -131,15 +131,17 @@ class RunningModel:
         self.joints = drifting_joints(assembly, self.shaft, self._start)
 
     def joint_force(
-        self, multiplier: FloatArray, position: FloatArray, velocity: FloatArray
+        self, multiplier: FloatArray, position: FloatArray, sprung: Mapping[str, FloatArray]
     ) -> FloatArray:
         """Force on the held or following link at each joint in ground axes.
 
         Parameters
         ----------
         multiplier : ndarray, shape (m, n_multipliers)
-        position, velocity : ndarray, shape (m, size)
-            Coordinates of the links and their rates.
+        position : ndarray, shape (m, size)
+            Coordinates of the links.
+        sprung : mapping of str to ndarray, shape (m, 2)
+            Forces of the joints that springs alone hold, by their names.
 
         Returns
         -------
@@ -148,7 +150,6 @@ class RunningModel:
         """
         names = self.assembly.topology.joint_names
         force = np.zeros((len(multiplier), len(names), 2))
-        sprung = self.connectors.joint_forces(position, velocity)
         for joint, values in sprung.items():
             force[:, names.index(joint)] = values
         for joint, constraints in self.constraints.items():

@@ -10,7 +10,7 @@ knows exactly.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -28,7 +28,6 @@ from flexmech.linear_system import (
     SystemMatrices,
 )
 from flexmech.linkages import CrankDrive, Load, RigidMotion, continuous_angles
-from flexmech.linkages.applied_forces import SpringLine, joint_gap
 
 LinkMotion = Sequence[tuple[FloatArray, FloatArray, FloatArray]]
 
@@ -95,17 +94,27 @@ class DrivenConnectors:
     frames : LinkFrames
         Of the reduced links.
     drive : CrankDrive
+    torque_follows : bool
+        Whether the torque that balances them turns with a free shaft.
     """
 
-    def __init__(self, engine: Engine, frames: LinkFrames, drive: CrankDrive) -> None:
+    def __init__(
+        self,
+        engine: Engine,
+        frames: LinkFrames,
+        drive: CrankDrive,
+        *,
+        torque_follows: bool = False,
+    ) -> None:
         mechanism = engine.mechanism
         self._mechanism, self._frames, self._drive = mechanism, frames, drive
         self._all = Connectors(mechanism, frames.links)
         tables = tuple(load for load in mechanism.loads if load.over != "constant")
         self.winds = _winds(engine)
-        # A follower load that varies changes the stiffness; a spring that is wound up never
-        # comes back: nothing of them is interpolated.
-        self.is_interpolated = not (self.winds or any(load.axes == "link" for load in tables))
+        # A follower load or torque that varies changes the stiffness; a spring that is wound up
+        # never comes back: nothing of them is interpolated.
+        turns = any(load.axes == "link" or torque_follows for load in tables)
+        self.is_interpolated = not (self.winds or turns)
         self._tables: tuple[tuple[Load, int], ...] = ()
         self._smooth = self._all
         if self.is_interpolated:
@@ -263,34 +272,13 @@ class DrivenConnectors:
             (np.sum(f * moved[:, :2], axis=1) + t * moved[:, 2] for f, t, moved in pushed),
             np.zeros(len(time)),
         )
-        work = ConnectorWork.of(self._deformations(motion, elastic), power)
-        return ActingForces(shapes, fields, virtual, work)
 
-    def _deformations(
-        self, motion: RigidMotion, elastic: LinkMotion
-    ) -> Iterator[tuple[float, FloatArray, float, FloatArray]]:
-        """Stiffness, deformation, damping and rate of each spring, by where its ends are."""
-        mechanism = self._mechanism
-        topology = mechanism.linkage.topology
-
-        def moved(link: int, x: float) -> tuple[FloatArray, FloatArray]:
+        def displaced(link: int, x: float) -> tuple[FloatArray, FloatArray]:
             point, (q, rate, _) = self._all.at(link, x), elastic[link]
             return point.displacement(motion, q), point.displacement_rate(motion, q, rate)
 
-        for spring in mechanism.springs:
-            line = SpringLine.of(spring, topology, motion, moved, needs_direction=False)
-            yield spring.stiffness, line.length - spring.free_length, spring.damping, line.rate
-        if not mechanism.joint_springs:
-            return
-        angles = continuous_angles(mechanism.linkage, motion)
-        for own in mechanism.joint_springs:
-            gap, rate = joint_gap(topology, motion, own, angles, moved)
-            turned = gap[:, 2] - own.free_angle
-            yield own.torsional_stiffness, turned, own.torsional_damping, rate[:, 2]
-            if own.radial_stiffness is not None:
-                for way in range(2):
-                    own_way = gap[:, way], own.radial_damping, rate[:, way]
-                    yield own.radial_stiffness, *own_way
+        work = ConnectorWork.of(self._all.deformations(motion, displaced), power)
+        return ActingForces(shapes, fields, virtual, work)
 
     def _point_forces(
         self, time: FloatArray, motion: RigidMotion, elastic: LinkMotion
