@@ -32,6 +32,7 @@ QUANTITIES: dict[UffQuantity, _Quantity] = {
     "force": _Quantity(13, "N", force=1),
 }
 """What functions of universal files are of; a force is one of excitation."""
+# The other kind of force in the format: what is measured of a support is as good.
 REACTION_FORCE = 9
 
 

@@ -26,6 +26,7 @@ from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.modal_testing.identified import residue_columns
 
 MOST_STEPS = 30
+"""A bound of the work: from poles of another method the squares fall to their least in a few."""
 FAR = 0.05
 """Relative: a pole that moves further is no longer the one that was identified."""
 

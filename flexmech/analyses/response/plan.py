@@ -20,7 +20,8 @@ from flexmech.linear_system import Engine, LinkFrames, LinkModel, OverdampedErro
 from flexmech.validation import check_instance
 
 SPECTRUM_REACH = 1.5
-"""Spectra reach this far above the highest natural frequency asked for."""
+"""Spectra reach this far above the highest natural frequency asked for, so that its peak stands
+within the picture."""
 # Samples in a period of the highest frequency of the spectra; two would be the limit.
 _SAMPLES_PER_PERIOD = 2.5
 # Forces and torque count up to this part of the lowest frequency at which the links vibrate

@@ -45,6 +45,7 @@ OF_ITS_OWN = {
     MOISTURE: RATIO,
     TEMPERATURE_RISE: TEMPERATURE_DIFFERENCE,
 }
+# More are taken for a slip: each value is a map of its own.
 MOST_VALUES = 1000
 
 

@@ -22,8 +22,9 @@ from flexmech.linkages import Clamp, Pivot, RigidMotion, Topology, shown_crank_a
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
 
-# Part of the clamped link's speed by which it may be off that of the shaft.
-ROUND_OFF = 1e-9
+# Part of the shaft's speed by which that of the clamped link may be off: what the kinematics of any
+# linkage leave, 1e-12 or less; a link that is geared is off by more than this.
+TURNS_ALIKE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,7 @@ class FreeShaft:
         clamp = topology.clamps[0]
         link = topology.index(clamp.link_end.link)
         motion = mechanism.linkage.motion(shown_crank_angle(mechanism.linkage), 1.0)
-        if abs(float(motion.angular_velocity[link]) - 1.0) > ROUND_OFF:
+        if abs(float(motion.angular_velocity[link]) - 1.0) > TURNS_ALIKE:
             raise InputError(
                 f"shaft 'free' needs a link that turns with the shaft, and the "
                 f"{clamp.link_end.link} does not: use shaft 'prescribed'"

@@ -19,7 +19,6 @@ from flexmech.linear_system.joints.joint_points import (
 )
 from flexmech.linear_system.joints.link_place import DependentRows
 from flexmech.linear_system.joints.rigid_coordinates import (
-    DEPENDENT,
     PoseStiffness,
     RigidCoordinates,
 )
@@ -33,7 +32,7 @@ from flexmech.linear_system.joints.rigid_pose import (
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import LinkEnd, RigidMotion, Topology
 from flexmech.linkages.body_motion import BodyPoint
-from flexmech.linkages.connection_forces import end_point
+from flexmech.linkages.connection_forces import RANK_TOLERANCE, end_point
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
 from flexmech.linkages.motion import direction, normal
 
@@ -397,4 +396,4 @@ class LinkTies:
 
 def _depends_on(matrix: MatrixWithRates) -> IntArray:
     """Which of the independent coordinates a matrix (1, r, n) in a general position depends on."""
-    return np.flatnonzero(np.abs(matrix.value[0]).max(axis=0, initial=0.0) > DEPENDENT)
+    return np.flatnonzero(np.abs(matrix.value[0]).max(axis=0, initial=0.0) > RANK_TOLERANCE)

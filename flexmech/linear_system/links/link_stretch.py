@@ -13,9 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.arrays import FloatArray
-
-# Combinations of strains that no coordinate moves, to this part of the one moved most.
-_NOT_MOVED = 1e-9
+from flexmech.linkages.connection_forces import RANK_TOLERANCE
 
 
 @dataclass(frozen=True)
@@ -68,7 +66,7 @@ class LinkStretch:
         for time in np.unique(self.damping_time):
             own = np.flatnonzero(self.damping_time == time)
             shown, size, _ = np.linalg.svd(gradient[own], full_matrices=False)
-            shown = shown[:, size > _NOT_MOVED * size.max(initial=0.0)]
+            shown = shown[:, size > RANK_TOLERANCE * size.max(initial=0.0)]
             combined.append(np.zeros((len(gradient), shown.shape[1])))
             combined[-1][own] = shown
             times.append(np.full(shown.shape[1], time))

@@ -47,8 +47,8 @@ from flexmech.time_domain.equations_of_motion.reduced_links import (
 from flexmech.time_domain.equations_of_motion.stress_history import StressHistory
 from flexmech.time_domain.recorded_runs.states import LinkState
 
-# Newton's method for a start in balance: it takes three to six passes from the linear one, and ends
-# at a change of the greatest displacement whose square is less than round-off.
+# Newton's method for a start in balance: it takes four passes from the linear one, and ends at a
+# change of the greatest displacement whose square is less than round-off.
 MOST_PASSES = 30
 CONVERGED = 1e-10
 
