@@ -6,14 +6,12 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.errors import InputError
 
-# Places at which results are told along a link: every twentieth of it, its ends and its middle.
 STATIONS = 21
-# Places nearer to each other than this part of a length are one: far above the round-off of sums of
-# decimal lengths, 1e-16, and far below what can be made, 1e-6.
-SAME_PLACE = 1e-9
+"""Along a link: ends, middle and quarters are among them, and the fifth bending mode, which has two
+and a half waves, eight to each wave."""
 
 
 def pieces(length: float, point_positions: Sequence[float]) -> FloatArray:

@@ -24,7 +24,8 @@ from flexmech.linkages.topology import LinkEnd, Slider, Topology
 # Singular values of conditions and equations, with moments divided by the longest link, that count
 # as none, over the largest: above what round-off leaves of them, 1e-12 near a dead point.
 RANK_TOLERANCE = 1e-9
-# Above this ratio of connection forces to what they carry, the equations may be singular.
+# Above this ratio of connection forces to what they carry, the equations may be singular: levers
+# of links make ratios of some thousands, and round-off in place of zero makes 1e12 and more.
 SUSPICIOUS_FORCE = 1e8
 
 

@@ -12,10 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.files import given_path, moved_into
 from flexmech.linkages import CrankDrive, Link
-from flexmech.mesh import SAME_PLACE
 from flexmech.model_text import short_repr
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import Choice, Item, ItemKind, ItemNumber, SystemItems, applied

@@ -26,9 +26,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.mechanism import Mechanism
-from flexmech.mesh import SAME_PLACE
 from flexmech.multibody.items import ItemNumber, Made, SystemItems
 from flexmech.multibody.running.user_functions import difference_mass
 from flexmech.sections import BeamSection

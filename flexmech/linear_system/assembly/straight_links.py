@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.rigid_coordinates import PoseStiffness
 from flexmech.linear_system.links.chains import LinkMatrix
@@ -24,7 +24,6 @@ from flexmech.linkages import LinkMass, RigidMotion
 from flexmech.linkages.internal_forces import LinkForces
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
-from flexmech.mesh import SAME_PLACE
 
 # A rigid link's stiffness against its rotation alone, by its three coordinates.
 TURN = np.diag([0.0, 0.0, 1.0])

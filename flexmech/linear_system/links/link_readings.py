@@ -8,8 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
-from flexmech.mesh import SAME_PLACE, middle_curvature, shapes_at, station_shapes
+from flexmech.arrays import SAME_PLACE, FloatArray
+from flexmech.mesh import middle_curvature, shapes_at, station_shapes
 
 # Of the shortest element: the slope of a cubic is off by the square of it, the difference of its
 # deflections by round-off over it, both 1e-8 or less.
