@@ -12,6 +12,14 @@ ComplexArray = NDArray[np.complexfloating[Any, Any]]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 """Of indices."""
+
+ROUND_OFF = 1e-12
+"""Part of the terms of a sum below which their difference is rounding: some thousand operations
+in double precision leave less of numbers that cancel, and nothing that anybody states is so near
+to another."""
+SAME_PLACE = 1e-9
+"""Part of a length below which two places or two lengths are one: what the digits of coordinates
+and conversions between units leave is less, and no part is made so exactly."""
 StepProgress = Callable[[int, int], None]
 """Called with the steps done and the steps to do."""
 LabelledProgress = Callable[[str, int, int], None]

@@ -13,9 +13,9 @@ CRANK_SPEED = "{crank_speed}"
 """Where a message names the crank speed of its error, in the unit that the user prefers."""
 
 _MOST_CHARACTERS = 4000
-"""Of a message: what a file or an option holds may be longer than anybody reads."""
+"""Of a message: a screen full; what a file or an option holds may be longer than anybody reads."""
 _FAST = 100.0
-"""In rad/s: of greater crank speeds turns a minute are told as well."""
+"""In rad/s: of greater crank speeds, 955 turns a minute and up, these are told as well."""
 # Of characters that move a terminal's cursor, break a line, or turn the direction of writing.
 _UNSEEN = ("Cc", "Cf", "Cs", "Zl", "Zp")
 _BLANKS = str.maketrans("\n\r\t", "   ")

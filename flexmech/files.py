@@ -17,7 +17,7 @@ if sys.platform != "win32":
     import fcntl
 
 
-# Of a path in a message.
+# Of a path in a message: four lines of a terminal; longer ones are what the system cannot reach.
 _MOST_SHOWN = 200
 PREFIX = ".flexmech-"
 """Of the names of folders in which sets of files are made."""

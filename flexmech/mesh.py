@@ -6,15 +6,17 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.errors import InputError
 
 STATIONS = 21
+"""Along a link: ends, middle and quarters are among them, and the fifth bending mode, which has two
+and a half waves, eight to each wave."""
 
 
 def pieces(length: float, point_positions: Sequence[float]) -> FloatArray:
     """Lengths of the pieces into which point masses divide a link."""
-    slack = 1e-9 * length
+    slack = SAME_PLACE * length
     breaks = [0.0]
     for x in sorted(point_positions):
         if breaks[-1] + slack < x < length - slack:

@@ -36,7 +36,7 @@ _READABLE = {
 }
 # Tables with names, those that others refer to first.
 _KINDS = ("materials", "fibres", "matrices", "plies", "laminates")
-# Numbers that need no exponent.
+# Numbers that need no exponent, and no more than six digits before the point or two zeros after it.
 _LEAST, _MOST = Decimal("1e-3"), Decimal("1e6")
 # Digits of every float's shortest text, and fewer, which unites what rounding has parted.
 _DIGITS = (15, 17)

@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 
 # Pint skips characters that it does not know ("m$" is read as "m"), so only these may pass.
 _UNIT_CHARACTERS = re.compile(r"[A-Za-zµμÅ°%_0-9\s*/^()·⋅²³⁴⁻¹-]*")
-# Pint reads a unit by recursion, a factor a level, and computes powers of powers whole.
+# Pint reads a unit by recursion, a factor a level, and computes powers of powers whole. A unit of
+# six long names has 60 characters.
 _MOST_CHARACTERS = 60
 _TOWER = re.compile(r"(\^|\*\*)[^*/]*(\^|\*\*)|[0-9]{4}")
 

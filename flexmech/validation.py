@@ -11,7 +11,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ROUND_OFF, FloatArray
 from flexmech.errors import InputError
 from flexmech.units import shown
 
@@ -61,7 +61,7 @@ class Bounds:
 
 
 # Of angles that come from degrees, with their rounding.
-_FULL_TURN = 2 * np.pi * (1 + 1e-12)
+_FULL_TURN = 2 * np.pi * (1 + ROUND_OFF)
 
 _NUMBERS = (int, float, np.integer, np.floating)
 # Which Python and NumPy count among them: a span of time is an integer to NumPy.

@@ -13,7 +13,7 @@ from flexmech.beams.elements import BEAM_SHAPES
 from flexmech.beams.link_matrices import build_chain
 from flexmech.beams.plane_link import compression_frequency, plane_link
 from flexmech.beams.restrained_ends import restrained_beam
-from flexmech.choices import MODES
+from flexmech.choices import ELEMENTS_A_LINK, MODES
 from flexmech.errors import InputError
 from flexmech.linear_system import (
     ELASTICITY,
@@ -41,7 +41,6 @@ from flexmech.threads import one_thread
 
 # Theories differ by the wavelength of a mode, hardly by the crank angle.
 ANGLES = np.radians(np.arange(0.0, 360.0, 60.0))
-LEAST_ELEMENTS = 8
 FINEST = "zigzag"
 # Of the frequency at which the layers of a link are compressed: lower modes of sandwiches were
 # all within 1 % of two-dimensional elasticity.
@@ -204,7 +203,7 @@ def _beam(links: _Links, number: int, theory: str, modes: int) -> LinkModel:
     name, section, mass = links.topology.link_names[number], *_flexible(links)[number]
     if section is None:
         return rigid_link(name, mass)
-    elements = max(LEAST_ELEMENTS, 2 * modes)
+    elements = max(ELEMENTS_A_LINK, 2 * modes)
     if theory == HELD_ENDS:
         own, ends = restrained_beam(links.mechanism, name)
         chain = build_chain(name, own, mass, elements, BEAM_SHAPES["timoshenko"])

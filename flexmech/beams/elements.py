@@ -19,7 +19,7 @@ from flexmech.beams.theories import EulerBernoulli, Reddy, Timoshenko
 from flexmech.beams.zigzag_shapes import ZigzagBeam
 from flexmech.sections import BeamSection
 
-# Which of a node's coordinates is the rotation of the section.
+# Which of a node's coordinates is the rotation of the section, in all theories.
 ROTATION = 2
 
 

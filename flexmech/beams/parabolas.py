@@ -9,6 +9,8 @@ import scipy.sparse as sp
 
 from flexmech.arrays import FloatArray, IntArray
 
+# Integrals over an element of length one of two parabolas, of two slopes, and of a parabola (row)
+# and a slope (column); nodes at its start, middle and end.
 MASS = np.array([[4.0, 2.0, -1.0], [2.0, 16.0, 2.0], [-1.0, 2.0, 4.0]]) / 30
 STIFFNESS = np.array([[7.0, -8.0, 1.0], [-8.0, 16.0, -8.0], [1.0, -8.0, 7.0]]) / 3
 COUPLING = np.array([[-3.0, 4.0, -1.0], [-4.0, 0.0, 4.0], [1.0, -4.0, 3.0]]) / 6

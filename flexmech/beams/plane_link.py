@@ -26,14 +26,19 @@ from flexmech.linkages import LinkMass
 from flexmech.materials import solid_stiffness
 from flexmech.sections import LaminateSection
 
-# Along the link: short elements at the ends, whose layers shear and bend by themselves.
+# Along the link: short elements at the ends, whose layers shear and bend by themselves. Twice as
+# many change the four lowest frequencies of a sandwich arm by 1e-4 to 5e-4, even spacing by 1e-3.
 ALONG, GRADED = 32, 0.7
-# Rows of elements over the thickness, shared among the layers by their own.
+# Rows of elements over the thickness, shared among the layers by their own: twice as many change
+# frequencies of a sandwich by 1e-5.
 ROWS = 4
-# Of the length: nodes of the mesh that are nearer to a point mass give way to it.
+# Of the length: nodes of the mesh that are nearer to a point mass give way to it. The shortest
+# element of the mesh is ten times as long; shorter ones would only worsen its condition.
 NEAR = 1e-3
-# Lowest modes between the end faces, for each mode that is asked for, and besides.
+# Lowest modes between the end faces, for each mode that is asked for, and besides: fewer change the
+# frequencies of a sandwich arm by 1e-10, and links of a linkage share its modes.
 INNER_MODES, MORE_INNER_MODES = 2, 6
+# Among strains x, y, z, yz, xz and xy.
 IN_PLANE = np.array([0, 1, 5])
 ACROSS = np.array([2, 3, 4])
 # Displacements of a rigid face: along, across, rotation.

@@ -36,15 +36,15 @@ from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import ComputationError
 from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_number
 
-# Complex numbers that are held at a time.
+# Complex numbers in memory at a time: 32 MB, a few times of which the solution takes.
 AT_ONCE = 2_000_000
-# Poles whose angular frequency is less than this part of their size do not oscillate.
-OSCILLATES = 1e-9
-# Of the frequencies, to keep a mode without stiffness in the equations' scaling.
+# Of the frequencies, by which a mode without stiffness is scaled: the root of double precision, as
+# the rounding of the others leaves of its square.
 SOFTEST = 1e-8
-# Where numerator and denominator of the spectrum vanish together, f T = 1/2.
+# Where numerator and denominator of the spectrum vanish together, f T = 1/2: so near to it their
+# ratio is the limit to six digits, and rounding leaves no more of it.
 NEAR_HALF = 1e-6
-# What has decayed by exp(-GONE) is below the round-off of what remains.
+# What has decayed by exp(-GONE), 3e-20, is below the round-off of what remains.
 GONE = 45.0
 
 
@@ -122,7 +122,7 @@ class StateModes:
 
     def below(self, frequency: float) -> NDArray[np.bool_]:
         """Which poles, (2n,), oscillate and are smaller than a frequency in Hz."""
-        oscillates = np.abs(self.poles.imag) > OSCILLATES * np.abs(self.poles)
+        oscillates: NDArray[np.bool_] = self.poles.imag != 0
         return oscillates & (np.abs(self.poles) < 2 * np.pi * frequency)
 
     def residual(

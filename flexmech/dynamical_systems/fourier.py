@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
 
-# The highest harmonics, this part of them, tell how large those are that the samples miss.
+# The highest harmonics, this part of them, tell how large those are that the samples miss: enough
+# of them that some are not zero by symmetry.
 TAIL = 4
 
 

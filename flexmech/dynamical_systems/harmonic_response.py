@@ -35,7 +35,7 @@ from flexmech.validation import check_count, checked_array
 
 # Of the products of Fourier coefficients those below this part of the greatest are round-off.
 NEGLIGIBLE = 1e-16
-# Frequencies whose answers are held in memory at a time.
+# Frequencies whose answers are in memory at a time: with some thousand harmonics and modes, 4 MB.
 BATCH = 256
 
 

@@ -35,6 +35,7 @@ from flexmech.arrays import FloatArray
 
 # Coefficients a of start, middle and end.
 _WHOLE = np.array([[0, 0, 0], [5 / 24, 8 / 24, -1 / 24], [4 / 24, 16 / 24, 4 / 24]])
+# What is solved for in a double step: the middle and the end.
 STAGES = 2
 # What ends and middles count in an integral over many double steps, over h.
 WEIGHTS = (2 / 3, 4 / 3)

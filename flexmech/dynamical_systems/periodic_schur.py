@@ -35,12 +35,13 @@ SHORT = 8.0
 # the weakest, ten digits remain.
 GROUPS_APART = 4.0
 WIDEST = 12.0
-# Part of a group in another one that is round-off of a turn.
+# Part of a group in another one that is round-off of a turn of some thousand products.
 PARTED = 1e-11
-# Turns that groups take to show, and how many times what their distance asks for they may take.
+# Turns that groups take to show: averages over ten of them tell which part. And how many times what
+# their distance asks for they may take, since columns of a group are first to be told apart.
 FIRST_TURNS = 20
 PATIENCE = 3.0
-# Of a step, to which damping ratios far above one lead.
+# Of a step, to which damping ratios far above one lead: with so many, exp(8 * 1024) within a step.
 MOST_PARTS = 1024
 
 

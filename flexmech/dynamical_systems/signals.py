@@ -13,11 +13,13 @@ from scipy.signal import firwin, kaiser_beta, oaconvolve
 
 from flexmech.arrays import FloatArray, IntArray
 
-# Of frequencies beyond twice the band 1e-3 is left; below it the gain is 1 within 1e-3.
+# In dB: of frequencies beyond twice the band 1e-3 is left; below it the gain is 1 within 1e-3, as
+# near as joint forces of a mesh are known.
 ATTENUATION = 60.0
-# Parts of the kernel that are filtered at once, at least.
+# Lengths of the kernel that are filtered at once, at least: each time one of them is done twice.
 KERNELS_AT_ONCE = 4
-# Bands that a step must show for weights to count.
+# Bands that a step must show for weights to count: twice the band is stopped, and weights of two in
+# turn mirror a frequency about half of what the step shows.
 WEIGHTED = 3.0
 # Samples that fall on a step to this part of the step are read off, not interpolated.
 ON_A_STEP = 1e-6

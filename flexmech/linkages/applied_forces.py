@@ -8,14 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.attachments import AttachmentPoint, JointSpring, Load, Spring
 from flexmech.linkages.motion import RigidMotion, cross
 from flexmech.linkages.topology import Topology
-
-# In units of the linkage's size: the ends of a spring that are nearer have met.
-MET = 1e-9
 
 Moved = Callable[[int, float], tuple[FloatArray, FloatArray]]
 """From a link's number and a place on it to its displacement from the rigid motion: along ground x
@@ -85,7 +82,8 @@ class SpringLine:
         )
         line, relative_velocity = second[0] - first[0], second[1] - first[1]
         length = np.linalg.norm(line, axis=-1)
-        met = length <= MET * max(spring.free_length, *(link.length for link in topology.links))
+        size = max(spring.free_length, *(link.length for link in topology.links))
+        met = length <= SAME_PLACE * size
         if needs_direction and np.any(met):
             angle = np.degrees(motion.crank_angle[met].flat[0])
             raise InputError(

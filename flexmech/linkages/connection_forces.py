@@ -21,9 +21,11 @@ from flexmech.linkages.constraints import (
 from flexmech.linkages.motion import RigidMotion, normal
 from flexmech.linkages.topology import LinkEnd, Slider, Topology
 
-# Of singular values of the equations, with moments divided by the longest link, over the largest.
+# Singular values of conditions and equations, with moments divided by the longest link, that count
+# as none, over the largest: above what round-off leaves of them, 1e-12 near a dead point.
 RANK_TOLERANCE = 1e-9
-# Above this ratio of connection forces to what they carry, the equations may be singular.
+# Above this ratio of connection forces to what they carry, the equations may be singular: levers
+# of links make ratios of some thousands, and round-off in place of zero makes 1e12 and more.
 SUSPICIOUS_FORCE = 1e8
 
 

@@ -10,9 +10,15 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ROUND_OFF, SAME_PLACE, FloatArray
 from flexmech.errors import InputError
-from flexmech.linkages.motion import RigidMotion, checked_drive, direction, normal
+from flexmech.linkages.motion import (
+    LOCKING_SINE,
+    RigidMotion,
+    checked_drive,
+    direction,
+    normal,
+)
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Topology
 from flexmech.model_text import TomlTable, quantity
 from flexmech.units import LENGTH
@@ -22,11 +28,6 @@ Branch = Literal["open", "crossed"]
 GrashofClass = Literal[
     "crank-rocker", "rocker-crank", "double-crank", "double-rocker", "change-point", "triple-rocker"
 ]
-
-# Below this sine of the transmission angle the follower's angular velocity is set by
-# round-off rather than by geometry: the position counts as locked.
-LOCKING_SINE = 1e-6
-CHANGE_POINT_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -132,7 +133,7 @@ class FourBar:
         """Kind of motion by Grashof's criterion, named input link first."""
         ordered = sorted(self.lengths.values())
         excess = ordered[0] + ordered[3] - ordered[1] - ordered[2]
-        if abs(excess) <= CHANGE_POINT_TOLERANCE * sum(ordered):
+        if abs(excess) <= SAME_PLACE * sum(ordered):
             return "change-point"
         if excess > 0:
             return "triple-rocker"
@@ -331,7 +332,7 @@ class FourBar:
         return theta3, theta4
 
     def _refuse_gaps(self, theta: FloatArray, cosine: FloatArray) -> None:
-        gaps = ~(np.abs(cosine) <= 1.0 + 1e-12)
+        gaps = ~(np.abs(cosine) <= 1.0 + ROUND_OFF)
         if np.any(gaps):
             angle = _degrees(theta[gaps].flat[0])
             raise InputError(

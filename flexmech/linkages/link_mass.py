@@ -9,7 +9,8 @@ from flexmech.linkages.topology import Topology
 from flexmech.validation import NOT_NEGATIVE, check_number
 
 LEAST_DISTANCE = 1 / 500
-"""Of point masses, bodies, loads and springs, in lengths of their link."""
+"""Of point masses, bodies, loads and springs, in lengths of their link: a beam element as short is
+1e8 times as stiff as the link, and eight of sixteen digits are left for its lowest frequencies."""
 
 
 @dataclass(frozen=True)

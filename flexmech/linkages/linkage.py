@@ -233,7 +233,8 @@ def _at(topology: Topology, place: LinkEnd) -> list[float]:
     return [topology.index(place.link), 0.0 if place.end == "start" else 1.0]
 
 
-# Of a turn, at which angles are followed; no link may turn by half a turn from one to the next.
+# Of a turn, at which angles are followed: half a degree. No link may turn by half a turn from one
+# to the next, as it would in a linkage that passes a dead point within a quarter of a degree.
 STEPS = 720
 TURN = 2 * np.pi
 

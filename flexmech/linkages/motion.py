@@ -12,8 +12,13 @@ from flexmech.errors import InputError
 from flexmech.model_text import shapes, short_repr
 from flexmech.validation import checked_array
 
-# In rad/s: no shaft turns faster.
+# In rad/s: points 0.3 m from the axis of such a shaft would be as fast as light, so that a unit is
+# wrong. The squares of greater speeds are beyond what the equations of a linkage resolve.
 FASTEST = 1e9
+# Sine of the angle in which two loci meet, or least singular value of the equations of a group of
+# bodies in parts of their size. Positions are known to some 1e-15, so that velocities, which go
+# with its inverse, are known to 1e-9; below it the position counts as locked.
+LOCKING_SINE = 1e-6
 
 
 def direction(angle: FloatArray) -> FloatArray:

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.errors import InputError
-from flexmech.linkages.fourbar import CHANGE_POINT_TOLERANCE, FourBar
+from flexmech.linkages.fourbar import FourBar
 from flexmech.model_text import short_repr
 from flexmech.validation import checked_array
 
@@ -293,7 +293,7 @@ def _refuse_change_points(found: CrankRockerProportions) -> None:
     ratios = np.stack([np.ones_like(found.crank), found.crank, found.coupler, found.rocker])
     shortest, second, third, longest = np.sort(ratios, axis=0)
     # Twice: the criterion is asked again with the round-off of lengths in m.
-    enough = 2 * CHANGE_POINT_TOLERANCE * ratios.sum(axis=0)
+    enough = 2 * SAME_PLACE * ratios.sum(axis=0)
     wrong = ~(second + third - shortest - longest > enough)
     if np.any(wrong):
         delta, theta = found.deviation[wrong].flat[0], found.rocker_angle[wrong].flat[0]

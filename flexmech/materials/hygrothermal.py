@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech import units
+from flexmech.arrays import ROUND_OFF
 from flexmech.errors import InputError
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
 from flexmech.model_text import TomlTable, fields_table, short_repr, stated
@@ -20,7 +21,7 @@ from flexmech.validation import NOT_NEGATIVE, POSITIVE, Bounds, check_fields
 REFERENCE_TEMPERATURE = 293.15
 """Temperature in K at which dimensions and moduli are stated unless a model says otherwise."""
 
-# Chamis' parabola of the wet glass transition turns upward from here on.
+# Chamis' parabola of the wet glass transition turns upward from here on: no data lie beyond.
 GREATEST_MOISTURE = 0.10
 
 
@@ -139,10 +140,11 @@ class Hygrothermal:
             raise InputError(f"moisture must be zero or positive, got {100 * moisture:g} %")
         if not self.takes_water:
             return 0.0
-        if self.equilibrium is not None and moisture > self.equilibrium.saturation * (1 + 1e-9):
+        most = np.inf if self.equilibrium is None else self.equilibrium.saturation
+        if moisture > most * (1 + ROUND_OFF):
             raise UnknownStiffnessError(
                 f"a moisture of {100 * moisture:g} % is more than the resin takes up: "
-                f"{100 * self.equilibrium.saturation:g} % at 100 % relative humidity; give less, "
+                f"{100 * most:g} % at 100 % relative humidity; give less, "
                 "or another equilibrium_moisture"
             )
         return moisture

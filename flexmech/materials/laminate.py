@@ -14,7 +14,7 @@ from typing import Self
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.errors import InputError
 from flexmech.materials.composition import PlyComposition
 from flexmech.materials.micromechanics import ply_of
@@ -24,9 +24,7 @@ from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr, s
 from flexmech.units import ANGLE, DENSITY, EXPANSION, LENGTH, MOISTURE_EXPANSION, RATIO, STRESS
 from flexmech.validation import POSITIVE, check_angle, check_fields, check_instance, checked_tuple
 
-# Thickness of a layer over that of the stack, below which rounding takes over.
-THINNEST = 1e-9
-# Of an angle that is written in degrees.
+# Of an angle in degrees that is read back to the same radians: more would show their rounding.
 DIGITS = 12
 
 
@@ -126,7 +124,7 @@ class Laminate:
         if not self.layers:
             raise InputError("a laminate needs one layer or more, got none")
         thinnest = min(layer.thickness for layer in self.layers)
-        if thinnest < THINNEST * self.thickness:
+        if thinnest < SAME_PLACE * self.thickness:
             raise InputError(
                 f"the thinnest layer has {thinnest:g} m of {self.thickness:g} m, too little to "
                 "compute with; check the units"
@@ -280,7 +278,8 @@ class Laminate:
 
 # Of Poisson's ratio across the fibres where G23 says more: a ply that is not alike in 2 and 3.
 GREATEST_RATIO = 0.5
-# Distance from incompressible, in the range that a ratio may have.
+# Distance from incompressible, in the range that a ratio may have: at its ends the compliance has
+# no inverse.
 MARGIN = 0.02
 
 

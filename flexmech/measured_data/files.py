@@ -22,8 +22,6 @@ from flexmech.units import NUMBER
 UFF_ENDINGS = (".uff", ".unv", ".uf", ".bunv")
 
 SEPARATORS = ",;\t"
-# Longer files are taken for something else than a record.
-MOST_BYTES = 500_000_000
 _NUMBER = re.compile(NUMBER)
 _EMPTY = frozenset({"", "nan", "na", "n/a", "null", "none"})
 # Real and imaginary part of one complex quantity, before its unit.
@@ -129,8 +127,6 @@ def _last_digit(cell: str) -> float:
 def _table(file: Path) -> list[tuple[int, list[str]]]:
     """Lines of a file that are neither empty nor comments, with their numbers, in fields."""
     try:
-        if file.stat().st_size > MOST_BYTES:
-            raise InputError(f"{file}: is larger than any record; give the measured data alone")
         text = file.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(

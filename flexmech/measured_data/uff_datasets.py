@@ -27,6 +27,7 @@ from flexmech.measured_data.uff_units import (
     quantity_of,
     si_unit,
 )
+from flexmech.units import ZERO_CELSIUS
 
 KINDS: dict[UffFunctionKind, int] = {
     "general": 0,
@@ -37,14 +38,12 @@ KINDS: dict[UffFunctionKind, int] = {
     "coherence": 6,
 }
 ABSCISSAE = {"time": 17, "frequency": 18, "other": 1}
-SI_CODE = 1
-ZERO_CELSIUS = 273.15
-DISPLACEMENT = 8
-COMPLEX_MODE = 3
-LINE = 80
-"""Characters of a line of text."""
-ENTITY = 10
-# Part of its step by which an abscissa may miss even spacing: 6 digits are written.
+# Of the format: the code of SI in data set 164, that of complex modes in data set 55, and how many
+# characters a line of text and the name of an entity have room for.
+SI_CODE, COMPLEX_MODE = 1, 3
+LINE, ENTITY = 80, 10
+# Part of its step by which an abscissa may miss even spacing: the step is written with six digits,
+# by which the last of two hundred values is off by as much.
 UNEVEN = 1e-3
 
 DataSet = dict[str, Any]
@@ -241,7 +240,7 @@ def _mode(mode: UffMode) -> DataSet:
         "id1": _line(mode.name),
         "analysis_type": COMPLEX_MODE,
         "data_ch": 2,
-        "spec_data_type": DISPLACEMENT,
+        "spec_data_type": QUANTITIES["displacement"].code,
         "load_case": 0,
         "mode_n": mode.number,
         "eig": complex(mode.pole),

@@ -22,7 +22,8 @@ from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError
 from flexmech.validation import check_count
 
-# Condition number of the equations above which impacts do not tell the orders apart.
+# Condition number of the equations above which impacts do not tell the orders apart: noise of a per
+# mille would be as great as the answer.
 WORST_CONDITION = 1e3
 
 

@@ -269,8 +269,9 @@ Rows = list[tuple[float, float, float]]
 COLUMNS = {"crank_angle": ("crank_angle_deg", "deg"), "time": ("time_s", "s")}
 FORCE_COLUMNS = ("force_x_N", "force_y_N")
 TORQUE_COLUMN = "torque_Nm"
+# Of a file of a load: a hundred thousand rows, a load a thousand times as fine as a turn asks for.
 MOST_BYTES = 10_000_000
-# Of a cell in a message.
+# Characters of a cell in a message: more than any number has.
 MOST_SHOWN = 60
 
 

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from flexmech.arrays import SAME_PLACE
 from flexmech.errors import InputError, suggestion
 from flexmech.linkages import AttachmentPoint, Linkage, PlanarLinkage
 from flexmech.linkages.topology import Link, LinkEnd
 from flexmech.modelfile.link_tables import LinkTable
-
-# In parts of the length: rounding of coordinates may put the end of a link there.
-ROUNDING = 1e-9
 
 
 class LinkPlaces:
@@ -74,7 +72,9 @@ class LinkPlaces:
                 )
             beams = (beams[beam - 1],)
         whole = sum(own.length for own in beams)
-        if position > whole * (1 + (ROUNDING if isinstance(self.linkage, PlanarLinkage) else 0)):
+        # Rounding of drawn coordinates may put the end of a link there.
+        slack = SAME_PLACE if isinstance(self.linkage, PlanarLinkage) else 0.0
+        if position > whole * (1 + slack):
             raise InputError(
                 f"got {position:g} m, which is beyond the end of the {link}; choose "
                 f"0 to {whole:g} m from its first joint"

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.files import given_path, moved_into
 from flexmech.linkages import CrankDrive, Link
 from flexmech.model_text import short_repr
@@ -35,8 +35,6 @@ _KEPT = {"writeToFile": False, "storeInternal": True}
 _POSITION = Choice("OutputVariableType", "Position")
 _FORCE = Choice("OutputVariableType", "Force")
 _ROTATION = Choice("OutputVariableType", "Rotation")
-# A node this near to the middle, over the length, is the middle.
-_AT_NODE = 1e-9
 
 
 def add_sensors(model: RunningModel) -> None:
@@ -116,7 +114,7 @@ class _LinkPoints:
         """Points before and behind the middle, and how far from the one to the other it is."""
         positions, middle = self._part.positions, self._link.length / 2
         nearest = int(np.argmin(np.abs(positions - middle)))
-        if math.isclose(positions[nearest], middle, abs_tol=_AT_NODE * self._link.length):
+        if math.isclose(positions[nearest], middle, abs_tol=SAME_PLACE * self._link.length):
             return [self.at_node(nearest)] * 2, 0.0
         before = int(np.searchsorted(positions, middle)) - 1
         x = float(middle - positions[before])

@@ -26,7 +26,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.items import ItemNumber, Made, SystemItems
 from flexmech.multibody.running.user_functions import difference_mass
@@ -205,7 +205,7 @@ def _halves(values: FloatArray) -> FloatArray:
 
 def _uniform_pieces(length: FloatArray, point_masses: FloatArray) -> list[tuple[int, int]]:
     """First and last node of each piece of equal elements without a point mass between."""
-    uneven = ~np.isclose(length[1:], length[:-1], rtol=1e-9, atol=0.0)
+    uneven = ~np.isclose(length[1:], length[:-1], rtol=SAME_PLACE, atol=0.0)
     inner = np.flatnonzero(uneven | (point_masses[1:-1] > 0)) + 1
     return list(pairwise([0, *inner.tolist(), len(length)]))
 

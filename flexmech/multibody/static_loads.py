@@ -159,8 +159,9 @@ def _set_load(mbs: Any, load: ItemNumber, force: FloatArray) -> None:
     mbs.SetLoadParameter(load, "loadVector", [float(force[0]), float(force[1]), 0.0])
 
 
-# Change of a damper's force, relative to it, that is none.
-SETTLED = 1e-12
+# Change of a damper's force, relative to it, at which it has converged: the round-off of a length
+# between points of displaced links.
+CONVERGED = 1e-12
 
 
 class StaticConnectors:
@@ -224,7 +225,7 @@ class StaticConnectors:
                 before = mbs.GetObjectParameter(item.number, "force")
                 force = item.spring.damping * float(along @ self._approach[item.spring.name])
                 mbs.SetObjectParameter(item.number, "force", force)
-                changed = changed or abs(force - before) > SETTLED * (abs(force) + abs(before))
+                changed = changed or abs(force - before) > CONVERGED * (abs(force) + abs(before))
         return changed
 
     def _along(self, item: SpringItem) -> FloatArray:

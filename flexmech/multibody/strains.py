@@ -71,6 +71,7 @@ def _flexibilities(section: BeamSection, length: FloatArray) -> tuple[float, Flo
 
 
 # Exudyn integrates a cable's axial strain to order 9 and its curvature to order 5.
+# So many of Gauss's points do the same: 2 n - 1.
 AXIAL_POINTS = 5
 BENDING_POINTS = 3
 # Slope vector of the straight link.

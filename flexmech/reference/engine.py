@@ -120,8 +120,9 @@ class ReferenceEngine(Engine):
         """Second-order stretch of each link; see :attr:`Engine.stretches`."""
         if self.mechanism.is_free_strained:
             return None
+        turns_far = self.free_shaft is not None and self.free_shaft.turns_far
         return tuple(
-            chain_stretch(self.chains[number])
+            chain_stretch(self.chains[number], turns_far=turns_far)
             if number in self.chains
             else LinkStretch.none(link.size)
             for number, link in enumerate(self.clamped_links)

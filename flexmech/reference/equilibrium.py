@@ -49,10 +49,15 @@ from flexmech.reference.radial_springs import RadialSprings
 logger = logging.getLogger(__name__)
 
 
-# Least length of a Newton step when the full one makes the out-of-balance forces worse.
+# Least length of a Newton step when the full one makes the out-of-balance forces worse: four
+# halvings, after which loading in steps costs less.
 SHORTEST_STEP = 1 / 16
-# With all load at once, a position that takes longer wanders: it is loaded in steps.
+# With all load at once five iterations do; a position that takes longer wanders: it is loaded in
+# steps.
 FIRST_ITERATIONS = 8
+# A full step may make forces out of balance this much greater, or as great as this times the forces
+# between nodes and the loads: stretching by the square of a turn, which the next step takes back.
+ALLOWED_GROWTH, ALLOWED_FORCES = 10, 1e3
 # After steps that turn nothing by more than this, in rad, the tangent that led there is kept for so
 # many steps, as long as each is this part of the one before. Little must be left after the last: it
 # counts by the ratio of axial to bending stiffness in the tension, where it may stretch a link.
@@ -338,11 +343,11 @@ class Equilibrium:
         """One Newton step, shortened where it overshoots beyond the elastic scale."""
         length = np.ones(z.shape[1])
         loaded = np.abs(problem.outer).max(axis=0, initial=0.0)
-        limit = np.maximum(10 * before.error, 1e3 * loaded)
+        limit = np.maximum(ALLOWED_GROWTH * before.error, ALLOWED_FORCES * loaded)
         while True:
             trial = z + length * change
             imbalance = self._balance.imbalance(trial, problem, before.strains)
-            worse = ~(imbalance.error <= np.maximum(limit, self._force_scale * 1e3))
+            worse = ~(imbalance.error <= np.maximum(limit, self._force_scale * ALLOWED_FORCES))
             if not np.any(worse & (length > SHORTEST_STEP)):
                 return trial, imbalance
             length[worse] = np.maximum(length[worse] / 2, SHORTEST_STEP)

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy.linalg
 
 from flexmech.beams.link_matrices import Chain
 from flexmech.linear_system import LinkStretch
 
 # Directions in which an element's slopes are none but for round-off, to the greatest.
 _NO_SLOPE = 1e-12
+# Ways of an element to move without bending, to the stiffest: round-off.
+_NO_BENDING = 1e-10
 
 
-def chain_stretch(chain: Chain) -> LinkStretch:
+def chain_stretch(chain: Chain, *, turns_far: bool = False) -> LinkStretch:
     """Mean axial strain of each element of a link, to second order about the straight link.
 
     The strain of a corotational element (:mod:`flexmech.reference.corotational`) for small
@@ -21,6 +24,8 @@ def chain_stretch(chain: Chain) -> LinkStretch:
     Parameters
     ----------
     chain : Chain
+    turns_far : bool
+        Whether the link turns so far against its frame that bending must not depend on it.
 
     Returns
     -------
@@ -47,4 +52,43 @@ def chain_stretch(chain: Chain) -> LinkStretch:
     spread = np.zeros((count, len(slopes)))
     for column, (number, weight) in enumerate(weights):
         spread[number, column] = weight
-    return LinkStretch(gradient, np.stack(slopes), spread, elements.section.damping.axial)
+    axial = LinkStretch(
+        gradient, np.stack(slopes), spread, np.full(count, elements.section.damping.axial)
+    )
+    return _with_bending(chain, axial) if turns_far else axial
+
+
+def _with_bending(chain: Chain, axial: LinkStretch) -> LinkStretch:
+    """Strains of a chain that may turn far against its frame.
+
+    Where an element's chord is at the angle beta, its ends turn against it by the difference of
+    their sines over ``cos(beta)``, which to second order is less than one by what the chord is
+    shorter along the frame. A product is a difference of squares:
+    ``4 b u = (b + u)^2 - (b - u)^2``.
+    """
+    elements, size = chain.elements, chain.model.size
+    per_node, to_neutral = elements.shapes.per_node, elements.to_neutral_axis
+    gradient, slopes, weights = [], [], []
+    for number, length in enumerate(elements.length):
+        own = slice(per_node * number, per_node * (number + 2))
+        longer = np.zeros(2 * per_node)
+        longer[[0, per_node]] = -1.0, 1.0
+        stretching = elements.neutral_stiffness[number] @ longer
+        bending = elements.neutral_stiffness[number] - np.outer(stretching, longer) / 2
+        values, vectors = np.linalg.eigh(bending)
+        rows = np.zeros((1 + 2 * per_node, size))
+        rows[0, own] = longer @ to_neutral / length
+        rows[1:, own] = vectors.T @ to_neutral
+        for bent in np.flatnonzero(values > _NO_BENDING * values.max()):
+            root = float(np.sqrt(values[bent]))
+            gradient.append(root * rows[1 + bent])
+            slopes += [rows[1 + bent] + rows[0], rows[1 + bent] - rows[0]]
+            weights.append(root / 2 * np.array([[-1.0, 1.0]]))
+    # Of the second order alone is the damping of all bending that of curvature.
+    time = np.full(len(gradient), elements.section.damping.bending)
+    return LinkStretch(
+        np.concatenate([axial.gradient, gradient]),
+        np.concatenate([axial.slopes, slopes]),
+        scipy.linalg.block_diag(axial.weights, *weights),
+        np.append(axial.damping_time, time),
+    )

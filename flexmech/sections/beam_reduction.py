@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import SAME_PLACE, FloatArray, IntArray
 from flexmech.errors import InputError
 from flexmech.materials import Laminate
 
@@ -155,7 +155,7 @@ def layer_of(laminate: Laminate, place: FloatArray) -> IntArray:
             f"places must be a list, or have one row for each of the {count} layers; got "
             f"shape {place.shape}"
         )
-    slack = 1e-9 * laminate.thickness
+    slack = SAME_PLACE * laminate.thickness
     inside = (place >= faces[layer] - slack) & (place <= faces[layer + 1] + slack)
     if not np.all(inside):
         wrong = place[~inside].flat[0]

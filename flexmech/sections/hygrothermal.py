@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ROUND_OFF, FloatArray
 from flexmech.errors import InputError
 from flexmech.materials import (
     Laminate,
@@ -29,9 +29,6 @@ from flexmech.sections.beam_section import BeamSection
 from flexmech.sections.laminate_section import LaminateSection
 from flexmech.sections.solid_section import CURVATURE, STRETCH, TWIST
 from flexmech.validation import check_fields
-
-# Of a symmetric stack: strains below this part of the largest are rounding.
-ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
@@ -223,7 +220,7 @@ def _free_strains(slices: list[_Slice], reduction: Reduction) -> FloatArray:
     strains[free] = np.linalg.solve(matrix[np.ix_(free, free)], loads[free])
     # What rounding leaves of a symmetric stack's curvature would bend its link.
     bent = strains[3:] * laminate.thickness
-    strains[3:][np.abs(bent) < ROUNDING * np.abs(strains[:3]).max()] = 0.0
+    strains[3:][np.abs(bent) < ROUND_OFF * np.abs(strains[:3]).max()] = 0.0
     return strains.reshape(2, 3)
 
 

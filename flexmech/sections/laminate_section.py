@@ -13,7 +13,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ROUND_OFF, FloatArray
 from flexmech.errors import InputError
 from flexmech.materials import Laminate
 from flexmech.model_text import SharedTables, TomlTable, quantity, shapes, short_repr
@@ -169,7 +169,7 @@ class LaminateSection:
     def mass_axis(self) -> float:
         """Distance of the centre of mass from the mid-plane in m; exactly 0 if symmetric."""
         axis = self.laminate.mass_moment(1) / self.laminate.mass_moment(0)
-        return axis if abs(axis) > 1e-12 * self.laminate.thickness else 0.0
+        return axis if abs(axis) > ROUND_OFF * self.laminate.thickness else 0.0
 
     @cached_property
     def rotary_inertia(self) -> float:
@@ -348,7 +348,7 @@ class LaminateSection:
         """Stiffness by mid-plane strain and its gradient in y, (2, 2)."""
         matrix = self.width * self._strip.stiffness
         # What rounding leaves of a symmetric stack's coupling would move its axis off the pins.
-        if abs(matrix[0, 1]) < 1e-12 * np.sqrt(matrix[0, 0] * matrix[1, 1]):
+        if abs(matrix[0, 1]) < ROUND_OFF * np.sqrt(matrix[0, 0] * matrix[1, 1]):
             matrix[0, 1] = matrix[1, 0] = 0.0
         return matrix
 

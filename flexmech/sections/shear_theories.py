@@ -153,7 +153,7 @@ def _tilt(laminate: Laminate, reduction: Reduction) -> float:
 
 
 WARPINGS = 2
-"""How many warpings a cross-section has."""
+"""How many warpings a cross-section has: two let each core of two shear by its own amount."""
 
 # In a layer the second warping is of degree 5 and its square of degree 10.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(6)

@@ -29,6 +29,7 @@ from flexmech.model_text import shapes, short_repr
 
 STRETCH, TWIST, CURVATURE = 0, 3, 5
 """Strains of a section by number; the curvature is that in the plane of the linkage."""
+# Loads of a bar, nodes of an element of two parabolas, and its displacements.
 LOADS = 6
 NODES = 9
 WARPING = 3 * NODES

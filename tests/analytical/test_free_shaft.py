@@ -23,7 +23,7 @@ from flexmech import (
 )
 from flexmech.analyses import solve_modes
 from flexmech.linear_system import Engine
-from flexmech.linkages import Clamp, Link, LinkEnd, Topology
+from flexmech.linkages import Clamp, FourBar, Link, LinkEnd, Topology
 
 FloatArray = NDArray[np.float64]
 LENGTH, INERTIA = 0.3, 2e-4
@@ -185,3 +185,12 @@ def test_what_cannot_be_freed_is_refused() -> None:
 
     with pytest.raises(InputError, match="needs one clamp, which the shaft drives"):
         ReferenceEngine(replace(frame, linkage=Frame(LENGTH)), shaft="free")
+
+
+def test_a_clamped_link_that_is_geared_does_not_turn_with_the_shaft(aluminium, monkeypatch):
+    motion = FourBar.motion
+    monkeypatch.setattr(
+        FourBar, "motion", lambda self, angle, speed=0.0, *rest: motion(self, angle, speed / 2)
+    )
+    with pytest.raises(InputError, match="the crank does not: use shaft 'prescribed'"):
+        ReferenceEngine(aluminium, elements=2, shaft="free")

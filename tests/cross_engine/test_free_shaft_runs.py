@@ -1,4 +1,4 @@
-"""A shaft that is free in time: linear equations in its rotation beside Exudyn's simulation."""
+"""A shaft that is free in time: the reference's equations beside Exudyn's simulation."""
 
 from __future__ import annotations
 
@@ -66,15 +66,19 @@ def test_loads_and_springs_are_in_the_torque() -> None:
     "start", ["rigid", pytest.param("equilibrium", marks=pytest.mark.thorough)]
 )
 def test_a_slider_crank_whose_rod_bows_by_a_twentieth_of_its_length(start: str) -> None:
-    """Half a turn, in which the shaft leaves its prescribed angle by almost 5 degrees."""
+    """Half a turn, in which the shaft leaves its prescribed angle by almost 5 degrees.
+
+    Equations that were linear in its rotation had it off by 3.3 %, and its speed by 6.7 %.
+    """
     request = ResponseRequest(CrankDrive(6.0), 0.5, start=start, step=2e-3, modes=2, shaft="free")
     run = both("slider_crank_free_shaft", 0.0, 8, request)
     agreement, peak = run.agreement(), run.dataset["peak_shaft_rotation"]
     assert agreement is not None
-    assert float(agreement.sel(link="rod")) < 1.5e-2
+    assert float(agreement.sel(link="rod")) < 1e-2
     assert (peak > 0.07).all()
-    assert apart(run, "shaft_rotation") < 4e-2
-    assert apart(run, "crank_speed_fluctuation") < 8e-2
+    assert (run.dataset["energy_error"] < 3e-4).all()
+    assert apart(run, "shaft_rotation") < 1e-2
+    assert apart(run, "crank_speed_fluctuation") < 1.5e-2
 
 
 def test_an_arm_on_a_hub_swings_under_its_weight() -> None:

@@ -90,3 +90,21 @@ def test_bad_pulses_and_impacts_are_refused():
         Impact(point, "upward", pulse)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="point of an impact must be a LinkPoint"):
         Impact("coupler:0.5", "axial", pulse)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("fraction", [0.05, 0.4, 0.96])
+def test_the_rotation_inside_an_element_is_the_slope_of_its_cubic(fraction):
+    link = ReferenceEngine(FOURBAR.mechanism, 3, "euler").links[1]
+    x, place = link.readings.nodes, fraction * link.readings.nodes[-1]
+    q = np.zeros(link.size)
+    q[1::3], q[2::3] = x**3, 3 * x**2
+    assert link.readings.rotation_at(fraction) @ q == pytest.approx(3 * place**2, rel=1e-5)
+
+
+def test_a_place_at_a_node_has_the_rotation_of_the_node():
+    """It is not the slope of an axis that shears."""
+    readings = ReferenceEngine(FOURBAR.mechanism, 4, "timoshenko").links[1].readings
+    at_node = readings.rotation_at(0.5)
+    assert np.flatnonzero(at_node).tolist() == [2 * readings.per_node + readings.slope]
+    np.testing.assert_array_equal(readings.rotation_at(0.5 * (1 + 1e-12)), at_node)
+    assert np.abs(readings.rotation_at(0.5 * (1 + 1e-6)) - at_node).max() > 0.1

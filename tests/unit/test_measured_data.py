@@ -147,3 +147,18 @@ def test_gaps_unequal_steps_and_time_that_turns_back():
         sampling_interval(time + 0.003 * (time > 0.1))
     with pytest.raises(InputError, match="must increase; if the file holds several runs"):
         sampling_interval(np.concatenate([time, time]))
+
+
+@pytest.mark.parametrize(
+    ("step", "message"),
+    [(1.97, "has a gap: 1 samples"), (2.05, "has a gap: 1 samples"), (2.2, "steps are unequal")],
+)
+def test_a_gap_is_a_whole_number_of_steps_but_for_their_jitter(step, message):
+    with pytest.raises(InputError, match=message):
+        sampling_interval(np.cumsum([0.0, 1.0, 1.0, step, 1.0, 1.0]))
+
+
+def test_clocks_may_jitter_by_a_part_of_the_step():
+    assert sampling_interval(np.cumsum([0.0, 1.0, 1.015, 0.985, 1.0])) == pytest.approx(1.0)
+    with pytest.raises(InputError, match="steps are unequal"):
+        sampling_interval(np.cumsum([0.0, 1.0, 1.03, 0.97, 1.0]))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
@@ -11,7 +13,7 @@ from numpy.typing import NDArray
 from flexmech.linear_system.joints.joint_points import joint_points
 from flexmech.linear_system.joints.rigid_coordinates import RigidCoordinates
 from flexmech.linear_system.joints.rigid_pose import RigidPose
-from flexmech.linkages import Link, LinkEnd, Pin, Pivot, RigidMotion, Topology
+from flexmech.linkages import FourBar, Link, LinkEnd, Pin, Pivot, RigidMotion, Topology
 from tests.unit.test_link_ties import Course, topologies
 
 FloatArray = NDArray[np.float64]
@@ -127,3 +129,33 @@ def test_a_bar_in_tension_resists_with_its_force_over_its_length() -> None:
     point = next(p for p in map(rigid.leader, joint_points(topology)) if p is not None)
     found = pose.stiffness({point: force}, np.zeros((1, 3)), np.zeros((1, 2)))
     assert found.turning[0, 0] / length**2 == pytest.approx(pull / length, rel=1e-12)
+
+
+def rigid_fourbar(linkage: FourBar) -> RigidCoordinates:
+    """Three rigid bars whose crank turns freely."""
+    topology = linkage.topology
+    pivots = tuple(Pivot(clamp.joint, clamp.link_end) for clamp in topology.clamps)
+    links = tuple(replace(link, rigid=True) for link in topology.links)
+    return RigidCoordinates(
+        replace(topology, links=links, clamps=(), pivots=(*pivots, *topology.pivots))
+    )
+
+
+def test_bars_that_turn_far_are_where_the_linkage_is() -> None:
+    linkage = FourBar(0.3, 0.1, 0.25, 0.2)
+    rigid, here = rigid_fourbar(linkage), linkage.motion(np.array([0.3]), 0.0)
+    turned = linkage.motion(np.array([1.7]), 0.0).angle - here.angle
+    (independent,) = rigid.independent_coordinates
+    assert independent % 3 == 2
+    w = turned[:, [independent // 3]]
+    pose = RigidPose.solve_position_constraints(rigid, here, w)
+    np.testing.assert_allclose(pose.y[:, 2::3], turned, rtol=0, atol=1e-13)
+
+
+def test_bars_out_of_reach_have_no_place() -> None:
+    """The other two bars are together too short for the crank to turn further."""
+    linkage = FourBar(0.3, 0.25, 0.1, 0.15)
+    rigid, here = rigid_fourbar(linkage), linkage.motion(np.array([0.5, 0.5]), 0.0)
+    pose = RigidPose.solve_position_constraints(rigid, here, np.array([[1.5], [-0.1]]))
+    assert np.isnan(pose.y[0]).all()
+    assert np.isfinite(pose.y[1]).all()

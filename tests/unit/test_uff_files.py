@@ -23,6 +23,8 @@ from flexmech.measured_data import (
     read_uff_record,
     write_uff,
 )
+from flexmech.measured_data.uff_datasets import datasets_of
+from flexmech.measured_data.uff_units import quantity_of
 
 DIGITS = {"rtol": 5e-12, "atol": 0}  # %20.11e
 FEW_DIGITS = {"rtol": 5e-6, "atol": 0}  # %13.5e
@@ -261,6 +263,36 @@ def test_bad_contents_are_refused(tmp_path):
         write_uff(tmp_path / "nowhere" / "x.uff", UffFile())
     with pytest.raises(InputError, match="no such file"):
         read_uff(tmp_path / "nowhere.uff")
+
+
+def test_texts_are_cut_to_the_room_that_the_format_has():
+    header = datasets_of(UffFile(description=200 * "x"))[0]
+    assert len(header["description"]) == 80
+    where = replace(HIT, entity="coupler of the machine")
+    function = replace(functions()[0], reference=where)
+    [written] = [each for each in datasets_of(UffFile(functions=(function,))) if each["type"] == 58]
+    assert written["ref_ent_name"] == "coupler of"
+
+
+@pytest.mark.parametrize(("jitter", "refused"), [(5e-4, False), (2e-3, True)])
+def test_an_abscissa_is_even_to_what_the_format_can_tell(jitter, refused):
+    function = functions()[0]
+    step = function.position[1]
+    moved = function.position + jitter * step * (np.arange(function.position.size) == 500)
+    uneven = UffFile(functions=(replace(function, position=moved),))
+    if refused:
+        with pytest.raises(InputError, match="is unevenly spaced; interpolate"):
+            datasets_of(uneven)
+    else:
+        assert len(datasets_of(uneven)) == 3
+
+
+def test_reaction_forces_are_forces():
+    assert quantity_of(9) == quantity_of(13) == "force"
+
+
+def test_units_are_told_with_the_zero_of_celsius():
+    assert datasets_of(UffFile())[1]["temp_offset"] == 273.15
 
 
 def test_without_the_extra_the_message_names_it(monkeypatch, tmp_path):

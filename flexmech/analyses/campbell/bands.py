@@ -17,9 +17,10 @@ from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError
 from flexmech.linear_system import RefusedPositionsError
 
-# Of a turn at a speed in doubt, every so many crank angles are tried first.
+# Of a turn at a speed in doubt, every so many crank angles are tried first: what has no equilibrium
+# has none over a part of the turn, which twelve of 72 angles find for a sixth of the cost.
 PROBE_EVERY = 6
-# Crank angles at which speeds are tried, once one has failed there.
+# Crank angles at which speeds are tried, once one has failed there: each failure adds two at most.
 MOST_PROBES = 3
 Solved = TypeVar("Solved")
 

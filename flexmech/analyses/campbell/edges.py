@@ -25,15 +25,17 @@ logger = logging.getLogger(__name__)
 
 # Relative change of the speed in the last round, and relative distance of ray and band then.
 CONVERGED = 1e-8
+# The secant doubles the digits in less than two rounds; what has not converged is sought anew.
 MOST_ROUNDS = 20
 # Of the crank angles around an extreme, in steps of the grid: at first, and at last.
 FIRST_ASIDE, LAST_ASIDE = 0.5, 0.04
-# Relative differences below this are round-off.
+# Relative differences of frequencies below this are their round-off.
 ROUND_OFF = 1e-10
 # Extremes on the grid at a solved speed that may be the band's end a little further on: as near to
 # it as this many times what the end moves by until the next solved speed, and relatively. A grid
 # misses the peak of a sharp one by one or two per cent.
 MAY_BE_END, NEAR_END = 2.0, 0.02
+# A band seldom has more that are nearly as low; those missed are found by whole turns.
 MOST_EXTREMES = 3
 # By this part of its step's width a speed may be outside it on the way, and by this at last.
 OUTSIDE, AT_END = 0.5, 1e-6

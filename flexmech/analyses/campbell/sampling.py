@@ -25,8 +25,10 @@ from numpy.typing import NDArray
 from flexmech.analyses.campbell.bands import Bands, BandSolver
 from flexmech.arrays import FloatArray, IntArray, unbroken_runs
 
+# A cubic through them is of fourth order; more nodes would run over the bend of a band's end.
 NODES_OF_A_CUBIC = 4
-# Relative distance by which curves continued from both sides miss the node beyond a bend.
+# Relative distance by which curves continued from both sides miss the node beyond a bend: a tenth
+# of the tolerance of the fit, below which a bend does not matter.
 BEND = 3e-5
 # The sense in which the lowest, the mean and the highest frequency bend; the mean does not.
 SENSE = np.array([1.0, 0.0, -1.0])[:, None]
@@ -102,14 +104,18 @@ def _through(
     return np.asarray(value, dtype=float), np.abs(rough)
 
 
+# Relative difference of a predicted and a solved frequency up to which a fit is accepted: as much
+# as is assumed of the error of the mesh.
 FIT_TOLERANCE = 3e-4
-"""Relative difference of a predicted and a solved frequency up to which a fit is accepted."""
 # So few speeds are all solved, for they cost little.
 ALL_SOLVED = 13
+# Eight intervals, each of which is divided once at least: 17 of the speeds are solved.
 FIRST_SOLVED = 9
-# The crank speed is divided into at least so many steps, in each of which crossings are looked for.
+# The crank speed is divided into at least so many steps, in each of which crossings are looked for:
+# of two crossings in one step none is seen.
 LEAST_STEPS = 128
-# Speeds that are tried at a time in search of those without a solution.
+# Speeds that are tried at a time in search of those without a solution: each round leaves a seventh
+# of the range, at the cost of one batch.
 TRIED = 6
 
 

@@ -24,7 +24,8 @@ from flexmech.errors import ComputationError
 
 # Of the intervals, as laboratories state them.
 _CONFIDENCE = 0.95
-# Orders among which the autoregressive process is chosen: at most this part of the samples.
+# Orders among which the autoregressive process is chosen: at most this part of the samples, so that
+# each coefficient is known to a third or better.
 _MOST_ORDER = 40
 _SAMPLES_AN_ORDER = 8
 # Of a parameter's scale: step of the central differences, whose error is far below noise.
@@ -33,7 +34,8 @@ _DIFFERENCE = 1e-4
 _MOST_EVALUATIONS = 100
 # Of the slopes, each divided by its size, beyond which parameters do the same.
 _MOST_CONDITION = 1e6
-# At which the spectrum of an autoregressive process is added up.
+# At which the spectrum of an autoregressive process is added up: peaks of modes with a damping of
+# 0.5 %, at forty samples a period, are drawn by four.
 _FREQUENCIES = 8192
 
 

@@ -30,7 +30,7 @@ from flexmech.measured_data import MeasuredRecord
 _SAME_SPEED = 1e-6
 # A number beyond it is taken for a slip: no test tells so many modes apart.
 _MOST_MODE = 50
-# Modes among which a record without their numbers is placed.
+# Modes among which a record without their numbers is placed: a test seldom tells more.
 _CANDIDATES = 6
 
 

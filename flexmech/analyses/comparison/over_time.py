@@ -47,7 +47,7 @@ _LEAST_PERIODS = 3.0
 _SAMPLES_AN_UNKNOWN = 4
 # Running linkages of other stiffness that are in memory: of one central difference, and more.
 _MOST_MODELS = 8
-# Samples of a turn among which the greatest deflection is sought.
+# Samples of a turn among which the greatest deflection is sought: each degree, for a warning.
 _TURN_SAMPLES = 361
 # Relative difference of the record's own crank speed from the one given that is no rounding.
 _SPEED_TOLERANCE = 0.01

@@ -171,7 +171,7 @@ _FAR_OFF = 0.1
 _TURNED_BETTER = 0.8
 # Factor of the intervals' width below which nobody needs to be told of it.
 _LITTLE_WIDER = 1.2
-# Beyond it two parameters can hardly be told apart.
+# Beyond it two parameters can hardly be told apart: each is known three times worse than alone.
 _CLOSE = 0.95
 
 

@@ -19,7 +19,7 @@ from flexmech.linear_system import (
     refuse_positions,
 )
 
-# Round-off that is allowed in a squared frequency, relatively.
+# Round-off that is allowed in a squared frequency, relatively: tables write ten digits.
 BLUR = 1e-10
 
 

@@ -24,6 +24,7 @@ from flexmech.arrays import FloatArray
 # Distance of a line from its curve that is seen, over the range of the curve; a range is at
 # least this part of the frequency, as in the pictures.
 SEEN, LEAST_RANGE = 4e-3, 4e-3
+# Each leaves a quarter of the distance of a line from its curve: after three it is a 64th.
 MOST_ROUNDS = 3
 
 Solve = Callable[[FloatArray], FloatArray]

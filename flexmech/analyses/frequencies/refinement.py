@@ -101,12 +101,14 @@ Mask = NDArray[np.bool_]
 
 # A mode that keeps this part of its kinetic energy in one shape is that shape.
 UNAMBIGUOUS_MAC = 0.8
+# Of the angles over which two modes exchange shapes: where that takes less, they cross.
 CROSSING_WIDTH = np.radians(0.25)
 # Steps are divided at whole degrees, so that coarse maps track the modes along the positions of
 # the map of one degree; and below where modes exchange over about as much, to the least step.
 USUAL_STEP, LEAST_STEP = np.radians(1.0), np.radians(1 / 16)
 # A shape of which no mode of the other position has more than this was not there.
 NEW_SHAPE = 0.2
+# Of crank angles in rad or deg, which are sums of steps: far below the least step.
 ROUND_OFF = 1e-9
 
 
@@ -128,8 +130,8 @@ class Positions(NamedTuple):
     shapes: NDArray[Any]
 
 
+# Solves for the modes at crank angles, shape (B,).
 Between = Callable[[FloatArray], Positions]
-"""Solves for the modes at crank angles, shape (B,)."""
 
 
 @dataclass(frozen=True)

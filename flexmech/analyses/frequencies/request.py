@@ -17,7 +17,9 @@ from flexmech.validation import POSITIVE, check_flag, check_instance, check_numb
 FORMULATION = Formulation()
 # Each with the mode shape of three links at nine stations, 1 kB.
 MOST_FREQUENCIES = 4_000_000
+# Of linkages whose file names no speed: standstill, and the speeds of the first examples.
 SPEEDS = (0.0, 10.0, 20.0)
+# Every 5 deg of a turn, each a picture of its own.
 MOST_SHAPES = 72
 
 

@@ -16,7 +16,8 @@ from flexmech.linear_system import Engine, LinearSystem, LinkPoint, point_rows
 
 # Unreduced systems beyond so many coordinates take longer than their last digits are worth.
 _MOST_COORDINATES = 400
-# Of the component modes that are taken instead.
+# Of the component modes that are taken instead: those of links up to eight times the usual
+# frequency.
 _DETAIL = 8.0
 # A mode of a lesser damping ratio never decays: it is round-off.
 _LEAST_DAMPING = 1e-8

@@ -29,7 +29,7 @@ from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.mechanism import drawing
 from flexmech.time_domain import Trajectory
 
-# Positions at which the length of the spectrogram's window is chosen.
+# Positions at which the length of the spectrogram's window is chosen: every 10 deg of four turns.
 _PREDICTIONS = 145
 
 

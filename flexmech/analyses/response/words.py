@@ -15,7 +15,7 @@ from flexmech.analyses.summary import Table
 _MOST_DIGITS = 4
 # Of deflections in the table of peaks.
 _TABLE_DIGITS = 5
-# Rotation of a free shaft in rad beyond which equations that are linear in it show.
+# Rotation of a free shaft in rad beyond which equations for small ones show.
 _LARGE_ROTATION = np.radians(5)
 # A crank angle this close below a whole turn, in turns, is the turn's end.
 _WHOLE_TURN = 1e-9
@@ -147,9 +147,9 @@ def shaft_lines(data: xr.Dataset) -> list[str]:
     linear = peak.sel(engine=~data["nonlinear"].astype(bool))
     if linear.sizes["engine"] and float(linear.max()) > _LARGE_ROTATION:
         lines.append(
-            f"shaft: the equations of {', '.join(map(str, linear['engine'].values))} are linear in "
-            f"its rotation, which is beyond the {np.degrees(_LARGE_ROTATION):.0f} deg up to which "
-            "that holds; trust the exudyn engine, or give the shaft more inertia"
+            f"shaft: the equations of {', '.join(map(str, linear['engine'].values))} are for "
+            f"small rotations, its own is beyond the {np.degrees(_LARGE_ROTATION):.0f} deg up to "
+            "which they hold; trust the exudyn engine, or give the shaft more inertia"
         )
     return lines
 

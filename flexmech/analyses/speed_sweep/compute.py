@@ -31,10 +31,13 @@ from flexmech.threads import one_thread
 from flexmech.time_domain import DrivenLinkage, periodic_turn
 from flexmech.validation import check_choice, check_count, checked_array
 
+# Half a degree, where the highest frequency asks for no shorter step.
 LEAST_STEPS = 720
+# A degree: of the peaks of five harmonics, which are level, it misses less than a thousandth.
 QUASI_STATIC_ANGLES = 360
 # A steady state shakes the lowest modes alone: fewer component modes than a start at speed.
 DETAIL = 2.0
+# More are taken for a slip: a thousand curves are drawn as one surface.
 MOST_ORDERS = 1000
 
 

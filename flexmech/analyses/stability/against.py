@@ -45,6 +45,7 @@ OF_ITS_OWN = {
     MOISTURE: RATIO,
     TEMPERATURE_RISE: TEMPERATURE_DIFFERENCE,
 }
+# More are taken for a slip: each value is a map of its own.
 MOST_VALUES = 1000
 
 
@@ -164,8 +165,8 @@ class Against:
         return engine.with_(mechanism=changed)
 
 
+# A growth rate in 1/s, and what the column ``unstable`` says.
 Grown = tuple[float, str]
-"""A growth rate in 1/s, and what the column ``unstable`` says."""
 NOTHING: Grown = (np.nan, NO_EQUILIBRIUM)
 ONE = np.ones(1)
 

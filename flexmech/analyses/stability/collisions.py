@@ -29,8 +29,11 @@ from flexmech.errors import ComputationError
 
 # After so many orders one after the other that are far from growing, a pair is left.
 HOPELESS = 3
+# Below this part of the growth that would count: a factor of three is beyond the error of the
+# guess.
 FAR = 1 / 3
-# Growth is looked at beside a band at this multiple of its half width without damping.
+# Growth is looked at beside a band at this multiple of its half width without damping, so that the
+# edges lie between.
 ASIDE = 1.5
 # Speeds about a meeting are at least this part of the step from it; it is refined so often.
 LEAST_ASIDE = 0.02

@@ -19,12 +19,14 @@ from flexmech.analyses.stability.solver import BY_REFINEMENT, LinkageSolver
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.errors import ComputationError
 
-# Relative to the crank speed.
+# Relative to the crank speed: far below what steps, modes and mesh make an edge wrong by.
 EDGE_TOLERANCE = 1e-8
+# Halving alone needs 27 for the tolerance; Brent's method may need twice as many.
 MOST_STEPS = 60
-# The fastest speed of a band, relative to its width.
+# The fastest speed of a band, relative to its width: growth is level there, so that an error of a
+# fiftieth lowers it by a thousandth or so; the search is quadratic and takes fewer tries.
 TOP_TOLERANCE, MOST_TRIES = 0.02, 12
-# The slope is taken over this part of the bracket.
+# The slope is taken over this part of the bracket: its error is of second order in it.
 SLOPE_OVER = 1e-3
 # An edge that moves by less than this part of its bracket moves as the slope says.
 LINEAR = 0.25
@@ -200,8 +202,10 @@ def find_top(solver: LinkageSolver, place: tuple[float, float, float]) -> Select
     return best
 
 
-# Relative.
+# Relative: ratios are written with three digits.
 RATIO_TOLERANCE = 1e-5
+# Of critical damping, beyond which nothing is called a vibration; and far below what any material
+# has.
 LARGEST_RATIO, LEAST_RATIO = 1.0, 1e-9
 # The first step from the start relative to it, and its least size; a next one at most this many
 # times the last, and this much farther than a straight line through the last two asks for.

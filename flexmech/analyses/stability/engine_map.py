@@ -53,6 +53,7 @@ logger = logging.getLogger(__name__)
 
 # Branches are numbered at this part of the lowest natural frequency, and tracked in steps of it.
 FOLLOWING_STEP = 1 / 40
+# Speeds beyond, 250 times the lowest frequency, come from wrong units.
 MOST_STEPS = 10_000
 # A band that this damping ratio closes is not worth a line.
 LEAST_CLOSING_RATIO = 1e-5
@@ -60,8 +61,8 @@ LEAST_CLOSING_RATIO = 1e-5
 # another begin.
 BETWEEN = 1 / 300
 
+# Modes at a speed, or why there are none.
 _Outcome = SolvedSpeed | ComputationError
-"""Modes at a speed, or why there are none."""
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 

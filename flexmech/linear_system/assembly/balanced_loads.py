@@ -25,8 +25,10 @@ from flexmech.linear_system.loads.connectors import Connectors
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.sections import BeamSection
 
+# Passes of Newton's method: linkages with springs take four or five; what takes ten times as many
+# goes to and fro.
 MOST_PASSES = 60
-# Greatest change of a load in the last pass, relative to the greatest.
+# Greatest change of a load in the last pass, relative to the greatest. A pass gains more than that.
 LAST_PASS = 1e-10
 # A change that is smaller than this and no longer falls is the round-off of an engine's solver.
 STILL_APART = 1e-8
@@ -203,9 +205,13 @@ def _sum(loads: Sequence[FloatArray], others: Sequence[FloatArray]) -> list[Floa
 
 
 MAX_ITERATIONS = 40
-"""Of Newton's method in one load step."""
+"""Of Newton's method in one load step: five do near an equilibrium; shortened steps take more."""
 LOAD_STEPS = (1, 5, 25)
-"""Where all load at once leads nowhere, it is brought on in steps, swelling along with it."""
+"""Where all load at once leads nowhere, it is brought on in steps, swelling along with it.
+
+Five times more each time: what 25 steps do not reach, such as a bow beyond half a link's length, is
+not the equilibrium next to the straight links.
+"""
 RELATIVE_RESIDUAL = 1e-10
 """Part of the load that may be out of balance when Exudyn's static solver stops.
 
@@ -220,7 +226,10 @@ much as at their speeds: 2e-11. Forces out of balance are no measure: one that i
 round-off of a stiff link may bend a soft one that is pinned to it.
 """
 ROUND_OFF = 8 * float(np.finfo(float).eps)
-"""What round-off leaves of forces between nodes that cancel, relative to these forces."""
+"""What round-off leaves of forces between nodes that cancel, relative to these forces.
+
+Four forces meet at a node, each of a product and a sum.
+"""
 # A link displaced by more than this part of its length is no longer near the rigid linkage,
 # about whose motion vibrations are asked for; Newton's method may have found any equilibrium.
 FARTHEST = 0.5

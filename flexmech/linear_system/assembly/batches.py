@@ -16,6 +16,7 @@ from flexmech.mechanism import Mechanism
 
 # Working memory of a batch; keeps what is alive at a time independent of the map's size.
 BATCH_BYTES = 32_000_000
+# Fewer positions take as long as these, however large their matrices are.
 LEAST_BATCH = 4
 # A position of a link stored by elements takes memory as of so many columns of its matrix.
 STORED_COLUMNS = 100

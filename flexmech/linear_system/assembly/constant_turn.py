@@ -15,7 +15,8 @@ from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
 from flexmech.linkages import RigidMotion, Topology
 
-# Change along the turn, relative to the greatest value, that round-off makes.
+# Change along the turn, relative to the greatest value, that round-off makes: some five hundred
+# times the unit round-off, of sums over the elements. A load of 1e-3 of the others is none.
 UNCHANGED = 1e-13
 
 

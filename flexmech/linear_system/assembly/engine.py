@@ -83,6 +83,8 @@ class Engine(EngineLinks):
     element_kinds : tuple of str
     masses : tuple of str
         Which of the mass models it has.
+    free_shaft : FreeShaft or None
+        The shaft, where it is free.
     simulates : bool
         Whether the engine runs the linkage with large displacements; see
         :func:`flexmech.time_domain.recorded_runs.states`.
@@ -121,7 +123,7 @@ class Engine(EngineLinks):
         self._component_modes_asked = component_modes
         check_choice(shaft, SHAFTS, "shaft")
         self.shaft = shaft
-        self._free_shaft = FreeShaft.of(mechanism) if shaft == "free" else None
+        self.free_shaft = FreeShaft.of(mechanism) if shaft == "free" else None
         self._element_asked = element
         self._reductions: dict[tuple[int, float, bool, float], ComponentModes] = {}
 

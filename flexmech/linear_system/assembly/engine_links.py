@@ -39,22 +39,18 @@ class EngineLinks(ElementKinds):
     solves_connectors : bool
         Whether the engine's own equilibrium counts loads and springs; they are among its loads
         where it does not.
-    equilibrium_has_pull : bool
-        Whether tangents at equilibrium have what a rigid clamped link meets by those that it leads;
-        see :meth:`flexmech.linear_system.assembly.free_shaft.FreeShaft.pull`.
     """
 
     name: ClassVar[str]
     solves_connectors: ClassVar[bool] = False
-    equilibrium_has_pull: ClassVar[bool] = False
     mechanism: Mechanism
-    _free_shaft: FreeShaft | None
+    free_shaft: FreeShaft | None
 
     @cached_property
     def topology(self) -> Topology:
         """Links and connections of the linear system: a free shaft is a pivot."""
         topology = self.mechanism.linkage.topology
-        return topology if self._free_shaft is None else self._free_shaft.topology(topology)
+        return topology if self.free_shaft is None else self.free_shaft.topology(topology)
 
     @cached_property
     def tied_topology(self) -> Topology:
@@ -65,7 +61,7 @@ class EngineLinks(ElementKinds):
     def links(self) -> tuple[LinkModel, ...]:
         """Unreduced link models in the topology's order; the shaft is as it is asked for."""
         held = self.clamped_links
-        return held if self._free_shaft is None else self._free_shaft.links(held)
+        return held if self.free_shaft is None else self.free_shaft.links(held)
 
     @cached_property
     def frames(self) -> LinkFrames:
@@ -81,9 +77,10 @@ class EngineLinks(ElementKinds):
     def stretches(self) -> tuple[LinkStretch, ...] | None:
         """Second-order stretch of each link; None where an engine does not tell.
 
-        None as well where links bend or stretch without load: it is that of straight links.
+        None as well where links bend or stretch without load: it is that of straight links; and of
+        a free shaft with rigid links that guide others.
         """
-        held, shaft = self.clamped_stretches, self._free_shaft
+        held, shaft = self.clamped_stretches, self.free_shaft
         if held is None or shaft is None:
             return held
         return shaft.stretches(self.clamped_links, held)
@@ -124,16 +121,13 @@ class EngineLinks(ElementKinds):
         held = self.stressed_clamped_links(motion, prestress, near)
         if not self._is_straight(motion, prestress):
             held = self._without_own_turning(motion, held)
-        shaft = self._free_shaft
+        shaft = self.free_shaft
         if shaft is None:
             return held
-        reaction = pull = None
+        reaction = None
         if not self._is_straight(motion, prestress):
-            # An equilibrium may have it in its tangents.
-            if not (self.equilibrium_has_pull and prestress == "equilibrium"):
-                pull = shaft.pull(self.mechanism, self.clamped_links, motion, held)
             reaction = shaft.reaction(self.clamped_links, motion, held.loads)
-        return shaft.stressed(self.clamped_links, held, reaction, pull)
+        return shaft.stressed(self.clamped_links, held, reaction)
 
     @abstractmethod
     def stressed_clamped_links(
@@ -275,14 +269,13 @@ class EngineLinks(ElementKinds):
         InputError
             If the engine does not linearize about given states.
         """
-        shaft = self._free_shaft
+        shaft = self.free_shaft
         if shaft is None:
             held = self.running_clamped_links(motion, displacement)
             return self._without_own_turning(motion, held)
         clamped = shaft.displacements(self.clamped_links, list(displacement))
         held = self._without_own_turning(motion, self.running_clamped_links(motion, clamped))
-        pull = shaft.pull(self.mechanism, self.clamped_links, motion)
-        free = shaft.stressed(self.clamped_links, held, pull=pull)
+        free = shaft.stressed(self.clamped_links, held)
         return replace(free, displacement=list(displacement))
 
     def running_clamped_links(
@@ -372,7 +365,7 @@ class EngineLinks(ElementKinds):
         InputError
             If the shaft is free.
         """
-        if self._free_shaft is not None:
+        if self.free_shaft is not None:
             raise InputError(
                 f"{what} turns the shaft as prescribed, and that of this engine is free; "
                 "use shaft 'prescribed'"
@@ -391,7 +384,7 @@ class EngineLinks(ElementKinds):
     @property
     def rigid_modes(self) -> int:
         """Natural modes at rest without deformation: that of a shaft that turns freely."""
-        return 0 if self._free_shaft is None or self.connectors.holds_shaft else 1
+        return 0 if self.free_shaft is None or self.connectors.holds_shaft else 1
 
     @cached_property
     def connectors(self) -> Connectors:

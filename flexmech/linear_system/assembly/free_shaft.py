@@ -22,8 +22,9 @@ from flexmech.linkages import Clamp, Pivot, RigidMotion, Topology, shown_crank_a
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
 
-# Part of the clamped link's speed by which it may be off that of the shaft.
-ROUND_OFF = 1e-9
+# Part of the shaft's speed by which that of the clamped link may be off: what the kinematics of any
+# linkage leave, 1e-12 or less; a link that is geared is off by more than this.
+TURNS_ALIKE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -40,12 +41,18 @@ class FreeShaft:
         From the shaft's axis to the clamped end, in the link's frame, in m.
     inertia : float
         About the axis, in kg m^2.
+    is_stiff : bool
+        Whether there are rigid links or a hub: a turn of these meets no tension of their own.
+    turns_far : bool
+        Whether these may turn by finite angles in a run in time: no links guide others.
     """
 
     clamp: Clamp
     link: int
     lever: tuple[float, float]
     inertia: float
+    is_stiff: bool
+    turns_far: bool
 
     @classmethod
     def of(cls, mechanism: Mechanism) -> Self:
@@ -74,7 +81,7 @@ class FreeShaft:
         clamp = topology.clamps[0]
         link = topology.index(clamp.link_end.link)
         motion = mechanism.linkage.motion(shown_crank_angle(mechanism.linkage), 1.0)
-        if abs(float(motion.angular_velocity[link]) - 1.0) > ROUND_OFF:
+        if abs(float(motion.angular_velocity[link]) - 1.0) > TURNS_ALIKE:
             raise InputError(
                 f"shaft 'free' needs a link that turns with the shaft, and the "
                 f"{clamp.link_end.link} does not: use shaft 'prescribed'"
@@ -82,7 +89,9 @@ class FreeShaft:
         x = 0.0 if clamp.link_end.end == "start" else topology.links[link].length
         speed, angle = motion.velocity(link, x), motion.angle[link]
         lever = (float(speed @ normal(angle)), -float(speed @ direction(angle)))
-        return cls(clamp, link, lever, mechanism.shaft_inertia)
+        stiff = any(each.rigid for each in topology.links) or any(lever)
+        guided = any(slider.guide for slider in topology.sliders)
+        return cls(clamp, link, lever, mechanism.shaft_inertia, stiff, stiff and not guided)
 
     def topology(self, topology: Topology) -> Topology:
         """The topology with a pivot in place of the clamp."""
@@ -102,28 +111,14 @@ class FreeShaft:
         tuple of LinkModel
         """
         link, end = links[self.link], self.clamp.link_end.end
-        basis = self.basis(link)
-        turned = int(link.end_rotation_of(end)[0])
-        mass = basis.T @ link.mass @ basis
-        mass[turned, turned] += self.inertia
+        released = in_coordinates(link, self.basis(link))
+        rotation = link.end_rotation_of(end)[:1]
+        mass = np.array(released.mass)
+        mass[rotation, rotation] += self.inertia
         # What else a clamp holds a pivot would let go, but the shaft does not.
         besides = np.concatenate([link.end_warping_of(end), link.end_rotation_of(end)[1:]])
-        back = np.linalg.inv(basis)
-        own = (back @ getattr(link.fields, field.name) for field in fields(RigidFields))
-        released = replace(
-            link,
-            mass=mass,
-            gyroscopic=basis.T @ link.gyroscopic @ basis,
-            centrifugal_mass=basis.T @ link.centrifugal_mass @ basis,
-            first_moment=link.first_moment @ basis,
-            stiffness=basis.T @ link.stiffness @ basis,
-            damping=basis.T @ link.damping @ basis,
-            readings=link.readings.projected(basis) if self.has_lever else link.readings,
-            fields=RigidFields(*own),
-            shaft=np.array([turned]),
-            bodies=tuple(body.projected(basis) for body in link.bodies),
-        )
-        rotation = np.array([turned])
+        readings = released.readings if self.has_lever else link.readings
+        released = replace(released, mass=mass, readings=readings, shaft=rotation)
         if end == "start":
             released = replace(released, start_rotation=rotation, start_warping=besides)
         else:
@@ -168,68 +163,11 @@ class FreeShaft:
             total -= along[:, None] * direction(turn) + across[:, None] * normal(turn)
         return total
 
-    def pull(
-        self,
-        mechanism: Mechanism,
-        links: tuple[LinkModel, ...],
-        motion: RigidMotion,
-        held: StressedLinks | None = None,
-    ) -> FloatArray | None:
-        """What flexible links that a rigid clamped one leads add to its stiffness against a turn.
-
-        Where the shaft is held their forces are no springs of the clamped link, as its far end
-        does not move; where it is free that end moves on a circle. A flexible clamped link has
-        them in its tension.
-
-        Parameters
-        ----------
-        mechanism : Mechanism
-        links : tuple of LinkModel
-            Unreduced and clamped.
-        motion : RigidMotion
-            Batch of shape (B,).
-        held : StressedLinks, optional
-            In the state with the shaft held. Without its forces, and for pins that springs alone
-            hold, those of the rigid linkage are taken.
-
-        Returns
-        -------
-        ndarray, shape (B,), or None
-            In N m/rad; None where there are none.
-        """
-        topology = mechanism.linkage.topology
-        own = topology.links[self.link]
-        led = [
-            tie
-            for tie in topology.ties
-            if tie.leader.link == own.name
-            and not topology.links[topology.index(tie.follower.link)].rigid
-        ]
-        if not own.rigid or not led:
-            return None
-        told = held is not None and None not in (held.loads, held.internal_force)
-        sprung = [bool(getattr(tie, "sprung", False)) for tie in led]
-        rigid = mechanism.inverse_dynamics(motion).joint_force if any(sprung) or not told else {}
-        total = np.zeros(len(motion.crank_angle))
-        along = direction(motion.angle[:, self.link])
-        for tie, by_spring in zip(led, sprung, strict=True):
-            if told and not by_spring:
-                assert held is not None
-                force = _on_leader(topology.index(tie.follower.link), tie.follower.end, links, held)
-                angle = motion.angle[:, topology.index(tie.follower.link)]
-                force = force[:, :1] * direction(angle) + force[:, 1:] * normal(angle)
-            else:
-                force = -rigid[tie.joint]
-            side = (tie.leader.end == "end") - (self.clamp.link_end.end == "end")
-            total += side * own.length * np.sum(force * along, axis=1)
-        return total
-
     def stressed(
         self,
         links: tuple[LinkModel, ...],
         stressed: StressedLinks,
         reaction: FloatArray | None = None,
-        pull: FloatArray | None = None,
     ) -> StressedLinks:
         """Stressed links with the clamped one released.
 
@@ -242,8 +180,6 @@ class FreeShaft:
         reaction : ndarray, shape (B, 2), optional
             Force of the clamp in that state. On a hub it is a spring against the shaft's
             rotation, as the clamped end moves on a circle.
-        pull : ndarray, shape (B,), optional
-            Stiffness against it by links that the clamped one leads; see :meth:`pull`.
 
         Returns
         -------
@@ -258,9 +194,6 @@ class FreeShaft:
         if reaction is not None:
             own = np.array(np.broadcast_to(own, (len(reaction), *basis.shape)))
             own[:, turned, turned] -= reaction @ np.array(self.lever)
-        if pull is not None:
-            own = np.array(np.broadcast_to(own, (len(pull), *basis.shape)))
-            own[:, turned, turned] += pull
         tangent[self.link] = own
         if force is not None:
             force[self.link] = force[self.link] @ basis
@@ -278,8 +211,14 @@ class FreeShaft:
 
     def stretches(
         self, links: tuple[LinkModel, ...], stretches: tuple[LinkStretch, ...]
-    ) -> tuple[LinkStretch, ...]:
-        """Second-order stretches of the links with the clamped one released."""
+    ) -> tuple[LinkStretch, ...] | None:
+        """Second-order stretches of the links with the clamped one released, where they tell all.
+
+        What turns with the shaft is stiffened by what pulls at it, which rigid links and a hub tell
+        by a stretch in natural coordinates alone.
+        """
+        if self.is_stiff and not self.turns_far:
+            return None
         basis, own = self.basis(links[self.link]), stretches[self.link]
         released = replace(own, gradient=own.gradient @ basis, slopes=own.slopes @ basis)
         return tuple(released if other is own else other for other in stretches)
@@ -290,11 +229,31 @@ class FreeShaft:
         return bool(np.any(self.lever))
 
 
-def _on_leader(
-    link: int, end: str, links: tuple[LinkModel, ...], held: StressedLinks
-) -> FloatArray:
-    """Force of a flexible link's end on what leads it, in the link's frame, (B, 2)."""
-    assert held.loads is not None
-    assert held.internal_force is not None
-    rows = links[link].end_displacement(end)
-    return np.asarray((held.loads[link] - held.internal_force[link])[:, rows])
+def in_coordinates(link: LinkModel, basis: FloatArray) -> LinkModel:
+    """A link in other coordinates p of the same number: ``q = basis @ p``.
+
+    Parameters
+    ----------
+    link : LinkModel
+        Unreduced.
+    basis : ndarray, shape (n, n)
+
+    Returns
+    -------
+    LinkModel
+        Its ends are the same coordinates.
+    """
+    back = np.linalg.inv(basis)
+    own = (back @ getattr(link.fields, field.name) for field in fields(RigidFields))
+    return replace(
+        link,
+        mass=basis.T @ link.mass @ basis,
+        gyroscopic=basis.T @ link.gyroscopic @ basis,
+        centrifugal_mass=basis.T @ link.centrifugal_mass @ basis,
+        first_moment=link.first_moment @ basis,
+        stiffness=basis.T @ link.stiffness @ basis,
+        damping=basis.T @ link.damping @ basis,
+        readings=link.readings.projected(basis),
+        fields=RigidFields(*own),
+        bodies=tuple(body.projected(basis) for body in link.bodies),
+    )

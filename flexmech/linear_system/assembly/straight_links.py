@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.rigid_coordinates import PoseStiffness
 from flexmech.linear_system.links.chains import LinkMatrix
@@ -175,7 +175,7 @@ def element_tensions(
     tensions = []
     for link, places in enumerate(nodes):
         length = np.diff(places)
-        inside = 1e-9 * length  # off the point masses that may sit at the nodes
+        inside = SAME_PLACE * length  # off the point masses that may sit at the nodes
         near, middle, far = (
             forces.axial_force(link, at)
             for at in (places[:-1] + inside, places[:-1] + length / 2, places[1:] - inside)

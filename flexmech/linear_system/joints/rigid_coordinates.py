@@ -21,14 +21,9 @@ from flexmech.linear_system.joints.joint_points import JointPoint, joint_points,
 from flexmech.linear_system.joints.position_errors import refuse_positions
 from flexmech.linkages import LinkEnd, RigidMotion, Topology
 from flexmech.linkages.body_motion import GROUND_AFTER_LINKS, BodyPoint
-from flexmech.linkages.connection_forces import end_point, slider_line
+from flexmech.linkages.connection_forces import RANK_TOLERANCE, end_point, slider_line
 from flexmech.linkages.constraints import Coincidence, Constraints, EqualAngle
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
-
-# Singular values of the conditions, relative to the greatest, that count as none.
-DEPENDENT = 1e-9
-# Part of a column that is none of those before it, below which it adds nothing to the rank.
-ADDS = 1e-7
 
 
 @dataclass(frozen=True)
@@ -258,7 +253,7 @@ class RigidCoordinates:
         names = ", ".join(self.topology.links[n].name for n in self.links)
         refuse_positions(
             motion,
-            size[:, -1] <= DEPENDENT * size[:, 0],
+            size[:, -1] <= RANK_TOLERANCE * size[:, 0],
             f"the rigid links ({names}) and lines lock or come loose",
             ": their ties do not settle how they move together; leave that crank angle out, or "
             "make one of the links elastic",
@@ -274,7 +269,7 @@ def _adding_to_the_rank(matrix: FloatArray) -> IntArray:
         for _ in range(2):  # twice is enough against round-off
             rest = rest - basis @ (basis.T @ rest)
         size = float(np.linalg.norm(rest))
-        if size > ADDS * float(np.linalg.norm(column)):
+        if size > RANK_TOLERANCE * float(np.linalg.norm(column)):
             chosen.append(number)
             basis = np.column_stack([basis, rest / size])
     return np.array(chosen, dtype=np.intp)

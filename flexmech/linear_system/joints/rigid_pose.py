@@ -25,8 +25,9 @@ from flexmech.linkages.connection_forces import end_point
 
 # Newton's method takes five to eight from the straight linkage; more is out of reach.
 ITERATIONS = 30
-# Of conditions in m, to the size of the longest link, and of angles in rad: round-off.
-CLOSED = 1e-14
+# Of conditions in m, to the size of the longest link, and of angles in rad: fifty times the unit
+# round-off. Where it stays above that, as far as it comes is enough if it closes to the second.
+CLOSED, NEARLY_CLOSED = 1e-14, 1e-9
 
 
 class RigidPose:
@@ -78,7 +79,8 @@ class RigidPose:
             y = y.copy()
             y[:, rigid.dependent_coordinates] -= np.linalg.solve(across, gap[..., None])[..., 0]
             pose = cls(rigid, motion, y)
-        y = np.where((np.abs(pose._gap()).max(axis=1) <= 1e-9 * length)[:, None], y, np.nan)
+        closed = np.abs(pose._gap()).max(axis=1) <= NEARLY_CLOSED * length
+        y = np.where(closed[:, None], y, np.nan)
         return cls(rigid, motion, y)
 
     @classmethod

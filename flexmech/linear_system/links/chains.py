@@ -18,7 +18,7 @@ from scipy.sparse import csc_array
 
 from flexmech.arrays import FloatArray, IntArray
 
-# Up to so many elements products of whole matrices are faster.
+# Up to so many elements products of whole matrices are faster. Speed alone.
 MOST_WHOLE = 16
 
 

@@ -8,12 +8,11 @@ from functools import cached_property
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.mesh import middle_curvature, shapes_at, station_shapes
 
-# Of the link's length: a place so near to a node is at it.
-AT_NODE = 1e-9
-# Of the shortest element.
+# Of the shortest element: the slope of a cubic is off by the square of it, the difference of its
+# deflections by round-off over it, both 1e-8 or less.
 SMALL = 1e-4
 
 
@@ -71,7 +70,7 @@ class LinkReadings:
         place = fraction * self.nodes[-1]
         nearest = int(np.argmin(np.abs(self.nodes - place)))
         nodal = np.zeros(self.per_node * len(self.nodes))
-        if abs(self.nodes[nearest] - place) <= AT_NODE * self.nodes[-1]:
+        if abs(self.nodes[nearest] - place) <= SAME_PLACE * self.nodes[-1]:
             nodal[self.per_node * nearest + self.slope] = 1.0
         else:
             # Inside an element the axis is a cubic: a small difference is as good as its slope.

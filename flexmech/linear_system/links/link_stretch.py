@@ -13,9 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.arrays import FloatArray
-
-# Combinations of strains that no coordinate moves, to this part of the one moved most.
-_NOT_MOVED = 1e-9
+from flexmech.linkages.connection_forces import RANK_TOLERANCE
 
 
 @dataclass(frozen=True)
@@ -24,7 +22,8 @@ class LinkStretch:
 
     Each of the ``s`` strains ``gradient @ q + weights @ (slopes @ q)**2 / 2`` is a mean over a
     part of the link times the square root of that part's stiffness, ``EA`` times length: the
-    strain energy is half the sum of their squares, and a strain is its own tension.
+    strain energy is half the sum of their squares, and a strain is its own tension. Of a link that
+    turns far there are strains of bending among them.
 
     Parameters
     ----------
@@ -33,19 +32,19 @@ class LinkStretch:
     slopes : ndarray, shape (g, n)
         Slopes whose squares count.
     weights : ndarray, shape (s, g)
-    damping_time : float
-        Kelvin-Voigt: the tension is the strain plus this time in s its rate.
+    damping_time : ndarray, shape (s,)
+        Kelvin-Voigt: a tension is its strain plus this time in s its rate.
     """
 
     gradient: FloatArray
     slopes: FloatArray
     weights: FloatArray
-    damping_time: float
+    damping_time: FloatArray
 
     @classmethod
     def none(cls, size: int) -> LinkStretch:
         """Of a link of ``size`` coordinates that does not stretch."""
-        return cls(np.zeros((0, size)), np.zeros((0, size)), np.zeros((0, 0)), 0.0)
+        return cls(np.zeros((0, size)), np.zeros((0, size)), np.zeros((0, 0)), np.zeros(0))
 
     def projected(self, basis: FloatArray) -> LinkStretch:
         """The same with ``q = basis @ p``.
@@ -63,10 +62,17 @@ class LinkStretch:
         LinkStretch
         """
         gradient = self.gradient @ basis
-        shown, size, _ = np.linalg.svd(gradient, full_matrices=False)
-        shown = shown[:, size > _NOT_MOVED * size.max(initial=0.0)]
+        combined, times = [gradient[:, :0]], [self.damping_time[:0]]
+        for time in np.unique(self.damping_time):
+            own = np.flatnonzero(self.damping_time == time)
+            shown, size, _ = np.linalg.svd(gradient[own], full_matrices=False)
+            shown = shown[:, size > RANK_TOLERANCE * size.max(initial=0.0)]
+            combined.append(np.zeros((len(gradient), shown.shape[1])))
+            combined[-1][own] = shown
+            times.append(np.full(shown.shape[1], time))
+        kept = np.concatenate(combined, axis=1).T
         return LinkStretch(
-            shown.T @ gradient, self.slopes @ basis, shown.T @ self.weights, self.damping_time
+            kept @ gradient, self.slopes @ basis, kept @ self.weights, np.concatenate(times)
         )
 
     def remainder(self, displacement: FloatArray, rate: FloatArray) -> tuple[FloatArray, ...]:
@@ -82,7 +88,7 @@ class LinkStretch:
         """
         slope, linear, second = self._strain(displacement)
         elastic = self._force(slope, linear, second)
-        if not self.damping_time:
+        if not self.damping_time.any():
             return elastic, np.zeros_like(elastic)
         linear_rate = rate @ self.gradient.T
         second_rate = (slope * (rate @ self.slopes.T)) @ self.weights.T

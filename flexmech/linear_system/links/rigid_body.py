@@ -20,8 +20,9 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.linkages import LinkBody, LinkMass, RigidMotion
 from flexmech.linkages.motion import direction, normal
 
-# Of a second moment: what round-off leaves of it.
-ROUND_OFF = 1e-12
+# Of a second moment: what its differences leave of a body on the axis. An arm a millionth of the
+# radius of gyration long counts.
+ON_AXIS = 1e-12
 NOWHERE = np.zeros((3, 0))
 
 
@@ -102,7 +103,7 @@ class RigidBody:
     @property
     def is_off_axis(self) -> bool:
         """Whether a turn changes its inertia."""
-        return self.beside > ROUND_OFF * self.second_moment
+        return self.beside > ON_AXIS * self.second_moment
 
     @property
     def beside(self) -> float:

@@ -51,20 +51,22 @@ from flexmech.linear_system.reduction.fixed_interface_modes import FixedInterfac
 from flexmech.linear_system.reduction.link_boundary import JoinedEnds
 from flexmech.linkages import Topology
 
-# Modes of the held links are kept up to this multiple of the frequency of the highest
+# Fixed-interface modes are kept up to this multiple of the frequency of the highest
 # mode asked for; the frequencies asked for mostly come out within 1e-5. Maps measure their
 # own error and take more modes where that is not enough (flexmech.analyses.frequencies.reduction).
 BENDING_CUTOFF = 1.5
 # An axial mode of frequency w answers Coriolis forces at angular velocity W with a
 # relative frequency shift of about (2 W / w)^2; beyond this ratio w / W it is below 1e-5.
 AXIAL_CUTOFF = 600.0
+# Axial modes that are condensed in a link which may bow; with two, frequencies are off noticeably.
 CONDENSED_AXIAL_MODES = 12
 # A link that stretches at up to this multiple of the usual bending cut-off is stretched by its
 # own inertia: without the static answer to that its axial modes converge slowly.
 STRETCHING_BY_INERTIA = 10.0
-# What one damping time for all of a link leaves of its damping forces is round-off if the
-# answer to it is smaller than this part of the shape that it comes from.
-ANSWER_FLOOR = 1e-6
+# A shape that adds less than this part of itself to those before it is round-off, which its
+# frequency has by the square. So is an answer to what one damping time for all of a link leaves of
+# its damping forces, over the shape that it comes from.
+ROUND_OFF_SHAPE = 1e-6
 GREAT_DETAIL = 4.0
 """From which on sections turn against the axis, for links that bow deeply."""
 # They turn in so many waves, or in one for so many nodes where a mesh has few.
@@ -268,7 +270,7 @@ def _damped_ends(held: FixedInterfaceLink, basis: FloatArray, condensed: FloatAr
     part = condensed.T @ force * scale
     energy = part.T @ np.linalg.solve(condensed.T @ (link.stiffness @ condensed), part)
     values, combination = np.linalg.eigh(energy)
-    combination = combination[:, values > ANSWER_FLOOR**2]
+    combination = combination[:, values > ROUND_OFF_SHAPE**2]
     ways = np.zeros((basis.shape[1], combination.shape[1]))
     ways[following] = scale[:, None] * combination
     return ways
@@ -301,7 +303,7 @@ def _answers_to_damping(held: FixedInterfaceLink, shapes: FloatArray) -> FloatAr
     unlike = (link.damping @ shapes) / time - link.stiffness @ shapes
     answers[inner] = held.flexibility.answers(unlike[inner])
     answer, shape = ((x * (link.mass @ x)).sum(axis=0) for x in (answers, shapes))
-    return answers[:, answer > ANSWER_FLOOR**2 * shape]
+    return answers[:, answer > ROUND_OFF_SHAPE**2 * shape]
 
 
 def _complement(vectors: FloatArray, others: FloatArray, mass: LinkMatrix) -> FloatArray:
@@ -313,5 +315,5 @@ def _complement(vectors: FloatArray, others: FloatArray, mass: LinkMatrix) -> Fl
     for _ in range(2):  # twice is enough against round-off
         rest = rest - others @ (others.T @ (mass @ rest))
     values, combination = np.linalg.eigh(rest.T @ (mass @ rest))
-    new = values > 1e-12
+    new = values > ROUND_OFF_SHAPE**2
     return np.asarray(rest @ combination[:, new] / np.sqrt(values[new]), dtype=float)

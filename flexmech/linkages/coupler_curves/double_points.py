@@ -43,7 +43,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ROUND_OFF, FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.coupler_curves.curve import CouplerPoint, CouplerTriangle
 from flexmech.linkages.coupler_curves.focal_cubic import FocalCubic
@@ -150,9 +150,6 @@ def circuit_of_position(
 # The loop of a crunode is about margin^1.5 of the linkage in size: below this margin it is
 # smaller than the round-off of a place, and crunode, cusp and acnode are one.
 CUSP_MARGIN = 1e-10
-
-# Arms shorter than this part of the coupler put the point in a pin.
-IN_PIN = 1e-12
 
 
 @dataclass(frozen=True)
@@ -298,7 +295,7 @@ def finite_double_points(linkage: FourBar, point: CouplerPoint) -> tuple[FiniteD
     motion = crank_motion(linkage)
     cubic = focal_cubic(linkage, point)
     near, far, *_ = cubic.triangle
-    if min(near, far) <= IN_PIN * linkage.coupler:
+    if min(near, far) <= ROUND_OFF * linkage.coupler:  # the point is in a pin
         return ()
     return tuple(_node(linkage, point, cubic.triangle, motion, place) for place in cubic.roots())
 

@@ -15,7 +15,10 @@ Coefficients = tuple[float, ...]
 
 # Directions of (s, t) of which at least one is well away from all three roots.
 CHARTS = tuple(math.pi * n / 4 for n in range(-1, 3))
+# What the three roots of Viete's formula differ by in its angle.
 THIRDS = (0.0, 2 * math.pi / 3, -2 * math.pi / 3)
+# A root of the formulas has half of its digits or more where two nearly merge; each step doubles
+# them, and one more meets what rounding allows.
 NEWTON_STEPS = 3
 
 

@@ -18,6 +18,7 @@ from flexmech.linkages.body_motion import BodyPoint
 from flexmech.linkages.constraints import Coincidence, PointOnLine
 from flexmech.linkages.planar.drawing import Drawing
 
+# Numbers of the two bodies whose motion is known from the start.
 GROUND_BODY, CRANK = 0, 1
 
 

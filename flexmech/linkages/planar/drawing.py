@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from flexmech.arrays import SAME_PLACE
 from flexmech.errors import InputError, suggestion
 from flexmech.linkages.attachments import GROUND
 from flexmech.linkages.topology import LinkEnd
@@ -24,8 +25,6 @@ from flexmech.validation import (
 
 JointKind = Literal["pin", "clamp", "weld", "slider"]
 JOINT_KINDS: tuple[JointKind, ...] = ("pin", "clamp", "weld", "slider")
-# Of the size of the drawing: points that are nearer to each other are one point, drawn twice.
-APART = 1e-9
 
 
 @dataclass(frozen=True)
@@ -223,7 +222,7 @@ class Drawing:
         for number, first in enumerate(names):
             for second in names[number + 1 :]:
                 apart = abs(self.complex_point(first) - self.complex_point(second))
-                if apart <= APART * self.size:
+                if apart <= SAME_PLACE * self.size:
                     raise InputError(
                         f"points {first} and {second} coincide; give one point one name, and let "
                         "links meet there"

@@ -14,15 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.arrays import ComplexArray, FloatArray
+from flexmech.arrays import ROUND_OFF, ComplexArray, FloatArray
 from flexmech.linkages.body_motion import BodyMotion, dot
+from flexmech.linkages.motion import LOCKING_SINE
 from flexmech.linkages.planar.bodies import Refusal
 
 Known = Mapping[int, BodyMotion]
-# Below this sine between two loci velocities are set by round-off: the position is locked.
-LOCKING_SINE = 1e-6
-# Of the size: rounding may part loci that touch.
-TOUCH = 1e-12
 
 
 def cross(first: ComplexArray | complex, second: ComplexArray | complex) -> FloatArray:
@@ -245,7 +242,7 @@ class TwoLoci:
         assert isinstance(self.second, Circle)
         line = bodies[self.second.body].point(self.second.centre) - centre
         distance = np.abs(line)
-        self.refusal.refuse("apart", distance <= TOUCH * self.size, angle)
+        self.refusal.refuse("apart", distance <= ROUND_OFF * self.size, angle)
         ahead = (self.first.radius**2 - self.second.radius**2 + distance**2) / (2 * distance)
         aside = self._leg(self.first.radius, ahead, angle)
         return np.asarray(centre + (ahead + 1j * self.side * aside) * line / distance)
@@ -264,7 +261,8 @@ class TwoLoci:
     def _leg(self, radius: float, other: FloatArray, angle: FloatArray) -> FloatArray:
         """Other leg of right triangles whose longest side is a radius."""
         square = (radius - other) * (radius + other)
-        self.refusal.refuse("apart", square < -TOUCH * self.size * radius, angle)
+        # Rounding may part loci that touch.
+        self.refusal.refuse("apart", square < -ROUND_OFF * self.size * radius, angle)
         return np.sqrt(np.maximum(square, 0.0))
 
 
@@ -311,7 +309,7 @@ class SlidingBody:
         )
         distance = np.abs(arm)
         square = (distance - abs(beside)) * (distance + abs(beside))
-        self.refusal.refuse("apart", square < -TOUCH * self.size**2, angle)
+        self.refusal.refuse("apart", square < -ROUND_OFF * self.size**2, angle)
         ahead = side * np.sqrt(np.maximum(square, 0.0))
         self.refusal.refuse("locked", np.abs(ahead) < LOCKING_SINE * distance, angle)
         # The line's direction now: arm = (ahead + i beside) times it.

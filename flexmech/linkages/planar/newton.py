@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ROUND_OFF, FloatArray
 from flexmech.errors import ComputationError, InputError
 from flexmech.linkages.body_motion import BodyMotion
 from flexmech.linkages.constraints import Constraints
+from flexmech.linkages.motion import LOCKING_SINE
 from flexmech.linkages.planar.bodies import (
     GROUND_BODY,
     Bodies,
@@ -31,15 +32,18 @@ from flexmech.linkages.planar.drawing import Drawing
 Known = Callable[[FloatArray], Mapping[int, BodyMotion]]
 """Motion of the bodies that are known before, at crank angles of shape (B,)."""
 
-FIRST_STEP, LARGEST_STEP, SMALLEST_STEP = 0.05, 0.15, 1e-7
-# What a prediction may miss along the way, in rad and in parts of the size.
+# Of the crank angle along the way, in rad. Cubic polynomials over the largest one guess a posture
+# to about 1e-5 where no dead point is near; a step that is too long is halved. Where steps become
+# as small as the smallest one the group locks, at an angle that is told to six digits.
+LARGEST_STEP, SMALLEST_STEP = 0.15, 1e-7
+# What a prediction may miss along the way, in rad and in parts of the size: about a degree, where
+# two postures that are nearer to each other than ten of them are next to a dead point.
 MOST_MISSED = 0.02
+# Newton's method doubles the digits each time: four or five from a guess of two; more than 20 are
+# a sign that it does not converge.
 ITERATIONS = 20
-# In rad and parts of the size: where corrections end, and what closes.
-CONVERGED, CLOSED = 1e-12, 1e-12
-# Least singular value of the scaled Jacobian of a drawing that does not lock.
-LOCKING = 1e-6
-# Between the first and the last posture of a turn.
+# Between the first and the last posture of a turn in rad and parts of the size: the way around
+# leaves round-off alone, and another posture is far away.
 SAME_POSTURE = 1e-8
 
 
@@ -191,7 +195,7 @@ class NewtonGroup:
         """
         start = np.zeros(len(self._scale))
         matrix = self._scaled_jacobian(known, start[None])[0]
-        if np.linalg.svd(matrix, compute_uv=False)[-1] < LOCKING:
+        if np.linalg.svd(matrix, compute_uv=False)[-1] < LOCKING_SINE:
             self.refusal(self._loosest_joint(known, start)).refuse(
                 "locked", np.array([True]), np.zeros(1)
             )
@@ -231,7 +235,7 @@ class NewtonGroup:
         self, known: Known, way: float, sign: float
     ) -> tuple[list[tuple[float, FloatArray, FloatArray]], str]:
         """Crank angle, unknowns and slopes of postures over half a turn; joint that ends it."""
-        angle, step = 0.0, FIRST_STEP
+        angle, step = 0.0, LARGEST_STEP
         now = np.zeros(len(self._scale))
         slope, bend = self._slopes(known(np.zeros(1)), now)
         kept = [(angle, now, slope)]
@@ -250,7 +254,7 @@ class NewtonGroup:
             angle, (now, slope, bend, missed) = there, taken
             kept.append((way * angle, now, slope))
             # The prediction misses in proportion to the third power of the step.
-            wish = (MOST_MISSED / 4 / max(missed, 1e-12)) ** (1 / 3)
+            wish = (MOST_MISSED / 4 / max(missed, ROUND_OFF)) ** (1 / 3)
             step = min(LARGEST_STEP, step * float(np.clip(wish, 0.5, 2.0)))
         return kept, ""
 
@@ -286,10 +290,10 @@ class NewtonGroup:
             except np.linalg.LinAlgError:
                 break
             found = found + change
-            if not np.all(np.isfinite(found)) or np.abs(change).max() < CONVERGED:
+            if not np.all(np.isfinite(found)) or np.abs(change).max() < ROUND_OFF:
                 break
         residual = self.constraints.gap(self._at(given, found)) / self.size
-        return found, np.abs(residual).max(axis=-1) < CLOSED
+        return found, np.abs(residual).max(axis=-1) < ROUND_OFF
 
     def _stacked_bodies(self, known: Mapping[int, BodyMotion]) -> BodyMotion:
         """All bodies by their numbers; those that are not known stand still."""

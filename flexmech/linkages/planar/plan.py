@@ -23,7 +23,8 @@ from flexmech.linkages.planar.dyads import Circle, Line, Placed, SlidingBody, Tw
 from flexmech.linkages.planar.newton import NewtonGroup
 
 Step = TwoLoci | SlidingBody | NewtonGroup
-# Between lines that count as parallel.
+# Between lines that count as parallel: angles are written in degrees, which leave 1e-16, and a body
+# that two lines at this sine guide would turn by it over its whole way.
 PARALLEL_SINE = 1e-9
 
 

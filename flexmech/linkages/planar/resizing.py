@@ -7,17 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 
+from flexmech.arrays import ROUND_OFF, SAME_PLACE
 from flexmech.errors import InputError
 from flexmech.linkages.body_motion import BodyMotion, BodyPoint
 from flexmech.linkages.constraints import Coincidence, Constraints, PointOnLine
 from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, Bodies, GuidedPoint, SharedPoint
 from flexmech.linkages.planar.drawing import Drawing
 
+# Newton's method takes five where links swell by some percent; where it takes 30, nothing fits.
 ITERATIONS = 30
-# Of the size.
-CONVERGED, CLOSED = 1e-15, 1e-12
-# Of the size: frames of welded beams that close must close after they have grown.
-FITS = 1e-9
+# Of the size: as near as rounding lets joints close, so that a linkage resized back is the same.
+CONVERGED = 1e-15
 
 
 def resized_points(
@@ -113,7 +113,7 @@ class _Shapes:
 
     def _set(self, body: int, point: str, place: complex) -> None:
         known = self.at.setdefault((body, point), place)
-        if abs(known - place) > FITS * self.drawing.size:
+        if abs(known - place) > SAME_PLACE * self.drawing.size:
             raise InputError(
                 f"links that are welded to a closed frame at {point} do not fit after they have "
                 "changed their lengths; give them one material"
@@ -143,7 +143,7 @@ def _assembled(shapes: _Shapes) -> BodyMotion:
         place[0, moving] += x + 1j * y
         turn[0, moving] *= np.exp(1j * phi)
         placed = replace(placed, place=place, turn=turn)
-    if not np.abs(constraints.gap(placed)).max(initial=0.0) < CLOSED * drawing.size:
+    if not np.abs(constraints.gap(placed)).max(initial=0.0) < ROUND_OFF * drawing.size:
         raise InputError(
             "the linkage cannot be put together at the crank angle of its drawing after its links "
             "have changed their lengths; draw it farther from a dead point"

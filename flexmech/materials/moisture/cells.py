@@ -14,6 +14,7 @@ from flexmech.materials.moisture.diffusivity import Diffusivity
 from flexmech.materials.moisture.slab import Faces
 from flexmech.validation import POSITIVE, check_fields
 
+# Of a layer: both faces are fine, and a parabola between them needs two cells each side.
 FEWEST_CELLS = 4
 # Cells at a fine end are cosh(2)^2 = 14 times smaller than in the middle: with more, the error in
 # the middle grows faster than that of the first instants falls.

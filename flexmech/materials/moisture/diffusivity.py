@@ -11,6 +11,7 @@ from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_fields
 
+# In J/(mol K); exact since the mole and the kelvin are defined by numbers (SI, 2019).
 GAS_CONSTANT = 8.31446261815324
 
 

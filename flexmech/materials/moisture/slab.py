@@ -83,10 +83,10 @@ def fourier_number(time: ArrayLike, length: float, diffusivity: float) -> FloatA
 
 
 # Below this Fourier number the images are summed, above it the cosines; there either one's
-# first term left out is below 1e-17.
+# first term left out is below 1e-17 with so many terms.
 FOURIER_OF_CHANGE = 0.2
 TERMS = 6
-# Stands for zero where that would divide.
+# Stands for a root of zero where that would divide; the square of its inverse is still a number.
 SMALLEST = 1e-100
 
 
@@ -158,6 +158,7 @@ def _fourier_number_of(fraction: float) -> float:
     return float(brentq(excess, 0.999 * earliest, 1.001 * latest, xtol=1e-300, rtol=1e-14))
 
 
+# Of Shen & Springer's fit, as published.
 FACTOR = 7.3
 EXPONENT = 0.75
 

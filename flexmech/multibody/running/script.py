@@ -20,6 +20,7 @@ from flexmech.multibody.items import Item, Setting
 from flexmech.multibody.running.closure import ClosedJoints
 from flexmech.multibody.running.script_text import (
     SHARED,
+    WIDTH,
     Brackets,
     Expression,
     call,
@@ -31,7 +32,7 @@ from flexmech.multibody.running.script_text import (
 )
 from flexmech.multibody.running.user_functions import Joints
 
-WIDTH = 88
+# Coordinates of each kind of node.
 _COORDINATES = {"NodePoint2DSlope1": 4, "NodeRigidBody2D": 3, "NodePointGround": 0}
 
 

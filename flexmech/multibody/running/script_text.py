@@ -47,6 +47,7 @@ SHARED = (
 )
 
 
+# Columns of a script, as the usual formatter of Python leaves it.
 WIDTH = 88
 INDENT = "    "
 

@@ -94,17 +94,27 @@ class DrivenConnectors:
     frames : LinkFrames
         Of the reduced links.
     drive : CrankDrive
+    torque_follows : bool
+        Whether the torque that balances them turns with a free shaft.
     """
 
-    def __init__(self, engine: Engine, frames: LinkFrames, drive: CrankDrive) -> None:
+    def __init__(
+        self,
+        engine: Engine,
+        frames: LinkFrames,
+        drive: CrankDrive,
+        *,
+        torque_follows: bool = False,
+    ) -> None:
         mechanism = engine.mechanism
         self._mechanism, self._frames, self._drive = mechanism, frames, drive
         self._all = Connectors(mechanism, frames.links)
         tables = tuple(load for load in mechanism.loads if load.over != "constant")
         self.winds = _winds(engine)
-        # A follower load that varies changes the stiffness; a spring that is wound up never
-        # comes back: nothing of them is interpolated.
-        self.is_interpolated = not (self.winds or any(load.axes == "link" for load in tables))
+        # A follower load or torque that varies changes the stiffness; a spring that is wound up
+        # never comes back: nothing of them is interpolated.
+        turns = any(load.axes == "link" or torque_follows for load in tables)
+        self.is_interpolated = not (self.winds or turns)
         self._tables: tuple[tuple[Load, int], ...] = ()
         self._smooth = self._all
         if self.is_interpolated:

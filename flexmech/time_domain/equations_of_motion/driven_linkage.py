@@ -18,7 +18,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
 from flexmech.choices import MODES
@@ -48,8 +47,8 @@ from flexmech.time_domain.equations_of_motion.reduced_links import (
 from flexmech.time_domain.equations_of_motion.stress_history import StressHistory
 from flexmech.time_domain.recorded_runs.states import LinkState
 
-# Newton's method for a start in balance: it takes three to six passes from the linear one, and ends
-# at a change of the greatest displacement whose square is less than round-off.
+# Newton's method for a start in balance: it takes four passes from the linear one, and ends at a
+# change of the greatest displacement whose square is less than round-off.
 MOST_PASSES = 30
 CONVERGED = 1e-10
 
@@ -120,14 +119,15 @@ class DrivenLinkage:
         self.bases = reduced.engine_bases
         self.frames = LinkFrames(reduced.topology, self.links)
         self.stretch = LinkageStretch(self.frames, reduced.stretches) if stretches else None
-        self.connectors = DrivenConnectors(engine, self.frames, drive)
+        self.shaft = DrivenShaft.of(engine, drive, self.frames, reduced.unreduced, self.own_bases)
+        turns_far = self.shaft is not None and self.shaft.is_natural
+        self.connectors = DrivenConnectors(engine, self.frames, drive, torque_follows=turns_far)
         self._condensed = np.zeros(self.frames.size, dtype=bool)
         for target, condensed in zip(self.frames.targets, reduced.condensed, strict=True):
             self._condensed[target[condensed]] = True
-        self.shaft = DrivenShaft.of(engine, drive, self.frames, self.links, self.bases)
         guided = stretches and has_turning_lines(reduced.topology)
         level: Prestress = prestress
-        if stretches:
+        if stretches and not turns_far:
             level = "axial" if guided else "none"
         self.stress = StressHistory(
             engine,
@@ -137,6 +137,7 @@ class DrivenLinkage:
             level,
             with_energy=with_energy,
             rigid_links_only=guided,
+            equilibrium_of=self.bases if turns_far else None,
         )
 
     @property
@@ -146,10 +147,12 @@ class DrivenLinkage:
 
     @property
     def shaft_coordinates(self) -> list[int]:
-        """The independent coordinate that is a free shaft's rotation; none where it is not."""
+        """Of linear equations that which is a free shaft's rotation; none where it is not."""
         if self.shaft is None:
             return []
-        return [int(np.sum(~self._condensed[: self.shaft.column]))]
+        number = self.shaft.link
+        column = self.frames.targets[number][self.links[number].shaft[0]]
+        return [int(np.sum(~self._condensed[:column]))]
 
     @property
     def is_condensed(self) -> bool:
@@ -182,11 +185,16 @@ class DrivenLinkage:
         Equations
         """
         motion, stress = self.motion(time), self.stress.at(time)
-        force = self._force(motion, stress)
+        force, torque = np.zeros((len(time), self.frames.size)), None
+        if self.stress.tells_forces:
+            force += self.frames.gather(motion, self.loads(motion))
         if self.connectors.any:
-            pushed = self.connectors.force(motion, time, tables=tables)
-            force = force + self._with_torque(motion, pushed)
-        matrices = self._matrices(time, motion, stress, still=still)
+            force += self.connectors.force(motion, time, tables=tables)
+        if self.shaft is not None:
+            torque = self.shaft.torque(motion, force)
+            force += self.shaft.force(motion, torque)
+        force += self.frames.gather(motion, [-s.prestress for s in stress])
+        matrices = self._matrices(time, motion, stress, still=still, torque=torque)
         return Equations.condensed(motion, matrices, force, self._condensed)
 
     def unit_equations(
@@ -209,7 +217,9 @@ class DrivenLinkage:
             return []
         motion = self.motion(time)
         matrices = self._matrices(time, motion, self.stress.at(time))
-        units = [self._with_torque(motion, f) for f in self.connectors.unit_forces(motion)]
+        units = self.connectors.unit_forces(motion)
+        if self.shaft is not None:
+            units = [f + self.shaft.force(motion, self.shaft.torque(motion, f)) for f in units]
         if load is not None:
             units.append(self.frames.gather(motion, [np.tile(f, (len(time), 1)) for f in load]))
         return [Equations.condensed(motion, matrices, f, self._condensed) for f in units]
@@ -234,12 +244,16 @@ class DrivenLinkage:
         stress: list[LinkStress],
         *,
         still: bool = False,
+        torque: FloatArray | None = None,
     ) -> SystemMatrices:
-        """Matrices of all coordinates of the frames."""
+        """Matrices of all coordinates of the frames, under the torque (m,) of a free shaft."""
         terms = RotationTerms.all_or_none(not still)
+        tangents = [s.stiffness for s in stress]
+        if self.shaft is not None and torque is not None:
+            tangents[self.shaft.link] = tangents[self.shaft.link] + self.shaft.stiffness(torque)
         matrices = self.frames.assemble(
             motion,
-            [s.stiffness for s in stress],
+            tangents,
             terms,
             [LinkDamping(s.damping, s.damping) for s in stress],
             self.stress.guiding(time),
@@ -335,7 +349,11 @@ class DrivenLinkage:
         parts = [-s.prestress for s in self.stress.at(np.zeros(1))]
         inner = self.frames.gather(equations.motion, parts)[0]
         position = np.zeros(self.size)
-        axial = np.flatnonzero(self._axial()[~self._condensed])
+        along = np.zeros(self.frames.size, dtype=bool)
+        for number, (link, target) in enumerate(zip(self.links, self.frames.targets, strict=True)):
+            own = self.frames.own(number)
+            along[target[own[link.is_axial[own]]]] = True
+        axial = np.flatnonzero(along[~self._condensed])
         if len(axial):
             force = equations.expansion.matrix[0].T @ inner
             stiffness = equations.stiffness[0]
@@ -364,13 +382,15 @@ class DrivenLinkage:
         assert self.stretch is not None
         equations = self.quasi_static_equations(np.array([time]))
         turns = self.stretch.pin_turns(equations.motion)
-        moved = np.setdiff1d(np.arange(self.size), self.shaft_coordinates)
+        held, shaft = np.zeros((0, self.size)), self.shaft
+        held = held if shaft is None else shaft.force(equations.motion, np.ones(1))
         stiffness, force, z = equations.stiffness[0], equations.force[0], np.array(position)
         for _ in range(MOST_PASSES):
             pulled, tangent = self.stretch.still(turns, z)
-            gap = (force - stiffness @ z - pulled)[moved]
-            change = np.linalg.solve((stiffness + tangent)[np.ix_(moved, moved)], gap)
-            z[moved] += change
+            gap = np.concatenate([force - stiffness @ z - pulled, -held @ z])
+            bordered = np.block([[stiffness + tangent, held.T], [held, np.zeros(2 * [len(held)])]])
+            change = np.linalg.solve(bordered, gap)[: self.size]
+            z += change
             if np.abs(change).max() <= CONVERGED * np.abs(z).max():
                 return z
         raise ComputationError(
@@ -378,21 +398,3 @@ class DrivenLinkage:
             f"{np.degrees(float(self.drive.crank_angle(time))):.6g} deg; lower the crank speed, or "
             "choose start rigid"
         )
-
-    def _axial(self) -> NDArray[np.bool_]:
-        """Coordinates of the frames that move their own link along its axis."""
-        axial = np.zeros(self.frames.size, dtype=bool)
-        for number, (link, target) in enumerate(zip(self.links, self.frames.targets, strict=True)):
-            own = self.frames.own(number)
-            axial[target[own[link.is_axial[own]]]] = True
-        return axial
-
-    def _force(self, motion: RigidMotion, stress: list[LinkStress]) -> FloatArray:
-        force = self.frames.gather(motion, [-s.prestress for s in stress])
-        if not self.stress.tells_forces:
-            return force
-        return force + self._with_torque(motion, self.frames.gather(motion, self.loads(motion)))
-
-    def _with_torque(self, motion: RigidMotion, force: FloatArray) -> FloatArray:
-        """Forces (m, size) of the frames, and the torque of a free shaft that balances them."""
-        return force if self.shaft is None else self.shaft.with_torque(motion, force)

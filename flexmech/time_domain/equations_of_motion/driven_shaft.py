@@ -1,9 +1,14 @@
-"""A free shaft in the linear equations of motion: its rotation is one of the coordinates.
+"""A free shaft in the equations of motion: its rotation is among the coordinates.
 
 The frames of the links turn with the prescribed motion. The shaft carries the torque that keeps the
 rigid linkage in it, by virtual work: the forces on the links and this torque do no work as the
-rigid linkage turns. What the linear equations give is turned back afterwards into the frames of
-the rigid linkage at the angle that the shaft has, to first order.
+rigid linkage turns. What the equations give is turned back afterwards into the frames of the rigid
+linkage at the angle that the shaft has.
+
+Where links stretch by the square of their slopes the shaft has the natural coordinates ``d`` of
+:mod:`flexmech.time_domain.equations_of_motion.natural_coordinates`. By its rotation phi its torque
+T does the virtual work ``T dphi = T ((1 + d_1) dd_2 - d_2 dd_1)``: the force T on ``d_2``, and a
+stiffness. In linear equations phi itself is a coordinate, and all is of the first order in it.
 """
 
 from __future__ import annotations
@@ -13,12 +18,14 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import Engine, LinkFrames, LinkModel
+from flexmech.linear_system import Engine, LinkFrames
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.linkages.motion import direction, normal
-from flexmech.time_domain.recorded_runs.recording import StepBlock
+from flexmech.time_domain.equations_of_motion.natural_coordinates import NaturalLink
+from flexmech.time_domain.recorded_runs.recording import StepBlock, Trajectory
 from flexmech.time_domain.recorded_runs.states import ShaftMotion, rigid_torque
 
 
@@ -34,15 +41,18 @@ class DrivenShaft:
         Of the reduced links.
     fields : tuple of ndarray, shape (n_link, 3)
         Of each reduced link: unit displacements along and across, and unit rotation.
-    column : int
-        Coordinate of the frames that is the shaft's rotation.
+    link : int
+        That it drives.
+    rows : ndarray, shape (2, n_link)
+        By its coordinates ``d`` of the shaft; in linear equations zero and phi.
     """
 
     engine: Engine
     drive: CrankDrive
     frames: LinkFrames
     fields: tuple[FloatArray, ...]
-    column: int
+    link: int
+    rows: FloatArray
 
     @classmethod
     def of(
@@ -50,7 +60,7 @@ class DrivenShaft:
         engine: Engine,
         drive: CrankDrive,
         frames: LinkFrames,
-        links: Sequence[LinkModel],
+        unreduced: Sequence[NaturalLink],
         bases: Sequence[FloatArray],
     ) -> Self | None:
         """The shaft of an engine; None where it is prescribed.
@@ -60,44 +70,57 @@ class DrivenShaft:
         engine : Engine
         drive : CrankDrive
         frames : LinkFrames
-        links : sequence of LinkModel
-            Reduced.
+        unreduced : sequence of NaturalLink
         bases : sequence of ndarray, shape (n_full, n_link)
-            From each reduced link's coordinates to the engine's.
+            From each reduced link's coordinates to those of the unreduced one.
 
         Returns
         -------
         DrivenShaft or None
         """
-        if engine.shaft == "prescribed":
+        if engine.free_shaft is None:
             return None
         fields = []
-        for full, basis in zip(engine.links, bases, strict=True):
-            own = full.fields
+        for full, basis in zip(unreduced, bases, strict=True):
+            own = full.model.fields
             rigid = np.stack([own.along, own.across, own.tangential], axis=1)
             # Static shapes of a straight link show how it moves as a rigid body.
             fields.append(np.asarray(np.linalg.lstsq(basis, rigid)[0]))
-        number = next(i for i, link in enumerate(links) if len(link.shaft))
-        column = int(frames.targets[number][links[number].shaft[0]])
-        return cls(engine, drive, frames, tuple(fields), column)
+        number = engine.free_shaft.link
+        natural, rows = unreduced[number].natural, np.zeros((2, bases[number].shape[1]))
+        if natural is None:
+            rows[1, frames.links[number].shaft] = 1.0
+        else:
+            rows = natural @ bases[number]
+        return cls(engine, drive, frames, tuple(fields), number, rows)
 
-    def with_torque(self, motion: RigidMotion, force: FloatArray) -> FloatArray:
-        """Forces on the coordinates of the frames with the torque that balances them.
+    @property
+    def is_natural(self) -> bool:
+        """Whether its coordinates are natural ones, so that it may turn far."""
+        return bool(self.rows[0].any())
+
+    def torque(self, motion: RigidMotion, force: FloatArray) -> FloatArray:
+        """The torque (m,) that balances forces on the rigid linkage.
 
         Parameters
         ----------
         motion : RigidMotion
             Batch of shape (m,).
         force : ndarray, shape (m, size)
-            Of all that acts on the rigid linkage, inertia included.
-
-        Returns
-        -------
-        ndarray, shape (m, size)
+            On the coordinates of the frames, of all that acts, inertia included.
         """
-        balanced = force.copy()
-        balanced[:, self.column] -= np.sum(self.turn(motion) * force, axis=1)
-        return balanced
+        return np.asarray(-np.sum(self.turn(motion) * force, axis=1))
+
+    def force(self, motion: RigidMotion, torque: FloatArray) -> FloatArray:
+        """Force (m, size) of a torque (m,) on the coordinates of the frames."""
+        loads = [np.zeros((len(torque), link.size)) for link in self.frames.links]
+        loads[self.link] += torque[:, None] * self.rows[1]
+        return self.frames.gather(motion, loads)
+
+    def stiffness(self, torque: FloatArray) -> FloatArray:
+        """Stiffness of a torque (m,) on the link that turns with it, (m, n_link, n_link)."""
+        product = np.outer(self.rows[0], self.rows[1])
+        return np.asarray(torque[:, None, None] * (product - product.T))
 
     def turn(self, motion: RigidMotion) -> FloatArray:
         """Coordinates of the frames as the rigid linkage turns by 1 rad of the shaft, (m, size).
@@ -111,10 +134,11 @@ class DrivenShaft:
         moved = [(c @ f.T)[..., None] for c, f in zip(fields, self.fields, strict=True)]
         return self.frames.independent(motion, moved)[..., 0]
 
-    def carried(
-        self, block: StepBlock, motion: RigidMotion, position: FloatArray, velocity: FloatArray
-    ) -> StepBlock:
-        """Steps in the frames of the rigid linkage at the angle that the shaft has.
+    def carried(self, block: StepBlock, motion: RigidMotion) -> StepBlock:
+        """Steps with the torque that the shaft is given, and its motion.
+
+        Those of linear equations are carried into the frames of the rigid linkage at the angle
+        that the shaft has, to first order; for others see :meth:`turned_back`.
 
         Parameters
         ----------
@@ -122,16 +146,21 @@ class DrivenShaft:
             In the frames of the prescribed motion.
         motion : RigidMotion
             That, batch of shape (m,).
-        position, velocity : ndarray, shape (m, size)
-            Coordinates of the frames.
 
         Returns
         -------
         StepBlock
-            With the torque that the shaft is given.
         """
-        shaft = ShaftMotion(position[:, self.column], velocity[:, self.column])
+        shaft = self._motion(block.displacement[self.link], block.rate[self.link])
         shaft.refuse_runaway(self.drive, block.time)
+        block = replace(
+            block,
+            crank_speed=block.crank_speed + shaft.rate,
+            driving_torque=rigid_torque(self.engine.mechanism, self.drive, block.time),
+            shaft=shaft,
+        )
+        if self.is_natural:
+            return block
         displacement, rate = [], []
         turn, change = self._fields_of_turn(motion)
         phi, speed = shaft.rotation[:, None], shaft.rate[:, None]
@@ -139,14 +168,64 @@ class DrivenShaft:
             displacement.append(block.displacement[number] - phi * turn[number] @ field.T)
             moving = speed * turn[number] + phi * change[number]
             rate.append(block.rate[number] - moving @ field.T)
-        return replace(
-            block,
-            crank_speed=block.crank_speed + shaft.rate,
-            displacement=displacement,
-            rate=rate,
-            driving_torque=rigid_torque(self.engine.mechanism, self.drive, block.time),
-            shaft=shaft,
-        )
+        return replace(block, displacement=displacement, rate=rate)
+
+    def turned_back(self, run: Trajectory) -> Trajectory:
+        """A run in the frames of the rigid linkage at the angle that the shaft has.
+
+        Parameters
+        ----------
+        run : Trajectory
+            Of the engine's links; where the shaft may turn far in the frames of the prescribed
+            motion, elsewhere in those frames already.
+
+        Returns
+        -------
+        Trajectory
+        """
+        shaft, free = run.shaft, self.engine.free_shaft
+        if not self.is_natural or shaft is None or free is None:
+            return run
+        linkage, links = self.engine.mechanism.linkage, self.engine.clamped_links
+        mean = self.drive.motion(linkage, run.time)
+        turned = linkage.motion(mean.crank_angle + shaft.rotation, mean.crank_speed + shaft.rate)
+        angle = turned.angle - mean.angle
+        spin = turned.angular_velocity - mean.angular_velocity
+        back = np.exp(-1j * turned.angle)
+        shift = back * _complex(mean.origin - turned.origin)
+        drift = back * _complex(mean.origin_velocity - turned.origin_velocity)
+        drift -= 1j * turned.angular_velocity * shift
+        places, rates = (free.displacements(links, q) for q in (run.displacement, run.rate))
+        for number, (link, q, rate) in enumerate(zip(links, places, rates, strict=True)):
+            (x, y), field, along = link.vectors, link.fields.tangential, link.fields.along
+            turn, faster = np.exp(-1j * angle[:, number, None]), spin[:, number, None]
+            # Vectors of the straight link, of which those to nodes have an origin.
+            straight, has_origin = field[y] - 1j * field[x], along[x]
+            vector = straight + q[:, x] + 1j * q[:, y]
+            moving = rate[:, x] + 1j * rate[:, y] - 1j * faster * vector
+            section = np.setdiff1d(np.flatnonzero(field), np.concatenate([x, y]))
+            sine = q[:, section]
+            cosine = np.copysign(np.sqrt(np.abs(1.0 - sine**2)), turn.real)
+            sections = (cosine + 1j * sine) * turn
+            vector = vector * turn + shift[:, number, None] * has_origin - straight
+            moving = moving * turn + drift[:, number, None] * has_origin
+            q[:, x], q[:, y], rate[:, x], rate[:, y] = (
+                vector.real,
+                vector.imag,
+                moving.real,
+                moving.imag,
+            )
+            q[:, section] = sections.imag
+            rate[:, section] = sections.real * (rate[:, section] / cosine - faster)
+        return replace(run, displacement=places, rate=rates)
+
+    def _motion(self, place: FloatArray, rate: FloatArray) -> ShaftMotion:
+        """The shaft's, by the coordinates (m, n_link) of the link that it drives."""
+        (along, across), (receding, turning) = self.rows @ place.T, self.rows @ rate.T
+        if not self.is_natural:
+            return ShaftMotion(across, turning)
+        rotation = np.arctan2(across, 1.0 + along)
+        return ShaftMotion(rotation, (1.0 + along) * turning - across * receding)
 
     def _fields_of_turn(self, motion: RigidMotion) -> tuple[list[FloatArray], list[FloatArray]]:
         """Rigid displacement of each link as the shaft turns by 1 rad, and its rate; (m, 3)."""
@@ -167,3 +246,8 @@ class DrivenShaft:
             )
             change.append(speed * np.stack(rates, axis=1))
         return turn, change
+
+
+def _complex(vector: FloatArray) -> NDArray[np.complex128]:
+    """Vectors (..., 2) of the plane as complex numbers."""
+    return np.asarray(vector[..., 0] + 1j * vector[..., 1])

@@ -127,7 +127,7 @@ class LinkageDynamics:
         )
         if linkage.shaft is None:
             return block
-        return linkage.shaft.carried(block, motion, *coordinates[:2])
+        return linkage.shaft.carried(block, motion)
 
     def _acting(
         self,

@@ -62,9 +62,7 @@ class LinkageStretch:
             self.size += len(own)
         self.gradient, self.slopes = self._spread("gradient"), self._spread("slopes")
         self.weights = scipy.linalg.block_diag(*(link.weights for link in links))
-        self.damping_time = np.concatenate(
-            [np.full(len(link.gradient), link.damping_time) for link in links]
-        )
+        self.damping_time = np.concatenate([link.damping_time for link in links])
 
     @property
     def is_damped(self) -> bool:

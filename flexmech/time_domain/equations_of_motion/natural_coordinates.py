@@ -11,8 +11,8 @@ condition is left, that lengths stay::
 It is a strain with the squares of two slopes, as that of a bar that bows
 (:class:`flexmech.linear_system.LinkStretch`), and a run in which links stretch has it as one: of a
 bar that is :data:`RIGIDITY` times as stiff along itself as the stiffest elastic link. Moving rigid
-links and bodies off the axis of elastic links are such bars. A weld ties a section's rotation to
-``d_2``, which is exact to the second order.
+links and bodies off the axis of elastic links are such bars, and so is a free shaft with its hub. A
+weld ties a section's rotation to ``d_2``, which is exact to the second order.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ from flexmech.linear_system import (
     body_nodes,
     whole,
 )
+from flexmech.linear_system.assembly.free_shaft import FreeShaft, in_coordinates
 from flexmech.linear_system.links.link_model import NO_VECTORS, NONE, RigidFields
 from flexmech.linkages import Topology
 
@@ -58,12 +59,15 @@ class NaturalLink:
         The engine's coordinates from the link's own.
     from_engine : ndarray, shape (n, n_engine)
         The link's own at small displacements.
+    natural : ndarray, shape (2, n), optional
+        ``d`` of a bar, or of the free shaft that turns the link.
     """
 
     model: LinkModel
     stretch: LinkStretch
     to_engine: FloatArray
     from_engine: FloatArray
+    natural: FloatArray | None = None
 
     @classmethod
     def of(cls, model: LinkModel, stretch: LinkStretch | None = None) -> NaturalLink:
@@ -102,12 +106,16 @@ def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
         return topology, links
     clamped = {clamp.link_end.link for clamp in topology.clamps}
     bars = {link.name for link in topology.links if link.rigid} - clamped
-    stiffness = RIGIDITY * _greatest_stiffness(engine)
+    shaft = engine.free_shaft
     for number, link in enumerate(topology.links):
         if link.name in bars:
             joined = any(end.link == link.name and end.end == "end" for end in topology.joined_ends)
             turned = joined and _turns(engine, link.name)
-            links[number] = _bar(links[number].model, link.length, stiffness, joined, turned)
+            inertia = 0.0 if shaft is None or shaft.link != number else shaft.inertia
+            stiffness = _stiffness(engine, link.length, inertia)
+            links[number] = _bar(
+                links[number].model, link.length, stiffness, joined, turned, inertia
+            )
     return topology.with_elastic(bars), links
 
 
@@ -116,7 +124,8 @@ def with_turning_bodies(
 ) -> tuple[NaturalLink, LinkModel, FloatArray]:
     """An elastic link whose bodies off the axis turn with their sections however far.
 
-    Each such body adds its ``d_1`` to the link's coordinates; ``d_2`` is the section's rotation.
+    Each such body adds its ``d_1`` to the link's coordinates; ``d_2`` is the section's rotation. A
+    free shaft that turns the link is a body on the section at its clamp.
 
     Parameters
     ----------
@@ -132,7 +141,7 @@ def with_turning_bodies(
     Returns
     -------
     NaturalLink
-        With k more coordinates, one a body.
+        With k more coordinates, one a body off the axis or a shaft.
     LinkModel
         Likewise.
     ndarray, shape (n + k, m + k)
@@ -145,11 +154,43 @@ def with_turning_bodies(
         if not matter.is_off_axis:
             continue
         place = readings.per_node * int(node) + np.array([0, 1, readings.slope])
-        stiffness = RIGIDITY * _greatest_stiffness(engine) * float(np.hypot(*body.offset)) ** 2
-        time = link.stretch.damping_time
+        stiffness = _stiffness(engine, float(np.hypot(*body.offset)))
+        time = float(link.stretch.damping_time[0])
         link = _link_with_body(link, place, matter, stiffness)
         reduced = _with_body(reduced, basis[place], matter, stiffness, time)
         basis = scipy.linalg.block_diag(basis, 1.0)
+    shaft = engine.free_shaft
+    if as_they_are or shaft is None or shaft.link != number or not shaft.turns_far:
+        return link, reduced, basis
+    if not (shaft.inertia or shaft.has_lever):
+        # Without mass its d_1 would be no coordinate.
+        return link, reduced, basis
+    return _on_shaft(engine, shaft, link, reduced, basis)
+
+
+def _on_shaft(
+    engine: Engine, shaft: FreeShaft, link: NaturalLink, reduced: LinkModel, basis: FloatArray
+) -> tuple[NaturalLink, LinkModel, FloatArray]:
+    """An elastic link on a free shaft; see :func:`with_turning_bodies`."""
+    own, size = engine.links[shaft.link], link.model.size
+    place = np.concatenate([own.end_displacement(shaft.clamp.link_end.end), own.shaft])
+    arm = float(np.hypot(*shaft.lever)) or float(own.readings.nodes[-1])
+    matter = RigidBody(0.0, (0.0, 0.0), shaft.inertia, spin=0.0)
+    stiffness, time = _stiffness(engine, arm, shaft.inertia), float(link.stretch.damping_time[0])
+    link = _link_with_body(link, place, matter, stiffness)
+    reduced = _with_body(reduced, basis[place], matter, stiffness, time)
+    basis = scipy.linalg.block_diag(basis, 1.0)
+    link = replace(link, natural=np.eye(size + 1)[[size, place[2]]])
+    if shaft.has_lever:
+        # An arm on a hub, which is not reduced. The clamped end moves with d_1 as well.
+        on_hub = np.eye(size + 1)
+        on_hub[place[:2], size] = shaft.lever
+        model, stretch = in_coordinates(link.model, on_hub), link.stretch
+        stretch = replace(
+            stretch, gradient=stretch.gradient @ on_hub, slopes=stretch.slopes @ on_hub
+        )
+        link = replace(link, model=model, stretch=stretch, to_engine=link.to_engine @ on_hub)
+        reduced = model
     return link, reduced, basis
 
 
@@ -165,13 +206,23 @@ def _weighted(body: RigidBody, turn: FloatArray) -> FloatArray:
     )
 
 
-def _greatest_stiffness(engine: Engine) -> float:
-    """Of the elastic links along themselves, in N/m."""
-    links = engine.mechanism.linkage.topology.links
+def _stiffness(engine: Engine, arm: float, inertia: float = 0.0) -> float:
+    """Of a rigid body's bar against ``d_1``, in N m.
+
+    Parameters
+    ----------
+    engine : Engine
+    arm : float
+        Of the body in m.
+    inertia : float
+        Of a shaft, in kg m^2: what a flywheel pulls at its bar must not stretch it either.
+    """
     sections = engine.mechanism.sections
-    return max(
-        sections[each.name].axial_stiffness / each.length for each in links if not each.rigid
-    )
+    elastic = [each for each in engine.mechanism.linkage.topology.links if not each.rigid]
+    along = [sections[each.name].axial_stiffness / each.length for each in elastic]
+    mass = [sections[each.name].mass_per_length * each.length for each in elastic]
+    by_inertia = inertia * max(k / m for k, m in zip(along, mass, strict=True))
+    return RIGIDITY * max(max(along) * arm**2, by_inertia)
 
 
 def _turns(engine: Engine, name: str) -> bool:
@@ -187,12 +238,13 @@ def _turns(engine: Engine, name: str) -> bool:
 
 
 def _bar(
-    rigid: LinkModel, length: float, stiffness: float, joined: bool, turned: bool
+    rigid: LinkModel, length: float, axial: float, joined: bool, turned: bool, shaft: float
 ) -> NaturalLink:
     """A rigid link as a bar.
 
     Its coordinates are the displacements of both ends, and its rotation where joints turn with it;
-    of a link that nothing joins at its end that of the start, the rotation and the stretch.
+    of a link that nothing joins at its end that of the start, the rotation and the stretch. Its
+    inertia has that of a free shaft in it, none of which is on the rotation.
     """
     mass = whole(rigid.mass)
     matter = RigidBody(mass[0, 0], (mass[1, 2], -mass[0, 2]), mass[2, 2], spin=0.0)
@@ -212,12 +264,11 @@ def _bar(
     turning = np.array([2]) if turned or not joined else NONE.copy()
     rotates = np.eye(size)[2] if len(turning) else from_own[3]
     own = matter.about_centre.second_moment if matter.mass else 0.0
-    shared = ON_ROTATION * own if joined and turned else 0.0
+    shared = ON_ROTATION * max(own - shaft, 0.0) if joined and turned else 0.0
     spread = replace(matter, second_moment=matter.second_moment - shared)
     inertia = from_own.T @ _weighted(spread, np.eye(2)) @ from_own
     translational = inertia.copy()
     inertia += shared * np.outer(rotates, rotates)
-    axial = length**2 * stiffness
     shear = rotates - from_own[3]
     nodes = np.vstack([from_own[:2], rotates, from_own[:2] + length * from_own[2:], rotates])
     model = LinkModel(
@@ -239,14 +290,15 @@ def _bar(
     )
     to_engine = np.vstack([from_own[:2], rotates])
     from_engine = to_own @ np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1]])
-    return NaturalLink(model, _rigid_arm(from_own[2], from_own[3], axial), to_engine, from_engine)
+    stretch_of_arm = _rigid_arm(from_own[2], from_own[3], axial)
+    return NaturalLink(model, stretch_of_arm, to_engine, from_engine, from_own[2:])
 
 
 def _rigid_arm(stretch: FloatArray, turn: FloatArray, stiffness: float) -> LinkStretch:
     """The condition of a body whose d are two rows (n,) by a link's coordinates."""
     rows = np.stack([stretch, turn])
     root = float(np.sqrt(stiffness))
-    return LinkStretch(root * rows[:1], rows, root * np.ones((1, 2)), 0.0)
+    return LinkStretch(root * rows[:1], rows, root * np.ones((1, 2)), np.zeros(1))
 
 
 def _link_with_body(
@@ -262,12 +314,14 @@ def _link_with_body(
         gradient=np.vstack([_wider(before.gradient), arm.gradient]),
         slopes=np.vstack([_wider(before.slopes), arm.slopes]),
         weights=scipy.linalg.block_diag(before.weights, arm.weights),
+        damping_time=np.append(before.damping_time, before.damping_time[0]),
     )
     return NaturalLink(
-        _with_body(link.model, rows, matter, stiffness, before.damping_time),
+        _with_body(link.model, rows, matter, stiffness, float(before.damping_time[0])),
         stretch,
         _wider(link.to_engine),
         np.vstack([link.from_engine, np.zeros((1, count))]),
+        None if link.natural is None else _wider(link.natural),
     )
 
 

@@ -115,14 +115,8 @@ def is_reduced(engine: Engine) -> bool:
 
 
 def can_stretch(engine: Engine) -> bool:
-    """Whether an engine tells how its links stretch by the square of their slopes.
-
-    What turns with a free shaft must be stiffened by what pulls at it, which neither rigid links
-    nor a hub tell by a stretch.
-    """
-    topology = engine.mechanism.linkage.topology
-    stiff = any(link.rigid for link in topology.links) or any(c.hub for c in topology.clamps)
-    return engine.stretches is not None and not (stiff and engine.shaft == "free")
+    """Whether an engine tells how its links stretch by the square of their slopes."""
+    return engine.stretches is not None
 
 
 def stretches_in_runs(engine: Engine, prestress: Prestress) -> bool:

@@ -53,6 +53,9 @@ class StressHistory:
         Whether the stress counts in rigid links and sliders alone, and elastic links are
         straight and without stress. They stretch by themselves, but a rigid link has no strain
         that would tell what the forces of its joints are against a turn.
+    equilibrium_of : sequence of ndarray, shape (n_engine, n), optional
+        Basis of each link's coordinates in the engine's, of links that stretch by themselves: the
+        stress is what the forces by this lack in the equilibrium.
 
     Attributes
     ----------
@@ -79,9 +82,10 @@ class StressHistory:
         *,
         with_energy: bool = True,
         rigid_links_only: bool = False,
+        equilibrium_of: Sequence[FloatArray] | None = None,
     ) -> None:
         self._engine, self._links = engine, tuple(links)
-        self._rigid_only = rigid_links_only
+        self._rigid_only, self._equilibrium_of = rigid_links_only, equilibrium_of
         self._bases = tuple(bases)
         self._drive = drive
         self._prestress = prestress
@@ -90,7 +94,7 @@ class StressHistory:
         self._sizes = [basis.shape[1] for basis in bases]
         # Damping changes with the stress only where links are bowed.
         damped = any(link.damping.any() for link in links)
-        self._damping_varies = damped and prestress == "equilibrium"
+        self._damping_varies = damped and prestress == "equilibrium" and equilibrium_of is None
         self._damping = [
             basis.T @ link.damping @ basis for link, basis in zip(links, bases, strict=True)
         ]
@@ -183,6 +187,9 @@ class StressHistory:
         for batch in self._engine.batches(len(angle)):
             motion = linkage.motion(*(v[batch] for v in motion_of))
             stressed = self._engine.stressed_links(motion, self._prestress)
+            if self._equilibrium_of is not None:
+                packed.append(self._lacking(stressed, self._equilibrium_of))
+                continue
             # Runs in time have the inertia of straight links.
             stressed = with_straight_inertia(self._engine.links, motion, stressed)
             if self._rigid_only:
@@ -223,6 +230,31 @@ class StressHistory:
         topology = self._engine.mechanism.linkage.topology
         carried = CarriedInertia.of(topology, self._engine.links, motion)
         return None if carried is None else carried.forces(place)
+
+    def _lacking(self, stressed: StressedLinks, bases: Sequence[FloatArray]) -> FloatArray:
+        """As :meth:`_packed`, of straight links with what the forces of stretching ones lack.
+
+        Bodies off the axis turn with their sections, and rigid links, in natural coordinates.
+        """
+        places, forces = stressed.displacement, stressed.internal_force
+        stretches, columns = self._engine.stretches, []
+        assert places is not None
+        assert forces is not None
+        assert stretches is not None
+        for number, link in enumerate(self._engine.links):
+            own, batch = self._bases[number], len(places[number])
+            stiffness = own.T @ self._links[number].stiffness @ own
+            lacking = np.zeros((batch, own.shape[1]))
+            if not link.rigid and not any(body.is_off_axis for body in link.bodies):
+                q = places[number].copy()
+                sections = np.setdiff1d(np.flatnonzero(link.fields.tangential), link.vectors)
+                q[:, sections] = np.sin(q[:, sections])
+                found, _ = stretches[number].remainder(q, np.zeros_like(q))
+                found += (link.stiffness @ q.T).T
+                lacking = (forces[number] - found) @ bases[number]
+            stiff = np.broadcast_to(stiffness.ravel(), (batch, stiffness.size))
+            columns += [stiff, lacking, np.zeros((batch, 1))]
+        return np.concatenate(columns, axis=1)
 
     def _packed(self, stressed: StressedLinks, motion: RigidMotion) -> FloatArray:
         """Stiffness, prestress and offset of all links side by side, (B, total)."""

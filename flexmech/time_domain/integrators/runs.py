@@ -117,11 +117,12 @@ def linear_run(
         if progress is not None:
             progress(done, steps)
     run = recorder.finish()
-    return replace(
+    run = replace(
         run,
         displacement=[q @ b.T for q, b in zip(run.displacement, linkage.bases, strict=True)],
         rate=[q @ b.T for q, b in zip(run.rate, linkage.bases, strict=True)],
     )
+    return run if linkage.shaft is None else linkage.shaft.turned_back(run)
 
 
 def _blocks(

@@ -43,8 +43,8 @@ LAST_CHANGE = 1e-3
 # A pass gains about two digits: after a change that is smaller by this, the next block begins
 # with the fewest passes again.
 AMPLE = 30
-# Newton's method with the tangent of the bowed links. Three to five passes lead to a change whose
-# square is less than round-off; a step that takes more than twice as many is too long.
+# Newton's method with the tangent of the bowed links. Five or six passes lead to a change whose
+# square is less than round-off; a step that takes twice as many is too long.
 NEWTON_PASSES = 12
 NEWTON_CHANGE = 1e-9
 # Links at rest in their frames have no H^2 z'' to measure changes by: then this part of z is taken
