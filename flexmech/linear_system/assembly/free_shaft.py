@@ -71,7 +71,7 @@ class FreeShaft:
         ------
         InputError
             If nothing or more than one link is clamped, or the clamped link does not turn with
-            the shaft.
+            the shaft or is rigid and ends at it.
         """
         topology = mechanism.linkage.topology
         if len(topology.clamps) != 1:
@@ -86,6 +86,11 @@ class FreeShaft:
             raise InputError(
                 f"shaft 'free' needs a link that turns with the shaft, and the "
                 f"{clamp.link_end.link} does not: use shaft 'prescribed'"
+            )
+        if topology.links[link].rigid and clamp.link_end.end == "end":
+            raise InputError(
+                f"shaft 'free' needs a rigid link that starts at the shaft, and the "
+                f"{clamp.link_end.link} ends there: give its points in the other order"
             )
         x = 0.0 if clamp.link_end.end == "start" else topology.links[link].length
         speed, angle = motion.velocity(link, x), motion.angle[link]
