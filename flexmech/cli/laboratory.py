@@ -88,6 +88,7 @@ def hammer(
     """
     from flexmech.analyses.damping_ratios import with_damping_ratio
     from flexmech.analyses.hammer.compute import hammer_test
+    from flexmech.analyses.running_hammer.compute import running_hammer_test
     from flexmech.linear_system import LinkPoint
     from flexmech.measured_data import check_uff
 
@@ -125,7 +126,7 @@ def hammer(
         hits = analyses.RunningHammerRequest(running.single, **record, speed_unit=running.unit)
         deliver(
             analyses.RunningHammerTest,
-            lambda progress: analyses.running_hammer_test(chosen, hits, progress=progress),
+            lambda progress: running_hammer_test(chosen, hits, progress=progress),
             output,
             model=model,
             speeds=running,

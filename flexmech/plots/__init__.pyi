@@ -6,6 +6,8 @@ from .composite_study import plot_composite_damping as plot_composite_damping
 from .composite_study import plot_composite_frequencies as plot_composite_frequencies
 from .composite_study import plot_laminate_factors as plot_laminate_factors
 from .composite_study import plot_verification as plot_verification
+from .drawn_linkage.figures import plot_linkage as plot_linkage
+from .drawn_linkage.figures import plot_mode_shapes as plot_mode_shapes
 from .effects import plot_agreement as plot_agreement
 from .effects import plot_hygrothermal_effect as plot_hygrothermal_effect
 from .effects import plot_speed_effect as plot_speed_effect
@@ -33,8 +35,6 @@ from .layout import AxesLike as AxesLike
 from .layout import Sheet as Sheet
 from .layout import grid as grid
 from .layout import sheet as sheet
-from .linkage import plot_linkage as plot_linkage
-from .linkage import plot_mode_shapes as plot_mode_shapes
 from .mechanism import plot_mechanism as plot_mechanism
 from .reading import chosen as chosen
 from .reading import mode_label as mode_label

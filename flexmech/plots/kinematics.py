@@ -12,10 +12,10 @@ from matplotlib.transforms import Affine2D
 
 from flexmech.arrays import FloatArray
 from flexmech.plots import angle_panels, reading, scales, style
+from flexmech.plots.drawn_linkage.parts import drawn_posture
+from flexmech.plots.drawn_linkage.sketch import RIGID, SMALL, LinkageSketch
+from flexmech.plots.drawn_linkage.symbols import add_symbols
 from flexmech.plots.layout import AxesLike, grid, sheet
-from flexmech.plots.linkage_parts import drawn_posture
-from flexmech.plots.linkage_sketch import RIGID, SMALL, LinkageSketch
-from flexmech.plots.linkage_symbols import add_symbols
 
 POWER: reading.Units = ((1.0, "W"), (1e3, "mW"), (1e6, "µW"))
 # Motion of a link: variable, what it is, factor from the SI unit, and unit.

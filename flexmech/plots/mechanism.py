@@ -14,10 +14,10 @@ from matplotlib.transforms import Bbox
 
 from flexmech.arrays import FloatArray
 from flexmech.plots import scales, style
+from flexmech.plots.drawn_linkage.figures import name_joints, named_places, part_handles
+from flexmech.plots.drawn_linkage.sketch import LinkageSketch
+from flexmech.plots.drawn_linkage.symbols import OUTLINE
 from flexmech.plots.layout import AxesLike, Layout, height_of, round_length, sheet
-from flexmech.plots.linkage import name_joints, named_places, part_handles
-from flexmech.plots.linkage_sketch import LinkageSketch
-from flexmech.plots.linkage_symbols import OUTLINE
 from flexmech.plots.reading import degrees, names_of, values_of
 from flexmech.plots.style import LABEL_POINTS, Look, line_handle, series_style
 

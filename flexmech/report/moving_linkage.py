@@ -19,8 +19,8 @@ from flexmech.linkages import CouplerCurve, FourBar, LinkEnd, Topology, assembla
 from flexmech.mechanism import Mechanism, drawn_parts
 from flexmech.modelfile import mechanism_from_toml
 from flexmech.plots import reading
+from flexmech.plots.drawn_linkage.figures import real_shapes
 from flexmech.plots.layout import round_enlargement
-from flexmech.plots.linkage import real_shapes
 from flexmech.report.embedding import Arrays
 from flexmech.report.last_turn import over_a_turn, thinning
 from flexmech.report.panels.frequencies import in_each_state

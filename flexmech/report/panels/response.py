@@ -198,14 +198,12 @@ def _readings(run: Response, shown: _Shown) -> list[Reading]:
     own, errors = shown.own, run.errors().sel(engine=shown.engine)
     found: list[tuple[str, str, str, FloatArray, float]] = []
     for link in names_of(own, "link"):
-        values = 1e3 * own["deflection"].sel(link=link).values
-        peak = 1e3 * float(own["peak_deflection"].sel(link=link))
-        error = peak * float(errors["deflection"].sel(link=link))
+        values, at = 1e3 * own["deflection"].sel(link=link).values, {"link": link}
+        error = 1e3 * float(own["peak_deflection"].sel(at)) * float(errors["deflection"].sel(at))
         found.append(("Deflection", link, "mm", values, error))
     for joint in names_of(own, "joint"):
-        values = _sizes(own["joint_force"].sel(joint=joint))
-        peak = float(own["peak_joint_force"].sel(joint=joint))
-        error = peak * float(errors["joint_force"].sel(joint=joint))
+        values, at = _sizes(own["joint_force"].sel(joint=joint)), {"joint": joint}
+        error = float(own["peak_joint_force"].sel(at)) * float(errors["joint_force"].sel(at))
         found.append(("Joint force", joint, "N", values, error))
     error = float(own["peak_driving_torque"]) * float(errors["driving_torque"])
     found.append(("Torque", "shaft", "N m", own["driving_torque"].values, error))

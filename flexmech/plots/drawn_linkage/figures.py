@@ -16,12 +16,12 @@ from scipy.interpolate import CubicSpline
 
 from flexmech.arrays import FloatArray
 from flexmech.plots import angle_panels, style
-from flexmech.plots import linkage_symbols as symbols
 from flexmech.plots.angle_panels import has_many_speeds
+from flexmech.plots.drawn_linkage import symbols
+from flexmech.plots.drawn_linkage.parts import SAME_PLACE, parts_of
+from flexmech.plots.drawn_linkage.sketch import MASS, RIGID, SMALL, LinkageSketch, clearance
+from flexmech.plots.drawn_linkage.springs import dashpot, rotary_dashpot
 from flexmech.plots.layout import AxesLike, Layout, grid, height_of, sheet, tiles
-from flexmech.plots.linkage_parts import SAME_PLACE, parts_of
-from flexmech.plots.linkage_sketch import MASS, RIGID, SMALL, LinkageSketch, clearance
-from flexmech.plots.linkage_springs import dashpot, rotary_dashpot
 from flexmech.plots.reading import (
     engine_label,
     highest_speed,

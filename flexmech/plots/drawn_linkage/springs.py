@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.plots import linkage_symbols as symbols
-from flexmech.plots.linkage_parts import Posture
-from flexmech.plots.linkage_symbols import OUTLINE, Symbol, below
+from flexmech.plots.drawn_linkage import symbols
+from flexmech.plots.drawn_linkage.parts import Posture
+from flexmech.plots.drawn_linkage.symbols import OUTLINE, Symbol, below
 from flexmech.plots.style import Look
 
 LOOK: Look = {"color": "0.25", "lw": 0.9}
