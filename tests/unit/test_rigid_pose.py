@@ -36,7 +36,8 @@ def solved(
 @given(topologies(), st.integers(0, 1000))
 def test_how_a_pose_can_move_is_its_derivative(topology: Topology, seed: int) -> None:
     rigid, motion, w, pose = solved(topology, seed, 0.02)
-    step = 1e-5
+    # Near a dead point a difference over 1e-5 is off by 6e-6, and by the square of less.
+    step = 1e-6
     points = [p for p in map(rigid.leader, joint_points(topology)) if p is not None]
     for number in range(w.shape[1]):
         ahead, back = (
