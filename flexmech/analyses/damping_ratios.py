@@ -12,8 +12,8 @@ from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.linear_system import Engine
 from flexmech.validation import Bounds
 
+# What a damping ratio of the linkage can be.
 DAMPING_RATIO = Bounds(least=0.0, below=1.0)
-"""What a damping ratio of the linkage can be."""
 TURN = np.radians(np.arange(0.0, 360.0, 5.0))
 
 

@@ -79,12 +79,12 @@ def with_units(dataset: xr.Dataset, question: str) -> xr.Dataset:
     return dataset
 
 
+# In a radian.
 DEGREES = math.degrees(1.0)
-"""In a radian."""
 
 
+# Columns of a table: variables of a dataset, or values that it does not hold, by their names.
 Columns = dict[str, str | xr.DataArray]
-"""Columns of a table: variables of a dataset, or values that it does not hold, by their names."""
 
 
 def table_of(
@@ -154,8 +154,8 @@ def columns_along(form: str, variable: xr.DataArray, dim: str) -> dict[str, xr.D
 
 
 Row = TypeVar("Row")
+# Type of a column, and the attribute of a row or the function of it that is the value.
 Column = tuple[type, str | Callable[[Row], Any]]
-"""Type of a column, and the attribute of a row or the function of it that is the value."""
 PLAIN_TYPES = {"int": np.intp, "float": float, "bool": bool, "str": str}
 
 

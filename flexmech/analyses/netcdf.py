@@ -16,8 +16,8 @@ from flexmech.errors import FlexmechError, InputError, one_line
 
 # The first with integers of 64 bits is 1.9.
 CONVENTIONS = "CF-1.11"
+# Attributes of a file, as against those of the dataset that it holds.
 FILE_ATTRIBUTES = ("Conventions", "title", "date", "command_line")
-"""Attributes of a file, as against those of the dataset that it holds."""
 # Smaller variables would not get smaller.
 LEAST_COMPRESSED = 1000
 

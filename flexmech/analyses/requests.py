@@ -158,11 +158,11 @@ def _one_of(value: T, kinds: tuple[type, ...], what: str, remedy: str) -> T:
     return value
 
 
+# At which the error of a map over crank speeds is estimated, each a map of its own: at both ends
+# and in the middle, since the error changes steadily with the speed.
 CHECKED_SPEEDS = 3
-"""At which the error of a map over crank speeds is estimated, each a map of its own: at both ends
-and in the middle, since the error changes steadily with the speed."""
+# Every 15 degrees: natural frequencies move slowly enough for bounds to be told by these.
 ANGLES = 24
-"""Every 15 degrees: natural frequencies move slowly enough for bounds to be told by these."""
 
 
 def sampled_turn(start_angle: float = 0.0) -> FloatArray:

@@ -1,31 +1,29 @@
-"""The application: its commands and its version."""
+"""The application: its commands, its version, and the streams that it prints to."""
 
 from __future__ import annotations
 
+import io
 import logging
 import os
 import signal
 import sys
 import warnings
 from collections.abc import Callable
-from typing import Annotated, Any, NoReturn
+from typing import Annotated, Any, NoReturn, TextIO
 
 import typer
 from typer.core import TyperGroup
 
-from flexmech.cli.campaigns import composites, verify
+from flexmech.cli.campaigns import composites, report, verify
 from flexmech.cli.deliver import running
 from flexmech.cli.failures import reports_failures
 from flexmech.cli.laboratory import compare, hammer
-from flexmech.cli.links import check, moisture, section
+from flexmech.cli.links import check, moisture, new, schema, section
 from flexmech.cli.maps import campbell, frequencies, stability
 from flexmech.cli.reading import from_options
-from flexmech.cli.report import report
 from flexmech.cli.rigid import coupler_curve, kinematics, synthesize
 from flexmech.cli.runs import export, response
 from flexmech.cli.stopping import Stopped, interrupted_line
-from flexmech.cli.streams import check_streams
-from flexmech.cli.writing import new, schema
 from flexmech.errors import FlexmechError, InputError, one_line
 
 COMMANDS: tuple[Callable[..., None], ...] = (
@@ -131,9 +129,39 @@ for command in STUDIES:
 app.add_typer(study_app, name="study")
 
 
+class _Stream(io.FileIO):
+    """Stdout or stderr. Its first failure is told, after it nothing is written any more."""
+
+    def write(self, data: Any) -> int:
+        try:
+            return super().write(data)
+        except OSError as error:
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, self.fileno())
+            os.close(nowhere)
+            if self.fileno() == 1:
+                raise InputError(
+                    f"stdout: cannot be written ({error.strerror}); files of this run are "
+                    "complete, only what it prints is missing"
+                ) from error
+            return memoryview(data).nbytes
+
+
+def _checked(descriptor: int, stream: TextIO | None) -> TextIO:
+    """A name or source that the terminal's encoding lacks is shown with "?"."""
+    raw = io.BufferedWriter(_Stream(descriptor, "wb", closefd=False))
+    encoding = "utf-8" if stream is None else stream.encoding
+    return io.TextIOWrapper(raw, encoding=encoding, errors="replace", line_buffering=True)
+
+
 def run() -> None:
     """Run the command line of this process, and exit."""
-    check_streams()
+    # The number of a closed stream would go to the next file that is opened.
+    while (free := os.open(os.devnull, os.O_RDONLY)) <= 2:
+        pass
+    os.close(free)
+    # Stdout fails with a message, and stderr in silence.
+    sys.stdout, sys.stderr = _checked(1, sys.stdout), _checked(2, sys.stderr)
     # Pictures are written into files: a name of a window system that is not there does not matter.
     os.environ["MPLBACKEND"] = "agg"
     # Warnings of libraries are for developers, who turn them on by -W or PYTHONWARNINGS.

@@ -1,14 +1,104 @@
-"""Commands that run many cases: those of the verification, and the campaign of a paper."""
+"""Commands that ask much at once: a report, the verification, and the campaign of a paper."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 from typer import Option
 
-from flexmech.cli import options
-from flexmech.cli.deliver import deliver
-from flexmech.errors import ComputationError
+from flexmech import studies, verification
+from flexmech.choices import TOLERANCE, ReportPart
+from flexmech.cli import options, typed
+from flexmech.cli.deliver import command_line, deliver, mechanism_of, progress_bar, say
+from flexmech.cli.engines import make_engines
+from flexmech.cli.failures import naming, telling
+from flexmech.errors import ComputationError, InputError, one_line
+from flexmech.files import check_writable, given_path
+
+
+def report(
+    model: options.GivenPath,
+    out: options.TypedPath = Path("report.html"),
+    include: Annotated[tuple[ReportPart, ...] | None, typed.INCLUDE] = None,
+    speeds: options.Speeds = None,
+    angles: options.Angles = options.EVERY_5_DEGREES,
+    campbell_speeds: Annotated[typed.Speeds | None, typed.CAMPBELL_SPEEDS] = None,
+    modes: options.Modes = None,
+    engine: options.Engine = "both",
+    element: options.Element = None,
+    elements: options.PinnedElements = None,
+    tolerance: options.Tolerance = TOLERANCE,
+    *,
+    environment: options.AskedEnvironment,
+    printing: options.AskedPrinting,
+) -> None:
+    """One self-contained page in which the linkage turns, for a colleague without Python.
+
+    Of a model file: frequencies, Campbell diagram, deflection, sections, each with its error,
+    equation and source. Of a folder of results: what the other commands wrote there.
+
+    Options
+    -------
+    model : MODEL|RESULTS
+        Model file, or folder of results of other commands.
+    out : FILE
+        HTML file to write.
+    include : LIST
+        What goes in, a comma list: frequencies, campbell, response, kinematics, coupler-curve,
+        section, moisture. Left out: all that the model has; the coupler curve where it names a
+        coupler point, moisture with --relative-humidity and --time.
+    campbell_speeds : LIST
+        Crank speeds of the Campbell diagram, as in --speeds. Left out: from zero to twice the
+        greatest of --speeds.
+    """
+    import numpy as np
+
+    from flexmech.analyses.netcdf import told_as_damaged
+    from flexmech.report import (
+        ReportRequest,
+        check_extra,
+        report_results,
+        report_summary,
+        stored_results,
+        write_report,
+    )
+
+    check_extra()
+    with naming("--out"):
+        out = given_path(out)
+        if not out.parent.is_dir():
+            raise InputError(f"{out}: there is no folder {out.parent}; make it first")
+        check_writable(out.parent, [out.name])
+    source, unit = given_path(model), "rad/s" if speeds is None else speeds.unit
+    remark = "" if speeds is None or source.is_dir() else speeds.remark
+    with progress_bar() as progress, telling(model, unit):
+        if source.is_dir():
+            if any(asked is not None for asked in (include, speeds, campbell_speeds, environment)):
+                raise InputError(
+                    "--include, --speeds, --campbell-speeds and heat and moisture say what to "
+                    "compute; a folder of results is shown as it is, leave them out"
+                )
+            results = stored_results(source)
+        else:
+            mechanism = mechanism_of(model)
+            request = ReportRequest(
+                None if speeds is None else np.array(speeds.values),
+                typed.radians(angles),
+                include,
+                None if campbell_speeds is None else np.array(campbell_speeds.values),
+                modes,
+                environment,
+                unit,
+                tolerance if elements is None else None,
+            )
+            engines = make_engines(mechanism, engine, element, elements)
+            results = report_results(engines, request, progress)
+        with told_as_damaged(source) if source.is_dir() else telling(None, unit), naming("--out"):
+            write_report(results.all, out, command_line=command_line())
+    size = f"{out.stat().st_size / 1e6:.1f} MB"
+    lines = [f"file: {one_line(str(out))} ({size}), open it in a browser"]
+    say(report_summary(results), [out], lines, [remark], printing)
 
 
 def verify(
@@ -24,10 +114,10 @@ def verify(
     thorough
         With the cases that take longer.
     """
-    from flexmech.verification import Verification, verify
-
     result = deliver(
-        Verification, lambda progress: verify(thorough=thorough, progress=progress), output
+        verification.Verification,
+        lambda progress: verification.verify(thorough=thorough, progress=progress),
+        output,
     )
     if result.failed:
         count = len(result.failed)
@@ -42,6 +132,6 @@ def composites(output: options.AskedOutput) -> None:
 
     Six laminates, four linkages, three positions of the transmission angle.
     """
-    from flexmech.studies import CompositeStudy, study_composites
-
-    deliver(CompositeStudy, lambda progress: study_composites(progress=progress), output)
+    deliver(
+        studies.CompositeStudy, lambda progress: studies.study_composites(progress=progress), output
+    )

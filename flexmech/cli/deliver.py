@@ -1,31 +1,46 @@
-"""From a computation to what the user gets: files, pictures, and the summary on the terminal."""
+"""From a computation to what the user gets: files, pictures, and the summary on the terminal.
+
+It is printed in words, as JSON for scripts, or not at all.
+"""
 
 from __future__ import annotations
 
+import json
 import os
 import shlex
+import shutil
+import sys
+import textwrap
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
-from typer import BadParameter
+import typer
 
 from flexmech.choices import PICTURE_FORMATS, PageWidth, PictureFormat
 from flexmech.cli.failures import naming, telling
-from flexmech.cli.printing import Printing, progress_bar, say
 from flexmech.cli.typed import Speeds
 from flexmech.errors import one_line
 from flexmech.files import check_writable, given_path, matching, moved_into
 
 if TYPE_CHECKING:
-    from flexmech.analyses import Result
+    from flexmech.analyses import Result, Summary, Table
     from flexmech.arrays import LabelledProgress
+    from flexmech.mechanism import Mechanism
 
-# Of a folder with more files than these its own name is printed.
+Printing = Literal["words", "json", "nothing"]
+"""How a summary is printed."""
+
+# Words of a table break into lines of this many letters at least, as most names of links have.
+_SHORTEST_WORDS = 10
+# Columns of the terminal between two of the table's.
+_FRAME = 3
+# Of a folder with more files than these, as a study writes, its own name is printed.
 _MOST_FILES_NAMED = 30
 Found = TypeVar("Found", bound="Result")
 _running: ContextVar[str] = ContextVar("_running", default="")
@@ -37,8 +52,17 @@ def typed_path(text: str | os.PathLike[str]) -> Path:
     A script passes one where a variable of it is not set.
     """
     if text == "":
-        raise BadParameter("it is empty; name a file or folder, or write . for the working folder")
+        raise typer.BadParameter(
+            "it is empty; name a file or folder, or write . for the working folder"
+        )
     return Path(text)
+
+
+def mechanism_of(model: Path) -> Mechanism:
+    """Mechanism of a model file."""
+    from flexmech.modelfile import load_mechanism
+
+    return load_mechanism(model)
 
 
 @dataclass(frozen=True)
@@ -134,7 +158,11 @@ def deliver(
         files = []
         if out is not None:
             if formats:
-                _use_plain_style()
+                import matplotlib
+
+                # A matplotlibrc of the user may set what is not there, such as text by a TeX: the
+                # pictures of a command are the same on all machines.
+                matplotlib.rcdefaults()
             with naming("--out"), moved_into(out) as whole:
                 files = result.save(
                     whole,
@@ -150,16 +178,6 @@ def deliver(
     lines = () if out is None else _file_lines(out, files, kind.file_patterns(PICTURE_FORMATS))
     say(summary, files, lines, (speeds.remark, remark), output.printing)
     return result
-
-
-def _use_plain_style() -> None:
-    """Leave out what a ``matplotlibrc`` of the user sets, such as text by a TeX that is not there.
-
-    The pictures of a command are the same on all machines.
-    """
-    import matplotlib
-
-    matplotlib.rcdefaults()
 
 
 def _file_lines(out: Path, files: list[Path], patterns: Iterable[str]) -> list[str]:
@@ -180,3 +198,118 @@ def _file_lines(out: Path, files: list[Path], patterns: Iterable[str]) -> list[s
     if stale:
         lines.append(f"from an earlier run, not of this one: {', '.join(map(one_line, stale))}")
     return lines
+
+
+def say(
+    summary: Summary,
+    files: Sequence[Path] = (),
+    file_lines: Sequence[str] = (),
+    remarks: Sequence[str] = (),
+    printing: Printing = "words",
+) -> None:
+    """Print what is to be said of a result to stdout, and its warnings to stderr.
+
+    Parameters
+    ----------
+    summary : Summary
+    files : sequence of Path
+        That were written.
+    file_lines : sequence of str
+        How the files are named, and stale ones beside them.
+    remarks : sequence of str
+        Before all others; may be empty.
+    printing : {"words", "json", "nothing"}
+    """
+    remark = "\n".join(filter(None, remarks))
+    if printing == "json":
+        content = summary.as_data()
+        content["lines"][:0] = filter(None, [remark])
+        content["files"] = [str(file) for file in files]
+        typer.echo(json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False))
+    elif printing == "words":
+        for part in (*filter(None, [remark]), *summary.parts, *file_lines):
+            if isinstance(part, str):
+                _print_lines(part)
+            else:
+                _print_table(part)
+    for warning in summary.warnings:
+        typer.echo(f"warning: {warning}", err=True)
+    if summary.verdict and printing == "words":
+        _print_lines(summary.verdict)
+
+
+def _page_width() -> int:
+    """Columns of the terminal, or those that the environment variable COLUMNS names."""
+    return shutil.get_terminal_size().columns
+
+
+def _print_lines(text: str) -> None:
+    """Print lines in which names cannot move the cursor.
+
+    They wrap at words on a terminal; a pipe gets each of them whole, as scripts want it.
+    """
+    for line in text.split("\n"):
+        shown = one_line(line, most=len(line))
+        if sys.stdout.isatty() and len(shown) > _page_width():
+            shown = textwrap.fill(
+                shown,
+                _page_width(),
+                subsequent_indent="  ",
+                break_long_words=False,
+                break_on_hyphens=False,
+            )
+        typer.echo(shown)
+
+
+def _print_table(table: Table) -> None:
+    """Print with rich: headings and words may break into lines, numbers never."""
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table as RichTable
+
+    columns = list(zip(table.headings, *chain(*table.groups), strict=True))
+    page = _page_width()
+    natural = sum(max(map(len, column)) + _FRAME for column in columns) + 1
+    drawn = RichTable(title=escape(one_line(table.title)), caption=escape(table.caption) or None)
+    least = 1
+    for number, (heading, *cells) in enumerate(columns):
+        if number < table.text_columns:
+            # A cut name would lose what stands behind it.
+            shortest = min(_SHORTEST_WORDS, max(map(len, (heading, *cells))))
+            drawn.add_column(heading, overflow="fold", min_width=shortest)
+            least += shortest + _FRAME
+            continue
+        broken = heading.replace(" ", "\n") if natural > page else heading
+        drawn.add_column(broken, justify="right", no_wrap=True)
+        least += max(map(len, (*broken.split("\n"), *cells))) + _FRAME
+    for group in table.groups:
+        for row in group:
+            drawn.add_row(*(escape(one_line(cell)) for cell in row))
+        drawn.add_section()
+    Console(width=max(page, least)).print(drawn)
+
+
+@contextmanager
+def progress_bar() -> Iterator[LabelledProgress | None]:
+    """Show a progress bar for each label on stderr; None where that is no terminal."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich import progress
+    from rich.console import Console
+
+    columns = (
+        progress.TextColumn("{task.description}"),
+        progress.BarColumn(),
+        progress.MofNCompleteColumn(),
+        progress.TimeElapsedColumn(),
+    )
+    with progress.Progress(*columns, console=Console(stderr=True), transient=True) as bars:
+        tasks: dict[str, progress.TaskID] = {}
+
+        def show(label: str, done: int, total: int) -> None:
+            if label not in tasks:
+                tasks[label] = bars.add_task(label, total=total)
+            bars.update(tasks[label], completed=done, total=total)
+
+        yield show

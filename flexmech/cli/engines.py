@@ -4,16 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexmech.choices import (
-    ELEMENTS,
-    ELEMENTS_A_LINK,
-    ElementName,
-    EngineChoice,
-    EngineName,
-    MassChoice,
-    ShaftChoice,
-    engine_of,
-)
+from flexmech import choices
 from flexmech.errors import InputError
 
 if TYPE_CHECKING:
@@ -23,11 +14,11 @@ if TYPE_CHECKING:
 
 def make_engines(
     mechanism: Mechanism,
-    engine: EngineChoice,
-    element: ElementName | None = None,
+    engine: choices.EngineChoice,
+    element: choices.ElementName | None = None,
     elements: int | None = None,
-    shaft: ShaftChoice = "prescribed",
-    mass: MassChoice = "distributed",
+    shaft: choices.ShaftChoice = "prescribed",
+    mass: choices.MassChoice = "distributed",
 ) -> list[Engine]:
     """Make the engines chosen, the reference first.
 
@@ -53,12 +44,12 @@ def make_engines(
     InputError
         If none of the engines chosen has the element, or lumped masses.
     """
-    chosen: list[EngineName] = list(ELEMENTS) if engine == "both" else [engine]
-    if element is not None and engine_of(element) not in chosen:
-        own = ", ".join(name for one in chosen for name in ELEMENTS[one])
+    chosen: list[choices.EngineName] = list(choices.ELEMENTS) if engine == "both" else [engine]
+    if element is not None and choices.engine_of(element) not in chosen:
+        own = ", ".join(name for one in chosen for name in choices.ELEMENTS[one])
         raise InputError(
             f"--element {element} is not an element of the {engine} engine, which has {own}; "
-            f"choose --engine {engine_of(element)} or --engine both, or leave --element out"
+            f"choose --engine {choices.engine_of(element)} or --engine both, or leave --element out"
         )
     if mass == "lumped" and "reference" not in chosen:
         raise InputError(
@@ -70,12 +61,12 @@ def make_engines(
         kind = _engine_kind(name)
         its_element = None if element is None else kind.element_like(element)
         its_mass = mass if name == "reference" else "distributed"
-        count = elements or ELEMENTS_A_LINK
+        count = elements or choices.ELEMENTS_A_LINK
         engines.append(kind(mechanism, count, its_element, shaft=shaft, mass=its_mass))
     return engines
 
 
-def _engine_kind(name: EngineName) -> type[Engine]:
+def _engine_kind(name: choices.EngineName) -> type[Engine]:
     """Class of an engine; Exudyn is loaded only if it is chosen."""
     if name == "reference":
         from flexmech.reference import ReferenceEngine

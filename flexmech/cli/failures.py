@@ -34,12 +34,14 @@ def reports_failures(command: Callable[Parameters, None]) -> Callable[Parameters
             if stopped := _stopped(error, answered_signals()[earlier:]):
                 typer.echo(interrupted_line(stopped.number), err=True)
                 raise typer.Exit(stopped.exit_code) from error
+            if isinstance(error, MemoryError):
+                error = ComputationError(
+                    f"the memory does not suffice ({one_line(str(error)) or 'none is left'}); "
+                    "lower --elements or --modes, or ask for fewer --angles, --speeds or --samples"
+                )
             if isinstance(error, FlexmechError):
                 typer.echo(f"error: {error}", err=True)
                 raise typer.Exit(error.exit_code) from error
-            if isinstance(error, MemoryError):
-                typer.echo(f"error: {_out_of_memory(error)}", err=True)
-                raise typer.Exit(FlexmechError.exit_code) from error
             raise
 
     return wrapped
@@ -52,13 +54,6 @@ def _stopped(error: BaseException, answered: tuple[int, ...]) -> Stopped | None:
     if answered:
         return Stopped(answered[-1])
     return Stopped(signal.SIGINT) if isinstance(error, KeyboardInterrupt) else None
-
-
-def _out_of_memory(error: MemoryError) -> str:
-    return (
-        f"the memory does not suffice ({one_line(str(error)) or 'none is left'}); lower "
-        "--elements or --modes, or ask for fewer --angles, --speeds or --samples"
-    )
 
 
 @contextmanager

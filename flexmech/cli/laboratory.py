@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Option
 
-from flexmech import choices
+from flexmech import analyses, choices
 from flexmech.cli import options, typed
-from flexmech.cli.deliver import deliver
+from flexmech.cli.deliver import deliver, mechanism_of
 from flexmech.cli.engines import make_engines
 from flexmech.cli.failures import naming
 from flexmech.errors import InputError
 
 if TYPE_CHECKING:
-    from flexmech.analyses import Comparison
     from flexmech.arrays import LabelledProgress
     from flexmech.linear_system import LinkPoint
 else:  # Its room is imported where a point is given.
@@ -87,15 +86,13 @@ def hammer(
     seed
         Of the noise: the same seed gives the same noise.
     """
-    from flexmech.analyses import HammerRequest, HammerTest, RunningHammerRequest, RunningHammerTest
     from flexmech.analyses.damping_ratios import with_damping_ratio
     from flexmech.analyses.hammer.compute import hammer_test
     from flexmech.analyses.running_hammer.compute import running_hammer_test
     from flexmech.linear_system import LinkPoint
     from flexmech.measured_data import check_uff
-    from flexmech.modelfile import load_mechanism
 
-    mechanism = load_mechanism(model)
+    mechanism = mechanism_of(model)
     topology = mechanism.linkage.topology
     names = topology.link_names
     middle = LinkPoint("coupler" if "coupler" in names else names[-1], 0.5)
@@ -115,7 +112,9 @@ def hammer(
     }
     with naming("--pulse, --duration, --averages, --noise"):
         locked = prestress or "none"
-        request = HammerRequest(typed.radians(angle), prestress=locked, grid=grid, **record)
+        request = analyses.HammerRequest(
+            typed.radians(angle), prestress=locked, grid=grid, **record
+        )
     if running is not None:
         _refuse_when_running(angle != [0.0], grid is not None, uff)
     elif uff:
@@ -124,9 +123,9 @@ def hammer(
     chosen = make_engines(mechanism, engine, element, elements)[0]
     if running is not None:
         record |= {"prestress": prestress or "equilibrium", "damping_ratio": damping_ratio}
-        hits = RunningHammerRequest(running.single, **record, speed_unit=running.unit)
+        hits = analyses.RunningHammerRequest(running.single, **record, speed_unit=running.unit)
         deliver(
-            RunningHammerTest,
+            analyses.RunningHammerTest,
             lambda progress: running_hammer_test(chosen, hits, progress=progress),
             output,
             model=model,
@@ -134,7 +133,7 @@ def hammer(
         )
         return
     deliver(
-        HammerTest,
+        analyses.HammerTest,
         lambda progress: hammer_test(
             chosen if damping_ratio is None else with_damping_ratio(chosen, damping_ratio),
             request,
@@ -204,29 +203,26 @@ def compare(
             "the angle at which the crank was locked"
         )
 
-    from flexmech.analyses import Comparison, ComparisonRequest, compare_with_record
     from flexmech.measured_data import read_record
-    from flexmech.modelfile import load_mechanism
 
     with naming("--fit"):
-        request = ComparisonRequest(
+        request = analyses.ComparisonRequest(
             None if speed is None else speed.single,
             None if angle is None else math.radians(angle),
             quantity,
             fit,
             "rad/s" if speed is None else speed.unit,
         )
-    mechanism = load_mechanism(model)
-    taken = read_record(record)
+    mechanism, taken = mechanism_of(model), read_record(record)
 
-    def compute(progress: LabelledProgress | None) -> Comparison:
+    def compute(progress: LabelledProgress | None) -> analyses.Comparison:
         own = make_engines(mechanism, engine)[0]
         try:
-            return compare_with_record(own, taken, request, progress=progress)
+            return analyses.compare_with_record(own, taken, request, progress=progress)
         except InputError as error:
             # The library names its arguments, which are options here.
             if error.message.startswith(("fit: ", "quantity: ")):
                 raise InputError(f"--{error.message}") from error
             raise
 
-    deliver(Comparison, compute, output, model=model, record=record, speeds=speed)
+    deliver(analyses.Comparison, compute, output, model=model, record=record, speeds=speed)

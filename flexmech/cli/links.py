@@ -1,12 +1,27 @@
-"""Commands on a model file and its links: what it says, their sections, and the water in them."""
+"""Commands on a model file and its links: to begin one, what it says, sections, and water."""
 
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, get_args
 
+import typer
+from typer import Argument, Option
+
+from flexmech import analyses
+from flexmech.choices import TemplateKind
 from flexmech.cli import options, typed
-from flexmech.cli.deliver import deliver
+from flexmech.cli.deliver import deliver, mechanism_of
+from flexmech.errors import InputError, one_line, suggestion
+from flexmech.example_models import example_model, example_names
+from flexmech.files import given_path, write_whole
+
+_KINDS = get_args(TemplateKind)
+_KINDS_AND_EXAMPLES = (*_KINDS, *example_names())
+
+
+def _completed(incomplete: str) -> list[str]:
+    return [name for name in _KINDS_AND_EXAMPLES if name.startswith(incomplete)]
 
 
 def check(
@@ -26,13 +41,10 @@ def check(
         Crank angle of the picture and the natural frequencies in degrees. Left out: frequencies
         at 0, and a picture in which the links stand apart.
     """
-    from flexmech.analyses import ModelCheck, check_mechanism
-    from flexmech.modelfile import load_mechanism
     from flexmech.reference import ReferenceEngine
 
-    engine = ReferenceEngine(load_mechanism(model))
-    radians = None if angle is None else math.radians(angle)
-    deliver(ModelCheck, lambda _: check_mechanism(engine, radians), output, model=model)
+    asked = ReferenceEngine(mechanism_of(model)), None if angle is None else math.radians(angle)
+    deliver(analyses.ModelCheck, lambda _: analyses.check_mechanism(*asked), output, model=model)
 
 
 def section(
@@ -47,13 +59,10 @@ def section(
     Stiffness, coupling, mass and damping; strain and stress through the thickness under unit
     loads; dry, or in heat and moisture.
     """
-    from flexmech.analyses import SectionProfiles, section_profiles
-    from flexmech.modelfile import load_mechanism
-
-    mechanism = load_mechanism(model)
+    mechanism = mechanism_of(model)
     deliver(
-        SectionProfiles,
-        lambda _: section_profiles(mechanism, link, environment=environment),
+        analyses.SectionProfiles,
+        lambda _: analyses.section_profiles(mechanism, link, environment=environment),
         output,
         model=model,
     )
@@ -80,8 +89,69 @@ def moisture(
         Temperature of air and links: degrees Celsius unless a unit is given. Left out: the model's
         reference temperature.
     """
-    from flexmech.analyses import MoistureUptake, moisture_uptake
-    from flexmech.modelfile import load_mechanism
+    asked = mechanism_of(model), relative_humidity, time, temperature, link
+    deliver(
+        analyses.MoistureUptake, lambda _: analyses.moisture_uptake(*asked), output, model=model
+    )
 
-    request = load_mechanism(model), relative_humidity, time, temperature, link
-    deliver(MoistureUptake, lambda _: moisture_uptake(*request), output, model=model)
+
+def new(
+    start: Annotated[
+        str,
+        Argument(
+            help=f"Kind of linkage: {', '.join(_KINDS)}; or an example: "
+            f"{', '.join(example_names())}.",
+            metavar="KIND|EXAMPLE",
+            autocompletion=_completed,
+        ),
+    ],
+    file: options.GivenPath,
+    force: Annotated[bool, Option("--force")] = False,
+) -> None:
+    """Write a commented model file to start from: of a kind of linkage, or an example.
+
+    Options
+    -------
+    file : FILE
+        Model file to write.
+    force
+        Replace a file that exists.
+    """
+    if start in _KINDS:
+        from flexmech.modelfile import template
+
+        text = template(start)
+    elif start in _KINDS_AND_EXAMPLES:
+        text = example_model(start).read_text(encoding="utf-8")
+    else:
+        raise InputError(
+            f"there is no kind of linkage and no example {start!r}; "
+            f"{suggestion(start, _KINDS_AND_EXAMPLES)}"
+        )
+    file = given_path(file)
+    if file.exists() and not file.is_dir() and not force:
+        raise InputError(f"{file}: exists already; choose another name, or --force to replace it")
+    write_whole(file, text)
+    typer.echo(one_line(f"wrote {file}; next: flexmech check {file}"))
+
+
+def schema(out: options.OptionalPath = None) -> None:
+    """Print the JSON schema of model files.
+
+    For editors that complete and check TOML.
+
+    Options
+    -------
+    out : FILE
+        Write it to this file instead.
+    """
+    import json
+
+    from flexmech.modelfile import json_schema
+
+    text = json.dumps(json_schema(), indent=2, ensure_ascii=False) + "\n"
+    if out is None:
+        typer.echo(text, nl=False)
+    else:
+        write_whole(given_path(out), text)
+        typer.echo(one_line(f"wrote {given_path(out)}"))

@@ -6,10 +6,10 @@ from typing import Annotated
 
 import typer
 
-from flexmech import choices
+from flexmech import analyses, choices
 from flexmech.choices import ELEMENTS_A_LINK, KEPT_MODES, TOLERANCE
 from flexmech.cli import options, typed
-from flexmech.cli.deliver import deliver
+from flexmech.cli.deliver import deliver, mechanism_of
 from flexmech.cli.engines import make_engines
 from flexmech.cli.stopping import Stopped, answered_signals
 
@@ -50,14 +50,11 @@ def frequencies(
         distributed: along the links; lumped: in points as Kumar & Chandrakar have it, twelve of a
         four-bar. Of the reference engine; Exudyn keeps distributed mass.
     """
-    from flexmech.analyses import MovingFrequencies, moving_frequencies
-    from flexmech.modelfile import load_mechanism
-
-    mechanism = load_mechanism(model)
+    mechanism = mechanism_of(model)
     drawn = bool(output.pictures.formats)
     deliver(
-        MovingFrequencies,
-        lambda progress: moving_frequencies(
+        analyses.MovingFrequencies,
+        lambda progress: analyses.moving_frequencies(
             make_engines(mechanism, engine, element, elements, mass=mass),
             typed.radians(angles),
             None if speeds is None else speeds.values,
@@ -118,13 +115,11 @@ def campbell(
         greatest speed on, at a hundred of the speeds at most; about a third of a second each,
         longer at low speeds.
     """
-    from flexmech.analyses import CampbellDiagram
     from flexmech.analyses.campbell.compute import campbell as analysis
-    from flexmech.modelfile import load_mechanism
 
-    mechanism = load_mechanism(model)
+    mechanism = mechanism_of(model)
     deliver(
-        CampbellDiagram,
+        analyses.CampbellDiagram,
         lambda progress: analysis(
             make_engines(mechanism, engine, element, elements),
             speeds.values,
@@ -188,14 +183,12 @@ def stability(
         START:STOP:STEPS, as in "damping-ratio 0:2%:20" for 20 equal steps from 0 to 2 %.
     """
     from flexmech.analyses.stability.compute import stability as analysis
-    from flexmech.analyses.stability.result import StabilityMap
-    from flexmech.modelfile import load_mechanism
 
-    mechanism = load_mechanism(model)
+    mechanism = mechanism_of(model)
     second = typed.parameter_range(mechanism, against)
     earlier = len(answered_signals())
     found = deliver(
-        StabilityMap,
+        analyses.StabilityMap,
         lambda progress: analysis(
             make_engines(mechanism, engine, element, elements),
             speeds.values,
@@ -214,5 +207,4 @@ def stability(
         speeds=speeds,
     )
     if found.is_interrupted:
-        signals = answered_signals()[earlier:]
-        raise typer.Exit((Stopped(signals[-1]) if signals else Stopped()).exit_code)
+        raise typer.Exit(Stopped(*answered_signals()[earlier:][-1:]).exit_code)

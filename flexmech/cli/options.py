@@ -9,8 +9,7 @@ from typer import Argument, Option
 
 from flexmech import choices
 from flexmech.cli import typed
-from flexmech.cli.deliver import Output, Pictures, typed_path
-from flexmech.cli.printing import Printing
+from flexmech.cli.deliver import Output, Pictures, Printing, typed_path
 from flexmech.cli.reading import Together
 from flexmech.errors import InputError
 

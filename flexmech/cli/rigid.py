@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Annotated, Any
 
+from flexmech import analyses
 from flexmech.cli import options, typed
-from flexmech.cli.deliver import deliver
+from flexmech.cli.deliver import deliver, mechanism_of
 from flexmech.cli.failures import naming
 from flexmech.errors import InputError
 
@@ -38,14 +39,18 @@ def kinematics(
         Also with lumped masses: elements of each link, whose mass is halved onto their ends, in
         the order of the links, as in 1,4,4; or one number for all.
     """
-    from flexmech.analyses import Kinematics, KinematicsRequest
     from flexmech.analyses.kinematics.compute import kinematics as analysis
-    from flexmech.modelfile import load_mechanism
 
-    given = (None, "rad/s") if speed is None else (speed.single, speed.unit)
-    request = KinematicsRequest(typed.radians(angles), given[0], lumped, given[1])
-    mechanism = load_mechanism(model)
-    deliver(Kinematics, lambda _: analysis(mechanism, request), output, model=model, speeds=speed)
+    value, unit = (None, "rad/s") if speed is None else (speed.single, speed.unit)
+    request = analyses.KinematicsRequest(typed.radians(angles), value, lumped, unit)
+    mechanism = mechanism_of(model)
+    deliver(
+        analyses.Kinematics,
+        lambda _: analysis(mechanism, request),
+        output,
+        model=model,
+        speeds=speed,
+    )
 
 
 def coupler_curve(
@@ -69,11 +74,13 @@ def coupler_curve(
     link : NAME
         Link that the point is on: the coupler, or any link of any linkage.
     """
-    from flexmech.analyses import CouplerPaths, coupler_paths
-    from flexmech.modelfile import load_mechanism
-
-    request = load_mechanism(model), typed.radians(angles), point, environment
-    deliver(CouplerPaths, lambda _: coupler_paths(*request, link=link), output, model=model)
+    asked = mechanism_of(model), typed.radians(angles), point, environment
+    deliver(
+        analyses.CouplerPaths,
+        lambda _: analyses.coupler_paths(*asked, link=link),
+        output,
+        model=model,
+    )
 
 
 def synthesize(
@@ -98,13 +105,10 @@ def synthesize(
         raise InputError(
             f"--deviation: must lie between 0 and 90 deg (both excluded), got {deviation:g} deg"
         )
+    asked = math.radians(deviation), math.radians(rocker_angle), ground
 
-    from flexmech.analyses import CrankRockerSynthesis, crank_rocker_synthesis
-
-    def compute(_: object) -> CrankRockerSynthesis:
+    def compute(_: object) -> analyses.CrankRockerSynthesis:
         with naming("--rocker-angle"):
-            return crank_rocker_synthesis(
-                math.radians(deviation), math.radians(rocker_angle), ground
-            )
+            return analyses.crank_rocker_synthesis(*asked)
 
-    deliver(CrankRockerSynthesis, compute, output)
+    deliver(analyses.CrankRockerSynthesis, compute, output)

@@ -8,25 +8,23 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple, cast
 
 from typer import Option
 
-from flexmech import choices
+from flexmech import analyses, choices, plots
 from flexmech.cli import options, typed
-from flexmech.cli.deliver import deliver
+from flexmech.cli.deliver import deliver, mechanism_of, progress_bar, say
 from flexmech.cli.engines import make_engines
 from flexmech.cli.failures import naming, telling
-from flexmech.cli.printing import progress_bar, say
 from flexmech.cli.reading import Together
 from flexmech.errors import InputError, one_line
 from flexmech.files import check_writable, given_path
 
 if TYPE_CHECKING:
-    from flexmech.analyses import Response, ResponseRequest
-    from flexmech.arrays import LabelledProgress
+    pass
 
 
 class Run(NamedTuple):
     """What a run is asked to be, and its crank speed as typed."""
 
-    request: ResponseRequest
+    request: analyses.ResponseRequest
     speed: typed.Speeds
 
 
@@ -70,11 +68,10 @@ def asked_run(
             "--start rigid or equilibrium"
         )
 
-    from flexmech.analyses import ResponseRequest
     from flexmech.linkages import CrankDrive
 
     with naming("--revolutions, --samples, --run-up"):
-        request = ResponseRequest(
+        request = analyses.ResponseRequest(
             CrankDrive(speed.single, run_up),
             revolutions,
             samples,
@@ -123,20 +120,13 @@ def response(
         What response.nc holds: needed for pictures, animation and comparisons; or all, with the
         places and energies of the links at every sample.
     """
-    from flexmech.analyses.response import compute as analysis
-    from flexmech.analyses.response.result import Response
-    from flexmech.modelfile import load_mechanism
-    from flexmech.plots import mp4_available
+    from flexmech.analyses.response.compute import response as analysis
 
-    mechanism = load_mechanism(model)
-
-    def animations(result: Response, folder: Path, progress: LabelledProgress | None) -> list[Path]:
-        return result.save_animations(folder, progress) if animate else []
-
+    mechanism = mechanism_of(model)
     alone = "animation: a GIF alone, for MP4 needs ffmpeg; install it and run again"
     deliver(
-        Response,
-        lambda progress: analysis.response(
+        analyses.Response,
+        lambda progress: analysis(
             make_engines(mechanism, engine, element, elements, shaft),
             replace(run.request, prestress=prestress),
             check_mesh=check_mesh,
@@ -146,8 +136,8 @@ def response(
         output,
         model=model,
         speeds=run.speed,
-        further=animations,
-        remark=alone if animate and not mp4_available() else "",
+        further=analyses.Response.save_animations if animate else None,
+        remark=alone if animate and not plots.mp4_available() else "",
         saving={"store": store},
     )
 
@@ -167,12 +157,10 @@ def export(
     Writes linkage.py, which needs exudyn and numpy alone and makes, solves and shows the system
     that response --engine exudyn runs.
     """
-    from flexmech.analyses import Summary
     from flexmech.analyses.response.compute import exudyn_system
-    from flexmech.modelfile import load_mechanism
     from flexmech.multibody import SCRIPT, ExudynEngine
 
-    mechanism = load_mechanism(model)
+    mechanism = mechanism_of(model)
     with naming("--out"):
         out = given_path(out)
         check_writable(out, [SCRIPT])
@@ -188,5 +176,5 @@ def export(
         f"{len(system.sensors)} sensors; {system.steps} steps of {system.step:.4g} s"
     )
     named = one_line(str(file), most=len(str(file)))
-    summary = Summary((counts,), f"next: python {named}")
+    summary = analyses.Summary((counts,), f"next: python {named}")
     say(summary, [file], [f"files: {named}"], [run.speed.remark], printing)

@@ -25,22 +25,24 @@ if TYPE_CHECKING:
     from flexmech.mechanism import Mechanism
 
 MOST_ANGLES = 100_000
-"""More crank angles than this are taken for a slip of the keyboard."""
+"""More crank angles than this, every 0.004 deg of a turn, are taken for a slip of the keyboard."""
 MOST_SPEEDS = 10_000
-"""And more crank speeds than this."""
+"""And more crank speeds than this: at a tenth of a second each they take a quarter of an hour."""
 # Eight turns: positions repeat every turn.
 _MOST_DEGREES = 2880
 _BEYOND = (
     f"got {{!r}}, which goes beyond {_MOST_DEGREES} deg; positions repeat every turn, so give an "
     "angle of the first eight turns"
 )
-# Of the crank's speed in a Campbell diagram; higher ones are a slip of the keyboard.
+# Of the crank's speed in a Campbell diagram; higher ones excite nothing: a slip of the keyboard.
 _MOST_ORDER = 1000
-# Steps of the second parameter of a stability map, each a map over the speeds.
+# Steps of the second parameter of a stability map, each a map over the speeds: more than three
+# digits are a slip of the keyboard.
 _MOST_STEPS = 999
-# In rad/s: a bare number beyond may be meant in turns a minute.
+# In rad/s, 1,900 rpm, at which few linkages run: a bare number beyond may be meant in rpm.
 _DOUBTFUL_SPEED = 200.0
-# Speeds nearer to each other than this, relatively, are one speed in two units.
+# Speeds nearer to each other than this, relatively, are one speed in two units: they differ by the
+# round-off of the conversion.
 _SAME_SPEED = 1e-12
 # What --step and --steps take where the analysis chooses.
 _AUTO = "auto"
@@ -269,10 +271,6 @@ def _words(option: str, known: Collection[str], wrong: str, example: str = "") -
     return Typed(option, read)
 
 
-def _names(text: str) -> tuple[str, ...]:
-    return tuple(name.strip() for name in text.split(","))
-
-
 ANGLES = Typed("--angles", _angles)
 LOCKED_ANGLES = Typed("--angle", _angles)
 SHAPES_AT = Typed("--shapes-at", _angles)
@@ -295,7 +293,7 @@ RELATIVE_HUMIDITY = Typed("--relative-humidity", _percent)
 _AS_IN = ", as in --format pdf,svg"
 FORMATS = _words("--format", PICTURE_FORMATS, "format of pictures", _AS_IN)
 INCLUDE = _words("--include", REPORT_PARTS, "part of a report")
-FIT = Typed("--fit", _names)
+FIT = Typed("--fit", lambda text: tuple(name.strip() for name in text.split(",")))
 
 BANDWIDTH = _positive("--bandwidth", units.FREQUENCY, "Hz")
 DURATION = _positive("--duration", units.TIME, "s")

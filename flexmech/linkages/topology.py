@@ -245,6 +245,11 @@ class Topology:
         return replace(self, links=tuple(links))
 
     @property
+    def rigid_ties(self) -> tuple[Pin | Weld, ...]:
+        """Ties but for pins that springs alone hold together."""
+        return tuple(tie for tie in self.ties if not (isinstance(tie, Pin) and tie.sprung))
+
+    @property
     def pinned_ends(self) -> dict[str, tuple[LinkEnd, LinkEnd | None]]:
         """Following and leading end of each pin, by joint; of each pivot its end, and None."""
         ends: dict[str, tuple[LinkEnd, LinkEnd | None]] = {

@@ -14,12 +14,12 @@ from flexmech.errors import InputError, suggestion
 from flexmech.validation import check_choice, checked_array, checked_tuple
 
 Abscissa = Literal["time", "frequency", "crank_angle"]
+# SI unit of what a record is written over.
 ABSCISSA_UNITS: dict[Abscissa, str] = {"time": "s", "frequency": "Hz", "crank_angle": "rad"}
-"""SI unit of what a record is written over."""
 # Fewer have no usual step, beside which another could be told as uneven.
 LEAST_SAMPLES = 3
+# No measured number is greater in SI units; of much greater ones squares overflow.
 GREATEST = 1e60
-"""No measured number is greater in SI units; of much greater ones squares overflow."""
 
 # Part of the step by which one step may differ from the others, besides the rounding of the file:
 # 3.6 deg of the phase at half the sampling rate.

@@ -23,6 +23,7 @@ class _Quantity(NamedTuple):
     force: int = 0
 
 
+# What functions of universal files are of; a force is one of excitation.
 QUANTITIES: dict[UffQuantity, _Quantity] = {
     "none": _Quantity(0, ""),
     "strain": _Quantity(3, "", "1/N"),
@@ -31,7 +32,6 @@ QUANTITIES: dict[UffQuantity, _Quantity] = {
     "acceleration": _Quantity(12, "m/s^2", "m/(N s^2)", length=1),
     "force": _Quantity(13, "N", force=1),
 }
-"""What functions of universal files are of; a force is one of excitation."""
 # The other kind of force in the format: what is measured of a support is as good.
 REACTION_FORCE = 9
 

@@ -21,25 +21,24 @@ from scipy.signal import find_peaks
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.modal_testing.identified import fit_residues, modal_sum
 
+# Of a peak over the valleys beside it, as a factor of amplitude: that of ripples by noise of a few
+# per cent is 1.1.
 LEAST_PROMINENCE = 2.0
-"""Of a peak over the valleys beside it, as a factor of amplitude: that of ripples by noise of a few
-per cent is 1.1."""
+# Half width of what is fitted, in half-power widths of the peak: nine tenths of the circle.
 WIDTH = 3.0
-"""Half width of what is fitted, in half-power widths of the peak: nine tenths of the circle."""
+# Frequencies that are fitted at least: 18 numbers at each point for eight unknowns.
 LEAST_LINES = 9
-"""Frequencies that are fitted at least: 18 numbers at each point for eight unknowns."""
+# In lines, of what is tried for the first circle of a peak: from the least number on, and doubled.
 HALF_WIDTHS = (4, 8, 16, 32)
-"""In lines, of what is tried for the first circle of a peak: from the least number on, and
-doubled."""
+# Of what stands out at a peak: noise is no circle.
 LEAST_EXPLAINED = 0.5
-"""Of what stands out at a peak: noise is no circle."""
+# A bound of the work alone: all poles are refined together afterwards.
 MOST_ROUNDS = 20
-"""A bound of the work alone: all poles are refined together afterwards."""
+# Relative change of the poles in a round: they are refined together afterwards.
 CONVERGED = 1e-7
-"""Relative change of the poles in a round: they are refined together afterwards."""
+# Of Sanathanan and Koerner's iteration, whose weight needs the pole that it leads to: this pole
+# serves as a start alone.
 WEIGHT_ROUNDS = 4
-"""Of Sanathanan and Koerner's iteration, whose weight needs the pole that it leads to: this pole
-serves as a start alone."""
 
 
 def peaks(frequency: FloatArray, receptance: ComplexArray) -> IntArray:

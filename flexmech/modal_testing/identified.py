@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.modal_testing.lscf import StabilisationChart
 
+# Of the series of what modes above the band give, beyond its constant. Without them a mode near the
+# band's end is drawn towards those outside.
 UPPER_TERMS = 2
-"""Of the series of what modes above the band give, beyond its constant. Without them a mode near
-the band's end is drawn towards those outside."""
 
 
 class _ResidualTerms(NamedTuple):

@@ -17,21 +17,21 @@ from flexmech.modal_testing.refine import refined_poles, significant_poles
 
 IdentificationMethod = Literal["lscf", "circle-fit"]
 
+# Highest number of modes of the models of LSCF: a mode is stable in a fifth of the orders at least,
+# which are six then.
 ORDERS = 30
-"""Highest number of modes of the models of LSCF: a mode is stable in a fifth of the orders at
-least, which are six then."""
+# Frequencies in the band that a fit needs: of one point 32 numbers, for the 12 unknowns of a mode
+# with the residual terms.
 LEAST_LINES = 16
-"""Frequencies in the band that a fit needs: of one point 32 numbers, for the 12 unknowns of a mode
-with the residual terms."""
+# Of the greatest receptance: a peak that is left above it is a mode that LSCF has missed.
 PEAK_LEFT = 0.1
-"""Of the greatest receptance: a peak that is left above it is a mode that LSCF has missed."""
+# Peaks that are tried, the most prominent ones: altogether, and near an expected mode. A bound of
+# the work: those of noise are dropped afterwards.
 MOST_PEAKS, MOST_NEAR = 20, 3
-"""Peaks that are tried, the most prominent ones: altogether, and near an expected mode. A bound of
-the work: those of noise are dropped afterwards."""
+# Of half their half-power width: poles so near to each other are one.
 TOGETHER = 0.2
-"""Of half their half-power width: poles so near to each other are one."""
+# Relative: an expected mode is one that is found so near in frequency.
 NEAR = 0.05
-"""Relative: an expected mode is one that is found so near in frequency."""
 
 
 def best_method() -> IdentificationMethod:

@@ -24,14 +24,13 @@ EXTRA = (
     '[modal-test]", or choose method="circle-fit"'
 )
 
+# Relative: by so much at most a stable pole's frequency differs from the order before. Half of what
+# stabilisation charts usually have, since modes of linkages may be a per cent apart.
 FREQUENCY_TOLERANCE = 0.005
-"""Relative: by so much at most a stable pole's frequency differs from the order before. Half of
-what stabilisation charts usually have, since modes of linkages may be a per cent apart."""
+# Relative, of the damping ratio, the window's included; as stabilisation charts usually have it.
 DAMPING_TOLERANCE = 0.05
-"""Relative, of the damping ratio, the window's included; as stabilisation charts usually have
-it."""
+# In which a pole must be stable to be that of a mode.
 PART_OF_ORDERS = 0.2
-"""In which a pole must be stable to be that of a mode."""
 LEAST_ORDERS = 3
 
 

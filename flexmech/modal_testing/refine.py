@@ -25,13 +25,13 @@ from scipy.stats import chi2
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.modal_testing.identified import residue_columns
 
+# A bound of the work: from poles of another method the squares fall to their least in a few.
 MOST_STEPS = 30
-"""A bound of the work: from poles of another method the squares fall to their least in a few."""
+# Relative: a pole that moves further is no longer the one that was identified.
 FAR = 0.05
-"""Relative: a pole that moves further is no longer the one that was identified."""
 
+# Probability that noise alone gives a mode somewhere in the band.
 FALSE_ALARM = 1e-3
-"""Probability that noise alone gives a mode somewhere in the band."""
 
 
 def refined_poles(s: ComplexArray, receptance: ComplexArray, pole: ComplexArray) -> ComplexArray:

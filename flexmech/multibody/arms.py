@@ -8,8 +8,9 @@ The map holds in every frame if phi is the angle against that frame.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -182,12 +183,7 @@ class LinkArms:
         -------
         ndarray, shape (..., size)
         """
-        if not self._links:
-            return self._followed(axis, axis)
-        nodes = axis.copy()
-        for arms, own in self._links:
-            nodes[..., own] = arms.moved(axis[..., own])
-        return self._followed(nodes, axis)
+        return self._mapped(axis, lambda arms, own: arms.moved(axis[..., own]))
 
     def to_axis(self, nodes: FloatArray) -> FloatArray:
         """Undo :meth:`to_nodes`.
@@ -200,8 +196,7 @@ class LinkArms:
         -------
         ndarray, shape (..., size)
         """
-        back = LinkArms._of([(arms.back, own) for arms, own in self._links])
-        return back.to_nodes(nodes[..., : self._size])
+        return self._back.to_nodes(nodes[..., : self._size])
 
     def rate_to_nodes(self, axis: FloatArray, rate: FloatArray) -> FloatArray:
         """Exudyn's velocities of points on the pins' axis.
@@ -214,12 +209,7 @@ class LinkArms:
         -------
         ndarray, shape (..., size)
         """
-        if not self._links:
-            return self._followed(rate, rate)
-        nodes = rate.copy()
-        for arms, own in self._links:
-            nodes[..., own] = arms.moved_rate(axis[..., own], rate[..., own])
-        return self._followed(nodes, rate)
+        return self._mapped(rate, lambda arms, own: arms.moved_rate(axis[..., own], rate[..., own]))
 
     def rate_to_axis(self, nodes: FloatArray, rate: FloatArray) -> FloatArray:
         """Undo :meth:`rate_to_nodes`.
@@ -232,15 +222,20 @@ class LinkArms:
         -------
         ndarray, shape (..., size)
         """
-        back = LinkArms._of([(arms.back, own) for arms, own in self._links])
-        return back.rate_to_nodes(nodes, rate)
+        return self._back.rate_to_nodes(nodes, rate)
 
-    def _followed(self, nodes: FloatArray, axis: FloatArray) -> FloatArray:
-        """With the coordinates of bodies that follow the links."""
+    @cached_property
+    def _back(self) -> LinkArms:
+        """From the nodes to the axis points, without bodies."""
+        return LinkArms([arms.back for arms, _ in self._links], [own for _, own in self._links])
+
+    def _mapped(
+        self, values: FloatArray, mapped: Callable[[_NodeMap, slice], FloatArray]
+    ) -> FloatArray:
+        """Values with each link's own as ``mapped`` says, and those of bodies that follow."""
+        nodes = values.copy() if self._links else values
+        for arms, own in self._links:
+            nodes[..., own] = mapped(arms, own)
         if not self._followers:
             return nodes
-        return np.concatenate([nodes, axis[..., self._followers]], axis=-1)
-
-    @classmethod
-    def _of(cls, links: Sequence[tuple[_NodeMap, slice]]) -> LinkArms:
-        return cls([arms for arms, _ in links], [own for _, own in links])
+        return np.concatenate([nodes, values[..., self._followers]], axis=-1)

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.linkages import AttachmentPoint, JointSpring, LinkEnd, Load, Spring
+from flexmech.linkages.topology import leading_end
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.link_parts import BeamPart, RigidPart
-from flexmech.multibody.node_directions import ends_of_joint, leading_end
 
 
 def add_point_marker(assembly: LinkAssembly, point: AttachmentPoint, name: str) -> ItemNumber:
@@ -226,7 +226,7 @@ class ConnectorItems:
 
     def _add_joint_spring(self, own: JointSpring, fixed: ItemNumber) -> JointSpringItem:
         assembly, items, name = self.assembly, self.assembly.items, f"spring_in_{own.joint}"
-        follower, leader = ends_of_joint(assembly.topology, own.joint)
+        follower, leader = assembly.topology.pinned_ends[own.joint]
         items.begin(f"spring in joint {own.joint}")
         turning = radial = ground = None
         drag: list[ItemNumber] = []
@@ -252,7 +252,7 @@ class ConnectorItems:
                 ground = items.add("ObjectGround", f"{name}_ground")
                 before = items.add("MarkerBodyPosition", f"{name}_on_ground", bodyNumber=ground)
             else:
-                root = leading_end(assembly.topology, leader)
+                root = leading_end(leader, assembly.topology.rigid_ties)
                 before = assembly.add_end_marker(root, f"{name}_on_{root.link}")
             # In this order Exudyn's sensor tells the force on the follower.
             markers = [assembly.add_end_marker(follower, f"{name}_on_{follower.link}"), before]

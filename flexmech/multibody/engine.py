@@ -29,6 +29,7 @@ from flexmech.linear_system import (
     LinkModel,
     LinkPoint,
     Prestress,
+    StraightForces,
     StressedLinks,
     TheoryComparison,
     acts_still,
@@ -86,7 +87,6 @@ class ExudynEngine(Engine):
     theories: ClassVar[dict[str, str]] = {"ancf": "euler", "geometrically-exact": "timoshenko"}
     simulates: ClassVar[bool] = True
     solves_connectors: ClassVar[bool] = True
-    equilibrium_has_pull: ClassVar[bool] = True
 
     @property
     def axial_modes_of_bows(self) -> int:
@@ -349,21 +349,27 @@ class ExudynEngine(Engine):
         """Stiffness and internal forces in running states; see :meth:`Engine.running_links`."""
         tangent, damping = running_tangents(self.model, motion, displacement)
         force, links = internal_forces(self.model, displacement), self.clamped_links
-        # Bodies alone: what joints do to rigid links that turn is not told.
+        # Joints do to a crank on a free shaft what straight links do; of other rigid links that
+        # turn it is not told.
         elastic = {n: tangent[n] for n, link in enumerate(links) if not link.rigid}
         dead = self._dead(motion, inertia_loads(links, motion, self.mechanism.gravity))
         stiffened = dead.stiffen(elastic, [q.T for q in displacement])
         tangents = [stiffened.get(number, own) for number, own in enumerate(tangent)]
+        if (shaft := self.free_shaft) is not None and links[shaft.link].rigid:
+            straight = with_rigid_links(self.frames, stiffened, self._straight(motion).stiffness)
+            tangents[shaft.link] = straight.tangent[shaft.link]
         return StressedLinks(tangents, list(displacement), force, damping)
+
+    def _straight(self, motion: RigidMotion) -> StraightForces:
+        """Forces in straight links."""
+        frames = LinkFrames(self.tied_topology, self.clamped_links)
+        loads, connectors = self._straight_loads(motion), self.clamped_connectors
+        return straight_forces(self.mechanism, frames, motion, loads, connectors=connectors)
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links in tension."""
-        frames = LinkFrames(self.tied_topology, self.clamped_links)
-        loads = self._straight_loads(motion)
-        straight = straight_forces(
-            self.mechanism, frames, motion, loads, connectors=self.clamped_connectors
-        )
-        nodes = [link.readings.nodes for link in self.clamped_links]
+        straight = self._straight(motion)
+        loads, nodes = straight.loads, [link.readings.nodes for link in self.clamped_links]
         tensions = element_tensions(self.mechanism, nodes, motion, straight.links)
         tangent: dict[int, LinkMatrix] = {
             number: whole(link.stiffness) + np.tensordot(tensions[number][..., 0], unit, axes=1)
@@ -375,4 +381,4 @@ class ExudynEngine(Engine):
         tangent = self._dead(motion, loads).stiffen(
             tangent, [np.zeros_like(load.T) for load in loads]
         )
-        return with_rigid_links(frames, tangent, straight.stiffness, loads)
+        return with_rigid_links(self.frames, tangent, straight.stiffness, loads)

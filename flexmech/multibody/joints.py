@@ -16,10 +16,10 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.linkages import LinkEnd, Pin, Slider, Weld
+from flexmech.linkages.topology import leading_end
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.link_parts import RigidPart
-from flexmech.multibody.node_directions import leading_end
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def _tie(assembly: LinkAssembly, tie: Pin | Weld, angle: FloatArray) -> TieJoint
     kind = "pin" if isinstance(tie, Pin) else "weld"
     name = f"{kind}_{tie.joint}"
     assembly.items.begin(f"{kind} {tie.joint}")
-    leader = leading_end(assembly.topology, tie.leader)
+    leader = leading_end(tie.leader, assembly.topology.rigid_ties)
     markers = [
         assembly.add_end_marker(place, f"{name}_on_{place.link}")
         for place in (leader, tie.follower)

@@ -246,44 +246,16 @@ def turned_bodies(mechanism: Mechanism, mass: LinkMass, link: str) -> list[LinkB
     ends: set[LinkEnd] = set()
     for own in mechanism.joint_springs:
         if own.torsional_stiffness or own.torsional_damping:
-            pair = ends_of_joint(mechanism.linkage.topology, own.joint)
+            pair = mechanism.linkage.topology.pinned_ends[own.joint]
             ends |= {end for end in pair if end is not None and end.link == link}
     places = sorted(0.0 if end.end == "start" else mass.length for end in ends)
     return [LinkBody(place, 0.0) for place in places]
 
 
-def ends_of_joint(topology: Topology, joint: str) -> tuple[LinkEnd, LinkEnd | None]:
-    """Following or held end of a pin or pivot, and its leading end."""
-    for pin in topology.pins:
-        if pin.joint == joint:
-            return pin.follower, pin.leader
-    pivot = next(pivot for pivot in topology.pivots if pivot.joint == joint)
-    return pivot.link_end, None
-
-
-def leading_end(topology: Topology, end: LinkEnd) -> LinkEnd:
-    """Follow rigid pins and welds to the end that carries the place; springs part ends.
-
-    Parameters
-    ----------
-    topology : Topology
-    end : LinkEnd
-
-    Returns
-    -------
-    LinkEnd
-    """
-    sprung = {pin.joint for pin in topology.pins if pin.sprung}
-    leaders = {tie.follower: tie.leader for tie in topology.ties if tie.joint not in sprung}
-    while end in leaders:
-        end = leaders[end]
-    return end
-
-
 def hanging_on(topology: Topology, end: LinkEnd) -> list[str]:
     """Joints whose leading link ends in another joint's follower and is placed by its leader.
 
-    What they put on that leader in a model of :func:`leading_end`, they put on the follower's link.
+    What they put on the end that carries the leader's place, they put on the follower's link.
 
     Parameters
     ----------
@@ -295,8 +267,7 @@ def hanging_on(topology: Topology, end: LinkEnd) -> list[str]:
     -------
     list of str
     """
-    sprung = {pin.joint for pin in topology.pins if pin.sprung}
-    leaders = {tie.follower: tie.leader for tie in topology.ties if tie.joint not in sprung}
+    leaders = {tie.follower: tie.leader for tie in topology.rigid_ties}
     found = []
     for tie in topology.ties:
         place: LinkEnd | None = tie.leader

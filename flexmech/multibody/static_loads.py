@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linkages import AttachmentPoint, RigidMotion, continuous_angles
+from flexmech.linkages import RigidMotion, continuous_angles
+from flexmech.linkages.applied_forces import SpringLine, joint_gap
 from flexmech.linkages.motion import direction, normal
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.connectors import ConnectorItems, JointSpringItem, SpringItem, angle_of_end
@@ -220,22 +221,21 @@ class StaticConnectors:
         mbs, changed = self._all.assembly.mbs, False
         for item in self._all.springs:
             if item.spring.damping:
-                along, _ = self._line(item)
+                along = self._along(item)
                 before = mbs.GetObjectParameter(item.number, "force")
                 force = item.spring.damping * float(along @ self._approach[item.spring.name])
                 mbs.SetObjectParameter(item.number, "force", force)
                 changed = changed or abs(force - before) > CONVERGED * (abs(force) + abs(before))
         return changed
 
-    def _line(self, item: SpringItem) -> tuple[FloatArray, float]:
-        """Direction from the first to the second end in the model's axes, and length in m."""
+    def _along(self, item: SpringItem) -> FloatArray:
+        """Direction from the first to the second end in the model's axes."""
         kind = load_exudyn().OutputVariableType.Position
         first, second = (
             np.array(self._all.assembly.mbs.GetMarkerOutput(int(marker), kind))[:2]
             for marker in item.markers
         )
-        length = float(np.linalg.norm(second - first))
-        return (second - first) / length, length
+        return np.asarray((second - first) / np.linalg.norm(second - first))
 
     @property
     def scale_of_forces(self) -> float:
@@ -247,11 +247,10 @@ class StaticConnectors:
         for point, ground in item.grounds:
             self._put(ground, np.array([point.x, point.y]))
         if spring.damping:
-            ends = [self._point(motion, number, end) for end in (spring.first, spring.second)]
-            line, approach = ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]
-            rate = float(line @ approach / np.linalg.norm(line))
-            mbs.SetObjectParameter(item.number, "force", spring.damping * rate)
-            self._approach[spring.name] = _turned(approach, -self._turn)
+            there = motion.at(slice(number, number + 1))
+            line = SpringLine.of(spring, self._all.assembly.topology, there)
+            mbs.SetObjectParameter(item.number, "force", spring.damping * float(line.rate[0]))
+            self._approach[spring.name] = _turned(line.relative_velocity[0], -self._turn)
 
     def _set_joint(
         self, item: JointSpringItem, motion: RigidMotion, number: int, pose: FloatArray
@@ -260,11 +259,10 @@ class StaticConnectors:
         ends = [(1.0, item.follower)]
         if item.leader is not None:
             ends.append((-1.0, item.leader))
-        links = [(sign, assembly.topology.index(end.link)) for sign, end in ends]
         if item.turning is not None:
-            angles = self._continuous(motion)[number]
-            opening = sum(sign * angles[link] for sign, link in links)
-            rate = sum(sign * motion.angular_velocity[number, link] for sign, link in links)
+            there = motion.at(slice(number, number + 1))
+            angles = self._continuous(motion)[number : number + 1]
+            opening, rate = (x[0, 2] for x in joint_gap(assembly.topology, there, own, angles))
             stands = sum(sign * pose[angle_of_end(assembly, end)] for sign, end in ends)
             offset = stands - opening + own.free_angle
             for load, sign in zip(item.drag, (-1.0, 1.0), strict=False):
@@ -272,7 +270,7 @@ class StaticConnectors:
                 assembly.mbs.SetLoadParameter(load, "load", torque)
             assembly.mbs.SetObjectParameter(item.turning, "offset", float(offset))
         if item.ground is not None:
-            link = links[0][1]
+            link = assembly.topology.index(item.follower.link)
             x = 0.0 if item.follower.end == "start" else assembly.topology.links[link].length
             self._put(item.ground, motion.position(link, x)[number])
 
@@ -281,15 +279,6 @@ class StaticConnectors:
             linkage = self._all.assembly.mechanism.linkage
             self._motion, self._angles = motion, continuous_angles(linkage, motion)
         return self._angles
-
-    def _point(
-        self, motion: RigidMotion, number: int, point: AttachmentPoint
-    ) -> tuple[FloatArray, FloatArray]:
-        """Place and velocity of a point of the rigid linkage in ground axes."""
-        if point.is_ground:
-            return np.array([point.x, point.y]), np.zeros(2)
-        link = self._all.assembly.topology.index(point.link)
-        return motion.position(link, point.x)[number], motion.velocity(link, point.x)[number]
 
     def _put(self, ground: ItemNumber, place: FloatArray) -> None:
         """Put a ground where it is in the model's axes."""

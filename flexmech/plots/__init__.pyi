@@ -1,12 +1,13 @@
 from .animation import mp4_available as mp4_available
 from .animation import write_animation as write_animation
 from .campbell import plot_campbell as plot_campbell
-from .comparison import plot_comparison as plot_comparison
+from .campbell import plot_speed_sweep as plot_speed_sweep
 from .composite_study import plot_composite_damping as plot_composite_damping
 from .composite_study import plot_composite_frequencies as plot_composite_frequencies
 from .composite_study import plot_laminate_factors as plot_laminate_factors
-from .coupler_curve import plot_coupler_angles as plot_coupler_angles
-from .coupler_curve import plot_coupler_curve as plot_coupler_curve
+from .composite_study import plot_verification as plot_verification
+from .drawn_linkage.figures import plot_linkage as plot_linkage
+from .drawn_linkage.figures import plot_mode_shapes as plot_mode_shapes
 from .effects import plot_agreement as plot_agreement
 from .effects import plot_hygrothermal_effect as plot_hygrothermal_effect
 from .effects import plot_speed_effect as plot_speed_effect
@@ -16,6 +17,7 @@ from .floquet import plot_floquet_harmonics as plot_floquet_harmonics
 from .frequencies import plot_damping_ratio as plot_damping_ratio
 from .frequencies import plot_frequencies as plot_frequencies
 from .frequencies import plot_modal_damping as plot_modal_damping
+from .frf import plot_comparison as plot_comparison
 from .frf import plot_frf as plot_frf
 from .frf import plot_frf_parts as plot_frf_parts
 from .frf import plot_harmonic_frf as plot_harmonic_frf
@@ -23,6 +25,8 @@ from .hammer import plot_hammer as plot_hammer
 from .hammer import plot_impact_shapes as plot_impact_shapes
 from .hammer import plot_nyquist as plot_nyquist
 from .hammer import plot_stabilisation as plot_stabilisation
+from .kinematics import plot_coupler_angles as plot_coupler_angles
+from .kinematics import plot_coupler_curve as plot_coupler_curve
 from .kinematics import plot_drive as plot_drive
 from .kinematics import plot_joint_forces as plot_joint_forces
 from .kinematics import plot_kinematics as plot_kinematics
@@ -31,10 +35,7 @@ from .layout import AxesLike as AxesLike
 from .layout import Sheet as Sheet
 from .layout import grid as grid
 from .layout import sheet as sheet
-from .linkage import plot_linkage as plot_linkage
 from .mechanism import plot_mechanism as plot_mechanism
-from .mode_shapes import plot_mode_shapes as plot_mode_shapes
-from .moisture import plot_moisture as plot_moisture
 from .reading import chosen as chosen
 from .reading import mode_label as mode_label
 from .reading import speed_label as speed_label
@@ -42,12 +43,12 @@ from .response import plot_forces as plot_forces
 from .response import plot_response as plot_response
 from .scales import crank_angle_axis as crank_angle_axis
 from .scales import plain_numbers as plain_numbers
+from .section import plot_moisture as plot_moisture
 from .section import plot_section as plot_section
 from .spectra import plot_spectrogram as plot_spectrogram
 from .spectra import plot_spectrum as plot_spectrum
-from .speed_sweep import plot_speed_sweep as plot_speed_sweep
 from .stability import plot_stability as plot_stability
-from .stability_against import plot_stability_against as plot_stability_against
+from .stability import plot_stability_against as plot_stability_against
 from .style import LIGHT_GREY as LIGHT_GREY
 from .style import MID_GREY as MID_GREY
 from .style import SERIES_STYLES as SERIES_STYLES
@@ -59,4 +60,3 @@ from .style import save_figure as save_figure
 from .style import series_handle as series_handle
 from .style import series_line as series_line
 from .style import series_style as series_style
-from .verification import plot_verification as plot_verification

@@ -32,17 +32,17 @@ from flexmech.plots.style import (
 )
 from flexmech.units import from_si
 
-# Size in points of the marks of further engines.
+# In points, of the marks of further engines: they stand out from lines of 1.2 points.
 MARK_SIZE = 4.2
 # Marks along a line: enough to judge by, few enough to see the lines through.
 MARKS_ALONG_ANGLE = 12
 ONE_MODE = "choose one mode (modes=1)"
 # From this number of panels on, two columns read better than one tall stack.
 TWO_COLUMNS_FROM = 4
-# Least height of a panel with its heading, and least width for many ticks, in inches.
-PANEL_HEIGHT = 1.4
-# More panels on top of each other than these are flatter, so that a page holds them.
-MOST_TALL, FLAT_PANEL = 5, 1.1
+# Height of a panel with its heading at least, in inches: three ticks and their numbers. More panels
+# on top of each other than these are flatter: eight of them fit a page of 240 mm.
+PANEL_HEIGHT, MOST_TALL, FLAT_PANEL = 1.4, 5, 1.1
+# In inches: narrower panels have ticks every 90 deg, whose numbers would touch at 60.
 WIDE = 4.0
 
 FEW_SPEEDS = 5
@@ -53,6 +53,7 @@ LIGHTEST = 0.9
 COLOURS = LinearSegmentedColormap.from_list(
     "speeds", mpl.colormaps["viridis"](np.linspace(0.0, LIGHTEST, 256))
 )
+# Thinner than a line alone, since many lie side by side.
 SPEED_LINE: Look = {"linestyle": "-", "linewidth": 0.9}
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
@@ -20,33 +20,32 @@ from PIL import Image
 from flexmech.arrays import FloatArray, StepProgress, silent
 from flexmech.errors import InputError
 from flexmech.plots import reading, style
+from flexmech.plots.drawn_linkage.figures import part_handles
+from flexmech.plots.drawn_linkage.parts import SAME_PLACE, LinkageParts, extent_of, parts_of
+from flexmech.plots.drawn_linkage.sketch import RIGID, LinkageSketch
+from flexmech.plots.drawn_linkage.symbols import add_symbols, move_symbols
 from flexmech.plots.layout import grid, height_of, round_enlargement, sheet
-from flexmech.plots.linkage import part_handles
-from flexmech.plots.linkage_parts import LinkageParts, extent_of, parts_of
-from flexmech.plots.linkage_sketch import RIGID, LinkageSketch
-from flexmech.plots.linkage_symbols import add_symbols, move_symbols
 from flexmech.plots.style import Look, line_handle, publication_style, series_style
 
 # As many pictures as make a film of six seconds, which nobody waits for too long.
 MOST_FRAMES, FRAMES_A_SECOND = 120, 20
 # Wide enough to read, small enough for a web page: about 640 pixels.
 DOTS_AN_INCH = 90
-# Of the line with time and crank angle in inches.
+# Of the line with time and crank angle, in inches: letters of 9 points and room around them.
 TITLE_HEIGHT = 0.35
-# Marks of joints over those of a figure, on wide lines.
+# Marks of joints over those of a figure: links are drawn nearly twice as wide.
 JOINT_SIZE = 1.4
-# Largest displacement as drawn, as a fraction of the linkage's extent.
+# Largest displacement as drawn over the linkage's extent: seen at once, and the linkage is still
+# itself.
 ENLARGED_TO = 0.1
-# Ends that move less than this fraction of the extent stay in place.
-SAME_PLACE = 1e-6
 # A digit's width, so that the title does not tremble while the numbers grow.
 FIGURE_SPACE = "\N{FIGURE SPACE}"
 
 Pictures = Iterator[NDArray[np.uint8]]
 
-# Of a GIF's palette: a few hues with their blends into white.
+# Of a GIF's palette, which may have 256: a few hues with their blends into white take no more.
 COLOURS = 128
-# Of 255: entries of the palette that are lighter throughout are paper.
+# Of 255: entries of the palette that are lighter throughout are paper; the lightest grey is darker.
 NEARLY_WHITE = 240
 
 
@@ -187,7 +186,10 @@ class Scene:
     def __init__(self, motion: EnlargedMotion) -> None:
         self._motion = motion
         blue, orange = series_style(0).color, series_style(1).color
-        enlarged = f"displacement enlarged {_times(motion.enlargement)}"
+        times = f"{motion.enlargement:.4g}"
+        if motion.enlargement >= 1000:
+            times = f"{motion.enlargement:,.0f}".replace(",", "\N{THIN SPACE}")
+        enlarged = f"displacement enlarged {times} times"
         sketch = LinkageSketch(
             motion.rigid[0], motion.parts, joint_size=JOINT_SIZE, travel=motion.rigid
         )
@@ -261,11 +263,6 @@ def _lines(sketch: LinkageSketch, look: Look) -> list[Line2D]:
     return [Line2D([], [], **one) for one in sketch.link_looks(look)]
 
 
-def _times(factor: float) -> str:
-    digits = f"{factor:,.0f}".replace(",", "\N{THIN SPACE}")
-    return f"{digits if factor >= 1000 else f'{factor:.4g}'} times"
-
-
 def write_animation(
     dataset: xr.Dataset,
     path: str | Path,
@@ -305,9 +302,16 @@ def write_animation(
     if enlargement is not None and not (np.isfinite(enlargement) and enlargement > 0):
         raise InputError(f"enlargement must be a positive number, not {enlargement:g}")
     target = Path(path)
-    write = _writer(target)
+    kind = target.suffix.lower()
+    if kind not in (".gif", ".mp4"):
+        raise InputError(f"{target}: an animation is written as .gif or .mp4, not {kind!r}")
+    if kind == ".mp4" and not mp4_available():
+        raise InputError(
+            f"{target}: MP4 needs the program ffmpeg, not found; install it or use .gif"
+        )
     one = dataset.isel(engine=[-1]) if engine is None else reading.chosen(dataset, engine=engine)
     motion = EnlargedMotion.of(one, enlargement)
+    write = _write_gif if kind == ".gif" else _write_mp4
     with publication_style():
         write(target, _pictures(motion, progress or silent))
 
@@ -315,17 +319,6 @@ def write_animation(
 def mp4_available() -> bool:
     """Whether MP4 files can be written, for which the program ffmpeg is needed."""
     return bool(FFMpegWriter.isAvailable())
-
-
-def _writer(path: Path) -> Callable[[Path, Pictures], None]:
-    suffix = path.suffix.lower()
-    if suffix == ".gif":
-        return _write_gif
-    if suffix != ".mp4":
-        raise InputError(f"{path}: an animation is written as .gif or .mp4, not {suffix!r}")
-    if not mp4_available():
-        raise InputError(f"{path}: MP4 needs the program ffmpeg, not found; install it or use .gif")
-    return _write_mp4
 
 
 def _write_gif(path: Path, pictures: Pictures) -> None:

@@ -36,7 +36,8 @@ from flexmech.plots.style import (
 
 # Narrowest y axis in Hz: far below what can be measured, far above round-off.
 LEAST_BAND = 2e-4
-# A term whose greatest change is a smaller part of that of the total in every mode is small.
+# A term whose greatest change is a smaller part of that of the total in every mode is small: its
+# line would lie on that of zero.
 SMALL_PART = 0.01
 SMALL: Look = {"color": MID_GREY, "linewidth": 0.8, "linestyle": (0.0, (1.0, 1.0))}
 
@@ -47,9 +48,10 @@ STATE_LINES: tuple[Look, ...] = (
 
 # Of the engines, where there are several, and the size in points at which they stay apart.
 MARKS, MARK_SIZE = "so^D", 3.6
-# Narrowest axis of the difference in percent: below it one would look at round-off.
+# Narrowest axis of the difference in percent, a hundredth of the errors by the mesh that are usual:
+# below it one would look at these.
 LEAST_DIFFERENCE = 1e-3
-# Relative difference of frequencies that is round-off.
+# Relative difference of frequencies that is round-off: some thousand times machine epsilon.
 SAME = 1e-12
 RUNNING: Look = {"lw": 1.1}
 STILL: Look = {"color": "0.2", "ls": (0, (4.0, 2.0)), "lw": 0.9}

@@ -14,23 +14,25 @@ from matplotlib.ticker import LogLocator
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.plots import scales, style
+from flexmech.plots.campbell import ROOM
 from flexmech.plots.layout import AxesLike, grid, sheet, tiles
 from flexmech.plots.reading import cell_edges, speed_unit, speeds_of, spread, values_of
 from flexmech.plots.stability import NOTHING, shade_speeds, unstable_handles
 from flexmech.plots.style import Look, line_handle, series_style
 
-# Of a figure on a wide and on a narrow page and of its axes, and of a panel, in inches.
-HEIGHT, NARROW_HEIGHT, AXES_HEIGHT, PANEL_HEIGHT = 3.9, 3.2, 0.9, 1.45
+# Of a figure on a wide and on a narrow page, where it is nearly square, and of a panel of a branch,
+# three rows of which fit half a page; in inches.
+HEIGHT, NARROW_HEIGHT, PANEL_HEIGHT = 3.9, 3.2, 1.45
+# Points are seen on it.
 FILL: Look = {"alpha": 0.22, "lw": 0}
-# Of marks and letters in points: marks show where many branches lie close to each other.
-POINT_SIZE, LABEL_POINTS = 2.2, 7.0
+# Of marks, in points: they show where many branches lie close to each other.
+POINT_SIZE = 2.2
 # Of the axes' height: distance of two numbers at the edge, so that they do not touch.
 NUMBER_HEIGHT = 0.035
-# Of the frequency axis over the highest frequency.
-ROOM = 1.06
-# Of the lowest mean frequency, at which the axis begins: the linkage may be near to buckling.
+# Of the lowest mean frequency, at which the axis begins: the linkage may be near to buckling, where
+# the lowest frequency is zero, which has no place on a logarithmic axis.
 LOWEST_PART = 0.4
-# Harmonics of the lowest branches are drawn.
+# Harmonics of the lowest branches are drawn: those of the natural frequencies asked for by default.
 MOST_BRANCHES = 4
 # Lesser parts of a mode are white: they are of the order of the harmonics left out.
 LEAST_SHARE = 1e-4
@@ -64,7 +66,7 @@ def plot_floquet_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None)
     if not np.isfinite(frequency).any():
         raise InputError(NOTHING)
     height = NARROW_HEIGHT if style.is_narrow() else HEIGHT
-    with sheet(grid(1, 1, height + AXES_HEIGHT), ax=ax) as drawn:
+    with sheet(grid(1, 1, height + style.AXES_HEIGHT), ax=ax) as drawn:
         drawn.header(_frequency_handles(dataset), "Floquet frequencies", of=dataset)
         (axes,) = drawn.panels
         shade_speeds(axes, dataset)
@@ -160,7 +162,7 @@ def _number_branches(axes: Axes, dataset: xr.Dataset) -> None:
     upward = np.argsort(mean)
     bottom, top = np.log(axes.get_ylim())
     heights = np.exp(spread(np.log(mean[upward]), NUMBER_HEIGHT * (top - bottom)))
-    look: Look = {"fontsize": LABEL_POINTS, "va": "center", "textcoords": "offset points"}
+    look: Look = {"fontsize": style.LABEL_POINTS, "va": "center", "textcoords": "offset points"}
     for number, height in zip(dataset["branch"].values[upward].tolist(), heights, strict=True):
         place, color = (axes.get_xlim()[1], height), series_style(number - 1).color
         axes.annotate(str(number), place, xytext=(3, 0), color=color, **look)

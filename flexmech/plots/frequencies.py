@@ -16,17 +16,18 @@ from flexmech.plots.angle_panels import Between, colour_bar, has_many_speeds, sp
 from flexmech.plots.layout import AxesLike, sheet
 from flexmech.plots.style import Look, line_handle
 
-# Two modes whose bands are this close in ratio can exchange branches; modes further apart
-# only seem to, where the crank angles are too coarse to follow a branch.
+# Two modes whose bands are this close in ratio can exchange branches: frequencies that veer are
+# less than a tenth apart. Modes further apart only seem to, where the crank angles are too coarse.
 NEAR_BANDS = 1.1
 
-# Veering can last for a large part of the turn: a strip of this part of a mode's height.
+# Veering can last for a large part of the turn: a strip of this part of a mode's height is seen and
+# hides no line.
 VEERING_STRIP = 0.035
 STRIP: Look = {"color": "0.72", "lw": 0}
 
-# More panels than these are too many to compare.
+# More panels than these are too many to compare, and six fill three rows of two.
 MOST_SPEEDS = 6
-# Narrowest axis of damping as a part of the mean ratio: below it one would look at round-off.
+# Narrowest axis of damping as a part of the mean ratio, which is known to two digits at best.
 LEAST_BAND = 0.02
 
 
@@ -74,8 +75,9 @@ def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
             scales.scale_y(axes, frequency[..., group], least_part=scales.FREQUENCY_BAND)
             _mark_veering(axes, angles, veering[..., group])
             of_group = [_of_modes(each, group) for each in between]
-            parts = frequency[..., group], branch[0][..., group], of_group
-            _draw_speeds(axes, angles, *parts, looks)
+            _draw_speeds(
+                axes, angles, frequency[..., group], branch[0][..., group], of_group, looks
+            )
         colour_bar(drawn, dataset)
     return drawn.figure
 
@@ -187,7 +189,7 @@ def _number_branches(axes: Axes, lines: dict[int, FloatArray]) -> None:
     least = 0.07 * float(np.ptp(axes.get_ylim()))
     heights = reading.spread(np.array([end for end, _ in there]), least)
     look: Look = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
-    look |= {"va": "center", "fontsize": 7, "color": style.MID_GREY}
+    look |= {"va": "center", "fontsize": style.LABEL_POINTS, "color": style.MID_GREY}
     for height, (_, number) in zip(heights, there, strict=True):
         axes.annotate(f"branch {number}", (1.0, height), xytext=(6, 0), **look)
 
@@ -245,7 +247,10 @@ def plot_damping_ratio(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
 
 
 def _draw_damping(dataset: xr.Dataset, name: str, title: str, ax: AxesLike | None) -> Figure:
-    dataset = _few_speeds(dataset.sortby("crank_angle"))
+    count = dataset.sizes["crank_speed"]
+    # The first and the last among them.
+    places = np.round(np.linspace(0, count - 1, min(count, MOST_SPEEDS))).astype(int)
+    dataset = dataset.sortby("crank_angle").isel(crank_speed=places)
     percent = 100.0 * reading.values_of(dataset[name], *reading.MAP)
     branch = reading.values_of(dataset["branch_of_mode"], *reading.MAP)[0]
     _, n_speeds, _, n_modes = percent.shape
@@ -266,10 +271,3 @@ def _draw_damping(dataset: xr.Dataset, name: str, title: str, ax: AxesLike | Non
                 values, along = percent[:, speed, :, one], branch[speed, :, one]
                 angle_panels.draw_series(axes, angles, values, along, mode, n_modes)
     return drawn.figure
-
-
-def _few_speeds(dataset: xr.Dataset) -> xr.Dataset:
-    """At most so many speeds, the first and the last among them."""
-    count = dataset.sizes["crank_speed"]
-    places = np.round(np.linspace(0, count - 1, min(count, MOST_SPEEDS))).astype(int)
-    return dataset.isel(crank_speed=places)

@@ -6,19 +6,28 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
 
 from flexmech.errors import InputError
 from flexmech.plots import style
-from flexmech.plots.frf import CURVES, angle_text, curve_handles, first_angle, hammer_title
+from flexmech.plots.frf import (
+    BLUE,
+    CURVES,
+    GREEN,
+    ORANGE,
+    angle_text,
+    curve_handles,
+    first_angle,
+    hammer_title,
+)
 from flexmech.plots.layout import AxesLike, grid, sheet, tiles
 from flexmech.plots.reading import LENGTH_UNITS, complex_values, fitting_unit, names_of
 
-# Of the records, of a circle, of the chart and of a shape, in inches.
+# Of three records, which fill half a page, of a circle with its axes, of the chart, and of a shape,
+# which is flat; in inches.
 HEIGHT, CIRCLE_HEIGHT, CHART_HEIGHT, SHAPE_HEIGHT = 4.6, 2.3, 3.0, 1.5
-# More impacts or modes than these hide each other or fill more than a page.
+# More impacts hide each other and have no style of their own, more modes fill more than a page.
 MOST_RECORDS = MOST_MODES = 6
-# What is drawn of the force's record, in pulse durations about its start.
+# What is drawn of the force's record, in pulse durations about its start: the pulse takes a sixth.
 BEFORE_PULSE, AFTER_PULSE = 2.0, 4.0
 PULSE: style.Look = {"color": "0.75", "lw": 2.6}
 DOTS: style.Look = {"marker": ".", "markersize": 4.0}
@@ -26,11 +35,10 @@ THREE = "give three Axes"
 
 CIRCLE_DOTS: style.Look = {"marker": ".", "ms": 3.5, "ls": ""}
 
-# Of the orders' axis, that the receptance behind the poles takes.
+# Of the orders' axis, that the receptance behind the poles takes: its peaks end below the top.
 BEHIND = 0.9
 CURVE: style.Look = {"color": style.MID_GREY, "lw": 0.8, "zorder": 1}
 EIGEN: style.Look = {"color": "0.1", "lw": 0.8, "ls": (0, (1, 2)), "zorder": 1.5}
-BLUE, ORANGE, GREEN = (style.series_style(number).color for number in range(3))
 POLE: style.Look = {"ls": "none", "marker": "o", "ms": 3.5, "color": BLUE}
 # On the axis: modes that the fit keeps, since noise does not explain them as well.
 IDENTIFIED = POLE | {"marker": "^", "ms": 6.5, "color": GREEN, "clip_on": False, "zorder": 5}
@@ -152,14 +160,10 @@ def _draw_circle(axes: Axes, data: xr.Dataset, mode: int) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     axes.locator_params(nbins=4)
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(FuncFormatter(_number))
+        # In full, with a true minus sign.
+        axis.set_major_formatter(lambda value, _: f"{value:.3g}".replace("-", "\N{MINUS SIGN}"))
     natural = float(circle["identified_frequency"])
     axes.set_title(f"Mode {int(circle['mode'])}: {natural:.5g} Hz", loc="left")
-
-
-def _number(value: float, place: int | None = None) -> str:
-    """Tick in full, with a true minus sign."""
-    return f"{value:.3g}".replace("-", "\N{MINUS SIGN}")
 
 
 def plot_stabilisation(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:

@@ -25,7 +25,7 @@ from flexmech.plots.style import figure_width, is_narrow, new_figure, publicatio
 
 # Mean width of a letter of the font as a fraction of its size, on the safe side.
 MEAN_LETTER = 0.62
-# Displacements below this part of a linkage's extent are not enlarged.
+# Displacements below this part of a linkage's extent are not enlarged: they are round-off.
 ROUND_OFF = 1e-10
 
 AxesLike = Axes | Sequence[Axes] | NDArray[np.object_]

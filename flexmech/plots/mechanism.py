@@ -14,26 +14,26 @@ from matplotlib.transforms import Bbox
 
 from flexmech.arrays import FloatArray
 from flexmech.plots import scales, style
+from flexmech.plots.drawn_linkage.figures import name_joints, named_places, part_handles
+from flexmech.plots.drawn_linkage.sketch import LinkageSketch
+from flexmech.plots.drawn_linkage.symbols import OUTLINE
 from flexmech.plots.layout import AxesLike, Layout, height_of, round_length, sheet
-from flexmech.plots.linkage import name_joints, part_handles
-from flexmech.plots.linkage_sketch import LinkageSketch
 from flexmech.plots.reading import degrees, names_of, values_of
-from flexmech.plots.style import Look, line_handle, series_style
+from flexmech.plots.style import LABEL_POINTS, Look, line_handle, series_style
 
-# Least and greatest height of the posture, and height of a row below it, in inches.
+# Least and greatest height of the posture, and height of a row below it, in inches: with the legend
+# two thirds of a page.
 POSTURE_HEIGHT = (1.7, 3.4)
 ROW_HEIGHT = 2.2
 # What the numbers along the transmission angle take of the width.
 AXIS_INCHES = 0.6
-# Room for the names around the joints over the linkage's size.
-NAME_ROOM = 0.06
-# Room below for the scale bar, over the height.
+# Room below for the scale bar with its words, over the height.
 BAR_ROOM = 0.05
-LINK: Look = {"fc": "0.88", "ec": "0.35", "lw": 0.7, "zorder": 0.9, "joinstyle": "round"}
+LINK: Look = {"fc": "0.88", "ec": OUTLINE, "lw": 0.7, "zorder": 0.9, "joinstyle": "round"}
 RIGID_LINK: Look = LINK | {"fc": "0.7"}
-# Thickness of a link without a section over the linkage's size.
+# Thickness of a link without a section over the linkage's size: that of links that are stout.
 RIGID_WIDTH = 0.02
-AXIS: Look = {"color": "0.35", "lw": 0.5, "ls": (0.0, (6.0, 2.0, 1.5, 2.0))}
+AXIS: Look = {"color": OUTLINE, "lw": 0.5, "ls": (0.0, (6.0, 2.0, 1.5, 2.0))}
 PIN_PATH: Look = {"color": style.MID_GREY, "lw": 0.6}
 POINTS = ("coupler point", "coupler's middle")
 """Names of paths that are of points of the coupler, not of its pins."""
@@ -42,13 +42,14 @@ COUPLER: Look = {"fc": series_style(0).color, "alpha": 0.12, "lw": 0, "zorder": 
 MASS_COLOR = series_style(1).color
 # Greys of plies in the order in which they come, apart enough to be told.
 PLY_GREYS = ("0.92", "0.72", "0.52", "0.82", "0.62")
-WHOLE_FRAME: Look = {"fc": "none", "ec": "0.35", "lw": 0.7}
-UNKNOWN_WIDTH: Look = {"fc": "none", "ec": "0.35", "lw": 0.7, "ls": (0.0, (3.0, 2.0))}
-# Size of the words beside sections in points, and a line of them in inches.
-TEXT_POINTS, LINE_INCHES = 7.0, 0.13
-# Of the panel of sections: share of the width that sections have, and height of the scale bar.
+WHOLE_FRAME: Look = {"fc": "none", "ec": OUTLINE, "lw": 0.7}
+UNKNOWN_WIDTH = WHOLE_FRAME | {"ls": (0.0, (3.0, 2.0))}
+# A line of the words beside sections in inches: a third more than the height of their letters.
+LINE_INCHES = 0.13
+# Of the panel of sections: share of the width that sections have, the rest is for words; and height
+# of the scale bar with its own.
 DRAWN, BAR_INCHES = 0.42, 0.32
-# More layers than these are told by their greys alone.
+# More layers than these are told by their greys alone: edges would fill them.
 MOST_EDGES = 60
 
 
@@ -71,11 +72,8 @@ def plot_mechanism(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     -------
     Figure
     """
-    joints = values_of(dataset["joint_position"], "joint", "component")
-    is_pin = ~np.isin(dataset["joint_kind"].values, ["clamp", "pivot"])
-    links = values_of(dataset["rigid_position"], "link", "station", "component")
     sketch = LinkageSketch.of(dataset, mass_color=MASS_COLOR)
-    sketch = replace(sketch, around=_places(sketch, dataset, joints))
+    sketch = replace(sketch, around=_places(sketch, dataset))
     limits = _limits(sketch)
     stacks = _Stacks.of(dataset.assign(grey=_greys(dataset)))
     turns = "transmission_angle" in dataset
@@ -85,26 +83,23 @@ def plot_mechanism(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
         angle = np.degrees(dataset["posture_angle"].item())
         posture.set_title(f"Posture at crank angle {angle:.4g}°")
         sketch.frame(posture, limits)
-        _draw_links(posture, dataset, links, RIGID_WIDTH * sketch.size)
+        _draw_links(posture, dataset, sketch)
         _draw_paths(posture, dataset)
         sketch.draw(posture, **AXIS)
         sketch.draw_scale_bar(posture)
-        name_joints(posture, sketch, names_of(dataset, "joint"), joints, is_pin)
+        name_joints(posture, sketch, dataset)
         _draw_sections(sections, stacks)
         for axes in rest:
             _draw_transmission_angle(axes, dataset)
     return drawn.figure
 
 
-def _places(sketch: LinkageSketch, dataset: xr.Dataset, joints: FloatArray) -> FloatArray:
+def _places(sketch: LinkageSketch, dataset: xr.Dataset) -> FloatArray:
     """Of paths, the names of joints and the thickness of links, (n, 2)."""
-    room = NAME_ROOM * sketch.size
-    inside = [joints - room, joints + room]
+    half = np.nan_to_num(values_of(dataset["in_plane_thickness"], "link"))[:, None, None] / 2
+    inside = [named_places(sketch, dataset), sketch.links - half, sketch.links + half]
     if "path" in dataset:
         inside.append(values_of(dataset["path"], "path", "crank_angle", "component"))
-    ends = values_of(dataset["rigid_position"], "link", "station", "component")
-    half = np.nan_to_num(values_of(dataset["in_plane_thickness"], "link"))[:, None, None] / 2
-    inside += [ends - half, ends + half]
     return np.concatenate([points.reshape(-1, 2) for points in inside])
 
 
@@ -139,13 +134,13 @@ def _handles(dataset: xr.Dataset, sketch: LinkageSketch) -> list[Artist]:
     """Legend entries of paths, parts, plies and the usual transmission angles."""
     handles: list[Artist] = []
     names = names_of(dataset, "path_name") if "path" in dataset else []
-    pins = [name for name in names if not _is_point(name)]
+    pins = [name for name in names if name not in POINTS]
     if pins:
         handles.append(line_handle(_paths_of(pins), **PIN_PATH))
     handles += [
         line_handle(f"path of the {name}", marker="o", markersize=4, **POINT_PATH)
         for name in names
-        if _is_point(name)
+        if name in POINTS
     ]
     handles += part_handles(sketch)
     plies = _plies(dataset)
@@ -166,15 +161,10 @@ def _paths_of(pins: list[str]) -> str:
     return f"paths of {', '.join(names[:-1])} and {names[-1]}"
 
 
-def _is_point(name: str) -> bool:
-    """Whether a path is that of a point of the coupler."""
-    return name in POINTS
-
-
-def _draw_links(axes: Axes, dataset: xr.Dataset, links: FloatArray, rigid: float) -> None:
+def _draw_links(axes: Axes, dataset: xr.Dataset, sketch: LinkageSketch) -> None:
     """Links as thick as they are; those without a section as thick as a rigid one is drawn."""
-    for link, known in zip(links, dataset["in_plane_thickness"].values, strict=True):
-        thickness = known if np.isfinite(known) else rigid
+    for link, known in zip(sketch.links, dataset["in_plane_thickness"].values, strict=True):
+        thickness = known if np.isfinite(known) else RIGID_WIDTH * sketch.size
         along = (link[-1] - link[0]) / np.hypot(*(link[-1] - link[0]))
         aside = thickness / 2 * np.array([-along[1], along[0]])
         corners = [link[0] + aside, link[-1] + aside, link[-1] - aside, link[0] - aside]
@@ -189,7 +179,7 @@ def _draw_paths(axes: Axes, dataset: xr.Dataset) -> None:
     for name, path, place in zip(
         names_of(dataset, "path_name"), paths, dataset["path_position"].values, strict=True
     ):
-        if not _is_point(name):
+        if name not in POINTS:
             axes.plot(*path.T, **PIN_PATH, zorder=0.7)
             continue
         axes.plot(*path.T, **POINT_PATH, zorder=2.0)
@@ -251,7 +241,7 @@ class _Stacks:
         wide = style.figure_width() - 0.5
         if not style.is_narrow() and "transmission_angle" in dataset:
             wide /= 2
-        letters = int(wide * (1 - DRAWN) * 72 / (0.62 * TEXT_POINTS))
+        letters = int(wide * (1 - DRAWN) * 72 / (0.62 * LABEL_POINTS))
         thick = np.isfinite(dataset["in_plane_thickness"].values)
         names = [
             name for name, known in zip(names_of(dataset, "link"), thick, strict=True) if known
@@ -322,16 +312,16 @@ def _draw_sections(axes: Axes, stacks: _Stacks) -> None:
         base = middle - row.thickness / 2
         for low, high, grey in row.layers:
             corner = (0.0, base + low - lowest)
-            edge: Look = {"ec": "0.35", "lw": 0.25 if 1 < len(row.layers) <= MOST_EDGES else 0}
+            edge: Look = {"ec": OUTLINE, "lw": 0.25 if 1 < len(row.layers) <= MOST_EDGES else 0}
             axes.add_patch(Rectangle(corner, drawn, high - low, fc=grey, **edge))
         frame = WHOLE_FRAME if known else UNKNOWN_WIDTH
         axes.add_patch(Rectangle((0.0, base), drawn, row.thickness, clip_on=False, **frame))
         words = "\n".join(row.texts)
-        axes.text(beside, middle, words, fontsize=TEXT_POINTS, va="center", linespacing=1.25)
+        axes.text(beside, middle, words, fontsize=LABEL_POINTS, va="center", linespacing=1.25)
         top -= height
     line, length = LINE_INCHES * stacks.scale, round_length(DRAWN * across)
     axes.plot([0.0, length], [0.3 * line] * 2, color="black", lw=1.6)
-    axes.text(0.0, 0.5 * line, f"{length:g} mm", fontsize=TEXT_POINTS, va="bottom")
+    axes.text(0.0, 0.5 * line, f"{length:g} mm", fontsize=LABEL_POINTS, va="bottom")
 
 
 def _draw_transmission_angle(axes: Axes, dataset: xr.Dataset) -> None:

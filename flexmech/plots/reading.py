@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import xarray as xr
@@ -25,6 +25,7 @@ LENGTH_UNITS: Units = ((1e3, "mm"), (1e6, "µm"), (1e9, "nm"))
 """Deflections are read in mm; an arm at constant speed hardly bends, and needs less."""
 FORCE_UNITS: Units = ((1.0, "N"), (1e3, "mN"), (1e6, "µN"))
 TORQUE_UNITS: Units = ((1.0, "N m"), (1e3, "mN m"), (1e6, "µN m"))
+STRAIN_UNITS: Units = ((1e6, "µm/m"),)
 # Of the largest value in a unit that can be read: axes write two decimals.
 LEAST_NUMBER = 0.01
 MAP = ("engine", "crank_speed", "crank_angle", "mode")
@@ -38,7 +39,8 @@ _DIMENSIONS = {
     "branches": "branch",
     "orders": "order",
 }
-# Relative difference up to which two speeds are the same.
+# Relative difference up to which two speeds are the same: that by units that are typed with ten
+# digits, as in 31.41592654 rad/s.
 _SAME_SPEED = 1e-9
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
@@ -101,6 +103,17 @@ def run_title(dataset: xr.Dataset) -> str:
         title += f" after a run-up of {run_up:.3g} s"
     start = STARTS.get(str(dataset.attrs.get("start", "")))
     return f"{title}, {start}" if start else title
+
+
+def merged(ranges: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Ranges in ascending order, those that overlap as one."""
+    whole: list[tuple[float, float]] = []
+    for low, high in sorted(ranges):
+        if whole and low <= whole[-1][1]:
+            whole[-1] = (whole[-1][0], max(high, whole[-1][1]))
+        else:
+            whole.append((low, high))
+    return whole
 
 
 def spread(places: FloatArray, least: float) -> FloatArray:
@@ -178,9 +191,9 @@ def bending_links(dataset: xr.Dataset) -> list[str]:
     return [n for n in names if float(deflected.sel(link=n)) > 0] or names
 
 
-def degrees(angle: xr.DataArray) -> FloatArray:
-    """Angles of a coordinate in degrees, free of the conversion's round-off."""
-    return np.asarray(np.round(np.degrees(angle.values.astype(float)), 9))
+def degrees(angle: ArrayLike) -> FloatArray:
+    """Angles such as those of a coordinate in degrees, free of the conversion's round-off."""
+    return np.asarray(np.round(np.degrees(np.asarray(angle, dtype=float)), 9))
 
 
 def cell_edges(centres: FloatArray) -> FloatArray:

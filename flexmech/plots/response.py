@@ -13,16 +13,17 @@ from flexmech.plots import reading, scales
 from flexmech.plots.layout import AxesLike, sheet
 from flexmech.plots.style import Look, line_handle, series_handles, series_line
 
-STRAIN_UNITS: reading.Units = ((1e6, "µm/m"),)
 ROTATION_UNITS: reading.Units = ((np.degrees(1.0), "deg"),)
 SPEED_UNITS: reading.Units = ((1.0, "rad/s"), (1e3, "mrad/s"), (1e6, "µrad/s"))
 
 # Thinner than the engines' lines, which it covers where the links are as good as rigid.
 RIGID: Look = {"color": "0.25", "lw": 0.6}
 
-# Width of a line with at most so many turning points in a panel.
+# Width in points of a line with at most so many turning points in a panel of 450 points' width, so
+# that waves stay apart.
 LINE_WIDTHS = ((80, 1.1), (350, 0.7), (np.inf, 0.5))
-# Opacity of a line that turns at more than this part of its samples, which are many.
+# Opacity of a line that turns at more than a third of its samples, so that each wave has less than
+# six, and at more than so many places: it is a band, through which others are seen.
 VEIL = 0.6
 MOST_TURNING, LEAST_VEILED = 0.33, 100
 
@@ -49,7 +50,7 @@ def plot_response(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     links = reading.bending_links(dataset)
     strained = [name for name in links if dataset["probe"].sel(link=name) == "middle"]
     watched = [("deflection", name, reading.LENGTH_UNITS) for name in links]
-    watched += [("strain", name, STRAIN_UNITS) for name in strained]
+    watched += [("strain", name, reading.STRAIN_UNITS) for name in strained]
     shown = [
         (
             dataset[quantity].sel(link=name),

@@ -20,22 +20,26 @@ DEGREE_STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 90.0, 180.
 """Distances of ticks at round angles."""
 
 FREQUENCY_BAND = 4e-3
-"""Narrowest axis of frequencies as a part of them: below it one would look at round-off."""
+"""Narrowest axis of frequencies as a part of them, four times the error by the mesh that is
+allowed: below it one would look at that."""
 
-# Half the height of a y axis over the span of the values on it.
+# Half the height of a y axis over the span of the values on it: some 7 % of the panel are free
+# below them, and as much above.
 HALF_AXIS = 0.58
 
 # Of a panel over time in inches: four of them and their axes fit half a page.
 TIME_PANEL_HEIGHT = 1.12
-# What the axes of time and of crank angle take, in inches.
+# What the axes of time and of crank angle take, in inches: letters of their numbers and words.
 TIME_AXES_HEIGHT = 0.85
 
-# Up to this many turns the angle is read in degrees, beyond it turns are counted.
+# Up to this many turns the angle is read in degrees, beyond it turns are counted: two turns have
+# ticks every 90 deg, and round-off does not make them more.
 MOST_TURNS_IN_DEGREES = 2.05
 TURN_STEPS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
 # Parts of the axis between ticks, at most: numbers of degrees are longer than those of turns.
 MOST_INTERVALS, MOST_TURNS = 8, 12
-# Up to this many decades the ticks stand at 1, 2 and 5, beyond it at powers of ten.
+# Up to this many decades the ticks stand at 1, 2 and 5, of which the axis then has seven, beyond it
+# at powers of ten.
 FEW_DECADES = 2.3
 
 
@@ -142,7 +146,7 @@ def log_scale(axes: Axes, low: float, high: float, *, plain: bool = False) -> No
         axes.yaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:g}"))
 
 
-def log_limits(values: ArrayLike, decades: float, room: float = 2.0) -> tuple[float, float]:
+def log_limits(values: ArrayLike, decades: float) -> tuple[float, float]:
     """Limits of a logarithmic axis for amplitudes, at most so many decades below the greatest.
 
     Parameters
@@ -150,16 +154,14 @@ def log_limits(values: ArrayLike, decades: float, room: float = 2.0) -> tuple[fl
     values : array_like
         Not a number is left out.
     decades : float
-    room : float
-        Factor between the greatest value and the upper limit.
 
     Returns
     -------
     float, float
-        The least value or the last decade that is drawn, and the upper limit.
+        The least value or the last decade that is drawn, and twice the greatest value.
     """
     highest = float(np.nanmax(values)) or 1.0
-    return max(float(np.nanmin(values)), highest * 10.0**-decades), room * highest
+    return max(float(np.nanmin(values)), highest * 10.0**-decades), 2.0 * highest
 
 
 def phase_axis(axes: Axes) -> None:

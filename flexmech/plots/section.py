@@ -1,10 +1,11 @@
-"""Strain and stress through the thickness of a link under unit loads."""
+"""Through the thickness of links: strain and stress under unit loads, and moisture."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import groupby
 
+import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
@@ -16,28 +17,26 @@ from matplotlib.ticker import MaxNLocator
 from flexmech.arrays import FloatArray
 from flexmech.plots import scales, style
 from flexmech.plots.layout import AxesLike, grid, sheet
-from flexmech.plots.reading import spread, values_of
-from flexmech.plots.style import Look, line_handle, series_handle, series_line
+from flexmech.plots.reading import names_of, spread, values_of
+from flexmech.plots.style import LABEL_POINTS, TIMES, Look, line_handle, series_handle, series_line
+from flexmech.units import ZERO_CELSIUS, from_si
 
 # Two rows and the legend fill half a page, in inches.
 PANEL_HEIGHT = 2.2
-# More layers than this are named by their shades in the legend, not one by one.
-MOST_NAMES = 22
-# Of a layer's name in points, where there is room.
-NAME_SIZE = 7.0
 # Height of a panel's inside in points, and of a line of text over the size of its letters.
-INSIDE = 140.0
-LINE = 1.3
-# Letters of a name that the panel of layers holds.
+INSIDE, LINE = 140.0, 1.3
+# More layers than this are named by their shades in the legend, not one by one: letters would be
+# smaller than five points.
+MOST_NAMES = 22
+# Letters of a name that the panel of layers holds beside the stack.
 LONGEST_NAME = 24
 # Greys of the plies: light enough for the lines on them, apart enough to be told.
 LIGHTEST, DARKEST = 0.96, 0.80
 # A line between layers that have one shade and different angles.
 BETWEEN_LAYERS: Look = {"ec": "0.70", "lw": 0.3, "zorder": 0.5}
-TIMES = "\N{MULTIPLICATION SIGN}"
-# Two lines closer than this fraction of the largest value are one.
+# Two lines closer than this fraction of the largest value are one: they would be drawn as one.
 SAME = 1e-6
-# Right edge of the drawn stack and left edge of its names, over the panel's width.
+# Right edge of the drawn stack and left edge of its names, over the panel's width: names take most.
 STACK_EDGE, NAME_EDGE = 0.20, 0.30
 # Numbers of the styles of lines.
 COUPLED, UNCOUPLED, THIRD_ORDER = 0, 1, 2
@@ -55,6 +54,13 @@ PROFILES = (
 )
 LAYERS_PANEL = 2
 PASCAL = {-3: "mPa", 0: "Pa", 3: "kPa", 6: "MPa", 9: "GPa"}
+
+# Of a link's two panels in inches, four of which fit a page; on a narrow page they stand under each
+# other, and six do.
+ROW_HEIGHT, NARROW_ROW_HEIGHT = 2.1, 1.6
+# Formulas beside the finite volumes, by the numbers of their styles.
+LAWS = {1: ("short_time_uptake", "root of time"), 3: ("shen_springer_uptake", "Shen & Springer")}
+TIME_UNITS = ("day", "hour", "second")
 
 
 @dataclass(frozen=True)
@@ -137,7 +143,7 @@ def _runs(dataset: xr.Dataset) -> list[_Run]:
     return runs
 
 
-def _short(name: str, longest: int = LONGEST_NAME) -> str:
+def _short(name: str, longest: int) -> str:
     """Cut a name to a length; its dollar signs stay, where matplotlib would see a formula."""
     cut = name if len(name) <= longest else f"{name[: longest - 1]}…"
     return cut.replace("$", r"\$")
@@ -202,7 +208,7 @@ def _name_layers(axes: Axes, runs: list[_Run]) -> None:
     """Names of the layers beside their shades."""
     middles = np.array([(run.low + run.high) / 2 for run in runs])
     low, high = runs[0].low, runs[-1].high
-    size = min(NAME_SIZE, INSIDE / (LINE * len(runs)))
+    size = min(LABEL_POINTS, INSIDE / (LINE * len(runs)))
     step = LINE * size / INSIDE * (high - low)  # a line of text in mm of the link
     # First apart, then inside: what is pushed in at one end pushes its neighbours.
     rows = step * np.arange(len(runs))
@@ -229,5 +235,80 @@ def _handles(dataset: xr.Dataset, numbers: set[int], runs: list[_Run]) -> list[A
     handles = [series_handle(n, labels[n]) for n in sorted(numbers)]
     handles += [line_handle(label, **look) for label, (_, look) in _axes_of(dataset).items()]
     for ply, shade in dict.fromkeys((run.ply, run.shade) for run in runs):
-        handles.append(Patch(fc=shade, ec=style.MID_GREY, lw=0.6, label=_short(ply)))
+        handles.append(Patch(fc=shade, ec=style.MID_GREY, lw=0.6, label=_short(ply, LONGEST_NAME)))
     return handles
+
+
+def plot_moisture(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw moisture profiles of links and their uptake against the root of time.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        With ``place`` (link, cell) in m, ``profile`` (link, profile_time, cell) as a part of the
+        resin's dry mass, ``uptake``, ``short_time_uptake`` and ``shen_springer_uptake``
+        (link, time) as parts of what a link takes up in the end, not a number where a law says
+        nothing; ``over_width`` (link) tells whether profiles are means over the width.
+    ax : Axes or sequence of Axes, optional
+        The user's, two a link. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+        One row a link: profiles on the left, uptake on the right.
+    """
+    links, end = names_of(dataset, "link"), float(dataset["time"].max())
+    unit = next((name for name in TIME_UNITS if from_si(end, name) >= 1), "second")
+    attrs = dataset.attrs
+    title = (
+        f"Moisture at {100 * attrs['relative_humidity']:.4g} % relative humidity, "
+        f"{attrs['temperature'] - ZERO_CELSIUS:.4g} °C"
+    )
+    row = NARROW_ROW_HEIGHT if style.is_narrow() else ROW_HEIGHT
+    layout = grid(len(links), 2, row * len(links) + 0.5, sharex="col")
+    with sheet(layout, ax=ax) as drawn:
+        drawn.header(_moisture_handles(dataset, unit), title, of=dataset)
+        drawn.label_x("Distance from the middle (mm)", slice(0, None, 2))
+        drawn.label_x(rf"Root of time ($\sqrt{{\mathrm{{{unit}}}}}$)", slice(1, None, 2))
+        for link, profile, uptake in zip(links, drawn.panels[::2], drawn.panels[1::2], strict=True):
+            of_link = dataset.sel(link=link)
+            _draw_profiles(profile, of_link)
+            _draw_uptake(uptake, of_link, unit)
+            what = "mean over the width" if of_link["over_width"] else "through the thickness"
+            profile.set_title(f"{link.capitalize()}: {what}")
+            uptake.set_title(f"{link.capitalize()}: uptake")
+    return drawn.figure
+
+
+def _colours(dataset: xr.Dataset) -> list[tuple[float, float, float, float]]:
+    """Dark to light with time, told apart in grey as well."""
+    places = np.linspace(0.0, 0.85, dataset.sizes["profile_time"])
+    return [mpl.colormaps["viridis"](place) for place in places]
+
+
+def _moisture_handles(dataset: xr.Dataset, unit: str) -> list[Artist]:
+    handles = []
+    times = dataset["profile_time"].values * from_si(1.0, unit)
+    for time, colour in zip(times, _colours(dataset), strict=True):
+        number = f"{time:.0f}" if time >= 1000 else f"{time:.3g}"
+        handles.append(line_handle(f"{number} {unit[0]}", color=colour))
+    handles.append(line_handle("finite volumes", color="black"))
+    laws = {n: label for n, (name, label) in LAWS.items() if dataset[name].count()}
+    return [*handles, *(series_handle(number, label) for number, label in laws.items())]
+
+
+def _draw_profiles(axes: Axes, link: xr.Dataset) -> None:
+    profiles = link["profile"].transpose("profile_time", "cell").values
+    for colour, profile in zip(_colours(link), profiles, strict=True):
+        axes.plot(1e3 * link["place"].values, 100 * profile, color=colour)
+    axes.set(ylabel="Moisture of the resin (%)", xmargin=0.0)
+    axes.set_ylim(bottom=0.0)
+
+
+def _draw_uptake(axes: Axes, link: xr.Dataset, unit: str) -> None:
+    root = np.sqrt(link["time"].values * from_si(1.0, unit))
+    axes.axhline(1.0, color=style.MID_GREY, lw=0.6, zorder=1)
+    axes.plot(root, link["uptake"].values, color="black")
+    for number, (name, _) in LAWS.items():
+        axes.plot(root, link[name].values, **series_line(number))
+    axes.set(ylabel="Share of equilibrium", ylim=(0.0, 1.08), xmargin=0.02)

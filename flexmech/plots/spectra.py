@@ -19,24 +19,20 @@ from flexmech.plots.style import Look, line_handle, series_line, series_style
 
 ONE_LINK = "choose one link (links=...)"
 
-# What the axes of frequency and of harmonics take, in inches.
-AXES_HEIGHT = 0.9
-# What the labels take of the width.
-BESIDE_PANELS = 0.85
-# Frequencies drawn, as a multiple of the highest natural frequency.
+# Frequencies drawn, as a multiple of the highest natural frequency: its band is seen whole.
 REACH = 1.3
-# Depth of a spectrum below its peak that is drawn.
+# Depth of a spectrum below its peak that is drawn: less is the error of the time step.
 DECADES = 5.0
 # Room above the peak for the bands' labels, as a part of the logarithmic scale.
 HEADROOM = 0.14
 BAND_COLOR = "#F5E6BE"
 BAND_EDGE = "#DDB450"
 ORDER_STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500)
-# Orders with numbers, and orders with ticks: more would touch each other.
+# Orders with numbers, half as many on a narrow page, and orders with ticks: more would touch.
 MOST_ORDERS, MOST_ORDER_LINES = 16, 100
-# Least distance of two labels in inches.
+# Least distance of two labels in inches: the width of one.
 LABEL_ROOM = 0.15
-# Least distance of the names of two lines over the height of a panel.
+# Least distance of the names of two lines over the height of a panel: that of their letters.
 NAME_ROOM = 0.09
 
 DECIBELS = 60.0
@@ -143,8 +139,8 @@ def _name_lines(axes: Axes, ends: FloatArray, modes: list[str]) -> None:
     inside = [(end, mode) for end, mode in zip(ends, modes, strict=True) if low < end < high]
     least = NAME_ROOM * (high - low)
     places = reading.spread(np.array([end for end, _ in inside]), least)
-    look: Look = {"ha": "right", "va": "center", "fontsize": 7, "color": "white", "zorder": 5}
-    look |= {"xycoords": ("axes fraction", "data"), "annotation_clip": False}
+    look: Look = {"ha": "right", "va": "center", "fontsize": style.LABEL_POINTS, "color": "white"}
+    look |= {"zorder": 5, "xycoords": ("axes fraction", "data"), "annotation_clip": False}
     for place, (_, mode) in zip(places, inside, strict=True):
         at = min(max(float(place), low + least / 2), high - least / 2)
         axes.annotate(f"$f_{{{mode}}}$", (0.992, at), path_effects=RIM, **look)
@@ -163,7 +159,7 @@ def _layout(links: int, panel: float, least: float) -> Layout:
     -------
     Layout
     """
-    return grid(links, 1, max(links * panel, least) + AXES_HEIGHT, sharex=True)
+    return grid(links, 1, max(links * panel, least) + style.AXES_HEIGHT, sharex=True)
 
 
 def _highest_frequency(dataset: xr.Dataset, name: str) -> float:
@@ -199,7 +195,7 @@ def _label_bands(axes: Axes, bands: dict[int, tuple[float, float]]) -> None:
     wanted = np.array([(low + high) / 2 / limit for low, high in bands.values()])
     look: Look = {"ha": "center", "va": "top", "fontsize": 8, "color": "0.25"}
     for place, mode in zip(
-        reading.spread(wanted, LABEL_ROOM / (style.figure_width() - BESIDE_PANELS)),
+        reading.spread(wanted, LABEL_ROOM / (style.figure_width() - style.BESIDE_PANELS)),
         bands,
         strict=True,
     ):

@@ -1,13 +1,16 @@
-"""Stability map over crank speed: growth rate, largest multiplier and the unstable bands."""
+"""Stability maps: growth rate, multipliers and unstable bands; growth over a second parameter."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
+import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LinearSegmentedColormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
@@ -17,7 +20,7 @@ from flexmech.errors import InputError
 from flexmech.plots import scales, style
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import cell_edges, engine_label, speed_unit, speeds_of, subscripts
-from flexmech.plots.style import Look, series_handles, series_line, series_style
+from flexmech.plots.style import Look, line_handle, series_handles, series_line, series_style
 from flexmech.units import from_si
 
 # Kinds of bands: what meets in words, and a hatch, so that kinds differ without colour too.
@@ -29,25 +32,38 @@ KINDS = {
 }
 GAP: Look = {"facecolor": "0.94", "edgecolor": "0.7", "hatch": "////", "lw": 0}
 NOTHING = "this map has no Floquet multipliers: there is no equilibrium at any speed"
-# Of names of bands, which stand upright side by side, in points.
+# Of names of bands, in points: smaller than other words, as they stand upright side by side.
 LABEL_POINTS = 6.5
-# Part of the axes' width that the name of a band takes, upright; less on a wide page.
-NAME_WIDTH, NARROW_NAME_WIDTH = 0.024, 0.045
-# More names would hide the curve under them.
-MOST_NAMES, MOST_NARROW_NAMES = 14, 7
-# Of the axes' width: narrower bands are marks at the lower edge, of this height.
+# Names at most, as more would hide the curve under them, and the part of the axes' width that one
+# takes upright: a letter's height with some room, on a wide and on a narrow page.
+NAMES, NARROW_NAMES = (14, 0.024), (7, 0.045)
+# Of the axes' width, two points: narrower bands are marks at the lower edge, of this part of the
+# height, which hide no curve.
 LEAST_WIDTH, MARK_HEIGHT = 0.004, 0.05
-# Of the greatest growth rate: bands that grow more slowly have no names.
+# Of the greatest growth rate: bands that grow more slowly lie on the line of zero, without names.
 LEAST_NAMED = 0.02
 
-# Of both panels and of the two axes of speed, in inches.
-GROWTH_HEIGHT, MODULUS_HEIGHT, AXES_HEIGHT = 2.6, 1.7, 0.9
+# Of both panels in inches: the upper one holds the names of bands too.
+GROWTH_HEIGHT, MODULUS_HEIGHT = 2.6, 1.7
 ZERO: Look = {"color": "0.55", "lw": 0.6, "zorder": 1}
-# Room for the names of bands over the curve.
+# Height of the axis over that of the curve: names of bands, of eleven letters, stand above it.
 ROOM = 1.55
 # Of the axis in 1/s: growth below it is round-off of multipliers that do not grow.
 LEAST_GROWTH = 1e-3
 BOTH = "give two Axes: one for the growth rate and one for the modulus"
+
+# Of a panel of an engine in inches: two fill two thirds of a page.
+PANEL_HEIGHT = 2.9
+# Grows darker throughout, and begins where it is told from white.
+COLOURS = LinearSegmentedColormap.from_list(
+    "growth", mpl.colormaps["YlOrBr"](np.linspace(0.15, 1.0, 256))
+)
+ZERO_GROWTH: Look = {"color": "0.1", "lw": 1.0}
+# Numbers of parameters in the unit that they are read in.
+READ: dict[str, tuple[float, str]] = {"m": (1e3, "mm"), "Pa": (1e-9, "GPa"), "s": (1e3, "ms")}
+PERCENT = ("damping-ratio", "moisture")
+# Decay next to the zero line, as a part of the greatest growth: round-off makes no line.
+DECAY = 1e-3
 
 
 class UnstableBand(NamedTuple):
@@ -153,14 +169,7 @@ def name_bands(axes: Axes, dataset: xr.Dataset) -> None:
     A band that has no room beside those that grow faster has no name: a name that stood beside its
     band would be read as its neighbour's.
     """
-    most, part = (
-        (MOST_NARROW_NAMES, NARROW_NAME_WIDTH)
-        if style.is_narrow()
-        else (
-            MOST_NAMES,
-            NAME_WIDTH,
-        )
-    )
+    most, part = NARROW_NAMES if style.is_narrow() else NAMES
     bands = sorted(unstable_bands(dataset), key=lambda band: -band.growth)
     low, high = axes.get_xlim()
     width, taken = part * (high - low), list[float]()
@@ -237,7 +246,7 @@ def plot_stability(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     if not np.isfinite(dataset["growth_rate"]).any():
         raise InputError(NOTHING)
     heights = [GROWTH_HEIGHT, MODULUS_HEIGHT]
-    layout = grid(2, 1, sum(heights) + AXES_HEIGHT, sharex=True, height_ratios=heights)
+    layout = grid(2, 1, sum(heights) + style.AXES_HEIGHT, sharex=True, height_ratios=heights)
     with sheet(layout, ax=ax, fewer=BOTH) as drawn:
         names = (engine_label(dataset, n) for n in range(dataset.sizes["engine"]))
         handles = series_handles(names, dataset["crank_speed"].values)
@@ -280,10 +289,102 @@ def _scale(axes: Axes, values: FloatArray, middle: float) -> None:
     Beyond, where straight links buckle, the curve may leave the axes; so may strong decay.
     """
     high = max(LEAST_GROWTH, float(values.max(initial=0.0)))
-    low = (
-        max(float(values.min(initial=0.0)), -high)
-        if high > LEAST_GROWTH
-        else float(values.min(initial=-high))
-    )
+    low = float(values.min(initial=-high))
+    if high > LEAST_GROWTH:
+        low = max(float(values.min(initial=0.0)), -high)
     axes.set_ylim(middle + low - 0.06 * (high - low), middle + high + (ROOM - 1) * (high - low))
     scales.plain_numbers(axes)
+
+
+def plot_stability_against(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw where vibrations grow over crank speed and a second parameter, a panel an engine.
+
+    The darker, the faster; white is stable, and the line between the two is that of growth rate
+    zero. Hatched is where there is no equilibrium.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``StabilityMap`` result that was asked for a second parameter.
+    ax : Axes or sequence of Axes, optional
+        The user's, one an engine. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If there is no second parameter.
+    """
+    if "against_growth_rate" not in dataset:
+        raise InputError(
+            "this map has no second parameter; ask for it, as in "
+            'flexmech.stability(engine, speeds, against=("damping-ratio", ratios))'
+        )
+    data = dataset.sortby("crank_speed").transpose(..., "parameter", "crank_speed")
+    rate, state = data["against_growth_rate"].values, data["against_unstable"].values
+    engines, speed = dataset.sizes["engine"], speeds_of(data)
+    factor, label = _parameter(dataset)
+    parameter = factor * data["parameter"].values
+    top = float(np.nanmax(np.where(state == "yes", rate, np.nan), initial=0.0))
+    norm = Normalize(0.0, top or 1.0)
+    with sheet(grid(engines, 1, engines * PANEL_HEIGHT + 0.5, sharex=True), ax=ax) as drawn:
+        handles = [line_handle("growth rate zero", **ZERO_GROWTH), *gap_handles(state)]
+        drawn.header(handles, f"Growth over crank speed and {_words(dataset)}", of=dataset)
+        for number, axes in enumerate(drawn.panels):
+            _draw_against(axes, speed, parameter, rate[number], state[number], norm)
+            if engines > 1:
+                axes.set_title(engine_label(dataset, number), loc="left")
+        drawn.label_x(f"Crank speed ({speed_unit(dataset)})")
+        drawn.label_y(label)
+        drawn.colour_bar(ScalarMappable(norm, COLOURS), "Growth rate (1/s)")
+    return drawn.figure
+
+
+def _draw_against(
+    axes: Axes,
+    speed: FloatArray,
+    parameter: FloatArray,
+    rate: FloatArray,
+    state: NDArray[np.str_],
+    norm: Normalize,
+) -> None:
+    edges = cell_edges(speed), cell_edges(parameter)
+    grows = np.where(state == "yes", rate, np.nan)
+    axes.pcolormesh(*edges, np.ma.masked_invalid(grows), cmap=COLOURS, norm=norm, rasterized=True)
+    missing = np.ma.masked_where(state != "no equilibrium", np.ones(rate.shape))
+    if missing.count():
+        cells = axes.pcolor(*edges, missing, cmap=ListedColormap([GAP["facecolor"]]), lw=0)
+        cells.set(hatch=GAP["hatch"], edgecolor=GAP["edgecolor"])
+    least = DECAY * norm.vmax if norm.vmax else DECAY
+    signed = np.where(state == "no", np.minimum(rate, -least), rate)
+    both = (state == "yes").any() and (state == "no").any()
+    if both and min(rate.shape) > 1:
+        known = np.ma.masked_where((state != "yes") & (state != "no"), signed)
+        axes.contour(
+            speed,
+            parameter,
+            known,
+            [0.0],
+            colors=[ZERO_GROWTH["color"]],
+            linewidths=ZERO_GROWTH["lw"],
+        )
+    axes.set_xlim(*edges[0][[0, -1]])
+    axes.set_ylim(*edges[1][[0, -1]])
+    scales.plain_numbers(axes)
+
+
+def _parameter(dataset: xr.Dataset) -> tuple[float, str]:
+    """Factor and label of the parameter's axis, in the unit that it is read in."""
+    name, unit = str(dataset.attrs["against"]), str(dataset["parameter"].attrs.get("units", "1"))
+    if name in PERCENT:
+        return 100.0, f"{_words(dataset).capitalize()} (%)"
+    factor, unit = READ.get(unit, (1.0, unit))
+    words = _words(dataset).capitalize()
+    return factor, words if unit == "1" else f"{words} ({unit})"
+
+
+def _words(dataset: xr.Dataset) -> str:
+    return str(dataset["parameter"].attrs.get("long_name", "parameter"))

@@ -24,17 +24,28 @@ from flexmech.errors import InputError
 MILLIMETRE = 1 / 25.4
 # Width in mm of a page of two columns, as journals have it.
 TWO_COLUMNS = 180.0
-# Below this width in mm panels stand under each other, and letters are a point smaller.
+# In mm, half way between the widths of one and of two columns of a journal's page: below it panels
+# stand under each other, and letters are a point smaller.
 NARROW = 130.0
 # Narrower pages cannot hold a legend's entries, wider ones no printer takes.
 LEAST_WIDTH, MOST_WIDTH = 80.0, 400.0
+# Of fillings and lines behind curves, seen beside white, and of words and lines to be read.
 LIGHT_GREY = "0.90"
 MID_GREY = "0.45"
+# Of words inside panels, in points: one less than the numbers along the axes have.
+LABEL_POINTS = 7.0
+# What the labels of the y axis take of a figure's width in inches, on the safe side.
+BESIDE_PANELS = 0.85
+# What two axes along x, one below and one on top, take of a figure's height in inches: two rows of
+# numbers and two of words.
+AXES_HEIGHT = 0.9
+TIMES = "\N{MULTIPLICATION SIGN}"
 STYLE, NARROW_STYLE = (
     mpl.rc_params_from_file(Path(__file__).with_name(name), use_default_template=False)
     for name in ("publication.mplstyle", "narrow.mplstyle")
 )
-# Of what is drawn as pixels in a file of lines and letters, such as a spectrogram.
+# An inch: of what is drawn as pixels in a file of lines and letters, such as a spectrogram, as
+# journals ask for it.
 FINE_DOTS = 300
 # Without the time of writing: the same result gives the same file.
 UNDATED: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}

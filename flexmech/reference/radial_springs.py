@@ -51,8 +51,7 @@ class RadialSprings:
     def __init__(self, frames: LinkFrames, springs: Sequence[JointSpring]) -> None:
         self._frames = frames
         topology = frames.topology
-        sprung = {pin.joint for pin in topology.pins if pin.sprung}
-        sprung |= {pivot.joint for pivot in topology.pivots if pivot.sprung}
+        sprung = topology.sprung_joints
         held = [own for own in springs if own.joint in sprung and own.radial_stiffness]
         self._stiffness = [float(own.radial_stiffness or 0.0) for own in held]
         self._ends = [

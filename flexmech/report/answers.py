@@ -17,9 +17,9 @@ from flexmech.analyses import (
 )
 from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.plots.campbell import critical_stretches
+from flexmech.plots.reading import merged, names_of
 from flexmech.report.panels.frequencies import in_each_state
-from flexmech.report.results import Results
-from flexmech.report.words import engine_names, speed_name, speed_unit_of, state_of, with_error
+from flexmech.report.results import Results, speed_name, speed_unit_of, state_of, with_error
 from flexmech.units import from_si
 
 # Orders that are told one by one: higher ones excite little.
@@ -83,11 +83,11 @@ def _speeds_to_avoid(results: Results) -> tuple[str, ...]:
     considered = f"orders {int(computed.min())} to {int(computed.max())} of the crank"
     if not orders:
         return (f"none from {within}: no frequency is met by {considered}",)
-    every = _merged([(start, end) for _, (start, end), _ in stretches])
+    every = merged((start, end) for _, (start, end), _ in stretches)
     lines = [f"avoid {_listed(every, (low, high), unit)}: there {considered} meet a frequency"]
     lines += _at_chosen_speeds(results, every, unit)
     for order in orders[:LOWEST_ORDERS]:
-        own = _merged([(start, end) for one, (start, end), _ in stretches if one == order])
+        own = merged((start, end) for one, (start, end), _ in stretches if one == order)
         lines.append(f"order {order}: {_listed(own, (low, high), unit)}")
     if not _between(every, low, high):
         lines.append(f"no speed from {within} is free of {considered}")
@@ -104,17 +104,6 @@ def _at_chosen_speeds(results: Results, every: Ranges, unit: str) -> list[str]:
         names[any(low <= speed <= high for low, high in every)].append(speed_name(speed, unit))
     words = {True: "critical among the speeds shown", False: "not critical"}
     return [f"{words[met]}: {', '.join(found)}" for met, found in names.items() if found]
-
-
-def _merged(ranges: Ranges) -> Ranges:
-    """Ranges that overlap, as one."""
-    whole: Ranges = []
-    for low, high in sorted(ranges):
-        if whole and low <= whole[-1][1]:
-            whole[-1] = (whole[-1][0], max(high, whole[-1][1]))
-        else:
-            whole.append((low, high))
-    return whole
 
 
 def _between(ranges: Ranges, low: float, high: float) -> Ranges:
@@ -174,7 +163,7 @@ def _deflection(results: Results) -> tuple[str, ...]:
     lines, unit = [], speed_unit_of(results)
     for run in results.of_kind(Response):
         data, peaks = run.dataset, run.peaks().isel(engine=0)
-        engine = engine_names(data)[0]
+        engine = names_of(data, "engine")[0]
         link = str(peaks["deflection"].idxmax("link").item())
         value = 1e3 * float(peaks["deflection"].max())
         error = run.errors()["peak_deflection"].sel(engine=engine, link=link)

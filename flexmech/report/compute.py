@@ -7,38 +7,31 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from flexmech.analyses import (
-    CampbellDiagram,
-    MovingFrequencies,
-    Result,
-    check_mechanism,
-    coupler_paths,
-    moisture_uptake,
-    moving_frequencies,
-    section_profiles,
-)
+from flexmech import analyses, choices, linkages
 from flexmech.analyses.campbell import compute as campbell_analysis
 from flexmech.analyses.frequencies.request import operating_speeds
+from flexmech.analyses.kinematics import compute as kinematics_analysis
 from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import engine_of
 from flexmech.analyses.response import compute as response_analysis
 from flexmech.arrays import FloatArray, LabelledProgress
-from flexmech.choices import MODES, MOST_MODES, REPORT_PARTS, TOLERANCE, ReportPart
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, Exposure, absorbing_links, mechanism_in_state
 from flexmech.linear_system import Engine
-from flexmech.linkages import CrankDrive, FourBar
 from flexmech.mechanism import Mechanism
 from flexmech.report.results import Results
 from flexmech.validation import check_choice, check_count, check_instance, checked_tuple
 
-# The Campbell diagram goes beyond the greatest speed asked for by this factor.
+# The Campbell diagram goes beyond the greatest speed asked for by this factor: what a machine that
+# is made faster meets next.
 BEYOND = 2.0
 # As many as make a smooth band; between angles of the map a line is straight to the eye.
 CAMPBELL_SPEEDS = 13
+# As the commands frequencies and coupler-curve have them by default.
 MAP_ANGLES = np.radians(np.arange(0.0, 361.0, 5.0))
 PATH_ANGLES = np.radians(np.arange(0.0, 361.0))
-# Crank angles at which mode shapes are stored, and over which bands are taken, at most.
+# Crank angles at which mode shapes are stored, every 5 deg of a turn, as the page holds them all,
+# and over which bands are taken, at most.
 MOST_SHAPES, MOST_CAMPBELL_ANGLES = 72, 36
 
 
@@ -82,20 +75,20 @@ class ReportRequest:
 
     crank_speeds: FloatArray | None = None
     crank_angles: FloatArray = field(default_factory=MAP_ANGLES.copy)
-    include: tuple[ReportPart, ...] | None = None
+    include: tuple[choices.ReportPart, ...] | None = None
     campbell_speeds: FloatArray | None = None
     modes: int | None = None
     environment: Environment | None = None
     speed_unit: str = "rad/s"
-    tolerance: float | None = TOLERANCE
+    tolerance: float | None = choices.TOLERANCE
 
     def __post_init__(self) -> None:
         if self.modes is not None:
-            check_count(self.modes, "modes", most=MOST_MODES)
+            check_count(self.modes, "modes", most=choices.MOST_MODES)
         if self.include is not None:
-            remedy = f"give some of {', '.join(REPORT_PARTS)} in a tuple"
+            remedy = f"give some of {', '.join(choices.REPORT_PARTS)} in a tuple"
             for part in checked_tuple(self.include, object, "include", remedy):
-                check_choice(part, REPORT_PARTS, "include")
+                check_choice(part, choices.REPORT_PARTS, "include")
 
 
 def report_results(
@@ -140,20 +133,18 @@ def report_results(
     mechanism = engines[0].mechanism
     asked = operating_speeds(mechanism) if request.crank_speeds is None else request.crank_speeds
     speeds = np.atleast_1d(np.asarray(asked, dtype=float))
-    parts = _parts(mechanism, speeds, request)
-    found: list[Result] = [check_mechanism(engines[0])]
-    makers: dict[ReportPart, Callable[[], list[Result]]] = {
-        "frequencies": lambda: [_frequencies(engines, speeds, request, progress)],
-        "campbell": lambda: [_campbell(engines[0], speeds, request, progress)],
-        "response": lambda: _responses(engines[0], speeds, request, progress),
-        "kinematics": lambda: _kinematics(mechanism, speeds, request),
-        "section": lambda: [section_profiles(mechanism, environment=request.environment)],
-        "coupler-curve": lambda: [
-            coupler_paths(mechanism, PATH_ANGLES, environment=request.environment)
-        ],
-        "moisture": lambda: [_moisture(mechanism, request.environment)],
+    parts, making = _parts(mechanism, speeds, request), _Making(engines, speeds, request, progress)
+    found: list[analyses.Result] = [analyses.check_mechanism(engines[0])]
+    makers: dict[choices.ReportPart, Callable[[], list[analyses.Result]]] = {
+        "frequencies": making.frequencies,
+        "campbell": making.campbell,
+        "response": making.responses,
+        "kinematics": making.kinematics,
+        "section": making.sections,
+        "coupler-curve": making.coupler_curve,
+        "moisture": making.moisture,
     }
-    for part in REPORT_PARTS:
+    for part in choices.REPORT_PARTS:
         if part in parts:
             found += makers[part]()
     return Results(tuple(found))
@@ -161,129 +152,135 @@ def report_results(
 
 def _parts(
     mechanism: Mechanism, speeds: FloatArray, request: ReportRequest
-) -> tuple[ReportPart, ...]:
+) -> tuple[choices.ReportPart, ...]:
     """What goes into the report; what was asked for and cannot be is refused."""
     exposed = isinstance(request.environment, Exposure)
-    lacking: dict[ReportPart, str] = {}
+    lacking: dict[choices.ReportPart, str] = {}
     if not np.any(speeds):
         lacking["response"] = "a crank speed other than zero in --speeds"
     if not np.any(speeds) and request.campbell_speeds is None:
         lacking["campbell"] = "a crank speed other than zero in --speeds, or --campbell-speeds"
-    if mechanism.coupler_point is None or not isinstance(mechanism.linkage, FourBar):
+    if mechanism.coupler_point is None or not isinstance(mechanism.linkage, linkages.FourBar):
         lacking["coupler-curve"] = "a coupler point in the model file, of a four-bar"
     if not exposed or not absorbing_links(mechanism):
         lacking["moisture"] = (
             "--relative-humidity with --time, and links of which it is known how water diffuses"
         )
     if request.include is None:
-        return tuple(part for part in REPORT_PARTS if part not in lacking)
+        return tuple(part for part in choices.REPORT_PARTS if part not in lacking)
     for part in request.include:
         if part in lacking:
             raise InputError(f"--include {part} needs {lacking[part]}")
     return request.include
 
 
-def _frequencies(
-    engines: Sequence[Engine],
-    speeds: FloatArray,
-    request: ReportRequest,
-    progress: LabelledProgress | None,
-) -> MovingFrequencies:
-    """Moving frequencies, with mode shapes at the map's own angles or as many as are stored."""
-    return moving_frequencies(
-        engines,
-        request.crank_angles,
-        speeds,
-        modes=request.modes,
-        environment=request.environment,
-        speed_unit=request.speed_unit,
-        tolerance=request.tolerance,
-        shapes_at=_some_angles(request, MOST_SHAPES),
-        progress=progress,
-    )
+@dataclass(frozen=True)
+class _Making:
+    """What the parts of a report are computed from: a method a part."""
 
+    engines: Sequence[Engine]
+    speeds: FloatArray
+    request: ReportRequest
+    progress: LabelledProgress | None
 
-def _campbell(
-    engine: Engine,
-    speeds: FloatArray,
-    request: ReportRequest,
-    progress: LabelledProgress | None,
-) -> CampbellDiagram:
-    """Campbell diagram of the linkage as it is in the environment asked for."""
-    if request.campbell_speeds is None:
-        over = np.linspace(0.0, BEYOND * float(np.abs(speeds).max()), CAMPBELL_SPEEDS)
-    else:
-        over = np.asarray(request.campbell_speeds, dtype=float)
-    lines: list[str] = []
-    if request.environment is not None:
-        lines = environment_lines(engine.mechanism, request.environment)
-        engine = engine.with_(mechanism=mechanism_in_state(engine.mechanism, request.environment))
-    found = campbell_analysis.campbell(
-        engine,
-        over,
-        crank_angles=_some_angles(request, MOST_CAMPBELL_ANGLES),
-        modes=request.modes,
-        speed_unit=request.speed_unit,
-        tolerance=request.tolerance,
-        progress=progress,
-    )
-    # In what state it is, as other results tell it.
-    return CampbellDiagram(found.dataset.assign_attrs(environment_lines="\n".join(lines)))
+    @property
+    def mechanism(self) -> Mechanism:
+        """That of all engines."""
+        return self.engines[0].mechanism
 
+    def frequencies(self) -> list[analyses.Result]:
+        """Moving frequencies, with mode shapes at the map's own angles or as many as are stored."""
+        return [
+            analyses.moving_frequencies(
+                self.engines,
+                self.request.crank_angles,
+                self.speeds,
+                modes=self.request.modes,
+                environment=self.request.environment,
+                speed_unit=self.request.speed_unit,
+                tolerance=self.request.tolerance,
+                shapes_at=self._some_angles(MOST_SHAPES),
+                progress=self.progress,
+            )
+        ]
 
-def _some_angles(request: ReportRequest, most: int) -> FloatArray:
-    """Crank angles asked for, each position once, and every n-th where they are many."""
-    angles = np.asarray(request.crank_angles, dtype=float)
-    if len(angles) > 1 and np.isclose(angles[-1] - angles[0], 2 * np.pi):
-        angles = angles[:-1]
-    return angles[:: max(1, -(-len(angles) // most))]
-
-
-def _responses(
-    engine: Engine,
-    speeds: FloatArray,
-    request: ReportRequest,
-    progress: LabelledProgress | None,
-) -> list[Result]:
-    """Periodic motion at every speed but zero, dry and in the environment."""
-    from flexmech.analyses import ResponseRequest
-
-    states: list[Environment | None] = [None]
-    states += [] if request.environment is None else [request.environment]
-    return [
-        response_analysis.response(
+    def campbell(self) -> list[analyses.Result]:
+        """Campbell diagram of the linkage as it is in the environment asked for."""
+        request, engine, lines = self.request, self.engines[0], list[str]()
+        if request.campbell_speeds is None:
+            over = np.linspace(0.0, BEYOND * float(np.abs(self.speeds).max()), CAMPBELL_SPEEDS)
+        else:
+            over = np.asarray(request.campbell_speeds, dtype=float)
+        if request.environment is not None:
+            lines = environment_lines(self.mechanism, request.environment)
+            swollen = mechanism_in_state(self.mechanism, request.environment)
+            engine = engine.with_(mechanism=swollen)
+        found = campbell_analysis.campbell(
             engine,
-            ResponseRequest(
-                CrankDrive(float(speed)),
-                revolutions=1.0,
-                start="periodic",
-                modes=request.modes or MODES,
-                speed_unit=request.speed_unit,
-            ),
-            environment=state,
-            progress=progress,
+            over,
+            crank_angles=self._some_angles(MOST_CAMPBELL_ANGLES),
+            modes=request.modes,
+            speed_unit=request.speed_unit,
+            tolerance=request.tolerance,
+            progress=self.progress,
         )
-        for state in states
-        for speed in speeds
-        if speed
-    ]
+        # In what state it is, as other results tell it.
+        return [
+            analyses.CampbellDiagram(found.dataset.assign_attrs(environment_lines="\n".join(lines)))
+        ]
 
+    def _some_angles(self, most: int) -> FloatArray:
+        """Crank angles asked for, each position once, and every n-th where they are many."""
+        angles = np.asarray(self.request.crank_angles, dtype=float)
+        if len(angles) > 1 and np.isclose(angles[-1] - angles[0], 2 * np.pi):
+            angles = angles[:-1]
+        return angles[:: max(1, -(-len(angles) // most))]
 
-def _kinematics(mechanism: Mechanism, speeds: FloatArray, request: ReportRequest) -> list[Result]:
-    """Of the rigid linkage at each speed at which it turns; at rest if it turns at none."""
-    from flexmech.analyses.kinematics.compute import KinematicsRequest, kinematics
+    def responses(self) -> list[analyses.Result]:
+        """Periodic motion at every speed but zero, dry and in the environment."""
+        return [
+            response_analysis.response(
+                self.engines[0],
+                analyses.ResponseRequest(
+                    linkages.CrankDrive(float(speed)),
+                    revolutions=1.0,
+                    start="periodic",
+                    modes=self.request.modes or choices.MODES,
+                    speed_unit=self.request.speed_unit,
+                ),
+                environment=state,
+                progress=self.progress,
+            )
+            for state in dict.fromkeys((None, self.request.environment))
+            for speed in self.speeds
+            if speed
+        ]
 
-    return [
-        kinematics(
-            mechanism,
-            KinematicsRequest(crank_speed=float(speed), speed_unit=request.speed_unit),
-        )
-        for speed in (speeds[speeds != 0] if np.any(speeds) else speeds[:1])
-    ]
+    def kinematics(self) -> list[analyses.Result]:
+        """Of the rigid linkage at each speed at which it turns; at rest if it turns at none."""
+        return [
+            kinematics_analysis.kinematics(
+                self.mechanism,
+                analyses.KinematicsRequest(
+                    crank_speed=float(speed), speed_unit=self.request.speed_unit
+                ),
+            )
+            for speed in (self.speeds[self.speeds != 0] if np.any(self.speeds) else self.speeds[:1])
+        ]
 
+    def sections(self) -> list[analyses.Result]:
+        """In the environment."""
+        return [analyses.section_profiles(self.mechanism, environment=self.request.environment)]
 
-def _moisture(mechanism: Mechanism, environment: Environment | None) -> Result:
-    if not isinstance(environment, Exposure):
-        raise InputError("moisture needs an exposure: --relative-humidity with --time")
-    temperature = mechanism.reference_temperature + environment.temperature_rise
-    return moisture_uptake(mechanism, environment.relative_humidity, environment.time, temperature)
+    def coupler_curve(self) -> list[analyses.Result]:
+        """Dry and in the environment."""
+        where = self.request.environment
+        return [analyses.coupler_paths(self.mechanism, PATH_ANGLES, environment=where)]
+
+    def moisture(self) -> list[analyses.Result]:
+        """Under the exposure, without which this part is refused."""
+        exposure = self.request.environment
+        assert isinstance(exposure, Exposure)
+        temperature = self.mechanism.reference_temperature + exposure.temperature_rise
+        asked = exposure.relative_humidity, exposure.time, temperature
+        return [analyses.moisture_uptake(self.mechanism, *asked)]

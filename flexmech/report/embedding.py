@@ -62,17 +62,7 @@ def json_text(content: Any) -> str:
     return text.translate(ESCAPES)
 
 
-class Markup(str):
-    """Text that is HTML already."""
-
-    __slots__ = ()
-
-    def __html__(self) -> str:
-        """Itself, for templates that escape all other text."""
-        return str(self)
-
-
-def equation_markup(text: str) -> Markup:
+def equation_markup(text: str) -> str:
     """An equation with ``_x`` or ``_{xy}`` lowered and ``^{xy}`` raised.
 
     Parameters
@@ -81,15 +71,16 @@ def equation_markup(text: str) -> Markup:
 
     Returns
     -------
-    Markup
+    str
+        HTML.
 
     Examples
     --------
-    >>> print(equation_markup("K_g < e^{λt}"))
-    K<sub>g</sub> &lt; e<sup>λt</sup>
+    >>> equation_markup("K_g < e^{λt}")
+    'K<sub>g</sub> &lt; e<sup>λt</sup>'
     """
     lowered = re.sub(r"_(?:\{([^}]*)\}|(\w))", _element("sub"), escape(text))
-    return Markup(re.sub(r"\^(?:\{([^}]*)\}|(\w))", _element("sup"), lowered))
+    return re.sub(r"\^(?:\{([^}]*)\}|(\w))", _element("sup"), lowered)
 
 
 def _element(name: str) -> Any:

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import xarray as xr
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.report.words import crank_degrees
+from flexmech.plots import reading
 
-# Round-off must not lose the sample a full turn before the last one.
+# In degrees: round-off must not lose the sample a full turn before the last one.
 ROUND_OFF = 1e-6
 FULL = 360.0
 MOST_POINTS = 400
@@ -45,11 +44,6 @@ class LastTurn:
         return np.asarray(values[self.kept])
 
 
-def last_turn(data: xr.Dataset) -> LastTurn:
-    """The last turn of a run's histories."""
-    return over_a_turn(data["crank_angle"].values.astype(float))
-
-
 def over_a_turn(angle: FloatArray, *, thin: bool = True) -> LastTurn:
     """The last turn of samples at crank angles in rad, which may turn either way.
 
@@ -63,7 +57,7 @@ def over_a_turn(angle: FloatArray, *, thin: bool = True) -> LastTurn:
     -------
     LastTurn
     """
-    degrees = crank_degrees(angle)
+    degrees = reading.degrees(angle)
     inside = np.flatnonzero(np.abs(degrees[-1] - degrees) <= FULL + ROUND_OFF)
     kept = inside[thinning(len(inside))] if thin else inside
     shown = degrees[kept]

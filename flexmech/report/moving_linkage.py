@@ -18,17 +18,18 @@ from flexmech.errors import InputError
 from flexmech.linkages import CouplerCurve, FourBar, LinkEnd, Topology, assemblable
 from flexmech.mechanism import Mechanism, drawn_parts
 from flexmech.modelfile import mechanism_from_toml
+from flexmech.plots import reading
+from flexmech.plots.drawn_linkage.figures import real_shapes
 from flexmech.plots.layout import round_enlargement
-from flexmech.plots.mode_shapes import real_shapes
 from flexmech.report.embedding import Arrays
 from flexmech.report.last_turn import over_a_turn, thinning
 from flexmech.report.panels.frequencies import in_each_state
-from flexmech.report.results import Results
-from flexmech.report.words import crank_degrees, engine_names, speed_name, speed_unit_of, state_of
+from flexmech.report.results import Results, speed_name, speed_unit_of, state_of
 
 # Of a run's turn: the script interpolates between samples every three degrees.
 MOST_FRAMES = 120
-# Largest displacement as drawn, over the linkage's extent.
+# Largest displacement as drawn, over the linkage's extent: seen at once, and the linkage is still
+# itself.
 ENLARGED_TO = 0.12
 # What the ground holds is drawn so, whatever else is joined there.
 HELD = ("clamp", "pivot")
@@ -140,9 +141,9 @@ def _mode_shapes(results: Results, unit: str, arrays: Arrays) -> list[dict[str, 
         return []
     shapes = []
     for state, data in in_each_state(result).items():
-        for engine in engine_names(data):
+        for engine in reading.names_of(data, "engine"):
             # Shapes asked for are of the first engine, and finer.
-            asked = "asked_shape" in data and engine == engine_names(data)[0]
+            asked = "asked_shape" in data and engine == reading.names_of(data, "engine")[0]
             name, over = ("asked_shape", "shape_angle") if asked else ("mode_shape", "check_angle")
             place = "asked_position" if asked else "rigid_position"
             for speed in data["crank_speed"].values.tolist():
@@ -153,7 +154,7 @@ def _mode_shapes(results: Results, unit: str, arrays: Arrays) -> list[dict[str, 
                 if not np.isfinite(values).all():
                     continue
                 position = data[place].transpose(over, "link", "station", "component").values
-                angle = crank_degrees(data[over].values)
+                angle = reading.degrees(data[over])
                 local = _in_link_frames(
                     real_shapes(values[:, :, 0] + 1j * values[:, :, 1]), position
                 )
@@ -200,7 +201,7 @@ def _runs(results: Results, unit: str, extent: float, arrays: Arrays) -> list[di
         kept = thinning(len(turn.angle), MOST_FRAMES)
         order = ("frame_time", "link", "station", "component")
         position = turn.of(data["rigid_position"].transpose(*order).values)[kept]
-        for engine in engine_names(data):
+        for engine in reading.names_of(data, "engine"):
             moved = turn.of(data["displacement"].sel(engine=engine).transpose(*order).values)
             local = _in_link_frames(moved[kept], position)
             speed = speed_name(float(data.attrs["crank_speed"]), unit)

@@ -23,6 +23,10 @@ Choice = Mapping[str, str]
 ``mode``, such as ``{"speed": "20 rad/s"}``; what is not named does not matter."""
 
 Look = Literal["solid", "dash", "dot", "dashdot", "points"]
+FRAME_HEIGHT = 110
+"""Of a plot in pixels: what its heading, its legend and the axis along x take."""
+GREY = "#8c8c8c"
+"""Of what lies behind curves: limits, rays of orders, rigid links."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +102,6 @@ class Plot:
         Units of the horizontal axis in a rad/s, for a cursor of speed.
     equal : bool
         Whether both axes have one scale.
-    x_range : tuple of float, optional
     tick : float, optional
         Distance of the ticks along x.
     height : int
@@ -115,7 +118,6 @@ class Plot:
     cursor: Literal["angle", "speed", "point", "none"] = "none"
     speed_scale: float = 1.0
     equal: bool = False
-    x_range: tuple[float, float] | None = None
     tick: float | None = None
     height: int = 320
     title: str = ""

@@ -1,49 +1,37 @@
-"""The results that a report shows: what kinds there are, where they lie, and how they are found."""
+"""The results that a report shows: their kinds, where they lie, and words for them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from flexmech.analyses import (
-    CampbellDiagram,
-    Comparison,
-    CouplerPaths,
-    CrankRockerSynthesis,
-    HammerTest,
-    Kinematics,
-    ModelCheck,
-    MoistureUptake,
-    MovingFrequencies,
-    Response,
-    Result,
-    RunningHammerTest,
-    SectionProfiles,
-    SpeedSweep,
-    StabilityMap,
-)
+import numpy as np
+
+from flexmech import analyses
 from flexmech.analyses.netcdf import read_netcdf, told_as_damaged
 from flexmech.errors import InputError
 from flexmech.files import given_path
+from flexmech.units import from_si
 from flexmech.validation import check_instance, checked_tuple
 
-KINDS: tuple[type[Result], ...] = (
-    ModelCheck,
-    MovingFrequencies,
-    CampbellDiagram,
-    StabilityMap,
-    RunningHammerTest,
-    Response,
-    HammerTest,
-    Comparison,
-    SectionProfiles,
-    Kinematics,
-    CouplerPaths,
-    MoistureUptake,
-    SpeedSweep,
-    CrankRockerSynthesis,
+KINDS: tuple[type[analyses.Result], ...] = (
+    analyses.ModelCheck,
+    analyses.MovingFrequencies,
+    analyses.CampbellDiagram,
+    analyses.StabilityMap,
+    analyses.RunningHammerTest,
+    analyses.Response,
+    analyses.HammerTest,
+    analyses.Comparison,
+    analyses.SectionProfiles,
+    analyses.Kinematics,
+    analyses.CouplerPaths,
+    analyses.MoistureUptake,
+    analyses.SpeedSweep,
+    analyses.CrankRockerSynthesis,
 )
 """All that can lie in a folder of results."""
 
@@ -51,7 +39,11 @@ KINDS: tuple[type[Result], ...] = (
 BOTH_STATES = "hygrothermal_effect.nc"
 EACH_STATE = ("frequencies.nc", "dry/frequencies.nc")
 
-Kind = TypeVar("Kind", bound=Result)
+Kind = TypeVar("Kind", bound=analyses.Result)
+
+# More decimals are below the solver's own tolerance.
+MOST_DECIMALS = 6
+DRY = "dry"
 
 
 @dataclass(frozen=True)
@@ -68,13 +60,15 @@ class Results:
         If there is none, something is no result, or they are of different model files.
     """
 
-    all: tuple[Result, ...]
+    all: tuple[analyses.Result, ...]
 
     def __post_init__(self) -> None:
         if not self.all:
             raise InputError("results: a report needs one result or more")
         for each in self.all:
-            check_instance(each, Result, "results", "give what flexmech.moving_frequencies returns")
+            check_instance(
+                each, analyses.Result, "results", "give what flexmech.moving_frequencies returns"
+            )
         files = {
             str(each.dataset.attrs["model_sha256"]): str(each.dataset.attrs.get("model_file", ""))
             for each in self.all
@@ -87,12 +81,12 @@ class Results:
             )
 
     @classmethod
-    def of(cls, results: Result | Sequence[Result]) -> Results:
+    def of(cls, results: analyses.Result | Sequence[analyses.Result]) -> Results:
         """Results of what a user gives: one, or several in a list."""
-        if isinstance(results, Result):
+        if isinstance(results, analyses.Result):
             return cls((results,))
         remedy = "give what flexmech.moving_frequencies returns, or several in a list"
-        return cls(checked_tuple(results, Result, "results", remedy))
+        return cls(checked_tuple(results, analyses.Result, "results", remedy))
 
     def of_kind(self, kind: type[Kind]) -> list[Kind]:
         """All results of one kind, in order."""
@@ -140,16 +134,16 @@ def stored_results(folder: str | Path) -> Results:
     whole = {path.parent for path in files if path.name == BOTH_STATES}
     parts = {place / name for place in whole for name in EACH_STATE}
     with told_as_damaged(folder):
-        found = [_load(path) for path in files if path not in parts]
-    if not found:
-        raise InputError(
-            f"{folder}: holds no NetCDF file of a result; run a command with --out {folder} first"
-        )
-    with told_as_damaged(folder):
-        return Results(tuple(found))
+        found = tuple(_load(path) for path in files if path not in parts)
+        if not found:
+            raise InputError(
+                f"{folder}: holds no NetCDF file of a result; run a command with --out {folder} "
+                "first"
+            )
+        return Results(found)
 
 
-def _load(path: Path) -> Result:
+def _load(path: Path) -> analyses.Result:
     """A result of the kind that its title names."""
     loaded = read_netcdf(path)
     title = str(loaded.attrs.get("title", ""))
@@ -157,3 +151,63 @@ def _load(path: Path) -> Result:
         if title == kind.subject or title.startswith(f"{kind.subject} of "):
             return kind.of_file(path, loaded)
     raise InputError(f"{path}: is {title!r}, which no panel of the report knows; move it away")
+
+
+def speed_unit_of(results: Results) -> str:
+    """Unit in which a report speaks of crank speeds: that of its first result with speeds."""
+    return results.attribute("speed_unit") or "rad/s"
+
+
+def speed_name(speed: float, unit: str) -> str:
+    """A crank speed in rad/s as the reader chooses it."""
+    return f"{from_si(speed, unit):.6g} {unit}"
+
+
+def state_of(attributes: Mapping[str, object]) -> str:
+    """State in which a result was computed, in the words of results with two states.
+
+    Parameters
+    ----------
+    attributes : mapping
+        Of a dataset.
+
+    Returns
+    -------
+    str
+    """
+    first = str(attributes.get("environment_lines", "")).partition("\n")[0]
+    _, told, state = first.partition("state: ")
+    return state if told else DRY
+
+
+def decimals_of(error: float) -> int:
+    """Decimal places of a number that an error of it, rounded to one digit, leaves known."""
+    if not (math.isfinite(error) and error > 0):
+        return MOST_DECIMALS
+    one_digit = float(f"{error:.0e}")
+    return int(np.clip(-math.floor(math.log10(one_digit)), 0, MOST_DECIMALS))
+
+
+def with_error(value: float, error: float) -> str:
+    """A number with its error, each to the last place that is known.
+
+    Parameters
+    ----------
+    value, error : float
+        Both in one unit; an error that is not a number is not known, and not told.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> with_error(43.6131, 0.011)
+    '43.61 ± 0.01'
+    """
+    if not math.isfinite(error):
+        return f"{value:.4g}"
+    places = decimals_of(error)
+    if error < 10.0**-MOST_DECIMALS:
+        return f"{value:.{MOST_DECIMALS}g}"
+    return f"{value:.{places}f} ± {float(f'{error:.0e}'):.{places}f}"

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 Verdict = Literal["reproduced", "not reproduced", "not judged"]
+# A number counts as reproduced when ours is within a tenth of the one printed.
 REPRODUCED_WITHIN = 0.10
-"""A number counts as reproduced when ours is within a tenth of the one printed."""
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,6 @@ from .cases import Outcome as Outcome
 from .cases import VerificationCase as VerificationCase
 from .cases import verification_case as verification_case
 from .cases import verification_cases as verification_cases
+from .compute import Verification as Verification
 from .compute import verify as verify
 from .methods.floating_rod import FloatingRod as FloatingRod
-from .result import Verification as Verification

@@ -255,15 +255,11 @@ def _by_engine(table: Mapping[str, Any]) -> Iterator[VerificationCase]:
 
 
 def _case(table: Mapping[str, Any]) -> VerificationCase:
-    given = dict(table)
-    expected = given.pop("expected_by", None)
-    if expected is not None:
-        given["expected"] = _computation(expected)
-    else:
-        given["expected"] = tuple(given["expected"])
-    for name in ("labels", "needs"):
-        given[name] = tuple(given.get(name, ()))
-    return VerificationCase(**{**given, "measured_by": _computation(given["measured_by"])})
+    lists = {key: tuple(own) for key, own in table.items() if isinstance(own, list)}
+    given: dict[str, Any] = {**table, **lists, "measured_by": _computation(table["measured_by"])}
+    if "expected_by" in given:
+        given["expected"] = _computation(given.pop("expected_by"))
+    return VerificationCase(**given)
 
 
 def _computation(table: Mapping[str, Any]) -> Computation:

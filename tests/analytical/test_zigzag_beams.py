@@ -23,8 +23,8 @@ from flexmech.reference import ReferenceEngine
 from flexmech.sections import BeamSection, LaminateSection
 from flexmech.verification import verification_case
 from flexmech.verification.methods.plane_elasticity import (
+    PlaneLink,
     fourbar_frequencies,
-    free_modes,
     plane_link,
 )
 
@@ -83,11 +83,20 @@ def elastic_frequencies(mechanism: Mechanism, laminate: Laminate, angle: float) 
     return fourbar_frequencies(links, motion.angle.tolist(), lengths, 4)
 
 
+def free_modes(link: PlaneLink, count: int) -> FloatArray:
+    """Frequencies in Hz of a free link in plane elasticity, without its rigid motions."""
+    # A little below the squares of zero that those have.
+    squares = scipy.sparse.linalg.eigsh(
+        link.stiffness, count + 3, link.mass, sigma=-1e3, return_eigenvectors=False
+    )
+    return np.sqrt(np.sort(squares)[3:]) / (2 * np.pi)
+
+
 @pytest.mark.parametrize("name", STACKS)
 def test_free_beams_of_thirty_thicknesses(name: str) -> None:
     laminate = STACKS[name]
     length = 30 * laminate.thickness
-    exact, _ = free_modes(plane_link(laminate, WIDTH, length, 40), 3)
+    exact = free_modes(plane_link(laminate, WIDTH, length, 40), 3)
     assert free_frequencies(laminate, "zigzag", length, 3) == pytest.approx(exact, rel=5e-3)
 
 

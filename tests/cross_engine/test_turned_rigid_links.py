@@ -84,3 +84,28 @@ def test_a_rigid_crank_on_a_free_shaft_meets_what_it_leads_once() -> None:
         )
     ]
     np.testing.assert_allclose(found[1], found[0], rtol=1e-5)
+
+
+@pytest.mark.parametrize(("radial", "close"), [(None, 1e-9), (1e7, 1e-6)])
+def test_a_crank_on_a_free_shaft_is_as_stiff_in_a_state_as_at_the_equilibrium(
+    radial: float | None, close: float
+) -> None:
+    """Bearings that give way had their force counted twice, and a run the crank's own mass not."""
+    mechanism = load_mechanism("models/carton_pusher.toml")
+    if radial is not None:
+        mechanism = replace(
+            mechanism, joint_springs=(JointSpring("A", 0.0, radial_stiffness=radial),)
+        )
+    motion, held = mechanism.linkage.motion(np.radians([20.0, 60.0, 130.0]), 5.0), []
+    for engine in (
+        ReferenceEngine(mechanism, 4, "euler", shaft="free"),
+        ExudynEngine(mechanism, 4, "ancf", shaft="free"),
+    ):
+        state = engine.stressed_links(motion, "equilibrium")
+        assert state.displacement is not None
+        running = engine.running_links(motion, state.displacement)
+        held.append([np.asarray(each.tangent[0])[:, 2, 2] for each in (state, running)])
+    (at_rest, in_state), (exudyn, in_run) = held
+    np.testing.assert_allclose(in_state, at_rest, rtol=1e-12)
+    np.testing.assert_allclose(exudyn, at_rest, rtol=close)
+    np.testing.assert_allclose(in_run, at_rest, rtol=2e-3)  # by straight links

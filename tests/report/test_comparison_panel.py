@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from flexmech import Comparison, stored_results
-from flexmech.report.panels.comparison import comparison_panel
-from flexmech.report.panels.speeds import stability_panel
+from flexmech.report.panels.frequencies import stability_panel
+from flexmech.report.panels.hammer import comparison_panel
 from tests.unit.comparison_data import drawn_dataset
 
 

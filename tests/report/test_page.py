@@ -17,7 +17,7 @@ from flexmech.report import Results, page, stored_results, write_report
 from flexmech.report.embedding import Arrays, equation_markup, json_text
 from flexmech.report.last_turn import over_a_turn, thinning
 from flexmech.report.moving_linkage import moving_linkage
-from flexmech.report.words import with_error
+from flexmech.report.results import with_error
 
 ROOT = Path(__file__).parents[2]
 ALUMINIUM = str(ROOT / "models" / "aluminium_fourbar.toml")

@@ -8,8 +8,8 @@ import numpy as np
 
 from flexmech import RunningHammerTest, stored_results
 from flexmech.report.answers import answers
+from flexmech.report.panels.frequencies import stability_panel
 from flexmech.report.panels.hammer import running_hammer_panel
-from flexmech.report.panels.speeds import stability_panel
 from flexmech.report.results import Results
 from tests.unit.running_hammer_data import IDENTIFIED, PEAKS, running_hammer_dataset
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexmech import StabilityMap, stored_results
 from flexmech.report.answers import answers
-from flexmech.report.panels.speeds import stability_panel
+from flexmech.report.panels.frequencies import stability_panel
 from flexmech.report.results import Results
 from tests.unit.stability_data import GROWTH, stability_dataset
 

@@ -15,8 +15,8 @@ from flexmech.errors import InputError
 from flexmech.linkages import FourBar, Linkage, RotatingArm, drawn_joints
 from flexmech.plots import SERIES_STYLES, animation, mp4_available, write_animation
 from flexmech.plots.animation import EnlargedMotion, Scene
-from flexmech.plots.linkage_parts import extent_of
-from flexmech.plots.linkage_sketch import JOINT
+from flexmech.plots.drawn_linkage.parts import extent_of
+from flexmech.plots.drawn_linkage.sketch import JOINT
 from tests.unit.figure_checks import shown_texts
 
 STATIONS = np.linspace(0.0, 1.0, 21)

@@ -22,9 +22,9 @@ from flexmech.linkages import GROUND, AttachmentPoint, JointSpring, Load, Spring
 from flexmech.mechanism import Mechanism, drawing
 from flexmech.plots import page_width, plot_coupler_curve, plot_linkage, plot_mode_shapes
 from flexmech.plots.animation import EnlargedMotion, Scene
-from flexmech.plots.linkage import part_handles
-from flexmech.plots.linkage_sketch import LinkageSketch
-from flexmech.plots.linkage_symbols import Symbol
+from flexmech.plots.drawn_linkage.figures import part_handles
+from flexmech.plots.drawn_linkage.sketch import LinkageSketch
+from flexmech.plots.drawn_linkage.symbols import Symbol
 from flexmech.report.embedding import Arrays
 from flexmech.report.moving_linkage import moving_linkage
 from flexmech.report.results import Results

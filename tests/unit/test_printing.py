@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from flexmech.analyses import Summary, Table
 from flexmech.cli import app
-from flexmech.cli.printing import say
+from flexmech.cli.deliver import say
 
 STEEL = Path(__file__).parents[2] / "models" / "steel_fourbar.toml"
 

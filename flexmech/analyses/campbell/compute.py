@@ -266,11 +266,11 @@ class _Counter:
 
 logger = logging.getLogger(__name__)
 
+# Speeds at which the periodic motion is computed, evenly chosen from those asked for: each has a
+# linkage of its own, and a panel shows no more.
 MOST_RESPONSES = 100
-"""Speeds at which the periodic motion is computed, evenly chosen from those asked for: each has a
-linkage of its own, and a panel shows no more."""
+# Harmonics of the crank that reach higher modes are weak.
 RESPONSE_MODES = 3
-"""Harmonics of the crank that reach higher modes are weak."""
 # A turn at a low speed is long, and its motion quasi-static.
 SLOWEST = 0.05
 

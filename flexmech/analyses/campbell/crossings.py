@@ -12,10 +12,10 @@ import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray, unbroken_runs
 
+# Rows of both ends of a band.
 LOWEST, HIGHEST = 0, 2
-"""Rows of both ends of a band."""
+# A ray that meets no band but comes as near as this, relatively, is told.
 NEAR_MISS = 0.1
-"""A ray that meets no band but comes as near as this, relatively, is told."""
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError
 from flexmech.validation import checked_array
 
+# Of the crank's speed, drawn by default: harmonics of the loads fade within the first ten.
 ORDERS = tuple(range(1, 11))
-"""Of the crank's speed, drawn by default: harmonics of the loads fade within the first ten."""
 # More are taken for a slip: a thousand rays are drawn as one surface.
 MOST_ORDER = 1000
 

@@ -104,9 +104,9 @@ def _through(
     return np.asarray(value, dtype=float), np.abs(rough)
 
 
+# Relative difference of a predicted and a solved frequency up to which a fit is accepted: as much
+# as is assumed of the error of the mesh.
 FIT_TOLERANCE = 3e-4
-"""Relative difference of a predicted and a solved frequency up to which a fit is accepted: as much
-as is assumed of the error of the mesh."""
 # So few speeds are all solved, for they cost little.
 ALL_SOLVED = 13
 # Eight intervals, each of which is divided once at least: 17 of the speeds are solved.

@@ -26,8 +26,8 @@ _LEAST_DENSITY, _MOST_DENSITY = 10.0, 2.3e4
 _LEAST_WAVE_SPEED, _MOST_WAVE_SPEED = 10.0, 1.9e4
 # Below it shear and the ends govern: a link is no beam. Above it its own weight bends it.
 _LEAST_SLENDERNESS, _MOST_SLENDERNESS = 5.0, 1000.0
+# In degrees; Alt's limits, as in Balli & Chand 2002, Mechanism and Machine Theory 37, 175-195.
 USUAL_TRANSMISSION_ANGLE = (40.0, 140.0)
-"""In degrees; Alt's limits, as in Balli & Chand 2002, Mechanism and Machine Theory 37, 175-195."""
 _MOST_LENGTH_RATIO = 20.0
 _NEARLY_IN_LINE = 1e-3
 # Point masses over the mass of all links.

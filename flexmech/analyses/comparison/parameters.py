@@ -14,10 +14,10 @@ from flexmech.linear_system import Engine
 from flexmech.sections import BeamSection
 
 DAMPING, STIFFNESS, OFFSET, GAIN, NOTHING = "damping", "stiffness", "offset", "gain", "none"
+# Crank angle of a record's first sample, where the record does not tell it.
 START_ANGLE = "start_angle"
-"""Crank angle of a record's first sample, where the record does not tell it."""
+# Damping ratio of the first mode that the unit of a fitted damping time stands for.
 USUAL_RATIO = 0.005
-"""Damping ratio of the first mode that the unit of a fitted damping time stands for."""
 # Damping ratios from which the fit may begin, of steel to polymers.
 _RATIOS = (0.001, 0.003, 0.01, 0.03)
 # Crank angles at which a record may begin: every 2.5 deg, a fraction of the first mode's period.

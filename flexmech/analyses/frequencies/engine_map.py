@@ -33,9 +33,9 @@ from flexmech.linear_system import Engine
 
 logger = logging.getLogger(__name__)
 
+# On each link, to which a map refines the mesh by itself; more are asked for by their number, since
+# each doubling takes four times as long or more.
 MOST_ELEMENTS = 32
-"""On each link, to which a map refines the mesh by itself; more are asked for by their number,
-since each doubling takes four times as long or more."""
 # Modes tracked besides those asked for, so that a branch may dip out and come back.
 SPARE_MODES = 2
 

@@ -130,8 +130,8 @@ class Positions(NamedTuple):
     shapes: NDArray[Any]
 
 
+# Solves for the modes at crank angles, shape (B,).
 Between = Callable[[FloatArray], Positions]
-"""Solves for the modes at crank angles, shape (B,)."""
 
 
 @dataclass(frozen=True)

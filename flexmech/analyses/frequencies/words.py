@@ -14,9 +14,9 @@ from flexmech.analyses.summary import Table
 
 # Of a frequency in Hz: more are not known of any model, however fine its mesh is.
 MOST_DECIMALS = 6
+# Frequency in Hz below which the free shaft's mode is a rigid one: at rest it is zero but for the
+# root of round-off, and what takes a quarter of an hour is no vibration.
 RIGID = 1e-3
-"""Frequency in Hz below which the free shaft's mode is a rigid one: at rest it is zero but for the
-root of round-off, and what takes a quarter of an hour is no vibration."""
 # What stands for the engines where they agree.
 TOGETHER = ("both", "all")
 

@@ -14,30 +14,30 @@ from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.errors import InputError
 from flexmech.modal_testing import ExponentialWindow, ForceWindow
 
+# Bandwidth over the highest natural frequency wanted: its peak is to be whole, and the pulse still
+# excites it well.
 _ABOVE_MODES = 1.25
-"""Bandwidth over the highest natural frequency wanted: its peak is to be whole, and the pulse still
-excites it well."""
+# Sampling rate over bandwidth, as analysers have it: the anti-aliasing filter falls between.
 _SAMPLES_A_HERTZ = 2.56
-"""Sampling rate over bandwidth, as analysers have it: the anti-aliasing filter falls between."""
+# Of the slowest vibration at the end of a record, its exponential window included: what is cut off
+# there is below the noise of a good test.
 LEFT = 1e-4
-"""Of the slowest vibration at the end of a record, its exponential window included: what is cut off
-there is below the noise of a good test."""
 # Spectral lines of a record: analysers have twice as many from setting to setting.
 _FEWEST_LINES, _MOST_LINES = 200, 6400
 # Of a given duration: 50 spectral lines, with which a fit can begin.
 _LEAST_SAMPLES = 128
 # In periods of the bandwidth: silence before the pulse, and the ringing of the filter after it.
 _BEFORE, _AFTER, _TAPER = 6.25, 6.0, 2.0
+# Frequency times pulse duration at which the pulse's spectrum has fallen by 20 dB.
 _EXCITED = 1.3
-"""Frequency times pulse duration at which the pulse's spectrum has fallen by 20 dB."""
 # Steps of the transient a sample, and a pulse at least.
 _STEPS_A_SAMPLE, STEPS_A_PULSE = 10, 20
 # Times as many where they cost nothing: the exact transient's force is sampled more finely.
 _EXACT = 4
 # More take hours of simulation.
 _MOST_STEPS = 4_000_000
+# Greatest displacement over the shortest link's length: second-order terms are as small a part.
 _DEFLECTION = 1e-6
-"""Greatest displacement over the shortest link's length: second-order terms are as small a part."""
 # Periods of the first mode in which the greatest displacement is looked for, and instants.
 _PERIODS, _INSTANTS = 3.0, 300
 

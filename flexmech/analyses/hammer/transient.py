@@ -30,9 +30,8 @@ from flexmech.linear_system import LinkPoint
 from flexmech.linkages import LockedCrank
 from flexmech.time_domain import Impact, LinkState, simulator
 
+# In dB, of what sampling would fold into the band: what records leave of a vibration at their end.
 _ATTENUATION = 80.0
-"""In dB, of what sampling would fold into the band: what records leave of a vibration at their
-end."""
 # The spectrum is read between lines of a record that is so many times longer, with zeros.
 _PADDED = 16
 

@@ -26,9 +26,9 @@ from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
 from flexmech.validation import check_count, check_instance, check_number, checked_tuple
 
+# Elements of a link whose mass is lumped: with so many the inertia force is the distributed one to
+# six digits.
 _MOST_LUMPS = 1000
-"""Elements of a link whose mass is lumped: with so many the inertia force is the distributed one to
-six digits."""
 
 
 @dataclass(frozen=True)

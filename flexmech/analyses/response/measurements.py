@@ -12,8 +12,8 @@ from flexmech.linkages import LinkEnd, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain import Trajectory
 
+# Part of the links' lengths below which deflections are the round-off of none at all.
 NO_DEFLECTION = 1e-12
-"""Part of the links' lengths below which deflections are the round-off of none at all."""
 
 
 def probes(engine: Engine) -> list[str]:

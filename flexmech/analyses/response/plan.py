@@ -19,9 +19,9 @@ from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine, LinkFrames, LinkModel, OverdampedError, RotationTerms
 from flexmech.validation import check_instance
 
+# Spectra reach this far above the highest natural frequency asked for, so that its peak stands
+# within the picture.
 SPECTRUM_REACH = 1.5
-"""Spectra reach this far above the highest natural frequency asked for, so that its peak stands
-within the picture."""
 # Samples in a period of the highest frequency of the spectra; two would be the limit.
 _SAMPLES_PER_PERIOD = 2.5
 # Forces and torque count up to this part of the lowest frequency at which the links vibrate

@@ -30,9 +30,9 @@ from flexmech.time_domain import (
 logger = logging.getLogger(__name__)
 
 
+# Steps in a period of the highest frequency asked for, to begin with; half as many where the error
+# of the step is of fourth order.
 STEPS_PER_PERIOD = 40
-"""Steps in a period of the highest frequency asked for, to begin with; half as many where the error
-of the step is of fourth order."""
 # A free vibration runs out of phase in proportion to the time that it has run; the step is
 # halved until the estimated error of the deflections is below this part of their peak.
 _STEP_TOLERANCE = 2e-2

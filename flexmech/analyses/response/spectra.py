@@ -10,8 +10,8 @@ from scipy.signal import ShortTimeFFT, get_window, periodogram
 from flexmech.arrays import FloatArray
 
 _WINDOW = "hann"
+# Window of signals that repeat: over whole periods none is needed.
 WHOLE_PERIODS = "boxcar"
-"""Window of signals that repeat: over whole periods none is needed."""
 # Distance of two frequencies that a Hann window tells apart, over one by its length: half the
 # width of its main lobe.
 _RESOLVED = 2.0

@@ -260,8 +260,8 @@ def _steps_of_a_turn(request: ResponseRequest, step: float) -> int:
 _PASSES = 4
 
 
+# Internal forces (B, n_link) of nonlinear links at displacements (B, n_link).
 Forces = Callable[[list[FloatArray]], Sequence[FloatArray]]
-"""Internal forces (B, n_link) of nonlinear links at displacements (B, n_link)."""
 
 
 def without_second_order_stretch(

@@ -29,8 +29,8 @@ from flexmech.time_domain import (
     stretches_in_runs,
 )
 
+# Greatest change of any order by halving the impacts, over its greatest amplitude.
 _HALVING = 0.01
-"""Greatest change of any order by halving the impacts, over its greatest amplitude."""
 # To a sixteenth of a force that moves links by 1e-4 of their length: smaller is round-off.
 _MOST_HALVINGS = 4
 # An order whose greatest amplitude is below this part of that of the strongest order is measured
@@ -171,8 +171,8 @@ _LEAST_MODES = 6
 # Of the periodic motion: its first is where runs begin, and fewer do not make a turn.
 _ORBIT_SAMPLES = 8
 
+# From the pulses of a run to the displacement of the point that is read, in m at every step.
 ImpactRun = Callable[[Sequence[HalfSinePulse]], FloatArray]
-"""From the pulses of a run to the displacement of the point that is read, in m at every step."""
 
 
 def added_by_impacts(

@@ -15,10 +15,10 @@ from flexmech.dynamical_systems import ForcedPeriodicSystem, HalfSinePulse, harm
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 
+# Part of its greatest response to which an impact has died out before the next one comes.
 _DECAYED = 1e-4
-"""Part of its greatest response to which an impact has died out before the next one comes."""
+# Orders that are identified besides those asked for: what they answer is not taken for theirs.
 GUARD_ORDERS = 3
-"""Orders that are identified besides those asked for: what they answer is not taken for theirs."""
 
 # Impacts besides one for each order, whose misfit tells what the orders leave out; and by how much
 # of their distance crank angles are jittered to either side.

@@ -18,8 +18,8 @@ from flexmech.analyses.summary import Row
 from flexmech.sections import BeamSection
 from flexmech.units import from_si
 
+# A section with its axial-bending coupling, and with that left out.
 COUPLINGS = ("with", "without")
-"""A section with its axial-bending coupling, and with that left out."""
 
 
 class Property(NamedTuple):
@@ -57,12 +57,12 @@ class Property(NamedTuple):
 
 
 _FILE = resources.files("flexmech.analyses.section_profile") / "tables.toml"
+# What tables of links and their sections say.
 STORED = tomllib.loads(_FILE.read_text(encoding="utf-8"))
-"""What tables of links and their sections say."""
+# What is known of a link beside its section.
 LINK_PROPERTIES = tuple(Property(*row) for row in STORED["link"])
-"""What is known of a link beside its section."""
+# What is known of a section.
 PROPERTIES = tuple(Property(*row) for row in STORED["section"])
-"""What is known of a section."""
 
 
 def section_properties(sections: Mapping[str, BeamSection | None]) -> xr.Dataset:

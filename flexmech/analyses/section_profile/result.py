@@ -263,8 +263,8 @@ def _change(first: float, other: float) -> str:
     return "" if np.isnan(ratio) or ratio in (0.0, 1.0) else f"{100 * (ratio - 1):+.4g} %"
 
 
+# Of the fibres of a ply.
 DIRECTIONS = ("along", "across")
-"""Of the fibres of a ply."""
 # Printed in the units in which tables of resins have them.
 _MICROSTRAIN, _MILLISTRAIN = 1e6, 1e3
 _CAPTION = (

@@ -165,8 +165,8 @@ class Against:
         return engine.with_(mechanism=changed)
 
 
+# A growth rate in 1/s, and what the column ``unstable`` says.
 Grown = tuple[float, str]
-"""A growth rate in 1/s, and what the column ``unstable`` says."""
 NOTHING: Grown = (np.nan, NO_EQUILIBRIUM)
 ONE = np.ones(1)
 

@@ -20,8 +20,8 @@ from flexmech.analyses.stability.engine_stability import (
 from flexmech.analyses.stability.request import StabilityRequest
 
 YES, NO, NO_EQUILIBRIUM = "yes", "no", "no equilibrium"
+# Of speeds that an interrupted map has not come to.
 NOT_COMPUTED = "not computed"
-"""Of speeds that an interrupted map has not come to."""
 
 OVER_SPEEDS = ("engine", "crank_speed")
 OVER_MULTIPLIERS = (*OVER_SPEEDS, "multiplier")

@@ -61,8 +61,8 @@ LEAST_CLOSING_RATIO = 1e-5
 # another begin.
 BETWEEN = 1 / 300
 
+# Modes at a speed, or why there are none.
 _Outcome = SolvedSpeed | ComputationError
-"""Modes at a speed, or why there are none."""
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 

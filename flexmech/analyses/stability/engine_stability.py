@@ -13,8 +13,8 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import Engine
 
 Kind = Literal["principal", "sum", "difference", "unnamed"]
+# ``f_a + f_a``, ``f_a + f_b`` or ``f_a - f_b`` a multiple of the crank's frequency, or none.
 KINDS: tuple[Kind, ...] = ("principal", "sum", "difference", "unnamed")
-"""``f_a + f_a``, ``f_a + f_b`` or ``f_a - f_b`` a multiple of the crank's frequency, or none."""
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,8 @@ from typing import Any, TypeVar
 from flexmech.interruption import STOPPING, uninterrupted
 from flexmech.threads import one_thread
 
+# Tasks that are not worth processes of their own.
 FEW = 2
-"""Tasks that are not worth processes of their own."""
 
 # What processes that are at work when an interruption comes have to end in, in s: a long call of
 # compiled code would keep them for minutes.

@@ -18,8 +18,8 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.dynamical_systems import SampledPeriodicSystem, floquet_modes, krein_signature
 from flexmech.errors import CRANK_SPEED, ComputationError
 
+# Logarithm of a multiplier's modulus that is growth, and not round-off.
 GROWS = 1e-7
-"""Logarithm of a multiplier's modulus that is growth, and not round-off."""
 
 
 @dataclass(frozen=True)

@@ -80,8 +80,8 @@ def _sampled(displacement: FloatArray, samples: int) -> FloatArray:
     return FourierSeries.through(displacement).samples(samples)
 
 
+# Crank speeds at which the system is built.
 NODES = 6
-"""Crank speeds at which the system is built."""
 
 
 @dataclass(frozen=True)

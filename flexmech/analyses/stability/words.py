@@ -14,11 +14,11 @@ from flexmech.analyses.stability.dataset import NO_EQUILIBRIUM, NOT_COMPUTED, PA
 from flexmech.analyses.summary import Table
 from flexmech.units import from_si
 
+# Bands of an engine that are told in a sentence and in a row; of more, the fastest growing.
 MOST_LINES, MOST_ROWS = 6, 24
-"""Bands of an engine that are told in a sentence and in a row; of more, the fastest growing."""
+# Growth rate in 1/s of a free shaft's motion that is none but round-off: of steady motion both its
+# exponents are zero, and two that meet there are known to the root of round-off.
 STILL = 1e-3
-"""Growth rate in 1/s of a free shaft's motion that is none but round-off: of steady motion both its
-exponents are zero, and two that meet there are known to the root of round-off."""
 FRAME_LINE = (
     "Floquet multipliers are the same in every frame; damping ratios of frozen positions with "
     "rotation terms are not"

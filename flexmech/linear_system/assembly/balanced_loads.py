@@ -103,15 +103,15 @@ def balanced_loads(
     displacement = [np.zeros_like(load) for load in loads]
     gap = frames.gather(motion, _sum(loads, force))
     if carried is not None:
-        # Near its first frequency a body is held by its tension alone, which it has then.
+        # Near its first frequency a body is stiff by its tension alone, which it has then.
         displacement = solve(BalancedLoads(_sum(loads, force), None))
         stiffness = tangents(displacement)
         gap = frames.gather(motion, acting.beyond(force, displacement))
     apart = np.full(len(motion.crank_angle), np.inf)
     converged = np.zeros(len(apart), dtype=bool)
     for number in range(MOST_PASSES):
-        held = acting.stiffness(frames, stiffness, displacement)
-        step = frames.link_coordinates(motion, np.linalg.solve(held, gap[..., None]))
+        against = acting.stiffness(frames, stiffness, displacement)
+        step = frames.link_coordinates(motion, np.linalg.solve(against, gap[..., None]))
         moved = [q + change[..., 0] for q, change in zip(displacement, step, strict=True)]
         before, force = force, acting.forces(moved)
         last, apart = apart, greatest([b - a for a, b in zip(before, force, strict=True)])
@@ -120,7 +120,7 @@ def balanced_loads(
         converged |= (apart <= LAST_PASS * size) | still
         if number and converged.all():
             if carried is not None:
-                _refuse_instability(motion, held)
+                _refuse_instability(motion, against)
             return BalancedLoads(_sum(loads, force), moved)
         displacement = solve(BalancedLoads(_sum(loads, force), moved))
         stiffness = tangents(displacement)
@@ -184,8 +184,10 @@ class _Acting:
             pairs = zip(stiffness, self.carried.matrices(displacement), strict=True)
             stiffness = [whole(tangent) - matrix for tangent, matrix in pairs]
         links = frames.assemble(self.motion, stiffness, STILL)
-        held = self.connectors.added(frames, self.motion, links, STILL, "equilibrium", displacement)
-        return held.stiffness
+        added = self.connectors.added(
+            frames, self.motion, links, STILL, "equilibrium", displacement
+        )
+        return added.stiffness
 
 
 def _refuse_instability(motion: RigidMotion, stiffness: FloatArray) -> None:
@@ -236,7 +238,7 @@ FARTHEST = 0.5
 
 
 def free_load(section: BeamSection, length: float) -> float:
-    """Force in N by which swelling that is held back pulls and bends an element of a length."""
+    """Force in N by which swelling that is restrained pulls and bends an element of a length."""
     bending = abs(section.free_curvature) * section.bending_stiffness / length
     return bending + abs(section.free_strain) * section.axial_stiffness
 

@@ -39,14 +39,10 @@ class EngineLinks(ElementKinds):
     solves_connectors : bool
         Whether the engine's own equilibrium counts loads and springs; they are among its loads
         where it does not.
-    equilibrium_has_pull : bool
-        Whether tangents at equilibrium have what a rigid clamped link meets by those that it leads;
-        see :meth:`flexmech.linear_system.assembly.free_shaft.FreeShaft.pull`.
     """
 
     name: ClassVar[str]
     solves_connectors: ClassVar[bool] = False
-    equilibrium_has_pull: ClassVar[bool] = False
     mechanism: Mechanism
     free_shaft: FreeShaft | None
 
@@ -128,13 +124,10 @@ class EngineLinks(ElementKinds):
         shaft = self.free_shaft
         if shaft is None:
             return held
-        reaction = pull = None
+        reaction = None
         if not self._is_straight(motion, prestress):
-            # An equilibrium may have it in its tangents.
-            if not (self.equilibrium_has_pull and prestress == "equilibrium"):
-                pull = shaft.pull(self.mechanism, self.clamped_links, motion, held)
             reaction = shaft.reaction(self.clamped_links, motion, held.loads)
-        return shaft.stressed(self.clamped_links, held, reaction, pull)
+        return shaft.stressed(self.clamped_links, held, reaction)
 
     @abstractmethod
     def stressed_clamped_links(
@@ -282,8 +275,7 @@ class EngineLinks(ElementKinds):
             return self._without_own_turning(motion, held)
         clamped = shaft.displacements(self.clamped_links, list(displacement))
         held = self._without_own_turning(motion, self.running_clamped_links(motion, clamped))
-        pull = shaft.pull(self.mechanism, self.clamped_links, motion)
-        free = shaft.stressed(self.clamped_links, held, pull=pull)
+        free = shaft.stressed(self.clamped_links, held)
         return replace(free, displacement=list(displacement))
 
     def running_clamped_links(

@@ -23,7 +23,8 @@ from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
 
 # Part of the shaft's speed by which that of the clamped link may be off: what the kinematics of any
-# linkage leave, 1e-12 or less; a link that is geared is off by more than this.
+# linkage leave, 1e-12 or less; a link that is geared is off by more than this. By this part of the
+# link's length its clamped end may be off the axis, where there is no hub.
 TURNS_ALIKE = 1e-9
 
 
@@ -70,7 +71,7 @@ class FreeShaft:
         ------
         InputError
             If nothing or more than one link is clamped, or the clamped link does not turn with
-            the shaft.
+            the shaft or is rigid and ends at it.
         """
         topology = mechanism.linkage.topology
         if len(topology.clamps) != 1:
@@ -86,9 +87,16 @@ class FreeShaft:
                 f"shaft 'free' needs a link that turns with the shaft, and the "
                 f"{clamp.link_end.link} does not: use shaft 'prescribed'"
             )
+        if topology.links[link].rigid and clamp.link_end.end == "end":
+            raise InputError(
+                f"shaft 'free' needs a rigid link that starts at the shaft, and the "
+                f"{clamp.link_end.link} ends there: give its points in the other order"
+            )
         x = 0.0 if clamp.link_end.end == "start" else topology.links[link].length
         speed, angle = motion.velocity(link, x), motion.angle[link]
         lever = (float(speed @ normal(angle)), -float(speed @ direction(angle)))
+        if np.hypot(*lever) <= TURNS_ALIKE * topology.links[link].length:
+            lever = (0.0, 0.0)
         stiff = any(each.rigid for each in topology.links) or any(lever)
         guided = any(slider.guide for slider in topology.sliders)
         return cls(clamp, link, lever, mechanism.shaft_inertia, stiff, stiff and not guided)
@@ -163,68 +171,11 @@ class FreeShaft:
             total -= along[:, None] * direction(turn) + across[:, None] * normal(turn)
         return total
 
-    def pull(
-        self,
-        mechanism: Mechanism,
-        links: tuple[LinkModel, ...],
-        motion: RigidMotion,
-        held: StressedLinks | None = None,
-    ) -> FloatArray | None:
-        """What flexible links that a rigid clamped one leads add to its stiffness against a turn.
-
-        Where the shaft is held their forces are no springs of the clamped link, as its far end
-        does not move; where it is free that end moves on a circle. A flexible clamped link has
-        them in its tension.
-
-        Parameters
-        ----------
-        mechanism : Mechanism
-        links : tuple of LinkModel
-            Unreduced and clamped.
-        motion : RigidMotion
-            Batch of shape (B,).
-        held : StressedLinks, optional
-            In the state with the shaft held. Without its forces, and for pins that springs alone
-            hold, those of the rigid linkage are taken.
-
-        Returns
-        -------
-        ndarray, shape (B,), or None
-            In N m/rad; None where there are none.
-        """
-        topology = mechanism.linkage.topology
-        own = topology.links[self.link]
-        led = [
-            tie
-            for tie in topology.ties
-            if tie.leader.link == own.name
-            and not topology.links[topology.index(tie.follower.link)].rigid
-        ]
-        if not own.rigid or not led:
-            return None
-        told = held is not None and None not in (held.loads, held.internal_force)
-        sprung = [bool(getattr(tie, "sprung", False)) for tie in led]
-        rigid = mechanism.inverse_dynamics(motion).joint_force if any(sprung) or not told else {}
-        total = np.zeros(len(motion.crank_angle))
-        along = direction(motion.angle[:, self.link])
-        for tie, by_spring in zip(led, sprung, strict=True):
-            if told and not by_spring:
-                assert held is not None
-                force = _on_leader(topology.index(tie.follower.link), tie.follower.end, links, held)
-                angle = motion.angle[:, topology.index(tie.follower.link)]
-                force = force[:, :1] * direction(angle) + force[:, 1:] * normal(angle)
-            else:
-                force = -rigid[tie.joint]
-            side = (tie.leader.end == "end") - (self.clamp.link_end.end == "end")
-            total += side * own.length * np.sum(force * along, axis=1)
-        return total
-
     def stressed(
         self,
         links: tuple[LinkModel, ...],
         stressed: StressedLinks,
         reaction: FloatArray | None = None,
-        pull: FloatArray | None = None,
     ) -> StressedLinks:
         """Stressed links with the clamped one released.
 
@@ -237,8 +188,6 @@ class FreeShaft:
         reaction : ndarray, shape (B, 2), optional
             Force of the clamp in that state. On a hub it is a spring against the shaft's
             rotation, as the clamped end moves on a circle.
-        pull : ndarray, shape (B,), optional
-            Stiffness against it by links that the clamped one leads; see :meth:`pull`.
 
         Returns
         -------
@@ -253,9 +202,6 @@ class FreeShaft:
         if reaction is not None:
             own = np.array(np.broadcast_to(own, (len(reaction), *basis.shape)))
             own[:, turned, turned] -= reaction @ np.array(self.lever)
-        if pull is not None:
-            own = np.array(np.broadcast_to(own, (len(pull), *basis.shape)))
-            own[:, turned, turned] += pull
         tangent[self.link] = own
         if force is not None:
             force[self.link] = force[self.link] @ basis
@@ -319,13 +265,3 @@ def in_coordinates(link: LinkModel, basis: FloatArray) -> LinkModel:
         fields=RigidFields(*own),
         bodies=tuple(body.projected(basis) for body in link.bodies),
     )
-
-
-def _on_leader(
-    link: int, end: str, links: tuple[LinkModel, ...], held: StressedLinks
-) -> FloatArray:
-    """Force of a flexible link's end on what leads it, in the link's frame, (B, 2)."""
-    assert held.loads is not None
-    assert held.internal_force is not None
-    rows = links[link].end_displacement(end)
-    return np.asarray((held.loads[link] - held.internal_force[link])[:, rows])

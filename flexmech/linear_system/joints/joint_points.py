@@ -56,8 +56,7 @@ def joint_points(topology: Topology) -> list[JointPoint]:
     list of JointPoint
         Of ends that are tied, held or guided; free tips are not in it.
     """
-    pins = (pin for pin in topology.pins if not pin.sprung)
-    followers = _followers([*pins, *topology.welds])
+    followers = _followers(topology.rigid_ties)
     held = {clamp.link_end for clamp in topology.clamps}
     held |= {pivot.link_end for pivot in topology.pivots if not pivot.sprung}
     sliders = {slider.link_end: number for number, slider in enumerate(topology.sliders)}

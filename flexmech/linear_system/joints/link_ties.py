@@ -135,6 +135,7 @@ class LinkTies:
         self.rigid = RigidCoordinates(topology)
         self._links = links
         self._ties: list[list[_Tie]] = [[] for _ in links]
+        self._at_rest: list[PointRows] = []  # ends that rigid links lead whose shaft is held
         self.targets = [np.full(link.size, -2, dtype=np.intp) for link in links]
         self._points, self._turns = joint_points(topology), turning_joints(topology)
         self._number_rigid()
@@ -183,7 +184,7 @@ class LinkTies:
         """
         moving = _MovingFrames(self.rigid, motion)
         rows: list[list[DisplacedRows]] = []
-        at_points, at_coordinates = [], []
+        at_points, at_coordinates = list(self._at_rest), []
         for link, ties in enumerate(self._ties):
             rows.append([])
             for tie in ties:
@@ -252,11 +253,10 @@ class LinkTies:
         return RigidPose.displaced_by(self.rigid, motion, displacement, held)
 
     def _led(self, moving: _MovingFrames, link: int, tie: _Tie) -> DependentRows:
-        motion = moving.motion
         if isinstance(tie, _TurningEnd):
             matrix = moving.turned(link, tie.leader)
         elif isinstance(tie, _EqualRows):
-            matrix = MatrixWithRates.constant(np.ones((len(tie.rows), 1)), len(motion.crank_angle))
+            matrix = MatrixWithRates.constant(np.ones((len(tie.rows), 1)), len(moving.motion.angle))
         elif isinstance(tie, _LedEnd):
             matrix = (moving.turned(link) @ moving.point(tie.point)).columns(tie.columns)
         else:
@@ -276,10 +276,8 @@ class LinkTies:
 
     def _number_rigid(self) -> None:
         """Number the independent coordinates of rigid links; the others follow them."""
-        place = np.full(self.rigid.size, -1, dtype=np.intp)
-        place[self.rigid.independent_coordinates] = np.arange(
-            len(self.rigid.independent_coordinates)
-        )
+        own, place = self.rigid.independent_coordinates, np.full(self.rigid.size, -1, dtype=np.intp)
+        place[own] = np.arange(len(own))
         for link in self.rigid.links:
             among = self.rigid.of_link(link)
             self.targets[link][:] = place[among]
@@ -361,6 +359,8 @@ class LinkTies:
                     columns = _depends_on(self._general.point(leader))
                     if len(columns):
                         self._ties[link].append(_LedEnd(rows, columns, leader))
+                    else:
+                        self._at_rest.append(PointRows(link, rows, leader))
                 else:
                     self._follow_end(link, rows, point.ends[0])
         for turn in self._turns:
@@ -384,8 +384,8 @@ class LinkTies:
                     link = self.topology.index(end.link)
                     self._add_rigid(link, rows, np.full(len(rows), among))
             return
-        root = turn.ends[0]
-        column = self.targets[self.topology.index(root.link)][self._rotations(root)[:1]]
+        root = self.topology.index(turn.ends[0].link)
+        column = self.targets[root][self._rotations(turn.ends[0])[:1]]
         for number, end in enumerate(turn.ends):
             link, rows = self.topology.index(end.link), self._rotations(end)
             if number:

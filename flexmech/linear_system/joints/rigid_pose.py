@@ -278,32 +278,6 @@ class DisplacedTies:
         self.pose, self.rows = pose, rows
         self._at_points, self._at_coordinates = at_points, at_coordinates
 
-    def link_displacement(
-        self, z: FloatArray, targets: Sequence[IntArray], sizes: Sequence[int]
-    ) -> list[FloatArray]:
-        """Coordinates of each link.
-
-        Parameters
-        ----------
-        z : ndarray, shape (B, size)
-        targets : sequence of ndarray of int, shape (n_link,)
-        sizes : sequence of int
-
-        Returns
-        -------
-        list of ndarray, shape (B, n_link)
-        """
-        result = []
-        for target, size, following in zip(targets, sizes, self.rows, strict=True):
-            q, free = np.zeros((len(z), size)), target >= 0
-            q[:, free] = z[:, target[free]]
-            for led in following:
-                q[:, led.rows] = (
-                    (led.turn @ z[:, led.columns, None])[..., 0] if led.place is None else led.place
-                )
-            result.append(q)
-        return result
-
     def stiffness(
         self, forces: Sequence[FloatArray], turning: Mapping[int, FloatArray]
     ) -> PoseStiffness:

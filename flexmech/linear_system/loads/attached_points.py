@@ -177,7 +177,18 @@ class AttachedPoint:
         return found
 
     def moved_rate(self, motion: RigidMotion, q: FloatArray, rate: FloatArray) -> FloatArray:
-        """Time derivative of :meth:`moved`; as :meth:`displacement_rate`."""
+        """Time derivative of :meth:`moved`.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+        q, rate : ndarray
+            As of :meth:`displacement_rate`.
+
+        Returns
+        -------
+        ndarray
+        """
         found = self.displacement_rate(motion, q, rate)
         if self.rigid:
             angle, speed = motion.angle[:, self.link], motion.angular_velocity[:, self.link, None]

@@ -84,7 +84,7 @@ class ReducedLink:
         Reduced matrices.
     basis : ndarray, shape (n_full, n_reduced)
     condensed : ndarray of bool, shape (n_reduced,)
-        Coordinates that follow the others statically.
+        Coordinates that are condensed statically.
     damped_ends : ndarray, shape (n_reduced, r)
         Ways of joined ends to move. The answer of what is condensed to the damping of an end
         that moves alone has coordinates of its own: as many as there are ways.
@@ -178,8 +178,8 @@ def component_modes(
     if couples is None:
         couples = [np.zeros((link.size, 0)) for link in links]
     pairs = zip(links, couples, strict=True)
-    held = [fix_interface(ends, link, turning) for link, turning in pairs if not link.rigid]
-    every = np.sort(np.concatenate([h.bending.lowest(modes) for h in held]))
+    fixed = [fix_interface(ends, link, turning) for link, turning in pairs if not link.rigid]
+    every = np.sort(np.concatenate([h.bending.lowest(modes) for h in fixed]))
     usual_cutoff = BENDING_CUTOFF * every[min(modes, len(every)) - 1]
     bending_cutoff = detail * usual_cutoff
     # Short links stretch at frequencies like those at which they bend.
@@ -187,7 +187,7 @@ def component_modes(
     if axial_modes is None:
         axial_modes = round(detail * CONDENSED_AXIAL_MODES)
     condensed = axial_modes if couples_axially else 0
-    answers = [answers_damping and bool(h.link.damping.any()) for h in held]
+    answers = [answers_damping and bool(h.link.damping.any()) for h in fixed]
     turning = fastest != 0
     reduced = (
         _reduce(
@@ -203,7 +203,7 @@ def component_modes(
             turning_sections=turning_sections,
             parts_mass=parts_mass,
         )
-        for h, damped in zip(held, answers, strict=True)
+        for h, damped in zip(fixed, answers, strict=True)
     )
     own = (_as_it_is(link) if link.rigid else next(reduced) for link in links)
     return ComponentModes(topology, tuple(own), parts_mass)
@@ -216,7 +216,7 @@ def _as_it_is(link: LinkModel) -> ReducedLink:
 
 
 def _reduce(
-    held: FixedInterfaceLink,
+    fixed: FixedInterfaceLink,
     bending_cutoff: float,
     axial_cutoff: float,
     condensed_modes: int,
@@ -229,56 +229,56 @@ def _reduce(
     turning_sections: bool,
     parts_mass: bool,
 ) -> ReducedLink:
-    bending = held.bending.shapes(0, held.bending.below(bending_cutoff))
-    n_axial = held.axial.below(axial_cutoff)
-    mass, axial = held.link.mass, held.axial.shapes(0, n_axial)
+    bending = fixed.bending.shapes(0, fixed.bending.below(bending_cutoff))
+    n_axial = fixed.axial.below(axial_cutoff)
+    mass, axial = fixed.link.mass, fixed.axial.shapes(0, n_axial)
     if (bending.T @ (mass @ axial)).any():
         axial = _complement(axial, bending, mass)
     dynamic = np.concatenate([bending, axial], axis=1)
-    along = held.axial_relief if stretches else held.floating_relief
-    relief = np.concatenate([held.bending_relief, along], axis=1)
+    along = fixed.axial_relief if stretches else fixed.floating_relief
+    relief = np.concatenate([fixed.bending_relief, along], axis=1)
     if damped:
-        shapes = np.concatenate([held.static, dynamic], axis=1)
-        relief = np.concatenate([relief, _answers_to_damping(held, shapes)], axis=1)
+        shapes = np.concatenate([fixed.static, dynamic], axis=1)
+        relief = np.concatenate([relief, _answers_to_damping(fixed, shapes)], axis=1)
     dynamic = np.concatenate([dynamic, _complement(relief, dynamic, mass)], axis=1)
-    candidates = held.axial.shapes(n_axial, max(n_axial, condensed_modes))
+    candidates = fixed.axial.shapes(n_axial, max(n_axial, condensed_modes))
     if condensed_modes and great_detail and turning_sections:
-        candidates = np.concatenate([candidates, _turning_sections(held)], axis=1)
+        candidates = np.concatenate([candidates, _turning_sections(fixed)], axis=1)
     if damped and turning:
-        candidates = np.concatenate([candidates, held.layers], axis=1)
+        candidates = np.concatenate([candidates, fixed.layers], axis=1)
     condensed = _complement(candidates, dynamic, mass)
-    static = held.static
+    static = fixed.static
     if parts_mass:
         static = static - dynamic @ (dynamic.T @ (mass @ static))
     basis = np.concatenate([static, dynamic, condensed], axis=1)
-    follows = np.arange(basis.shape[1]) >= basis.shape[1] - condensed.shape[1]
+    is_condensed = np.arange(basis.shape[1]) >= basis.shape[1] - condensed.shape[1]
     answered = damped and turning and fine
     return ReducedLink(
-        held.link.projected(basis, held.boundary.kept, held.boundary.shaft),
+        fixed.link.projected(basis, fixed.boundary.kept, fixed.boundary.shaft),
         basis,
-        follows,
-        _damped_ends(held, basis, condensed) if answered else np.zeros((basis.shape[1], 0)),
+        is_condensed,
+        _damped_ends(fixed, basis, condensed) if answered else np.zeros((basis.shape[1], 0)),
     )
 
 
-def _damped_ends(held: FixedInterfaceLink, basis: FloatArray, condensed: FloatArray) -> FloatArray:
-    """Ways (n_reduced, r) of following ends to move whose damping deforms what is condensed."""
-    link, inner, following = held.link, held.inner, held.boundary.following
-    force = link.damping @ held.boundary.unit[:, following]
-    whole = (force[inner] * held.flexibility.answers(force[inner])).sum(axis=0)
+def _damped_ends(fixed: FixedInterfaceLink, basis: FloatArray, condensed: FloatArray) -> FloatArray:
+    """Ways (n_reduced, r) of dependent ends to move whose damping deforms what is condensed."""
+    link, inner, dependent = fixed.link, fixed.inner, fixed.boundary.dependent
+    force = link.damping @ fixed.boundary.unit[:, dependent]
+    whole = (force[inner] * fixed.flexibility.answers(force[inner])).sum(axis=0)
     scale = 1 / np.sqrt(np.where(whole > 0, whole, np.inf))
     part = condensed.T @ force * scale
     energy = part.T @ np.linalg.solve(condensed.T @ (link.stiffness @ condensed), part)
     values, combination = np.linalg.eigh(energy)
     combination = combination[:, values > ROUND_OFF_SHAPE**2]
     ways = np.zeros((basis.shape[1], combination.shape[1]))
-    ways[following] = scale[:, None] * combination
+    ways[dependent] = scale[:, None] * combination
     return ways
 
 
-def _turning_sections(held: FixedInterfaceLink) -> FloatArray:
+def _turning_sections(fixed: FixedInterfaceLink) -> FloatArray:
     """Shapes (n, m) whose sections turn and warp in waves along the link while its axis rests."""
-    link = held.link
+    link = fixed.link
     of_sections = np.flatnonzero(~link.is_axial & (link.fields.across == 0))
     nodes = int(np.count_nonzero(link.fields.across))
     place = np.linspace(0, 1, nodes)
@@ -286,22 +286,22 @@ def _turning_sections(held: FixedInterfaceLink) -> FloatArray:
     kinds = of_sections.reshape(nodes, -1)
     shapes = np.zeros((link.size, kinds.shape[1], waves.shape[1]))
     shapes[kinds, np.arange(kinds.shape[1])] = waves[:, None]
-    shapes[np.setdiff1d(np.arange(link.size), held.inner)] = 0.0
+    shapes[np.setdiff1d(np.arange(link.size), fixed.inner)] = 0.0
     return shapes.reshape(link.size, -1)
 
 
-def _answers_to_damping(held: FixedInterfaceLink, shapes: FloatArray) -> FloatArray:
+def _answers_to_damping(fixed: FixedInterfaceLink, shapes: FloatArray) -> FloatArray:
     """Static answers (n, m) to what damps shapes (n, k) otherwise than one time for all would.
 
     Of one damping time the forces on a static shape vanish, and those on a mode leave it a mode.
     """
-    link, inner = held.link, held.inner
+    link, inner = fixed.link, fixed.inner
     if not len(inner):
         return shapes[:, :0]
-    time = held.flexibility.trace_with(link.damping) / len(inner)
+    time = fixed.flexibility.trace_with(link.damping) / len(inner)
     answers = np.zeros_like(shapes)
     unlike = (link.damping @ shapes) / time - link.stiffness @ shapes
-    answers[inner] = held.flexibility.answers(unlike[inner])
+    answers[inner] = fixed.flexibility.answers(unlike[inner])
     answer, shape = ((x * (link.mass @ x)).sum(axis=0) for x in (answers, shapes))
     return answers[:, answer > ROUND_OFF_SHAPE**2 * shape]
 

@@ -1,4 +1,4 @@
-"""Fixed-interface modes of a link: its vibration with the ends held at which it is joined.
+"""Fixed-interface modes of a link: its vibration with its joined ends fixed.
 
 Component modes are these and static shapes (Craig & Bampton, *AIAA Journal* 6, 1968). Of few
 elements all modes are found at once. Of many the lowest are found alone, by Lanczos' method on the
@@ -22,7 +22,7 @@ from flexmech.linear_system.reduction.link_boundary import JoinedEnds, LinkBound
 
 @dataclass(frozen=True)
 class FixedInterfaceLink:
-    """A link with its joined ends held: static shapes and vibration modes.
+    """A link with its joined ends fixed: static shapes and vibration modes.
 
     Parameters
     ----------
@@ -38,9 +38,9 @@ class FixedInterfaceLink:
     floating_relief : ndarray, shape (n, r)
         That to a motion along the link as a whole.
     layers : ndarray, shape (n, k)
-        Static shapes of ends that follow, without the ends: they vanish at the joints.
+        Static shapes of dependent ends, without the ends: they vanish at the joints.
     flexibility : Flexibility
-        Of the coordinates that no joint holds or moves.
+        Of the coordinates that no joint fixes or moves.
     """
 
     link: LinkModel
@@ -56,7 +56,7 @@ class FixedInterfaceLink:
 
     @property
     def inner(self) -> IntArray:
-        """Coordinates that no joint holds or moves, (i,)."""
+        """Coordinates that no joint fixes or moves, (i,)."""
         return self.flexibility.free
 
 
@@ -81,12 +81,12 @@ def fix_interface(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> Fix
     flexibility = Flexibility(link.stiffness, inner)
     static = boundary.unit.copy()
     static[inner] = -flexibility.answers((link.stiffness @ boundary.unit)[inner])
-    layers = (static - boundary.unit)[:, boundary.following]
+    layers = (static - boundary.unit)[:, boundary.dependent]
     relief = np.zeros_like(static)
     relief[inner] = flexibility.answers((link.mass @ static)[inner])
     axial_boundary = boundary.unit[link.is_axial].any(axis=0)
     # A link that no end ties to the ground moves along itself as a whole: one axial shape.
-    # A held one only stretches: of a slender one far too little for inertia to matter.
+    # One with fixed ends only stretches: of a slender one far too little for inertia to matter.
     floats = bool(axial_boundary.any()) and not boundary.fixed.any()
     axial_relief = relief[:, axial_boundary]
     floating_relief = axial_relief.sum(axis=1, keepdims=True)
@@ -142,15 +142,15 @@ class FixedInterfaceModes:
         Unreduced.
     which : ndarray of int, shape (m,)
         Coordinates that move, one in each shape.
-    following : ndarray of int, shape (k,), optional
-        Coordinates that follow statically.
+    condensed : ndarray of int, shape (k,), optional
+        Coordinates that are condensed statically.
     """
 
-    def __init__(self, link: LinkModel, which: IntArray, following: IntArray | None = None) -> None:
+    def __init__(self, link: LinkModel, which: IntArray, condensed: IntArray | None = None) -> None:
         self._link, self._which = link, which
-        self._following = which[:0] if following is None else following
-        moves, follows = (np.isin(np.arange(link.size), x) for x in (which, self._following))
-        self._couples = couples(link.stiffness, moves, follows)
+        self._condensed = which[:0] if condensed is None else condensed
+        moves, condenses = (np.isin(np.arange(link.size), x) for x in (which, self._condensed))
+        self._couples = couples(link.stiffness, moves, condenses)
         self._frequency, self._shapes = np.zeros(0), np.zeros((link.size, 0))
 
     def lowest(self, count: int) -> FloatArray:
@@ -191,7 +191,7 @@ class FixedInterfaceModes:
 
     def _lowest(self, count: int) -> tuple[FloatArray, FloatArray]:
         link, which, size = self._link, self._which, len(self._which)
-        free = np.union1d(which, self._following) if self._couples else which
+        free = np.union1d(which, self._condensed) if self._couples else which
         place, flexibility = np.searchsorted(free, which), Flexibility(link.stiffness, free)
 
         def inverse(load: FloatArray) -> FloatArray:
@@ -219,8 +219,8 @@ class FixedInterfaceModes:
         """Coordinates (n, k) of the link by amplitudes (m, k) of the shapes."""
         moved = _scattered(self._link.size, self._which, amplitudes)
         if self._couples:
-            force = (self._link.stiffness @ moved)[self._following]
-            moved[self._following] = -self._held.answers(force)
+            force = (self._link.stiffness @ moved)[self._condensed]
+            moved[self._condensed] = -self._condensing.answers(force)
         return moved
 
     def _load(self, forces: FloatArray) -> FloatArray:
@@ -228,15 +228,15 @@ class FixedInterfaceModes:
         load = forces[self._which]
         if self._couples:
             answer = _scattered(
-                self._link.size, self._following, self._held.answers(forces[self._following])
+                self._link.size, self._condensed, self._condensing.answers(forces[self._condensed])
             )
             load = load - (self._link.stiffness @ answer)[self._which]
         return load
 
     @cached_property
-    def _held(self) -> Flexibility:
-        """Of what follows."""
-        return Flexibility(self._link.stiffness, self._following)
+    def _condensing(self) -> Flexibility:
+        """Of the condensed coordinates."""
+        return Flexibility(self._link.stiffness, self._condensed)
 
 
 def _scattered(size: int, rows: IntArray, values: FloatArray) -> FloatArray:
@@ -251,7 +251,7 @@ AT_A_TIME = 64
 
 
 class Flexibility:
-    """Inverse of a stiffness matrix with some coordinates held.
+    """Inverse of a stiffness matrix with some coordinates fixed.
 
     Of a chain of elements it is never made: its factors are as narrow as the matrix itself.
 
@@ -259,7 +259,7 @@ class Flexibility:
     ----------
     stiffness : ndarray or ChainMatrix, shape (n, n)
     free : ndarray of int, shape (i,)
-        Ascending coordinates that are not held.
+        Ascending coordinates that are not fixed.
     """
 
     def __init__(self, stiffness: LinkMatrix, free: IntArray) -> None:

@@ -1,4 +1,4 @@
-"""Which coordinates of a link its joints hold, and which of them it keeps when it is reduced."""
+"""Which coordinates of a link its joints fix, and which of them it keeps when it is reduced."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ class LinkBoundary:
         ``end_rotation``.
     shaft : ndarray of int, shape (1,) or (0,)
         Which of them is the rotation of a free shaft.
-    following : ndarray of int, shape (k,)
-        Which of them are displacements that follow another link, or a line.
+    dependent : ndarray of int, shape (k,)
+        Which of them are displacements that depend on another link, or on a line.
     """
 
     fixed: NDArray[np.bool_]
     unit: FloatArray
     kept: dict[str, IntArray]
     shaft: IntArray
-    following: IntArray
+    dependent: IntArray
 
     @property
     def joined(self) -> NDArray[np.bool_]:
@@ -59,14 +59,14 @@ class JoinedEnds:
     tied : set of LinkEnd
         Tied to other links or guided, or held by springs.
     welded : set of LinkEnd
-    led : sequence of LinkEnd
-        Ends of flexible links that follow another link's end, a rigid link or a line.
+    dependent : sequence of LinkEnd
+        Ends of flexible links that depend on another link's end, a rigid link or a line.
     """
 
     topology: Topology
     tied: set[LinkEnd]
     welded: set[LinkEnd]
-    led: Sequence[LinkEnd]
+    dependent: Sequence[LinkEnd]
 
     @classmethod
     def of(cls, topology: Topology) -> JoinedEnds:
@@ -89,7 +89,7 @@ def link_boundary(ends: JoinedEnds, link: LinkModel) -> LinkBoundary:
     LinkBoundary
     """
     fixed = np.zeros(link.size, dtype=bool)
-    for rows in _held(ends.topology, link):
+    for rows in _fixed_by_joints(ends.topology, link):
         fixed[rows] = True
     columns: list[IntArray] = []
     kept: dict[str, IntArray] = {}
@@ -118,13 +118,13 @@ def link_boundary(ends: JoinedEnds, link: LinkModel) -> LinkBoundary:
     unit = np.zeros((link.size, len(columns)))
     for number, rows in enumerate(columns):
         unit[rows, number] = 1.0
-    led = [kept[place.end] for place in ends.led if place.link == link.name]
-    following = np.concatenate([np.zeros(0, dtype=np.intp), *led])
-    return LinkBoundary(fixed, unit, kept, shaft, following)
+    ends_of_link = [kept[place.end] for place in ends.dependent if place.link == link.name]
+    dependent = np.concatenate([np.zeros(0, dtype=np.intp), *ends_of_link])
+    return LinkBoundary(fixed, unit, kept, shaft, dependent)
 
 
-def _held(topology: Topology, link: LinkModel) -> Iterator[IntArray]:
-    """Coordinates that the ground, the shaft or a fitting holds."""
+def _fixed_by_joints(topology: Topology, link: LinkModel) -> Iterator[IntArray]:
+    """Coordinates that the ground, the shaft or a fitting fixes."""
     for clamp in topology.clamps:
         if clamp.link_end.link == link.name:
             yield link.end_displacement(clamp.link_end.end)
@@ -149,8 +149,8 @@ def _welded_ends(topology: Topology) -> set[LinkEnd]:
 
 def _led_ends(topology: Topology) -> list[LinkEnd]:
     rigid = {link.name for link in topology.links if link.rigid}
-    led: list[LinkEnd] = []
+    dependent: list[LinkEnd] = []
     for point in joint_points(topology):
         leads = point.slider is not None or any(end.link in rigid for end in point.ends)
-        led += point.ends if leads else point.ends[1:]
-    return led
+        dependent += point.ends if leads else point.ends[1:]
+    return dependent

@@ -11,9 +11,9 @@ from flexmech.arrays import FloatArray
 from flexmech.linear_system import Connectors, LinkModel
 from flexmech.linkages import LinkEnd, RigidMotion, continuous_angles
 from flexmech.linkages.applied_forces import Moved, forces_of_loads, joint_gap
+from flexmech.linkages.topology import leading_end
 from flexmech.multibody.connectors import ConnectorItems
 from flexmech.multibody.items import Made
-from flexmech.multibody.node_directions import leading_end
 from flexmech.multibody.running.user_functions import Shaft, load_history
 from flexmech.time_domain import ConnectorWork
 
@@ -48,7 +48,9 @@ class RunningConnectors:
         self._lead = shaft.start_angle - float(start.crank_angle)
         # A radial spring's marker is on the end that carries the place of the leading one.
         self._carried_by = {
-            self._place(item.leader): self._place(leading_end(self._topology, item.leader))
+            self._place(item.leader): self._place(
+                leading_end(item.leader, self._topology.rigid_ties)
+            )
             for item in items.joints
             if item.radial is not None and item.leader is not None
         }
@@ -160,17 +162,12 @@ class RunningConnectors:
         linkage = assembly.mechanism.linkage
         angles = continuous_angles(linkage, start)
         for joint in self._items.joints:
-            sides = [(1.0, joint.follower), (-1.0, joint.leader)]
-            links = [(sign, assembly.topology.index(end.link)) for sign, end in sides if end]
+            own = joint.spring
             if joint.turning is not None:
-                opening = sum(float(sign * angles[link]) for sign, link in links)
-                stands = sum(float(sign * start.angle[link]) for sign, link in links)
-                offset = stands - opening + joint.spring.free_angle
-                assembly.items.change(joint.turning, "offset", offset)
+                jumped = self._topology.opening(own.joint, start.angle - angles)
+                assembly.items.change(joint.turning, "offset", float(jumped) + own.free_angle)
             if joint.ground is not None:
-                link = links[0][1]
-                end = joint.follower.end
-                x = 0.0 if end == "start" else assembly.topology.links[link].length
+                link, x = self._place(joint.follower)
                 place = [*map(float, start.position(link, x)), 0.0]
                 assembly.items.change(joint.ground, "referencePosition", place)
 

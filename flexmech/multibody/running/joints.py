@@ -9,10 +9,10 @@ from itertools import chain
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linkages import LinkEnd, Pin, RigidMotion, Topology, Weld
+from flexmech.linkages import LinkEnd, RigidMotion
+from flexmech.linkages.topology import leading_end
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.link_parts import RigidPart
-from flexmech.multibody.node_directions import leading_end
 from flexmech.multibody.running.closure import AngleGap, ClosedJoints, JoinedEnd, LineGap, PlaceGap
 from flexmech.multibody.running.user_functions import AxisPoint, HubClamp, Joints, Shaft
 
@@ -80,7 +80,7 @@ def greatest_gap(assembly: LinkAssembly, start: RigidMotion, position: FloatArra
     held = [clamp.link_end for clamp in topology.clamps]
     held += [pivot.link_end for pivot in topology.pivots if not pivot.sprung]
     gaps = [place(end) - place_at_start(assembly, start, end) for end in held]
-    gaps += [place(tie.leader) - place(tie.follower) for tie in _rigid_ties(topology)]
+    gaps += [place(tie.leader) - place(tie.follower) for tie in topology.rigid_ties]
     closed = drifting_joints(assembly, Shaft(float(start.angle[assembly.base]), 0.0, 0.0), start)
     others = [0.0]
     if isinstance(closed, ClosedJoints):
@@ -116,7 +116,8 @@ def drifting_joints(
     if rigid or own_nodes or topology.welds or topology.sliders or topology.clamps[1:]:
         return _closed_joints(assembly, shaft, start)
     eccentric = {part.name for _, part in assembly.beams if part.arms is not None}
-    pins = [(leading_end(topology, pin.leader), pin.follower) for pin in _rigid_ties(topology)]
+    ties = topology.rigid_ties
+    pins = [(leading_end(tie.leader, ties), tie.follower) for tie in ties]
     clamped = topology.clamps[0].link_end
     lever = place_on_hub(assembly, start, clamped)
     return Joints(
@@ -137,6 +138,7 @@ def drifting_joints(
 
 def _closed_joints(assembly: LinkAssembly, shaft: Shaft, start: RigidMotion) -> ClosedJoints:
     topology = assembly.topology
+    ties = topology.rigid_ties
 
     def joined(end: LinkEnd) -> JoinedEnd:
         return _joined_end(assembly, end)
@@ -153,8 +155,8 @@ def _closed_joints(assembly: LinkAssembly, shaft: Shaft, start: RigidMotion) -> 
         for end in (pivot.link_end for pivot in topology.pivots if not pivot.sprung)
     ]
     places += [
-        PlaceGap(joined(tie.follower), joined(leading_end(topology, tie.leader)), (0.0, 0.0), False)
-        for tie in _rigid_ties(topology)
+        PlaceGap(joined(tie.follower), joined(leading_end(tie.leader, ties)), (0.0, 0.0), False)
+        for tie in ties
     ]
     fixed = list(_attached_nodes(assembly))
     places += [PlaceGap(body, node, (0.0, 0.0), False) for body, node in fixed]
@@ -180,11 +182,6 @@ def _closed_joints(assembly: LinkAssembly, shaft: Shaft, start: RigidMotion) -> 
         lines.append(LineGap(joined(slider.link_end), guide, place, slider.direction))
     rows = 2 * len(places) + len(angles) + len(lines)
     return ClosedJoints(shaft, list(chain(places, angles, lines)), rows)
-
-
-def _rigid_ties(topology: Topology) -> list[Pin | Weld]:
-    """Pins and welds but those that springs alone hold."""
-    return [tie for tie in topology.ties if isinstance(tie, Weld) or not tie.sprung]
 
 
 def _attached_nodes(assembly: LinkAssembly) -> Iterator[tuple[JoinedEnd, JoinedEnd]]:

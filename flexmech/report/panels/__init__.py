@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from flexmech.analyses import CrankRockerSynthesis, SpeedSweep
 from flexmech.report.panel import Panel, PanelMaker, panel_of
-from flexmech.report.panels.comparison import comparison_panel
-from flexmech.report.panels.frequencies import damping_panel, frequency_panel
-from flexmech.report.panels.hammer import hammer_panel, running_hammer_panel
+from flexmech.report.panels.frequencies import (
+    campbell_panel,
+    damping_panel,
+    frequency_panel,
+    stability_panel,
+)
+from flexmech.report.panels.hammer import comparison_panel, hammer_panel, running_hammer_panel
 from flexmech.report.panels.kinematics import coupler_panel, kinematics_panel, mechanism_panel
 from flexmech.report.panels.response import response_panel, spectrum_panel
 from flexmech.report.panels.sections import moisture_panel, section_panel
-from flexmech.report.panels.speeds import campbell_panel, stability_panel
 from flexmech.report.results import Results
 
 __all__ = ["PANELS", "panels_of"]

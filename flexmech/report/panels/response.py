@@ -11,8 +11,10 @@ import xarray as xr
 from flexmech.analyses import Response, Table
 from flexmech.arrays import FloatArray
 from flexmech.plots.reading import STARTS, names_of
-from flexmech.report.last_turn import MOST_POINTS, LastTurn, last_turn
+from flexmech.report.last_turn import MOST_POINTS, LastTurn, over_a_turn
 from flexmech.report.panel import (
+    FRAME_HEIGHT,
+    GREY,
     Choice,
     Look,
     Panel,
@@ -24,10 +26,9 @@ from flexmech.report.panel import (
     panel_of,
 )
 from flexmech.report.panels.kinematics import forces_plot
-from flexmech.report.results import Results
-from flexmech.report.words import (
+from flexmech.report.results import (
+    Results,
     decimals_of,
-    engine_names,
     speed_name,
     speed_unit_of,
     state_of,
@@ -43,9 +44,10 @@ def response_panel(results: Results) -> Panel | None:
     deflection, force, shaft = list[Trace](), list[Trace](), list[Trace]()
     readings, lines, warnings, thinned = list[Reading](), list[str](), list[str](), list[str]()
     for run in runs:
-        data, turn, said = run.dataset, last_turn(run.dataset), run.summary()
+        data, said = run.dataset, run.summary()
+        turn = over_a_turn(data["crank_angle"].values)
         speed = speed_name(float(data.attrs["crank_speed"]), unit)
-        for engine in engine_names(data):
+        for engine in names_of(data, "engine"):
             shown = _Shown(data, turn, engine, _when(run, engine, unit))
             deflection += _deflections(shown)
             force += _forces(shown)
@@ -65,13 +67,23 @@ def response_panel(results: Results) -> Panel | None:
             tuple(YAxis(link) for link in links),
             deflection,
             text=f"Deflection in mm of {', '.join(links)} over the last turn",
-            height=110 + 120 * len(links),
+            height=FRAME_HEIGHT + 120 * len(links),
             title="Deflection (mm)",
         ),
         forces_plot("forces", joints, force, "over the last turn, elastic and rigid links"),
     ]
     if shaft:
-        plots.append(_shaft_plot(shaft))
+        plots.append(
+            over_angle(
+                "shaft",
+                (YAxis("rotation (deg)"), YAxis("speed (rad/s)")),
+                shaft,
+                text="Rotation of the free shaft away from its prescribed angle and its speed less "
+                "the prescribed one over the last turn",
+                height=310,
+                title="Free shaft: rotation and speed fluctuation",
+            )
+        )
     begun = {STARTS[str(run.dataset.attrs["start"])] for run in runs}
     return panel_of(
         "response",
@@ -100,7 +112,7 @@ def spectrum_panel(results: Results) -> Panel | None:
         data = run.dataset
         stems = bool(data.attrs.get("spectrum_turns"))
         at_orders |= stems
-        for engine in engine_names(data):
+        for engine in names_of(data, "engine"):
             for number, link in enumerate(links):
                 amplitude = 1e3 * data["spectrum"].sel(engine=engine, link=link).values
                 points = _spectrum_points(amplitude, data, stems=stems)
@@ -164,7 +176,7 @@ def _forces(run: _Shown) -> list[Trace]:
     traces = []
     for axis, (elastic, rigid) in enumerate(pairs):
         line = run.trace("elastic links", elastic, axis)
-        grey: dict[str, Any] = {"colour": "#8c8c8c", "look": "dash", "width": 1.0, "followed": None}
+        grey: dict[str, Any] = {"colour": GREY, "look": "dash", "width": 1.0, "followed": None}
         both = line, replace(line, name="rigid links", y=run.turn.of(rigid), **grey)
         traces += [replace(each, legend=axis == 0) for each in both]
     return traces
@@ -181,31 +193,17 @@ def _shaft(run: _Shown) -> list[Trace]:
     ]
 
 
-def _shaft_plot(traces: list[Trace]) -> Plot:
-    return over_angle(
-        "shaft",
-        (YAxis("rotation (deg)"), YAxis("speed (rad/s)")),
-        traces,
-        text="Rotation of the free shaft away from its prescribed angle and its speed less the "
-        "prescribed one over the last turn",
-        height=310,
-        title="Free shaft: rotation and speed fluctuation",
-    )
-
-
 def _readings(run: Response, shown: _Shown) -> list[Reading]:
     """Deflections, joint forces and torque with their errors, which are parts of the peaks."""
     own, errors = shown.own, run.errors().sel(engine=shown.engine)
     found: list[tuple[str, str, str, FloatArray, float]] = []
     for link in names_of(own, "link"):
-        values = 1e3 * own["deflection"].sel(link=link).values
-        peak = 1e3 * float(own["peak_deflection"].sel(link=link))
-        error = peak * float(errors["deflection"].sel(link=link))
+        values, at = 1e3 * own["deflection"].sel(link=link).values, {"link": link}
+        error = 1e3 * float(own["peak_deflection"].sel(at)) * float(errors["deflection"].sel(at))
         found.append(("Deflection", link, "mm", values, error))
     for joint in names_of(own, "joint"):
-        values = _sizes(own["joint_force"].sel(joint=joint))
-        peak = float(own["peak_joint_force"].sel(joint=joint))
-        error = peak * float(errors["joint_force"].sel(joint=joint))
+        values, at = _sizes(own["joint_force"].sel(joint=joint)), {"joint": joint}
+        error = float(own["peak_joint_force"].sel(at)) * float(errors["joint_force"].sel(at))
         found.append(("Joint force", joint, "N", values, error))
     error = float(own["peak_driving_torque"]) * float(errors["driving_torque"])
     found.append(("Torque", "shaft", "N m", own["driving_torque"].values, error))
@@ -233,7 +231,7 @@ def _peak_table(runs: list[Response], unit: str) -> Table:
     for run in runs:
         data, peaks = run.dataset, run.peaks()
         speed = speed_name(float(data.attrs["crank_speed"]), unit)
-        for engine in engine_names(data):
+        for engine in names_of(data, "engine"):
             own, errors = peaks.sel(engine=engine), run.errors().sel(engine=engine)
             of_links = [(link, {"link": link}) for link in names_of(data, "link")]
             of_joints = [(joint, {"joint": joint}) for joint in names_of(data, "joint")]

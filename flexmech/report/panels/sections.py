@@ -10,9 +10,8 @@ from flexmech.analyses.section_profile.result import property_table
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.plots.reading import names_of
 from flexmech.report.last_turn import thinning
-from flexmech.report.panel import Look, Panel, Plot, Trace, YAxis, panel_of, shows
-from flexmech.report.results import Results
-from flexmech.report.words import state_of
+from flexmech.report.panel import FRAME_HEIGHT, Look, Panel, Plot, Trace, YAxis, panel_of, shows
+from flexmech.report.results import Results, state_of
 from flexmech.units import from_si
 
 # Variable, number of the unit load, title of the axis, and its units in a Pa.
@@ -27,16 +26,16 @@ LAWS: tuple[tuple[str, str, Look], ...] = (
     ("short_time_uptake", "law of the root of time", "dash"),
     ("shen_springer_uptake", "Shen and Springer", "dot"),
 )
-# Stresses nearer to each other than this part of the greatest are the same.
+# Stresses nearer to each other than this part of the greatest are the same, but for round-off.
 SAME = 1e-9
 
-# Greatest width of a drawing, and least height of a section in it.
+# Greatest width of a drawing, as a phone shows it, and least height of a section in it, in pixels.
 WIDTH, LEAST = 300.0, 3.0
 # Opacity of the ink for each kind of layer: neighbours differ.
 SHADES = (0.12, 0.45, 0.28, 0.65, 0.20, 0.55, 0.36, 0.75)
-# Thinner layers are not outlined: lines would fill them.
+# Thinner layers, in pixels, are not outlined: lines would fill them.
 LEAST_OUTLINED = 2.0
-# Height of an entry of the key to the layers.
+# Height of an entry of the key to the layers in pixels: that of its letters.
 LEGEND = 12.0
 
 Kind = tuple[str, float]
@@ -166,7 +165,7 @@ def _profiles(data: xr.Dataset) -> Plot:
         tuple(YAxis(f"{link} (%)") for link in links),
         tuple(traces),
         "Moisture of the resin through the thickness of each link at some times",
-        height=110 + 150 * len(links),
+        height=FRAME_HEIGHT + 150 * len(links),
         title="Moisture through the thickness",
     )
 
@@ -197,23 +196,16 @@ def stack_drawings(data: xr.Dataset) -> tuple[tuple[str, str], ...]:
         svg = _section(data.isel(link=number), kinds, size)
         drawings.append((svg, _words(data.isel(link=number), thick[number], width[number])))
     for number, (ply, angle) in enumerate(kinds if len(kinds) > 1 else ()):
-        drawings.append(
-            (
-                _svg(2 * LEGEND, LEGEND, _layer(number, 0.0, 2 * LEGEND, LEGEND)),
-                f"{ply} at {angle:g} deg",
-            )
-        )
+        svg = _svg(2 * LEGEND, LEGEND, _layer(number, 0.0, 2 * LEGEND, LEGEND))
+        drawings.append((svg, f"{ply} at {angle:g} deg"))
     return tuple(drawings)
 
 
 def _kinds(data: xr.Dataset) -> list[Kind]:
     """Every kind of layer once, in order; a section of one material has one without a name."""
-    found = []
-    for link in range(data.sizes["link"]):
-        one = data.isel(link=link)
-        for layer in np.flatnonzero(np.isfinite(one["layer_low"].values)).tolist():
-            found.append(_kind(one.isel(layer=layer)))
-    return list(dict.fromkeys(found))
+    layers = data.stack(each=("link", "layer"))
+    real = np.flatnonzero(np.isfinite(layers["layer_low"].values)).tolist()
+    return list(dict.fromkeys(_kind(layers.isel(each=place)) for place in real))
 
 
 def _kind(layer: xr.Dataset) -> Kind:

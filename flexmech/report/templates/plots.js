@@ -41,7 +41,6 @@
       dragmode: width < 500 ? false : "zoom",
     };
     if (spec.tick) layout.xaxis.dtick = spec.tick;
-    if (spec.xRange) layout.xaxis.range = spec.xRange;
     const legend = spec.traces.some((trace) => trace.legend);
     layout.showlegend = legend;
     if (legend) layout.margin.t = 34;

@@ -35,14 +35,14 @@ def stored_table(name: str) -> dict[str, Any]:
 
 _PUBLISHED = stored_table("published.toml")
 
+# Table 2: stack, modulus in GPa, Poisson's ratio and density in kg/m^3 of each laminate.
 LAMINATES: dict[str, dict[str, Any]] = _PUBLISHED["laminates"]
-"""Table 2: stack, modulus in GPa, Poisson's ratio and density in kg/m^3 of each laminate."""
 
+# Table 3: crank, coupler and rocker over the ground.
 CASES: dict[int, list[float]] = {int(case): row for case, row in _PUBLISHED["cases"].items()}
-"""Table 3: crank, coupler and rocker over the ground."""
 
+# Of the transmission angle, each in words.
 POSITIONS: dict[str, str] = _PUBLISHED["positions"]
-"""Of the transmission angle, each in words."""
 
 
 def published_case(case: int, ground: float = 1.0) -> FourBar:
@@ -73,16 +73,16 @@ def published_tables() -> xr.Dataset:
 
 
 PlyModel = Literal["unidirectional", "woven", "table 2"]
+# Plies by the rule of mixtures, straight or as balanced fabric (the paper's, in its words); one
+# modulus and density a laminate, of its Table 2. With each the end of its model files' names.
 PLY_MODELS: dict[PlyModel, str] = {"unidirectional": "", "woven": "_woven", "table 2": "_table_2"}
-"""Plies by the rule of mixtures, straight or as balanced fabric (the paper's, in its words);
-one modulus and density a laminate, of its Table 2. With each the end of its model files' names."""
 
 CONVERGED, PAPERS_MESH, WITH_SHEAR = "converged", "one element a link", "with shear"
+# Elements a link and their kind: bending converged, as in the paper, and with shear.
 BEAMS = {CONVERGED: (8, "euler"), PAPERS_MESH: (1, "euler"), WITH_SHEAR: (8, "timoshenko")}
-"""Elements a link and their kind: bending converged, as in the paper, and with shear."""
 
+# The other position with a right transmission angle, beside those that the paper compares.
 SECOND = "90, second crank angle"
-"""The other position with a right transmission angle, beside those that the paper compares."""
 
 _GROUND, _PLY_THICKNESS = 0.4, 1e-3
 

@@ -15,7 +15,6 @@ from flexmech.dynamical_systems import VibrationState
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.linkages.connection_forces import connections, line_normal, solve_connections
 from flexmech.linkages.motion import direction, normal
-from flexmech.time_domain.equations_of_motion.driven_connectors import ActingForces, LinkMotion
 from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
 from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
 from flexmech.time_domain.equations_of_motion.link_inertia import LinkInertia, MovingLink, dot
@@ -70,7 +69,11 @@ class LinkageDynamics:
         unit_rates = frames.dependent_rows(unit)
         totals = np.zeros((6, len(time)))
         ends, fields = [], []
-        acting = self._acting(time, motion, elastic, unit, coordinates[0])
+        acting = None
+        if linkage.connectors.any:
+            rest = np.zeros_like(coordinates[0])
+            unit_elastic = frames.link_motion(unit, coordinates[0], rest, rest)
+            acting = linkage.connectors.acting(time, motion, elastic, unit, unit_elastic)
         for number, (inertia, link, stress) in enumerate(
             zip(self._inertias, moving, linkage.stress.at(time), strict=True)
         ):
@@ -128,22 +131,6 @@ class LinkageDynamics:
         if linkage.shaft is None:
             return block
         return linkage.shaft.carried(block, motion)
-
-    def _acting(
-        self,
-        time: FloatArray,
-        motion: RigidMotion,
-        elastic: LinkMotion,
-        unit: RigidMotion,
-        position: FloatArray,
-    ) -> ActingForces | None:
-        """Forces of loads and springs; None where there are none."""
-        linkage = self.linkage
-        if not linkage.connectors.any:
-            return None
-        still = np.zeros_like(position)
-        unit_elastic = linkage.frames.link_motion(unit, position, still, still)
-        return linkage.connectors.acting(time, motion, elastic, unit, unit_elastic)
 
     def _joint_forces(
         self, motion: RigidMotion, ends: list[FloatArray], fields: list[FloatArray]

@@ -109,7 +109,9 @@ class StressHistory:
             return
         angles = drive.start_angle + np.linspace(0.0, 2 * np.pi, SAMPLES_PER_TURN + 1)
         sampled = [self._sampled(angles, angles, drive.speed, 0.0)]
-        rise_time = self._run_up_times()
+        turns = abs(drive.crank_angle(drive.run_up_time) - drive.start_angle) / (2 * np.pi)
+        count = max(SAMPLES_PER_TURN, int(np.ceil(SAMPLES_PER_TURN * turns)))
+        rise_time = np.linspace(0.0, drive.run_up_time, count + 1)
         if not drive.is_constant:
             angle = drive.crank_angle(rise_time)
             speed, acceleration = drive.crank_speed(rise_time), drive.crank_acceleration(rise_time)
@@ -166,12 +168,6 @@ class StressHistory:
         widths.append(values.shape[1] - sum(widths))
         parts = np.split(values, np.cumsum(widths[:-1]), axis=1)
         return np.repeat([np.abs(part).max(initial=0.0) or 1.0 for part in parts], widths)
-
-    def _run_up_times(self) -> FloatArray:
-        drive = self._drive
-        turns = abs(drive.crank_angle(drive.run_up_time) - drive.start_angle) / (2 * np.pi)
-        count = max(SAMPLES_PER_TURN, int(np.ceil(SAMPLES_PER_TURN * turns)))
-        return np.linspace(0.0, drive.run_up_time, count + 1)
 
     def _sampled(
         self,
@@ -267,11 +263,11 @@ class StressHistory:
             prestress, offset = np.zeros((batch, basis.shape[1])), np.zeros((batch, 1))
             if stressed.displacement is not None:
                 q = stressed.displacement[number]
-                held = (tangent @ q[..., None])[..., 0]
+                elastic = (tangent @ q[..., None])[..., 0]
                 force = stressed.internal_force
                 told = beside if force is None else force
-                prestress = ((0.0 if told is None else told[number]) - held) @ basis
-                offset = np.sum(q * held, axis=1, keepdims=True) / 2
+                prestress = ((0.0 if told is None else told[number]) - elastic) @ basis
+                offset = np.sum(q * elastic, axis=1, keepdims=True) / 2
                 if force is not None:
                     offset -= np.sum(q * force[number], axis=1, keepdims=True)
             stiffness = np.broadcast_to(basis.T @ tangent @ basis, (batch, *2 * basis.shape[1:]))

@@ -70,7 +70,10 @@ class PositionTable:
 
     def at(self, time: FloatArray) -> list[FloatArray]:
         """Arrays of shape (m, ...) at increasing times of shape (m,), until the next call."""
-        return self._taken_apart(self._packed(time))
+        values = self._packed(time)
+        stops = np.cumsum([int(np.prod(shape)) for shape in self._shapes])[:-1]
+        pieces = np.split(values, stops, axis=1)
+        return [p.reshape(len(values), *s) for p, s in zip(pieces, self._shapes, strict=True)]
 
     def _packed(self, time: FloatArray) -> FloatArray:
         if not self._is_interpolated:
@@ -88,21 +91,18 @@ class PositionTable:
 
     def _interpolated(self, place: FloatArray) -> FloatArray:
         before = np.floor(place).astype(np.intp)
-        weights = _lagrange(place - before)
+        weights = np.vander(place - before, len(STENCIL), increasing=True) @ POLYNOMIALS
         first, last = int(before[0]), int(before[-1])
         self._ensure(np.arange(first + STENCIL[0], last + STENCIL[-1] + 1) % self._count)
-        values = self._room(len(place))
+        # Memory that is used again: that of the system costs more than to fill it.
+        if len(self._values) < len(place):
+            self._values = np.empty((len(place), self._table.shape[1]))
+        values = self._values[: len(place)]
         edges = np.searchsorted(before, np.arange(first, last + 2))
         for number, (start, stop) in enumerate(pairwise(edges), first + int(STENCIL[0])):
             around = self._table[number % self._count :][: len(STENCIL)]
             np.dot(weights[start:stop], around, out=values[start:stop])
         return values
-
-    def _room(self, count: int) -> FloatArray:
-        """Memory for some instants, used again: that of the system costs more than to fill it."""
-        if len(self._values) < count:
-            self._values = np.empty((count, self._table.shape[1]))
-        return self._values[:count]
 
     def _ensure(self, needed: IntArray) -> None:
         """Solve the positions that are asked for the first time, and those of their batch."""
@@ -122,13 +122,3 @@ class PositionTable:
         parts = self._solve(time)
         self._shapes = [part.shape[1:] for part in parts]
         return np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1)
-
-    def _taken_apart(self, values: FloatArray) -> list[FloatArray]:
-        stops = np.cumsum([int(np.prod(shape)) for shape in self._shapes])[:-1]
-        pieces = np.split(values, stops, axis=1)
-        return [p.reshape(len(values), *s) for p, s in zip(pieces, self._shapes, strict=True)]
-
-
-def _lagrange(fraction: FloatArray) -> FloatArray:
-    """Weights (m, 10) of the positions of the stencil."""
-    return np.asarray(np.vander(fraction, len(STENCIL), increasing=True) @ POLYNOMIALS)

@@ -152,7 +152,12 @@ def _blocks(
     ComputationError
         If displacements grow beyond all bounds; names the time and the crank angle.
     """
-    state = _start_state(linkage, *start)
+    equations = linkage.equations(np.zeros(1))
+    if linkage.stretch is not None:
+        turns = linkage.stretch.pin_turns(equations.motion)
+        pulled = linkage.stretch.remainder(turns, *(part[None] for part in start))
+        equations = replace(equations, force=equations.force - pulled)
+    state = initial_state(equations, *start)
     for first in range(0, steps, BLOCK_STEPS):
         done = min(first + BLOCK_STEPS, steps)
         time = step * np.arange(first, done + 1, dtype=float)
@@ -164,19 +169,6 @@ def _blocks(
         _refuse_divergence(linkage, time, history)
         yield done, time, history, expansion
         state = history[-1]
-
-
-def _start_state(
-    linkage: DrivenLinkage, position: FloatArray, velocity: FloatArray
-) -> VibrationState:
-    """State at time zero, arrays of shape (n,), with the acceleration that balances it."""
-    equations = linkage.equations(np.zeros(1))
-    if linkage.stretch is not None:
-        pulled = linkage.stretch.remainder(
-            linkage.stretch.pin_turns(equations.motion), position[None], velocity[None]
-        )
-        equations = replace(equations, force=equations.force - pulled)
-    return initial_state(equations, position, velocity)
 
 
 def _refuse_divergence(linkage: DrivenLinkage, time: FloatArray, history: VibrationState) -> None:

@@ -277,21 +277,20 @@ def _loads(engine: Engine, turn: SampledTurn, stressed: StressedLinks) -> list[F
     more at that state counts as a load.
     """
     forces = inertia_loads(engine.links, turn.motion, engine.mechanism.gravity)
-    if stressed.displacement is not None:
-        if stressed.internal_force is not None:
-            pairs = zip(forces, stressed.internal_force, strict=True)
-            beside = [load - own for load, own in pairs]
-        else:
+    displacement, inner = stressed.displacement, stressed.internal_force
+    if displacement is not None:
+        if inner is None:
             # Such an engine's links are in balance with the loads, and with what they carry along.
             topology = engine.mechanism.linkage.topology
             carried = CarriedInertia.of(topology, engine.links, turn.motion)
-            beside = [np.zeros_like(load) for load in forces]
+            inner = forces
             if carried is not None:
-                beside = [-force for force in carried.forces(stressed.displacement)]
+                beside = carried.forces(displacement)
+                inner = [force + more for force, more in zip(forces, beside, strict=True)]
         forces = [
-            (tangent @ q[..., None])[..., 0] + more
-            for tangent, q, more in zip(
-                stressed.tangent, stressed.displacement, beside, strict=True
+            (tangent @ q[..., None])[..., 0] + (load - own)
+            for tangent, q, load, own in zip(
+                stressed.tangent, displacement, forces, inner, strict=True
             )
         ]
     return [force @ basis for force, basis in zip(forces, turn.bases, strict=True)]

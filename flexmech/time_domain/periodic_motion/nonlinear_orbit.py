@@ -25,7 +25,8 @@ from flexmech.validation import check_count
 
 logger = logging.getLogger(__name__)
 
-# Samples of a turn at which the equations hold, first and at most.
+# Samples of a turn at which the equations are satisfied, first and at most: with 32 an orbit of
+# linear links is not that of the linear equations; more than 256 take minutes.
 SAMPLES = (128, 256)
 # Harmonics in the fastest quarter of those that the samples show, over the greatest displacement:
 # more samples are taken above the first, and the orbit is not resolved above the second.
@@ -36,7 +37,8 @@ GREATEST_TAIL = 1e-3
 CRITICAL = 1e-7
 # Damping of the continuation: at first over the crank speed, and the part of it that stays from one
 # motion to the next; that part is brought nearer to one where a motion is not found, at most
-# to the last. Below the least the motion is undamped.
+# to the last. Below the least the motion is undamped. Where all are found these are three motions;
+# no more than the most, each of which takes seconds.
 FIRST_DAMPING = 2.0
 LESS = 0.4
 LEAST_CHANGE = 0.9

@@ -26,13 +26,15 @@ from flexmech.time_domain.periodic_motion.orbit_equations import OrbitEquations,
 
 logger = logging.getLogger(__name__)
 
-# The iteration ends at this residual, over the loads; see OrbitEquations.error.
+# The iteration ends at this residual, over the loads; see OrbitEquations.error. At 1e-5 an orbit of
+# linear links is noticeably not that of the linear equations.
 TOLERANCE = 1e-9
 # A run that converges takes three to five passes; with shortened steps a dozen.
 MOST_PASSES = 14
-# Shorter steps mean that another way, by continuation, costs less.
+# Shorter steps mean that another way, by continuation, costs less: each halving is a solution.
 SHORTEST_STEP = 1 / 64
-# A correction with the same matrices must be shorter than the step by this part of its length.
+# A correction with the same matrices must be shorter than the step by this part of its length, as
+# Deuflhard has it.
 SHORTENED = 0.25
 # Modes up to this multiple of the fastest harmonic move. What is faster is left to GMRES, with
 # (1 / 1.5)^2 of its dynamics at the fastest harmonic.
@@ -40,16 +42,19 @@ MOVING = 1.5
 # Unknowns of the moving modes at all samples, whose matrix is factorized: 100 MB at most.
 MOST_MOVING = 3600
 # GMRES: relative residual of a step, basis vectors, restarts, and the products from which on the
-# modes are found anew. An inexact step costs a further pass at most.
+# modes are found anew. Speed alone: an inexact step costs a further pass at most, but for the
+# first, without which linear links would not be solved at once.
 STEP_TOLERANCE = 1e-4
 MOST_VECTORS = 60
 MOST_RESTARTS = 2
 MANY_PRODUCTS = 20
-# Static answers end at this part of the loads.
+# Static answers end at this part of the loads, which Newton's method takes on; they halve their
+# forces or better.
 BALANCED = 1e-2
 MOST_BALANCING = 8
 # Detuning of the moving modes alone below which that of all coordinates is found, and the steps
-# of inverse iteration that it takes.
+# of inverse iteration that it takes. The static modes are worth (1 / 1.5)^2 of a detuning; near a
+# critical speed each step tells the singular motion from the others by orders of magnitude.
 SUSPICIOUS = 1e-2
 INVERSE_STEPS = 3
 
@@ -65,8 +70,8 @@ class NewtonRun:
     converged : bool
     passes : int
     detuning : float
-        How far the linear periodic problem is from being singular: the least force by which a
-        motion is held, over the elastic forces of that motion. Of the last state if it has
+        How far the linear periodic problem is from being singular: the least force that keeps a
+        motion up, over the elastic forces of that motion. Of the last state if it has
         converged, else of the first; 1 where it is not small.
     """
 
@@ -221,10 +226,10 @@ class _ModalPreconditioner:
         """See :class:`NewtonRun`; by inverse iteration, in modes of unit strain energy."""
         y = np.zeros(self.modes.shape[:2])
         y[:, : self.moving] = np.random.default_rng(0).standard_normal((len(y), self.moving))
-        held = 1.0
+        answer = 1.0
         for _ in range(INVERSE_STEPS):
-            y, held = _unit(self._precondition(_unit(y)[0].ravel()).reshape(y.shape))
-        if 1 / held > SUSPICIOUS:
+            y, answer = _unit(self._precondition(_unit(y)[0].ravel()).reshape(y.shape))
+        if 1 / answer > SUSPICIOUS:
             return 1.0
         return 1 / _unit(self._solve(matrices, y)[0])[1]
 

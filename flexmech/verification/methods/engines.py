@@ -39,9 +39,5 @@ def engine_of_name(
     -------
     Engine
     """
-    made: Engine
-    if engine == "reference":
-        made = ReferenceEngine(mechanism, elements, **options)
-    else:
-        made = ExudynEngine(mechanism, elements, **options)
-    return made
+    kinds: dict[EngineName, type[Engine]] = {"reference": ReferenceEngine, "exudyn": ExudynEngine}
+    return kinds[engine](mechanism, elements, **options)

@@ -8,23 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import brentq
 
+from flexmech import linkages
 from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError, InputError
 from flexmech.hygrothermal import HygrothermalState, coupler_point_in_state, linkage_in_state
-from flexmech.linkages import (
-    CouplerPoint,
-    FiniteDoublePoint,
-    FourBar,
-    circuit_of,
-    double_points,
-    finite_double_points,
-    synthesize_crank_rocker,
-)
 from flexmech.studies import published_case
 from flexmech.verification.methods.engines import example
-
-# In percent of water, to which the moisture at a cusp is solved for.
-ROUND_OFF = 1e-14
 
 
 def crunodes(
@@ -49,7 +38,7 @@ def crunodes(
     counts = []
     for name in models:
         mechanism, point = example(name), _point(name)
-        found = double_points(
+        found = linkages.double_points(
             linkage_in_state(mechanism, state), coupler_point_in_state(mechanism, point, state)
         )
         counts.append(sum(double.kind == "crunode" for double in found))
@@ -85,8 +74,8 @@ def swelling_of_angles(
 
 
 def swollen(
-    linkage: FourBar, point: CouplerPoint, link_strain: float, frame_strain: float
-) -> tuple[FourBar, CouplerPoint]:
+    linkage: linkages.FourBar, point: linkages.CouplerPoint, link_strain: float, frame_strain: float
+) -> tuple[linkages.FourBar, linkages.CouplerPoint]:
     """Swell all links alike, and the frame by itself.
 
     Singh & Sanyal 2022, eq. 12, corrected: a swollen length is the dry one times one plus the
@@ -172,13 +161,13 @@ def _cusp(
         Moisture in percent, and crank angle in rad.
     """
     linkage, point = _four_bar(name), _point(name)
-    heat, circuit = thermal_expansion * temperature_rise, circuit_of(linkage)
+    heat, circuit = thermal_expansion * temperature_rise, linkages.circuit_of(linkage)
 
-    def nodes(moisture: float) -> tuple[FiniteDoublePoint, ...]:
+    def nodes(moisture: float) -> tuple[linkages.FiniteDoublePoint, ...]:
         own = swollen(linkage, point, heat + moisture_expansion * moisture, heat)
-        return finite_double_points(*own)
+        return linkages.finite_double_points(*own)
 
-    def nearest(moisture: float, place: float) -> FiniteDoublePoint:
+    def nearest(moisture: float, place: float) -> linkages.FiniteDoublePoint:
         return min(nodes(moisture), key=lambda node: abs(math.remainder(node.place - place, np.pi)))
 
     crossed = [
@@ -190,19 +179,19 @@ def _cusp(
     if len(crossed) != 1:
         raise ComputationError(f"{name}: {len(crossed)} cusps were found where one is expected")
     (place,) = crossed
-    moisture = brentq(lambda m: nearest(m, place).margin, 0.0, saturation, xtol=ROUND_OFF)
+    moisture = brentq(lambda m: nearest(m, place).margin, 0.0, saturation)
     one, other = (attitude.crank_angle for attitude in nearest(moisture, place).attitudes)
     return float(moisture), one + math.remainder(other - one, 2 * np.pi) / 2
 
 
-def _four_bar(name: str) -> FourBar:
+def _four_bar(name: str) -> linkages.FourBar:
     linkage = example(name).linkage
-    if not isinstance(linkage, FourBar):
+    if not isinstance(linkage, linkages.FourBar):
         raise InputError(f"{name}: a four-bar is needed")
     return linkage
 
 
-def _point(name: str) -> CouplerPoint:
+def _point(name: str) -> linkages.CouplerPoint:
     point = example(name).coupler_point
     if point is None:
         raise InputError(f"{name}: the model names no coupler_point")
@@ -239,5 +228,5 @@ def crank_rocker_proportions(*, deviation: float, rocker_angle: float) -> FloatA
     -------
     ndarray, shape (3,)
     """
-    found = synthesize_crank_rocker(np.radians(deviation), np.radians(rocker_angle))
+    found = linkages.synthesize_crank_rocker(np.radians(deviation), np.radians(rocker_angle))
     return np.array([found.crank, found.coupler, found.rocker], dtype=float)

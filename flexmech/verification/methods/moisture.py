@@ -7,30 +7,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.materials.moisture import (
-    Ambient,
-    DiffusionLayer,
-    Diffusivity,
-    Faces,
-    MoistureHistory,
-    diffuse,
-    time_to_saturation,
-)
-from flexmech.materials.moisture.slab import (
-    FOURIER_OF_CHANGE,
-    diffusion_length,
-    early_uptake,
-    fourier_number,
-    remaining_uptake,
-)
+from flexmech.materials import moisture
+from flexmech.materials.moisture import slab
 
+# In m and m^2/s, as those of laminates are; uptake over the Fourier number does not depend on them.
 THICKNESS, DIFFUSIVITY = 2e-3, 1e-12
 UNIT = THICKNESS**2 / DIFFUSIVITY
-SLAB = DiffusionLayer(THICKNESS, Diffusivity(DIFFUSIVITY), 60.0)
+SLAB = moisture.DiffusionLayer(THICKNESS, moisture.Diffusivity(DIFFUSIVITY), 60.0)
 
 
 def slab_uptake(
-    time: FloatArray, thickness: float, diffusivity: float, *, faces: Faces = "both"
+    time: FloatArray, thickness: float, diffusivity: float, *, faces: moisture.Faces = "both"
 ) -> FloatArray:
     """Part of its final change that the mean of a slab has made: Crank's eqs. 4.18 and 4.20.
 
@@ -49,13 +36,15 @@ def slab_uptake(
     -------
     ndarray, shape (t,)
     """
-    length = diffusion_length(thickness, diffusivity, faces)
-    fourier = fourier_number(time, length, diffusivity)
-    early = fourier < FOURIER_OF_CHANGE
-    return np.asarray(np.where(early, early_uptake(fourier), 1 - remaining_uptake(fourier)))
+    length = slab.diffusion_length(thickness, diffusivity, faces)
+    fourier = slab.fourier_number(time, length, diffusivity)
+    early = fourier < slab.FOURIER_OF_CHANGE
+    return np.asarray(
+        np.where(early, slab.early_uptake(fourier), 1 - slab.remaining_uptake(fourier))
+    )
 
 
-def series_uptake(*, fourier: Sequence[float], faces: Faces) -> FloatArray:
+def series_uptake(*, fourier: Sequence[float], faces: moisture.Faces) -> FloatArray:
     """Uptake of a slab by series.
 
     Parameters
@@ -72,12 +61,12 @@ def series_uptake(*, fourier: Sequence[float], faces: Faces) -> FloatArray:
     return slab_uptake(UNIT * np.asarray(fourier, dtype=float), THICKNESS, DIFFUSIVITY, faces=faces)
 
 
-def _history(fourier: Sequence[float], faces: Faces) -> MoistureHistory:
-    water = Ambient.constant(1.0, 293.15)
-    return diffuse([SLAB], water, UNIT * np.asarray(fourier, dtype=float), faces=faces)
+def _history(fourier: Sequence[float], faces: moisture.Faces) -> moisture.MoistureHistory:
+    water = moisture.Ambient.constant(1.0, 293.15)
+    return moisture.diffuse([SLAB], water, UNIT * np.asarray(fourier, dtype=float), faces=faces)
 
 
-def diffused_uptake(*, fourier: Sequence[float], faces: Faces) -> FloatArray:
+def diffused_uptake(*, fourier: Sequence[float], faces: moisture.Faces) -> FloatArray:
     """Uptake of a slab by the numerical diffusion.
 
     Parameters
@@ -94,7 +83,7 @@ def diffused_uptake(*, fourier: Sequence[float], faces: Faces) -> FloatArray:
     return _history(fourier, faces).uptake
 
 
-def mass_balance_errors(*, fourier: Sequence[float], faces: Sequence[Faces]) -> FloatArray:
+def mass_balance_errors(*, fourier: Sequence[float], faces: Sequence[moisture.Faces]) -> FloatArray:
     """Water that the numerical diffusion loses or makes, over that at the end.
 
     Parameters
@@ -113,7 +102,7 @@ def mass_balance_errors(*, fourier: Sequence[float], faces: Sequence[Faces]) -> 
 
 def half_time() -> FloatArray:
     """Fourier number at half saturation, by the series."""
-    return np.array([time_to_saturation(0.5, 1.0, 1.0)])
+    return np.array([moisture.time_to_saturation(0.5, 1.0, 1.0)])
 
 
 def crank_half_time() -> FloatArray:

@@ -14,16 +14,16 @@ from flexmech.dynamical_systems import FloquetModes, StatedPeriodicSystem, floqu
 Combination = Literal["sum", "difference"]
 """Of the coupling: two oscillators that push each other alike, or oppositely."""
 
-# Squares of the natural frequencies of the two oscillators, and how deeply they are coupled.
+# Squares of the natural frequencies of the two oscillators, whose sum and difference are apart from
+# each other and from twice a frequency, and how deeply they are coupled.
 SQUARES, DEPTH = (1.0, 5.0), 0.4
 COUPLINGS: dict[str, tuple[tuple[float, float], tuple[float, float]]] = {
     "sum": ((0.0, 1.0), (1.0, 0.0)),
     "difference": ((0.0, 1.0), (-1.0, 0.0)),
 }
-# Edges are looked for within these parts of the drive in the middle of a band.
-AROUND_MATHIEU, AROUND_COMBINATION = 0.2, 0.15
-# Of a root.
-CONVERGED = 1e-12
+# Edges are looked for within this part of the drive in the middle of a band: it is wider than the
+# bands, and no other band is so near.
+AROUND = 0.15
 
 
 def oscillators(
@@ -85,7 +85,7 @@ def mathieu_boundaries(*, depth: float, order: int, steps: int) -> FloatArray:
         modes = floquet_modes(oscillators([1.0], 0.0, np.eye(1), depth, 2 * ratio), steps)
         return float(np.exp(modes.exponent * modes.period).sum().real) - target
 
-    return _edges(gap, 1 / order, AROUND_MATHIEU)
+    return _edges(gap, 1 / order)
 
 
 def combination_modes(kind: Combination, drive: float, damping: float, steps: int) -> FloquetModes:
@@ -127,7 +127,7 @@ def combination_edges(*, kind: Combination, damping: float, steps: int) -> Float
     def growth(drive: float) -> float:
         return float(combination_modes(kind, drive, damping, steps).exponent[0].real)
 
-    return _edges(growth, _resonance(kind), AROUND_COMBINATION)
+    return _edges(growth, _resonance(kind))
 
 
 def resonance_modulus(*, kind: Combination, resonance: Combination, steps: int) -> FloatArray:
@@ -190,10 +190,10 @@ def _resonance(kind: Combination) -> float:
     return float(last + first if kind == "sum" else last - first)
 
 
-def _edges(gap: Callable[[float], float], middle: float, around: float) -> FloatArray:
+def _edges(gap: Callable[[float], float], middle: float) -> FloatArray:
     """Roots of a function to both sides of a place, the lower one first."""
-    ends = middle * (1 - around), middle * (1 + around)
-    return np.array([scipy.optimize.brentq(gap, middle, end, xtol=CONVERGED) for end in ends])
+    ends = middle * (1 - AROUND), middle * (1 + AROUND)
+    return np.array([scipy.optimize.brentq(gap, middle, end) for end in ends])
 
 
 def _entries(*rows: tuple[object, ...]) -> FloatArray:

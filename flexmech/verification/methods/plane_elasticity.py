@@ -20,8 +20,6 @@ from skfem.helpers import sym_grad
 from flexmech.materials import Laminate
 
 FloatArray = NDArray[np.float64]
-# Of the lowest frequencies squared, below which a free link's rigid motions are.
-SHIFT = -1e3
 
 
 @dataclass(frozen=True)
@@ -97,25 +95,6 @@ def _elastic(basis: Any, inside: Any, xx: float, xy: float, yy: float, shear: fl
         return inside * (normal + 4 * shear * e[0, 1] * f[0, 1])
 
     return BilinearForm(form).assemble(basis)
-
-
-def free_modes(link: PlaneLink, count: int) -> tuple[FloatArray, FloatArray]:
-    """Frequencies and shapes of a free link, without its rigid motions.
-
-    Parameters
-    ----------
-    link : PlaneLink
-    count : int
-
-    Returns
-    -------
-    ndarray, shape (count,)
-        In Hz.
-    ndarray, shape (n, count)
-    """
-    squares, shapes = scipy.sparse.linalg.eigsh(link.stiffness, count + 3, link.mass, sigma=SHIFT)
-    order = np.argsort(squares)[3:]
-    return np.sqrt(squares[order]) / (2 * np.pi), shapes[:, order]
 
 
 def fourbar_frequencies(

@@ -13,11 +13,11 @@ from matplotlib.axes import Axes
 from matplotlib.transforms import Bbox
 
 from flexmech.arrays import FloatArray
-from flexmech.plots import linkage_symbols as symbols
+from flexmech.plots.drawn_linkage import symbols
+from flexmech.plots.drawn_linkage.parts import SAME_PLACE, Part, Posture, parts_of
+from flexmech.plots.drawn_linkage.springs import joint_spring_symbols, spring_symbols, wall_symbols
+from flexmech.plots.drawn_linkage.symbols import OUTLINE, Symbol, add_symbols
 from flexmech.plots.layout import round_length
-from flexmech.plots.linkage_parts import SAME_PLACE, LinkageParts, Part, Posture, parts_of
-from flexmech.plots.linkage_springs import joint_spring_symbols, spring_symbols, wall_symbols
-from flexmech.plots.linkage_symbols import OUTLINE, Symbol, add_symbols
 from flexmech.plots.reading import values_of
 from flexmech.plots.style import Look
 
@@ -30,21 +30,25 @@ GUIDE: Look = {"color": "0.5", "lw": 0.8, "ls": (0.0, (4.0, 2.0)), "zorder": 0.8
 MASS: Look = {"marker": "o", "mew": 0.0, "alpha": 0.75, "zorder": 3.0}
 """Look of a point mass."""
 MASS_COLOR = "0.45"
-# Area of the greatest point mass's mark in square points.
+# Of marks of masses and bodies over those in a picture of one linkage, where several are beside
+# each other.
+SMALL = 0.6
+# Area of the greatest point mass's mark in square points: ten points wide, more hides the links.
 LARGEST_MARK = 110.0
-# Width of a rigid link over that of one that bends.
+# Width of a rigid link over that of one that bends: told from it where both are thin.
 THICK = 1.9
 
-# Over the linkage's extent: depth of a support, half its width, depth of the hatching; radius of
-# the driven shaft; half the length of a line and of a block; radius of a torque; length of the
-# arrow of the largest force, and distance of arrows from what they would cover; length of the
-# arrow of gravity, and its distance from all else, for names of joints.
+# Over the linkage's extent, as small as it can be told on one column of a page: depth of a support,
+# half its width, depth of the hatching; radius of the driven shaft; half the length of a line and
+# of a block; radius of a torque; length of the arrow of the largest force, and distance of arrows
+# from what they would cover; length of the arrow of gravity, and its distance from all else, for
+# names of joints.
 DEPTH, HALF_WIDTH, HATCHING, SHAFT = 0.05, 0.028, 0.03, 0.026
 TRACK_LENGTH, BLOCK_SIZE, TORQUE = 0.12, 0.03, 0.06
 ARROW, ASIDE, GRAVITY, NAMES = 0.17, 0.045, 0.14, 0.1
-# A shorter arrow than this part of the largest one is not seen.
+# A shorter arrow than this part of the largest one has no shaft beside its head.
 LEAST_ARROW = 0.6
-# Angle in rad that an arrow keeps from what is there.
+# Angle in rad that an arrow keeps from what is there: its head takes as much.
 CLEAR = np.radians(20.0)
 # Depth of the shaft's support over the radius of a hub: it is seen below it. Half its width over
 # its depth at least, and half the width of a ground line over that of its support.
@@ -54,8 +58,8 @@ ROOM, BAR_ROOM = 0.02, 0.06
 
 
 @dataclass(frozen=True)
-class LinkageSketch:
-    """A linkage in one posture.
+class LinkageSketch(Posture):
+    """A linkage in one posture, and how it is drawn.
 
     Parameters
     ----------
@@ -75,8 +79,6 @@ class LinkageSketch:
         What else is drawn, in m: the arrow of gravity is to the left of it.
     """
 
-    links: FloatArray
-    parts: LinkageParts
     mass_color: str = MASS_COLOR
     mark_size: float = 1.0
     joint_size: float = 1.0
@@ -100,24 +102,14 @@ class LinkageSketch:
         held = np.zeros((len(links), 2), dtype=bool)
         return cls(links, parts_of(dataset, links[None], held), mass_color)
 
-    @property
-    def posture(self) -> Posture:
-        """Where everything is."""
-        return Posture(self.links)
-
-    @cached_property
-    def size(self) -> float:
-        """Diagonal of the box around the linkage, in m."""
-        return self.posture.size
-
     @cached_property
     def shaft(self) -> FloatArray:
         """Axis of the driven shaft in m; the ground's origin where nothing is driven."""
         if self.parts.shaft is not None:
             return self.parts.shaft
         for clamp in self.parts.of_kind("clamp"):
-            frame = self.posture.turned(int(clamp["at"][0]))
-            return np.asarray(self.posture.place(clamp["at"]) - self.parts.hub * frame[:, 0])
+            frame = self.turned(int(clamp["at"][0]))
+            return np.asarray(self.place(clamp["at"]) - self.parts.hub * frame[:, 0])
         return np.zeros(2)
 
     @property
@@ -135,7 +127,7 @@ class LinkageSketch:
 
     def places(self, *kinds: str) -> FloatArray:
         """Where the joints of some kinds are; shape (n, 2)."""
-        found = [self.posture.place(joint["at"]) for joint in self.parts.of_kind(*kinds)]
+        found = [self.place(joint["at"]) for joint in self.parts.of_kind(*kinds)]
         return np.reshape(found, (-1, 2))
 
     @cached_property
@@ -185,18 +177,18 @@ class LinkageSketch:
         for slider in self.parts.of_kind("slider"):
             if slider["guide"] is None:
                 found += self._rail(slider)
-        return found + wall_symbols(self.parts, self.posture, self.size)
+        return found + wall_symbols(self)
 
     def on_links(self) -> list[Symbol]:
         """Symbols of what moves with the links: always as many, in the same order."""
         return [
             *self._sliders(),
-            *spring_symbols(self.parts, self.posture, self.size),
+            *spring_symbols(self),
             *self._masses(),
             *symbols.marks("weld", list(self.places("weld")), self._sized(WELD)),
-            *joint_spring_symbols(self.parts, self.posture, self.size, self.joint_size),
+            *joint_spring_symbols(self, self.joint_size),
             *self._joints(),
-            *self._loads(),
+            *(symbol for load in self.parts.loads for symbol in self._arrows(load)),
         ]
 
     def gravity(self) -> list[Symbol]:
@@ -262,19 +254,19 @@ class LinkageSketch:
         if not links_alone:
             found += [np.array([0.0, -1.0]) for held in self.grounds if self._same(held, place)]
             for one in self.parts.springs:
-                first, second = (self.posture.spring_end(end) for end in one["ends"])
+                first, second = (self.spring_end(end) for end in one["ends"])
                 found += [second - first] if self._same(first, place) else []
                 found += [first - second] if self._same(second, place) else []
             for slider in self.parts.of_kind("slider"):
-                if self._same(self.posture.place(slider["at"]), place):
-                    line = self.posture.line(slider)
+                if self._same(self.place(slider["at"]), place):
+                    line = self.line(slider)
                     along = np.array([np.cos(line), np.sin(line)])
                     found += [along, -along, symbols.below(along)]
         return [each / np.hypot(*each) for each in found]
 
     def occupied(self, place: FloatArray) -> list[FloatArray]:
         """Directions in which there is something at a place, arrows of loads among it."""
-        here = [one for one in self.parts.loads if self._same(self.posture.place(one["at"]), place)]
+        here = [one for one in self.parts.loads if self._same(self.place(one["at"]), place)]
         arrows = [symbol.places for load in here for symbol in self._arrows(load)]
         away = [np.nanmean(places, axis=0) - place for places in arrows]
         return [*self.taken(place), *(each / np.hypot(*each) for each in away)]
@@ -288,7 +280,7 @@ class LinkageSketch:
 
     def _rail(self, slider: Part) -> list[Symbol]:
         """Line of the ground under a block, as far as the block goes."""
-        place, line = self.posture.place(slider["at"]), self.posture.line(slider)
+        place, line = self.place(slider["at"]), self.line(slider)
         reach = np.zeros(1)
         if self.travel is not None:
             link, far = int(slider["at"][0]), -1 if slider["at"][1] else 0
@@ -302,7 +294,7 @@ class LinkageSketch:
         """Blocks on their lines, with the line where a link carries it."""
         found = []
         for slider in self.parts.of_kind("slider"):
-            place, line = self.posture.place(slider["at"]), self.posture.line(slider)
+            place, line = self.place(slider["at"]), self.line(slider)
             if slider["guide"] is not None:
                 along = TRACK_LENGTH * self.size * np.array([np.cos(line), np.sin(line)])
                 found.append(Symbol("guide", np.array([place - along, place + along]), GUIDE))
@@ -314,13 +306,13 @@ class LinkageSketch:
         color: Look = {"color": self.mass_color}
         found = []
         for body in self.parts.bodies:
-            place, centre = self.posture.place(body["at"]), self.posture.centre(body)
+            place, centre = self.place(body["at"]), self.centre(body)
             found += symbols.body(place, centre, color, self.mark_size)
         largest = max((mass["kg"] for mass in self.parts.masses), default=0.0)
         for mass in self.parts.masses:
             size = self.mark_size * float(np.sqrt(LARGEST_MARK * mass["kg"] / largest))
             look: Look = MASS | color | {"ms": size}
-            found += symbols.marks("mass", [self.posture.place(mass["at"])], look)
+            found += symbols.marks("mass", [self.place(mass["at"])], look)
         return found
 
     def _sized(self, look: Look) -> Look:
@@ -338,14 +330,11 @@ class LinkageSketch:
             *symbols.marks("shaft", shafts, look | {"mfc": OUTLINE}),
         ]
 
-    def _loads(self) -> list[Symbol]:
-        return [symbol for load in self.parts.loads for symbol in self._arrows(load)]
-
     def _arrows(self, load: Part) -> list[Symbol]:
         """An arrow as long as the force is large, and a bent one of the torque."""
         largest = max(float(np.hypot(*one["force"])) for one in self.parts.loads)
-        place, varies = self.posture.place(load["at"]), load["over"] != "constant"
-        force, found = self.posture.force(load), []
+        place, varies = self.place(load["at"]), load["over"] != "constant"
+        force, found = self.force(load), []
         if (strength := float(np.hypot(*force))) > 0:
             share = LEAST_ARROW + (1 - LEAST_ARROW) * strength / largest
             length = share * ARROW * self.size

@@ -20,7 +20,8 @@ GRAVITY_COLOR = "0.5"
 THIN: Look = {"color": OUTLINE, "lw": 0.5}
 # Of the strokes of the driven shaft in rad: those of the ground below it lean alike.
 HATCH_ANGLE = np.radians(-135.0)
-# Turns of a spring between points and of one in a joint, and share of a spring that is straight.
+# Turns of a spring between points and of one in a joint, as many as are told at its size, and share
+# of a spring that is straight at either end.
 COILS, SPIRAL_TURNS, STRAIGHT = 6, 2.0, 0.15
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,8 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
 
-# Places closer than this part of the linkage's extent are the same place.
+# Places closer than this part of the linkage's extent are the same place: far above round-off, far
+# below what a picture shows.
 SAME_PLACE = 1e-6
 
 Part = dict[str, Any]
@@ -146,17 +148,19 @@ def _by_places(positions: FloatArray, held: NDArray[np.bool_]) -> LinkageParts:
 
 @dataclass(frozen=True)
 class Posture:
-    """Links in one posture, straight or bent.
+    """Links in one posture, straight or bent, and what belongs to them.
 
     Parameters
     ----------
     links : ndarray, shape (link, station, 2)
         Evenly spaced stations along each link, in m.
+    parts : LinkageParts
     """
 
     links: FloatArray
+    parts: LinkageParts
 
-    @property
+    @cached_property
     def size(self) -> float:
         """Diagonal of the box around the ends of the links, in m."""
         return extent_of(self.links)

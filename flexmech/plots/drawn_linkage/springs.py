@@ -5,24 +5,27 @@ from __future__ import annotations
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.plots import linkage_symbols as symbols
-from flexmech.plots.linkage_parts import LinkageParts, Posture
-from flexmech.plots.linkage_symbols import OUTLINE, Symbol, below
+from flexmech.plots.drawn_linkage import symbols
+from flexmech.plots.drawn_linkage.parts import Posture
+from flexmech.plots.drawn_linkage.symbols import OUTLINE, Symbol, below
 from flexmech.plots.style import Look
 
 LOOK: Look = {"color": "0.25", "lw": 0.9}
-# Half the length of a cup over its half width, and the most of the whole length that it takes.
+# Half the length of a cup over its half width, as in textbooks, and the most of the whole length
+# that it takes, so that rod and stem are left.
 SLENDER, MOST = 1.5, 0.25
-# Where a damper beside a spring joins its line, and how far it is from that in half widths.
+# Where a damper beside a spring joins its line, on the straight ends of that, and how far it is
+# from it in half widths: some of one is between them.
 JOINED, BESIDE = 0.12, 2.4
-# Angles in rad between which a damper lies around a joint, and half its depth over its radius.
+# Angles in rad between which a damper lies around a joint, above it, and half its depth over its
+# radius.
 FIRST, LAST, DEEP = np.radians(25.0), np.radians(155.0), 0.22
 
 BEARING: Look = {"ms": 7.0, "marker": "o", "mfc": "none", "mec": OUTLINE, "mew": 0.6, "zorder": 3.9}
-# Of the ring around a bearing with a damper over that without.
+# Of the ring around a bearing with a damper over that without: both are told.
 DAMPED = 1.4
 # Over the linkage's extent: half the width of a spring between points and of the wall that holds
-# it; radius of a spring and of a damper in a joint.
+# it, which is wider; radius of a spring and of a damper in a joint, which is around it.
 SPRING, WALL, SPIRAL, BENT = 0.018, 0.03, 0.04, 0.065
 
 
@@ -95,22 +98,10 @@ def _outline(from_: float, to: float, cup: float) -> tuple[FloatArray, FloatArra
     return corners[:, 0], corners[:, 1]
 
 
-def spring_symbols(parts: LinkageParts, posture: Posture, size: float) -> list[Symbol]:
-    """Springs and dampers between points; a damper is beside its spring.
-
-    Parameters
-    ----------
-    parts : LinkageParts
-    posture : Posture
-    size : float
-        Extent of the linkage in m.
-
-    Returns
-    -------
-    list of Symbol
-    """
-    found, half = [], SPRING * size
-    for spring in parts.springs:
+def spring_symbols(posture: Posture) -> list[Symbol]:
+    """Springs and dampers between points; a damper is beside its spring."""
+    found, half = [], SPRING * posture.size
+    for spring in posture.parts.springs:
         first, second = map(posture.spring_end, spring["ends"])
         if stiff := spring.get("stiff", True):
             found.append(symbols.zigzag(first, second, half))
@@ -119,41 +110,23 @@ def spring_symbols(parts: LinkageParts, posture: Posture, size: float) -> list[S
     return found
 
 
-def wall_symbols(parts: LinkageParts, posture: Posture, size: float) -> list[Symbol]:
-    """What holds springs and dampers on the ground.
-
-    Parameters
-    ----------
-    parts : LinkageParts
-    posture : Posture
-    size : float
-        Extent of the linkage in m.
-
-    Returns
-    -------
-    list of Symbol
-    """
-    found = []
-    for spring in parts.springs:
+def wall_symbols(posture: Posture) -> list[Symbol]:
+    """What holds springs and dampers on the ground."""
+    found, half = [], WALL * posture.size
+    for spring in posture.parts.springs:
         places = [posture.spring_end(end) for end in spring["ends"]]
         for end, place, other in zip(spring["ends"], places, places[::-1], strict=True):
             if "ground" in end and (length := np.hypot(*(place - other))):
-                half = WALL * size
                 found += symbols.wall(place, (place - other) / length, half, 0.6 * half)
     return found
 
 
-def joint_spring_symbols(
-    parts: LinkageParts, posture: Posture, size: float, mark_size: float
-) -> list[Symbol]:
+def joint_spring_symbols(posture: Posture, mark_size: float) -> list[Symbol]:
     """Springs and dampers in joints.
 
     Parameters
     ----------
-    parts : LinkageParts
     posture : Posture
-    size : float
-        Extent of the linkage in m.
     mark_size : float
         Of the rings of bearings over the usual one.
 
@@ -161,16 +134,16 @@ def joint_spring_symbols(
     -------
     list of Symbol
     """
-    at = {joint["name"]: joint["at"] for joint in parts.joints}
+    at = {joint["name"]: joint["at"] for joint in posture.parts.joints}
     found = []
-    for one in parts.joint_springs:
+    for one in posture.parts.joint_springs:
         place, ring = posture.place(at[one["joint"]]), mark_size * BEARING["ms"]
         if one["torsional"]:
-            found.append(symbols.spiral(place, SPIRAL * size))
+            found.append(symbols.spiral(place, SPIRAL * posture.size))
         if one["radial"]:
             found += symbols.marks("bearing", [place], BEARING | {"ms": ring})
         if one.get("torsion_damped"):
-            found.append(rotary_dashpot(place, BENT * size))
+            found.append(rotary_dashpot(place, BENT * posture.size))
         if one.get("radially_damped"):
             found += symbols.marks("damped bearing", [place], BEARING | {"ms": DAMPED * ring})
     return found

@@ -1,0 +1,1 @@
+"""The linkage as figures draw it: parts in a posture, their symbols, the sketch, and figures."""
