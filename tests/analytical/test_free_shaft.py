@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -194,3 +195,11 @@ def test_a_clamped_link_that_is_geared_does_not_turn_with_the_shaft(aluminium, m
     )
     with pytest.raises(InputError, match="the crank does not: use shaft 'prescribed'"):
         ReferenceEngine(aluminium, elements=2, shaft="free")
+
+
+def test_a_rigid_crank_is_drawn_from_its_shaft(tmp_path: Path) -> None:
+    drawn = Path("models/slider_crank_free_shaft.toml").read_text()
+    turned = tmp_path / "turned.toml"
+    turned.write_text(drawn.replace('points = ["O2", "A"]', 'points = ["A", "O2"]'))
+    with pytest.raises(InputError, match="give its points in the other order"):
+        ReferenceEngine(load_mechanism(turned), shaft="free")

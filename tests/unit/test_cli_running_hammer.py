@@ -10,7 +10,6 @@ import pytest
 from typer.testing import CliRunner
 
 from flexmech import LinkPoint, RunningHammerRequest, RunningHammerTest
-from flexmech.analyses.running_hammer import compute as running_hammer
 from flexmech.cli import app
 from flexmech.linear_system import Engine
 from tests.unit.running_hammer_data import running_hammer_dataset
@@ -30,7 +29,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Engine, RunningHammerRe
         seen.append((engine, request))
         return RunningHammerTest(running_hammer_dataset())
 
-    monkeypatch.setattr(running_hammer, "running_hammer_test", answer)
+    monkeypatch.setattr("flexmech.analyses.running_hammer_test", answer)
     return seen
 
 

@@ -23,7 +23,8 @@ from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
 
 # Part of the shaft's speed by which that of the clamped link may be off: what the kinematics of any
-# linkage leave, 1e-12 or less; a link that is geared is off by more than this.
+# linkage leave, 1e-12 or less; a link that is geared is off by more than this. By this part of the
+# link's length its clamped end may be off the axis, where there is no hub.
 TURNS_ALIKE = 1e-9
 
 
@@ -70,7 +71,7 @@ class FreeShaft:
         ------
         InputError
             If nothing or more than one link is clamped, or the clamped link does not turn with
-            the shaft.
+            the shaft or is rigid and ends at it.
         """
         topology = mechanism.linkage.topology
         if len(topology.clamps) != 1:
@@ -86,9 +87,16 @@ class FreeShaft:
                 f"shaft 'free' needs a link that turns with the shaft, and the "
                 f"{clamp.link_end.link} does not: use shaft 'prescribed'"
             )
+        if topology.links[link].rigid and clamp.link_end.end == "end":
+            raise InputError(
+                f"shaft 'free' needs a rigid link that starts at the shaft, and the "
+                f"{clamp.link_end.link} ends there: give its points in the other order"
+            )
         x = 0.0 if clamp.link_end.end == "start" else topology.links[link].length
         speed, angle = motion.velocity(link, x), motion.angle[link]
         lever = (float(speed @ normal(angle)), -float(speed @ direction(angle)))
+        if np.hypot(*lever) <= TURNS_ALIKE * topology.links[link].length:
+            lever = (0.0, 0.0)
         stiff = any(each.rigid for each in topology.links) or any(lever)
         guided = any(slider.guide for slider in topology.sliders)
         return cls(clamp, link, lever, mechanism.shaft_inertia, stiff, stiff and not guided)
