@@ -19,6 +19,7 @@ from flexmech.modal_testing import (
     mac,
     with_noise,
 )
+from flexmech.modal_testing.lscf import stabilisation_chart
 
 METHODS = ["lscf", "circle-fit"]
 FREQUENCY = np.array([30.0, 75.0, 160.0, 280.0, 430.0, 610.0])
@@ -265,3 +266,35 @@ def test_the_package_for_lscf_says_nothing():
         [sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=False
     )
     assert (ran.returncode, ran.stdout, ran.stderr) == (0, "", "")
+
+
+def pole_of(frequency: float, ratio: float) -> complex:
+    omega = 2 * np.pi * frequency
+    return complex(-ratio * omega, omega * np.sqrt(1 - ratio**2))
+
+
+@pytest.mark.parametrize(
+    ("frequency", "ratio", "same_frequency", "same_pole"),
+    [
+        (1.004, 1.04, True, True),
+        (1.006, 1.0, False, False),
+        (1.0, 1.06, True, False),
+    ],
+)
+def test_a_pole_is_stable_within_the_tolerances_of_the_chart(
+    frequency, ratio, same_frequency, same_pole
+):
+    orders = [np.array([pole_of(10, 0.01)]), np.array([pole_of(10 * frequency, 0.01 * ratio)])]
+    chart = stabilisation_chart(orders, 0.0)
+    assert chart.stable_frequency.tolist() == [False, same_frequency]
+    assert chart.stable.tolist() == [False, same_pole]
+
+
+@pytest.mark.parametrize(
+    ("orders", "found_in", "chosen"), [(20, 5, 1), (20, 4, 0), (10, 4, 1), (10, 3, 0)]
+)
+def test_a_column_of_stable_poles_is_a_mode_where_it_is_long_enough(orders, found_in, chosen):
+    """In a fifth of the orders, and in three of them at least; none is stable where it begins."""
+    nothing = np.zeros(0, dtype=complex)
+    poles = [np.array([pole_of(10, 0.01)])] * found_in + [nothing] * (orders - found_in)
+    assert stabilisation_chart(poles, 0.0).chosen.size == chosen

@@ -127,7 +127,7 @@ class TestScene:
         np.testing.assert_allclose(np.diff(push.places, axis=0)[0, 1], 0.0, atol=1e-12)
         assert np.diff(side.places, axis=0)[0] @ rod == pytest.approx(0.0, abs=1e-12)
         bent, _ = drawn(sketch, "varying load")
-        out = bent.places - sketch.posture.place([1, 0.5])
+        out = bent.places - sketch.place([1, 0.5])
         np.testing.assert_allclose(np.hypot(*out.T), np.hypot(*out[0]))
         # To the right, as the largest torque is.
         assert np.all(out[:-1, 0] * out[1:, 1] - out[:-1, 1] * out[1:, 0] < 0)

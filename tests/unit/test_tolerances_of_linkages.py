@@ -158,6 +158,12 @@ def test_loci_that_touch_lock_and_are_not_apart():
             linkage.resized(lengths, 1.0).motion(np.arccos(cosine))
 
 
+def test_links_too_short_to_meet_are_told_when_they_are_resized():
+    lengths = {"crank": 0.1, "coupler": 0.05, "rocker": 0.05}
+    with pytest.raises(InputError, match="cannot be put together"):
+        drawn_four_bar().resized(lengths, 1.0)
+
+
 def test_slotted_links_that_are_touched_lock_and_are_not_apart():
     """A pin on a slotted link whose slot passes a pivot at a distance that the pin just has."""
     for number in range(40):
