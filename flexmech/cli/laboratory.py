@@ -88,7 +88,7 @@ def hammer(
     """
     from flexmech.analyses.damping_ratios import with_damping_ratio
     from flexmech.analyses.hammer.compute import hammer_test
-    from flexmech.analyses.running_hammer.compute import running_hammer_test
+    from flexmech.analyses import running_hammer_test
     from flexmech.linear_system import LinkPoint
     from flexmech.measured_data import check_uff
 

@@ -87,7 +87,7 @@ class Engine(EngineLinks):
         The shaft, where it is free.
     simulates : bool
         Whether the engine runs the linkage with large displacements; see
-        :func:`flexmech.time_domain.recorded_runs.states`.
+        :mod:`flexmech.time_domain.recorded_runs.states`.
 
     Raises
     ------
