@@ -86,9 +86,9 @@ def hammer(
     seed
         Of the noise: the same seed gives the same noise.
     """
+    from flexmech.analyses import running_hammer_test
     from flexmech.analyses.damping_ratios import with_damping_ratio
     from flexmech.analyses.hammer.compute import hammer_test
-    from flexmech.analyses import running_hammer_test
     from flexmech.linear_system import LinkPoint
     from flexmech.measured_data import check_uff
 
