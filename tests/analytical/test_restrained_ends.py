@@ -47,7 +47,7 @@ def chain_of(layers: LaminateSection, theory: str, length: float, elements: int 
     chain = build_chain("link", section, mass, elements, BEAM_SHAPES[theory])
     held = restrained_ends(layers, length)
     assert held is not None
-    return held.hold(chain, section.mass_per_length)
+    return held.restrain(chain, section.mass_per_length)
 
 
 def pinned(chain: Chain) -> FloatArray:
