@@ -80,7 +80,7 @@ SLIPS: dict[str, Callable[[], object]] = {
     "wetting of the crank": lambda: replace(MECHANISM, wetting={"crank": 3}),
     "joint_springs": lambda: replace(MECHANISM, joint_springs=1.0),
     # That of hammer tests counts fractions of a link.
-    "push: point": lambda: Load("push", flexmech.AttachmentPoint("crank", 0.1), ((1.0, 0.0),)),  # type: ignore[arg-type]
+    "push: point": lambda: Load("push", flexmech.LinkPoint("crank", 0.1), ((1.0, 0.0),)),  # type: ignore[arg-type]
     "push: each force": lambda: Load("push", AttachmentPoint("crank", 0.1), (1.0, 0.0)),  # type: ignore[arg-type]
     "each end of spring": lambda: Spring("a", "O4", "B", 1.0, 0.1),  # type: ignore[arg-type]
     "against": lambda: flexmech.stability(ENGINE, [20.0], against=([0.0], [1.0])),  # type: ignore[arg-type]
