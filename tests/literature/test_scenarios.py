@@ -326,6 +326,7 @@ def test_flexible_slider_crank(scenario, held_number, tmp_path, capsys):
     assert_pictures(tmp_path, "deflection.png")
 
 
+@pytest.mark.thorough
 def test_six_bars(scenario, held_number, tmp_path, capsys):
     """Crank angles of the lowest and the highest first frequency; the engines on one mesh."""
     module = scenario("six_bars")
@@ -393,6 +394,7 @@ def test_verdicts_on_the_twelve_positions_are_computed(scenario):
     assert module.judged(damping, 15.78) == "not judged"
 
 
+@pytest.mark.thorough
 def test_hammer_noise(scenario, held_number, tmp_path, capsys):
     """Few draws of the noise, by circles alone: the second mode's damping at 1 %."""
     module, draws = scenario("hammer_noise"), 5
@@ -558,6 +560,7 @@ def test_hygrothermal_frequencies(scenario, held_number, tmp_path, capsys):
     assert_files(tmp_path, names, names)
 
 
+@pytest.mark.thorough
 def test_stability_maps(scenario, held_number, tmp_path):
     module = scenario("stability_maps")
     speeds = {"aluminium": np.arange(83.0, 89.0, 1.0)}

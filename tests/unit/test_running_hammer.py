@@ -51,6 +51,7 @@ def test_the_frozen_linkage_answers_otherwise(found: RunningHammerTest) -> None:
     assert np.abs(largest / found.peaks()["predicted_m_N"] - 1).max() > 0.05
 
 
+@pytest.mark.thorough
 def test_loads_and_springs_count_in_runs_and_in_what_is_predicted() -> None:
     """A spring with damper at the coupler, one in a joint, and a load over the crank angle."""
     middle = LinkPoint("rocker", 0.5)
