@@ -1,7 +1,7 @@
 """Random command lines and model files: each runs, or is refused in one line that says where.
 
-Drawn from a seed, run in this process. ``FLEXMECH_FUZZ=10000`` asks for so many cases, of which
-the default run takes the first hundred, and ``FLEXMECH_FUZZ_SEED`` for others than the default ones.
+Drawn from a seed, run in this process. ``FLEXMECH_FUZZ=10000`` asks for so many cases, of
+which the default run takes the first hundred, and ``FLEXMECH_FUZZ_SEED`` for others.
 """
 
 from __future__ import annotations
