@@ -263,7 +263,7 @@ def busy(solver, crank_speed):
     # A worker does not answer signals, as in a long call of compiled code.
     (Path("{folder}") / str(os.getpid())).touch()
     time.sleep(600)
-engine_map._solution = busy
+engine_map._outcome = busy
 main()
 """
 
