@@ -24,6 +24,8 @@ from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rigid_body import RigidBody
 from flexmech.linkages import RigidMotion, Topology
 
+_OnBodies = list[list[tuple[FloatArray, FloatArray]]]
+
 
 def turns_as_one_body(topology: Topology) -> bool:
     """Whether all links turn with the shaft and nothing else holds them.
@@ -109,11 +111,11 @@ class CarriedInertia:
 
     def forces(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
         """Forces (B, n_link) by displacements (B, n_link)."""
-        return self._answers(displacement)[0]
+        return self._answers(displacement, self._on_bodies(displacement))[0]
 
     def matrices(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
         """Derivatives (B, n_link, n_link) of these forces."""
-        return self._answers(displacement)[1]
+        return self._answers(displacement, self._on_bodies(displacement))[1]
 
     def moments(self, displacement: Sequence[FloatArray]) -> list[list[FloatArray]]:
         """The couples on bodies and rigid links as those of forces that keep their direction.
@@ -130,33 +132,49 @@ class CarriedInertia:
         list of list of ndarray, shape (2, B)
             Virial and moment of each body of each link.
         """
-        return [
-            [
-                self.of_body(number, body, q)[0][:, 2] * np.stack([-np.sin(turn), np.cos(turn)])
-                for body, turn in ((body, q @ body.rows[2]) for body in link.bodies)
-            ]
-            for number, (link, q) in enumerate(zip(self.links, displacement, strict=True))
-        ]
+        return self._moments(displacement, self._on_bodies(displacement))
 
     def on_drawn(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
         """The forces with the couples of bodies by their :meth:`moments`."""
-        forces, moments = self.forces(displacement), self.moments(displacement)
-        for number, (link, own) in enumerate(zip(self.links, moments, strict=True)):
-            for body, (_, moment) in zip(link.bodies, own, strict=True):
-                couple = self.of_body(number, body, displacement[number])[0][:, 2]
-                forces[number] += np.outer(moment - couple, body.rows[2])
+        answers = self._on_bodies(displacement)
+        forces, moments = (
+            self._answers(displacement, answers)[0],
+            self._moments(displacement, answers),
+        )
+        for number, link in enumerate(self.links):
+            of_bodies = zip(link.bodies, answers[number], moments[number], strict=True)
+            for body, (pushed, _), (_, moment) in of_bodies:
+                forces[number] += np.outer(moment - pushed[:, 2], body.rows[2])
         return forces
 
+    def _on_bodies(self, displacement: Sequence[FloatArray]) -> _OnBodies:
+        """Force on each body of each link and its derivative; see :meth:`of_body`."""
+        return [
+            [self.of_body(number, body, q) for body in link.bodies]
+            for number, (link, q) in enumerate(zip(self.links, displacement, strict=True))
+        ]
+
+    def _moments(
+        self, displacement: Sequence[FloatArray], answers: _OnBodies
+    ) -> list[list[FloatArray]]:
+        """See :meth:`moments`."""
+        return [
+            [
+                pushed[:, 2] * np.stack([-np.sin(q @ body.rows[2]), np.cos(q @ body.rows[2])])
+                for body, (pushed, _) in zip(link.bodies, own, strict=True)
+            ]
+            for link, q, own in zip(self.links, displacement, answers, strict=True)
+        ]
+
     def _answers(
-        self, displacement: Sequence[FloatArray]
+        self, displacement: Sequence[FloatArray], answers: _OnBodies
     ) -> tuple[list[FloatArray], list[FloatArray]]:
         """Forces and their derivatives."""
         forces, matrices = [], []
         for number, (link, q) in enumerate(zip(self.links, displacement, strict=True)):
             force, matrix = (self.linear[number] @ q[..., None])[..., 0], self.linear[number]
             speed, change = self.speed[number, :, None, None], self.change[number, :, None, None]
-            for body in link.bodies:
-                pushed, by_place = self.of_body(number, body, q)
+            for body, (pushed, by_place) in zip(link.bodies, answers[number], strict=True):
                 _, gyroscopic, centrifugal = body.matrices(np.zeros(()), on_axis=True)
                 linear = speed**2 * centrifugal - change * gyroscopic
                 beyond = pushed - (linear @ (body.rows @ q.T).T[..., None])[..., 0]
