@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
-from scipy.sparse import csc_array
+from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import splu
 
 from flexmech.arrays import FloatArray, IntArray
@@ -110,24 +110,20 @@ def ritz_values(
         In rad/s; not a number where a squared frequency is negative by round-off.
     """
     # All positions at once: the factors of a block diagonal matrix are those of its blocks.
-    shift = np.zeros(len(pencils))
-    every = Pencil.block_diagonal(pencils)
-    loads = _product(every.total(1, 0, 0), shapes)
+    every, shift = Pencil.block_diagonal(pencils), np.zeros(len(pencils))
+    mass, stiffness = every.total(1, 0, 0), every.total(0, 0, 1)
+    loads = _product(mass, shapes)
     if rigid:
         first = shapes[:, :, :1]
-        forces = _product(every.total(0, 0, 1), first)
+        forces = _product(stiffness, first)
         shift = np.sum(first * forces, axis=(1, 2)) / np.sum(first * loads[:, :, :1], axis=(1, 2))
-    entries = np.repeat(shift, [len(own.rows) for own in pencils]) * every.entries[0]
-    shifted = replace(every, entries=every.entries + np.outer([0.0, 0.0, 1.0], entries))
-    factors = splu(shifted.total(0, 0, 1))
+        stiffness = stiffness + diags_array(np.repeat(shift, shapes.shape[1])) @ mass
+    factors = splu(stiffness.tocsc())
     better = factors.solve(loads.reshape(-1, loads.shape[-1])).reshape(loads.shape)
-    inertia = np.swapaxes(better, 1, 2) @ _product(every.total(1, 0, 0), better)
-    stiffness = np.swapaxes(better, 1, 2) @ loads - shift[:, None, None] * inertia
+    inertia = np.swapaxes(better, 1, 2) @ _product(mass, better)
+    strain = np.swapaxes(better, 1, 2) @ loads - shift[:, None, None] * inertia
     squares = np.array(
-        [
-            scipy.linalg.eigh(*each, eigvals_only=True)
-            for each in zip(stiffness, inertia, strict=True)
-        ]
+        [scipy.linalg.eigh(*each, eigvals_only=True) for each in zip(strain, inertia, strict=True)]
     )
     # Round-off of lengths or stiffnesses beyond all proportion: of such a mode nothing is known.
     return np.asarray(1j * np.sqrt(np.where(squares < 0, np.nan, squares)))
