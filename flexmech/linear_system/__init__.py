@@ -63,7 +63,7 @@ from flexmech.linear_system.links.chains import (
     whole,
 )
 from flexmech.linear_system.links.dead_moments import DeadMoments, body_turns, with_straight_inertia
-from flexmech.linear_system.links.link_model import LinkModel, RigidFields, inertia_loads
+from flexmech.linear_system.links.link_model import LinkModel, RigidFields
 from flexmech.linear_system.links.link_readings import LinkReadings
 from flexmech.linear_system.links.link_stretch import LinkStretch
 from flexmech.linear_system.links.mass_root import inverse_mass_root
@@ -74,6 +74,7 @@ from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.loads.attached_points import AttachedPoint
 from flexmech.linear_system.loads.connector_forces import ConnectedMatrices, PointForce, acts_still
 from flexmech.linear_system.loads.connectors import Connectors
+from flexmech.linear_system.loads.inertia_loads import inertia_loads
 from flexmech.linear_system.loads.joint_couples import has_dampers
 from flexmech.linear_system.reduction.component_modes import (
     GREAT_DETAIL,

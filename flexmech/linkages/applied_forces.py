@@ -252,12 +252,8 @@ def joint_gap(
 def _sides(topology: Topology, spring: JointSpring) -> list[tuple[float, int, float]]:
     """Sign, link and place of the ends that meet in a joint, the following one first."""
     ends = topology.pinned_ends[spring.joint]
-    links = [topology.index(end.link) if end else -1 for end in ends]
-    return [
-        (sign, link, 0.0 if end.end == "start" else topology.links[link].length)
-        for sign, link, end in zip((1.0, -1.0), links, ends, strict=True)
-        if end is not None
-    ]
+    pairs = zip((1.0, -1.0), ends, strict=True)
+    return [(sign, *topology.end_place(end)) for sign, end in pairs if end is not None]
 
 
 def _point_motion(

@@ -72,8 +72,7 @@ def connections(topology: Topology) -> tuple[Connection, ...]:
 
 def end_point(topology: Topology, end: LinkEnd) -> BodyPoint:
     """Point of a link end, by the link's number."""
-    link = topology.index(end.link)
-    return BodyPoint(link, 0.0 if end.end == "start" else topology.links[link].length)
+    return BodyPoint(*topology.end_place(end))
 
 
 def slider_line(topology: Topology, slider: Slider) -> PointOnLine:

@@ -229,6 +229,16 @@ class Topology:
         """Position of a link in ``links``."""
         return self.link_names.index(link)
 
+    def end_place(self, end: LinkEnd) -> tuple[int, float]:
+        """Number of the link of an end, and the end's distance from the link's start in m."""
+        link = self.index(end.link)
+        return link, 0.0 if end.end == "start" else self.links[link].length
+
+    @property
+    def has_turning_lines(self) -> bool:
+        """Whether links guide others: the lines on which these slide turn."""
+        return any(slider.guide for slider in self.sliders)
+
     def leader_of(self, place: LinkEnd) -> LinkEnd:
         """Follow pins and welds from a link end to the end that carries its displacement."""
         return leading_end(place, self.ties)

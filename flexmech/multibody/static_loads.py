@@ -270,9 +270,8 @@ class StaticConnectors:
                 assembly.mbs.SetLoadParameter(load, "load", torque)
             assembly.mbs.SetObjectParameter(item.turning, "offset", float(offset))
         if item.ground is not None:
-            link = assembly.topology.index(item.follower.link)
-            x = 0.0 if item.follower.end == "start" else assembly.topology.links[link].length
-            self._put(item.ground, motion.position(link, x)[number])
+            place = assembly.topology.end_place(item.follower)
+            self._put(item.ground, motion.position(*place)[number])
 
     def _continuous(self, motion: RigidMotion) -> FloatArray:
         if self._motion is not motion:

@@ -114,10 +114,8 @@ class RadialSprings:
             yield stiffness * np.einsum("cib,cjb->ijb", own, own)
 
     def _end(self, sign: float, end: LinkEnd) -> _End:
-        topology = self._frames.topology
-        number = topology.index(end.link)
+        number, x = self._frames.topology.end_place(end)
         link = self._frames.links[number]
-        x = 0.0 if end.end == "start" else topology.links[number].length
         rows = link.start if link.rigid else link.end_displacement(end.end)
         return _End(sign, number, x, rows, link.rigid)
 

@@ -214,9 +214,7 @@ def _paths(mechanism: Mechanism, angles: FloatArray) -> dict[str, FloatArray]:
     motion = linkage.motion(angles[assembled])
     found = {}
     for name, place in _moving_ends(topology).items():
-        number = topology.index(place.link)
-        distance = 0.0 if place.end == "start" else topology.links[number].length
-        found[name] = motion.position(number, distance)
+        found[name] = motion.position(*topology.end_place(place))
     if (point := mechanism.coupler_point) is not None and isinstance(linkage, FourBar):
         found[_COUPLER_POINT] = CouplerCurve(linkage, point).position(angles[assembled])
     elif "coupler" in topology.link_names:

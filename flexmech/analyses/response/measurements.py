@@ -166,9 +166,7 @@ def constraint_drift(engine: Engine, displacement: FloatArray, motion: RigidMoti
         return displacement[:, topology.index(end.link), 0 if end.end == "start" else -1]
 
     def place(end: LinkEnd) -> FloatArray:
-        link = topology.index(end.link)
-        x = 0.0 if end.end == "start" else topology.links[link].length
-        return elastic(end) + motion.position(link, x)
+        return elastic(end) + motion.position(*topology.end_place(end))
 
     gaps = [place(pin.follower) - place(topology.leader_of(pin.leader)) for pin in topology.pins]
     gaps += [elastic(clamp.link_end) for clamp in topology.clamps]

@@ -10,9 +10,9 @@ from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.linear_system.assembly.engine import Engine
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.links.link_model import inertia_loads
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
+from flexmech.linear_system.loads.inertia_loads import inertia_loads
 from flexmech.linkages import RigidMotion, Topology
 
 # Change along the turn, relative to the greatest value, that round-off makes: some five hundred

@@ -17,11 +17,12 @@ from flexmech.linear_system.assembly.free_shaft import FreeShaft
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.carried_inertia import CarriedInertia, turns_as_one_body
 from flexmech.linear_system.links.dead_moments import DeadMoments, without_own_turning
-from flexmech.linear_system.links.link_model import LinkModel, inertia_loads
+from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.link_stretch import LinkStretch
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
 from flexmech.linear_system.loads.connectors import Connectors
+from flexmech.linear_system.loads.inertia_loads import inertia_loads
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.mechanism import Mechanism
 
@@ -49,8 +50,8 @@ class EngineLinks(ElementKinds):
     @cached_property
     def topology(self) -> Topology:
         """Links and connections of the linear system: a free shaft is a pivot."""
-        topology = self.mechanism.linkage.topology
-        return topology if self.free_shaft is None else self.free_shaft.topology(topology)
+        shaft = self.free_shaft
+        return self.mechanism.linkage.topology if shaft is None else shaft.topology
 
     @cached_property
     def tied_topology(self) -> Topology:

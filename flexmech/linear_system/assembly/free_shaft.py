@@ -8,14 +8,15 @@ inertia stands in the mass matrix by that coordinate. Its weight is on its axis.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linear_system.links.link_model import LinkModel, RigidFields
+from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.link_stretch import LinkStretch
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linkages import Clamp, Pivot, RigidMotion, Topology, shown_crank_angle
@@ -34,26 +35,17 @@ class FreeShaft:
 
     Parameters
     ----------
-    clamp : Clamp
-        The connection that it drives.
-    link : int
-        Number of the clamped link.
+    clamped : Topology
+        Of the linkage, with the one clamp that it drives.
     lever : tuple of float
         From the shaft's axis to the clamped end, in the link's frame, in m.
     inertia : float
         About the axis, in kg m^2.
-    is_stiff : bool
-        Whether there are rigid links or a hub: a turn of these meets no tension of their own.
-    turns_far : bool
-        Whether these may turn by finite angles in a run in time: no links guide others.
     """
 
-    clamp: Clamp
-    link: int
+    clamped: Topology
     lever: tuple[float, float]
     inertia: float
-    is_stiff: bool
-    turns_far: bool
 
     @classmethod
     def of(cls, mechanism: Mechanism) -> Self:
@@ -92,19 +84,42 @@ class FreeShaft:
                 f"shaft 'free' needs a rigid link that starts at the shaft, and the "
                 f"{clamp.link_end.link} ends there: give its points in the other order"
             )
-        x = 0.0 if clamp.link_end.end == "start" else topology.links[link].length
-        speed, angle = motion.velocity(link, x), motion.angle[link]
+        speed, angle = motion.velocity(*topology.end_place(clamp.link_end)), motion.angle[link]
         lever = (float(speed @ normal(angle)), -float(speed @ direction(angle)))
         if np.hypot(*lever) <= TURNS_ALIKE * topology.links[link].length:
             lever = (0.0, 0.0)
-        stiff = any(each.rigid for each in topology.links) or any(lever)
-        guided = any(slider.guide for slider in topology.sliders)
-        return cls(clamp, link, lever, mechanism.shaft_inertia, stiff, stiff and not guided)
+        return cls(topology, lever, mechanism.shaft_inertia)
 
-    def topology(self, topology: Topology) -> Topology:
+    @property
+    def clamp(self) -> Clamp:
+        """The connection that it drives."""
+        return self.clamped.clamps[0]
+
+    @cached_property
+    def link(self) -> int:
+        """Number of the clamped link."""
+        return self.clamped.index(self.clamp.link_end.link)
+
+    @property
+    def has_lever(self) -> bool:
+        """Whether the clamped end is off the shaft's axis."""
+        return bool(np.any(self.lever))
+
+    @property
+    def is_stiff(self) -> bool:
+        """Whether there are rigid links or a hub: a turn of these meets no tension of their own."""
+        return self.has_lever or any(link.rigid for link in self.clamped.links)
+
+    @property
+    def turns_far(self) -> bool:
+        """Whether these may turn by finite angles in a run in time: no links guide others."""
+        return self.is_stiff and not self.clamped.has_turning_lines
+
+    @property
+    def topology(self) -> Topology:
         """The topology with a pivot in place of the clamp."""
         pivot = Pivot(self.clamp.joint, self.clamp.link_end)
-        return replace(topology, clamps=(), pivots=(pivot, *topology.pivots))
+        return replace(self.clamped, clamps=(), pivots=(pivot, *self.clamped.pivots))
 
     def links(self, links: tuple[LinkModel, ...]) -> tuple[LinkModel, ...]:
         """The links with the clamped one released.
@@ -119,7 +134,7 @@ class FreeShaft:
         tuple of LinkModel
         """
         link, end = links[self.link], self.clamp.link_end.end
-        released = in_coordinates(link, self.basis(link))
+        released = link.in_coordinates(self.basis(link))
         rotation = link.end_rotation_of(end)[:1]
         mass = np.array(released.mass)
         mass[rotation, rotation] += self.inertia
@@ -227,41 +242,6 @@ class FreeShaft:
         """
         if self.is_stiff and not self.turns_far:
             return None
-        basis, own = self.basis(links[self.link]), stretches[self.link]
-        released = replace(own, gradient=own.gradient @ basis, slopes=own.slopes @ basis)
+        own = stretches[self.link]
+        released = own.in_coordinates(self.basis(links[self.link]))
         return tuple(released if other is own else other for other in stretches)
-
-    @property
-    def has_lever(self) -> bool:
-        """Whether the clamped end is off the shaft's axis."""
-        return bool(np.any(self.lever))
-
-
-def in_coordinates(link: LinkModel, basis: FloatArray) -> LinkModel:
-    """A link in other coordinates p of the same number: ``q = basis @ p``.
-
-    Parameters
-    ----------
-    link : LinkModel
-        Unreduced.
-    basis : ndarray, shape (n, n)
-
-    Returns
-    -------
-    LinkModel
-        Its ends are the same coordinates.
-    """
-    back = np.linalg.inv(basis)
-    own = (back @ getattr(link.fields, field.name) for field in fields(RigidFields))
-    return replace(
-        link,
-        mass=basis.T @ link.mass @ basis,
-        gyroscopic=basis.T @ link.gyroscopic @ basis,
-        centrifugal_mass=basis.T @ link.centrifugal_mass @ basis,
-        first_moment=link.first_moment @ basis,
-        stiffness=basis.T @ link.stiffness @ basis,
-        damping=basis.T @ link.damping @ basis,
-        readings=link.readings.projected(basis),
-        fields=RigidFields(*own),
-        bodies=tuple(body.projected(basis) for body in link.bodies),
-    )

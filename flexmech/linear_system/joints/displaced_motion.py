@@ -83,7 +83,7 @@ def link_bodies(motion: RigidMotion, topology: Topology) -> tuple[BodyMotion, Co
     lines = [slider_line(topology, slider) for slider in topology.sliders]
     if isinstance(motion, DisplacedMotion) and lines:
         slid[0] = motion.slide * np.array([line.along for line in lines])
-        if any(slider.guide for slider in topology.sliders):
+        if topology.has_turning_lines:
             drawn = BodyMotion.of_links(motion.undisplaced)
     for number, (slider, line) in enumerate(zip(topology.sliders, lines, strict=True)):
         if slider.guide:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +12,7 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.links.chains import LinkMatrix, whole, with_entries
 from flexmech.linear_system.links.link_readings import LinkReadings
 from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
-from flexmech.linkages import LinkBody, LinkMass, RigidMotion
-from flexmech.linkages.motion import direction, normal
+from flexmech.linkages import LinkBody, LinkMass
 
 NONE = np.zeros(0, dtype=np.intp)
 NO_VECTORS = np.zeros((2, 0), dtype=np.intp)
@@ -312,6 +311,36 @@ class LinkModel:
                 unit[getattr(self, end), place] = 1.0
         return unit
 
+    def in_coordinates(self, basis: FloatArray) -> LinkModel:
+        """The unreduced link in other coordinates of the same number; its ends are the same ones.
+
+        Parameters
+        ----------
+        basis : ndarray, shape (n, n)
+            ``q = basis @ p``.
+        """
+        back = np.linalg.inv(basis)
+        own = (back @ getattr(self.fields, field.name) for field in fields(RigidFields))
+        bodies = tuple(body.projected(basis) for body in self.bodies)
+        return replace(self._by(basis), fields=RigidFields(*own), bodies=bodies)
+
+    def _by(self, basis: FloatArray) -> LinkModel:
+        """Its matrices and readings by p, with ``q = basis @ p``."""
+
+        def project(matrix: LinkMatrix) -> FloatArray:
+            return basis.T @ matrix @ basis
+
+        return replace(
+            self,
+            mass=project(self.mass),
+            gyroscopic=project(self.gyroscopic),
+            centrifugal_mass=project(self.centrifugal_mass),
+            first_moment=self.first_moment @ basis,
+            stiffness=project(self.stiffness),
+            damping=project(self.damping),
+            readings=self.readings.projected(basis),
+        )
+
     def projected(
         self, basis: FloatArray, kept: dict[str, IntArray], shaft: IntArray = NONE
     ) -> LinkModel:
@@ -326,10 +355,6 @@ class LinkModel:
         shaft : ndarray of int, shape (1,) or (0,)
             New position of the shaft's rotation.
         """
-
-        def project(matrix: LinkMatrix) -> FloatArray:
-            return basis.T @ matrix @ basis
-
         unit = self.end_basis(basis.shape[1], kept)
         ends = EndMatrices(
             mass=basis.T @ self.mass @ unit,
@@ -339,13 +364,7 @@ class LinkModel:
         )
         axial = np.abs(basis[self.is_axial]).sum(axis=0) > np.abs(basis[~self.is_axial]).sum(axis=0)
         return replace(
-            self,
-            mass=project(self.mass),
-            gyroscopic=project(self.gyroscopic),
-            centrifugal_mass=project(self.centrifugal_mass),
-            first_moment=self.first_moment @ basis,
-            stiffness=project(self.stiffness),
-            damping=project(self.damping),
+            self._by(basis),
             is_axial=axial,
             start=kept["start"],
             end=kept["end"],
@@ -355,45 +374,6 @@ class LinkModel:
             end_warping=NONE,
             vectors=NO_VECTORS,
             shaft=shaft,
-            readings=self.readings.projected(basis),
             reduced_ends=ends,
             bodies=tuple(body.projected(basis, unit) for body in self.bodies),
         )
-
-
-def inertia_loads(
-    links: Sequence[LinkModel], motion: RigidMotion, gravity: tuple[float, float]
-) -> list[FloatArray]:
-    """Distributed inertia forces of the rigid motion and weight, each in its link frame.
-
-    A rigid acceleration is linear along the link and so lies in the space of the shape
-    functions: ``-M a`` with the nodal accelerations ``a`` is the exact consistent load.
-
-    Parameters
-    ----------
-    links : sequence of LinkModel
-    motion : RigidMotion
-        Batch of shape (B,).
-    gravity : tuple of float
-        In ground axes, m/s^2.
-
-    Returns
-    -------
-    list of ndarray, shape (B, n)
-    """
-    pull = motion.origin_acceleration - np.asarray(gravity)
-    along = np.sum(pull * direction(motion.angle), axis=-1)
-    across = np.sum(pull * normal(motion.angle), axis=-1)
-    loads = []
-    for number, link in enumerate(links):
-        fields = link.fields
-        acceleration = (
-            along[:, number, None] * fields.along
-            + across[:, number, None] * fields.across
-            - motion.angular_velocity[:, number, None] ** 2 * fields.centripetal
-            + motion.angular_acceleration[:, number, None] * fields.tangential
-        )
-        # Matter that is elsewhere than the field says, as off the pins' axis, is pulled as well.
-        turning = motion.angular_velocity[:, number, None] ** 2
-        loads.append(turning * link.first_moment[1] - acceleration @ link.mass)
-    return loads

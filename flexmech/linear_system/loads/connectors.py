@@ -34,7 +34,6 @@ from flexmech.linear_system.loads.connector_forces import (
 from flexmech.linkages import (
     AttachmentPoint,
     JointSpring,
-    LinkEnd,
     Load,
     RigidMotion,
     continuous_angles,
@@ -359,12 +358,8 @@ class Connectors:
     def joint_points(self, own: JointSpring) -> tuple[AttachedPoint, AttachedPoint | None]:
         """Ends of the following and the leading link of a joint; None on the ground."""
         follower, leader = self._topology.pinned_ends[own.joint]
-        first = None if leader is None else self._end(leader)
-        return self._end(follower), first
-
-    def _end(self, end: LinkEnd) -> AttachedPoint:
-        number = self._topology.index(end.link)
-        return self.at(number, 0.0 if end.end == "start" else self._topology.links[number].length)
+        first = None if leader is None else self.at(*self._topology.end_place(leader))
+        return self.at(*self._topology.end_place(follower)), first
 
     def at(self, link: int, x: float) -> AttachedPoint:
         """Point of a link, by its number, at a distance from its start in m."""

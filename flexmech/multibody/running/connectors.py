@@ -9,7 +9,7 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import Connectors, LinkModel
-from flexmech.linkages import LinkEnd, RigidMotion, continuous_angles
+from flexmech.linkages import RigidMotion, continuous_angles
 from flexmech.linkages.applied_forces import Moved, forces_of_loads, joint_gap
 from flexmech.linkages.topology import leading_end
 from flexmech.multibody.connectors import ConnectorItems
@@ -48,7 +48,7 @@ class RunningConnectors:
         self._lead = shaft.start_angle - float(start.crank_angle)
         # A radial spring's marker is on the end that carries the place of the leading one.
         self._carried_by = {
-            self._place(item.leader): self._place(
+            self._topology.end_place(item.leader): self._topology.end_place(
                 leading_end(item.leader, self._topology.rigid_ties)
             )
             for item in items.joints
@@ -128,11 +128,6 @@ class RunningConnectors:
 
         return moved
 
-    def _place(self, end: LinkEnd) -> tuple[int, float]:
-        """Number of the link of an end, and the distance from its start."""
-        link = self._topology.index(end.link)
-        return link, 0.0 if end.end == "start" else self._topology.links[link].length
-
     def _set(self, start: RigidMotion) -> None:
         """Give the items what the start decides, before they are assembled."""
         assembly = self._items.assembly
@@ -167,7 +162,7 @@ class RunningConnectors:
                 jumped = self._topology.opening(own.joint, start.angle - angles)
                 assembly.items.change(joint.turning, "offset", float(jumped) + own.free_angle)
             if joint.ground is not None:
-                link, x = self._place(joint.follower)
+                link, x = self._topology.end_place(joint.follower)
                 place = [*map(float, start.position(link, x)), 0.0]
                 assembly.items.change(joint.ground, "referencePosition", place)
 

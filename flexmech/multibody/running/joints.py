@@ -31,9 +31,7 @@ def place_at_start(assembly: LinkAssembly, start: RigidMotion, held: LinkEnd) ->
     -------
     ndarray, shape (2,)
     """
-    link = assembly.topology.index(held.link)
-    x = 0.0 if held.end == "start" else assembly.topology.links[link].length
-    return start.position(link, x)
+    return start.position(*assembly.topology.end_place(held))
 
 
 def place_on_hub(assembly: LinkAssembly, start: RigidMotion, held: LinkEnd) -> tuple[float, float]:

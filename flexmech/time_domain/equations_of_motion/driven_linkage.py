@@ -38,7 +38,6 @@ from flexmech.time_domain.equations_of_motion.driven_shaft import DrivenShaft
 from flexmech.time_domain.equations_of_motion.equations import Equations
 from flexmech.time_domain.equations_of_motion.link_stress import LinkStress
 from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStretch
-from flexmech.time_domain.equations_of_motion.natural_coordinates import has_turning_lines
 from flexmech.time_domain.equations_of_motion.reduced_links import (
     DETAIL,
     prestressed_links,
@@ -125,7 +124,7 @@ class DrivenLinkage:
         self._condensed = np.zeros(self.frames.size, dtype=bool)
         for target, condensed in zip(self.frames.targets, reduced.condensed, strict=True):
             self._condensed[target[condensed]] = True
-        guided = stretches and has_turning_lines(reduced.topology)
+        guided = stretches and reduced.topology.has_turning_lines
         level: Prestress = prestress
         if stretches and not turns_far:
             level = "axial" if guided else "none"

@@ -195,7 +195,10 @@ class DrivenShaft:
         shift = back * _complex(mean.origin - turned.origin)
         drift = back * _complex(mean.origin_velocity - turned.origin_velocity)
         drift -= 1j * turned.angular_velocity * shift
-        places, rates = (free.displacements(links, q) for q in (run.displacement, run.rate))
+        places, rates = (
+            [own.copy() for own in free.displacements(links, q)]
+            for q in (run.displacement, run.rate)
+        )
         for number, (link, q, rate) in enumerate(zip(links, places, rates, strict=True)):
             (x, y), field, along = link.vectors, link.fields.tangential, link.fields.along
             turn, faster = np.exp(-1j * angle[:, number, None]), spin[:, number, None]

@@ -32,7 +32,7 @@ from flexmech.linear_system import (
     body_nodes,
     whole,
 )
-from flexmech.linear_system.assembly.free_shaft import FreeShaft, in_coordinates
+from flexmech.linear_system.assembly.free_shaft import FreeShaft
 from flexmech.linear_system.links.link_model import NO_VECTORS, NONE, RigidFields
 from flexmech.linkages import Topology
 
@@ -76,11 +76,6 @@ class NaturalLink:
         return cls(model, stretch or LinkStretch.none(model.size), unit, unit)
 
 
-def has_turning_lines(topology: Topology) -> bool:
-    """Whether links guide others: a line that turns is not linear in natural coordinates."""
-    return any(slider.guide for slider in topology.sliders)
-
-
 def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
     """Links of a run whose moving rigid ones are bars.
 
@@ -102,7 +97,8 @@ def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
     pairs = zip(engine.links, stretches, strict=True)
     links = [NaturalLink.of(model, stretch) for model, stretch in pairs]
     topology = engine.topology
-    if has_turning_lines(topology):
+    if topology.has_turning_lines:
+        # A line that turns is not linear in natural coordinates.
         return topology, links
     clamped = {clamp.link_end.link for clamp in topology.clamps}
     bars = {link.name for link in topology.links if link.rigid} - clamped
@@ -147,7 +143,7 @@ def with_turning_bodies(
     ndarray, shape (n + k, m + k)
     """
     full, readings = engine.links[number], engine.links[number].readings
-    as_they_are = full.rigid or has_turning_lines(engine.topology)
+    as_they_are = full.rigid or engine.topology.has_turning_lines
     bodies = () if as_they_are else engine.mechanism.link_masses_in_order[number].bodies
     for body, node in zip(bodies, body_nodes(readings.nodes, bodies), strict=True):
         matter = RigidBody.fixed(body)
@@ -185,12 +181,9 @@ def _on_shaft(
         # An arm on a hub, which is not reduced. The clamped end moves with d_1 as well.
         on_hub = np.eye(size + 1)
         on_hub[place[:2], size] = shaft.lever
-        model, stretch = in_coordinates(link.model, on_hub), link.stretch
-        stretch = replace(
-            stretch, gradient=stretch.gradient @ on_hub, slopes=stretch.slopes @ on_hub
-        )
-        link = replace(link, model=model, stretch=stretch, to_engine=link.to_engine @ on_hub)
-        reduced = model
+        reduced = link.model.in_coordinates(on_hub)
+        stretch = link.stretch.in_coordinates(on_hub)
+        link = replace(link, model=reduced, stretch=stretch, to_engine=link.to_engine @ on_hub)
     return link, reduced, basis
 
 
