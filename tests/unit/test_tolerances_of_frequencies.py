@@ -72,7 +72,7 @@ def test_extremes_are_known_to_the_first_digit_of_their_error(monkeypatch, width
 def test_extremes_are_sought_between_steps_of_fifteen_degrees(monkeypatch):
     for step, refined in ((15.0, True), (16.0, False)):
         angles = np.radians(np.arange(0.0, 300.0, step))
-        value, angle, count = found_extremes(monkeypatch, veering(1.0), 1e-5, angles)
+        _value, angle, count = found_extremes(monkeypatch, veering(1.0), 1e-5, angles)
         assert (abs(angle - 1.234) < 1e-2) is refined
         assert (count > 0) is refined
 
@@ -124,7 +124,7 @@ def test_lines_bend_as_far_as_one_sees():
     assert 1e-3 < off < 5e-3
     assert count < 60
     # A range is at least a part of the frequency: what is smaller is not drawn larger.
-    assert lines(lambda angle: 100 + 1e-3 * np.cos(angle))[0] == 0
+    assert lines(lambda angle: 100 + 5e-3 * np.cos(angle))[0] == 0
     assert lines(lambda angle: 100 + 0.5 * np.cos(angle))[0] > 0
 
 
@@ -170,7 +170,7 @@ def test_steps_are_divided_at_whole_degrees_but_for_rounding():
         nothing = np.zeros((3, 1))
         chain = Chain(Positions(angle, nothing, nothing), np.ones(3, dtype=bool), np.empty(0))
         assert np.degrees(chain.middles()) == pytest.approx([3.5, 5.0])
-    assert SAME_PLACE < np.radians(1 / 16) / 1000
+    assert np.radians(1 / 16) / 1000 > SAME_PLACE
 
 
 def veers(least, turned):
@@ -223,7 +223,9 @@ def test_modes_are_sharpened_where_round_off_takes_the_tenth_digit(monkeypatch):
 def test_shapes_that_may_creep_are_looked_at():
     """Of a mode with a damping ratio of 0.85 or 0.95 that is lower than one that oscillates."""
     for ratio, doubtful in ((0.85, False), (0.95, True)):
-        damped = np.array([-ratio + 1j * np.sqrt(1 - ratio**2), -ratio - 1j * np.sqrt(1 - ratio**2)])
+        damped = np.array(
+            [-ratio + 1j * np.sqrt(1 - ratio**2), -ratio - 1j * np.sqrt(1 - ratio**2)]
+        )
         inverse = np.concatenate([1 / damped, 1 / np.array([2j, -2j])])[None]
         assert quadratic_eigenproblem._oscillating_modes(inverse, 1)[1][0] == doubtful
 
@@ -249,18 +251,22 @@ def test_newtons_method_ends_at_the_round_off_of_an_eigenvalue(monkeypatch):
     splu = inverse_iteration.splu
     monkeypatch.setattr(inverse_iteration, "splu", lambda a: (factors.append(1), splu(a))[1])
     random = np.random.default_rng(4)
-    root = random.standard_normal((5, 5))
-    stiffness = root @ root.T + np.eye(5)
-    squares, shapes = np.linalg.eigh(stiffness)
-    parts = (np.eye(5), np.zeros((5, 5)), stiffness)
-    matrices = [scipy.sparse.csc_array(part) for part in parts]
-    pencil = inverse_iteration.Pencil.of(SimpleNamespace(mass=matrices[0], damping=matrices[1],
-                                                         stiffness=matrices[2]))  # fmt: skip
-    start = 1j * np.sqrt(squares[:1]) * 1.01
-    near = shapes[:, :1] + 0.05 * random.standard_normal((5, 1))
-    found = inverse_iteration.newton_values(pencil, start, near, steps=reduction.MOST_STEPS)
-    assert found[0] == pytest.approx(1j * np.sqrt(squares[0]), rel=1e-14)
-    assert len(factors) <= 5
+    errors = []
+    for _ in range(40):
+        damping = 0.3 * random.standard_normal((3, 3))
+        stiffness = np.diag([1.0, 4.0, 9.0]) + 0.3 * random.standard_normal((3, 3))
+        companion = np.block([[np.zeros((3, 3)), np.eye(3)], [-stiffness, -damping]])
+        values, states = np.linalg.eig(companion)
+        place = int(values.imag.argmax())
+        parts = {"mass": np.eye(3), "damping": damping, "stiffness": stiffness}
+        sparse = {name: scipy.sparse.csc_array(part) for name, part in parts.items()}
+        pencil = inverse_iteration.Pencil.of(SimpleNamespace(**sparse))
+        near = states[:3, place, None] + 0.02 * random.standard_normal((3, 1))
+        start = values[place, None] * (1 + 0.01 * random.standard_normal())
+        found = inverse_iteration.newton_values(pencil, start, near, steps=reduction.MOST_STEPS)
+        errors.append(abs(found[0] / values[place] - 1))
+    assert max(errors) < 1e-13
+    assert len(factors) <= 40 * 4
 
 
 # --- component modes and meshes -----------------------------------------------------------------

@@ -184,7 +184,7 @@ def test_impacts_are_spread_over_the_turn_and_jittered():
 
 
 def test_orders_that_change_are_hit_half_as_hard(monkeypatch):
-    forces = []
+    forces, curvature = [], 0.0
 
     def response(taken, added):
         forces.append(taken.force)
@@ -205,15 +205,16 @@ def test_orders_that_change_are_hit_half_as_hard(monkeypatch):
     monkeypatch.setattr(measured, "_estimated", response)
     request = SimpleNamespace(orders=0, noise=0.0, crank_speed=20.0)
 
-    def taken():
+    def taken(bend):
+        nonlocal curvature
+        curvature = bend
         forces.clear()
         return measured.measured_response(None, request, Plan(1.0), lambda *of: None).plan.force
 
-    for curvature, force in ((0.01, 1.0), (0.02, 0.5), (0.7, 0.125)):
-        assert taken() == force
-    curvature = 10.0
+    for bend, force in ((0.01, 1.0), (0.02, 0.5), (0.7, 0.125)):
+        assert taken(bend) == force
     with pytest.raises(ComputationError, match="however small they are"):
-        taken()
+        taken(10.0)
     assert forces == pytest.approx(0.5 ** np.arange(5.0))
 
 
@@ -394,13 +395,16 @@ def test_fits_that_mean_little_are_told():
     assert warned(unexplained=0.6) == 1
 
     def said(turned):
-        return result._warnings(xr.Dataset(attrs={"unexplained": 0.9, "turned_unexplained": turned}))
+        return result._warnings(
+            xr.Dataset(attrs={"unexplained": 0.9, "turned_unexplained": turned})
+        )
 
     assert "sign turned" in said(0.6)[0]
     assert "sign turned" not in said(0.8)[0]
     for apart, count in ((0.05, 0), (0.2, 1)):
         data = xr.Dataset(
-            {"residual": ("sample", [apart]), "measured": ("sample", [1.0])}, attrs={"unexplained": 1}
+            {"residual": ("sample", [apart]), "measured": ("sample", [1.0])},
+            attrs={"unexplained": 1},
         )
         assert len(result._warnings(data)) == count
     for value, hardly in ((0.9, False), (0.98, True)):
@@ -415,4 +419,3 @@ def test_fits_that_mean_little_are_told():
             attrs={"unit": "", "unexplained": 0.1, "residual_order": 0, "widened": widened},
         )
         assert ("white noise: the" in result._residual_lines(data)[1]) is white
-

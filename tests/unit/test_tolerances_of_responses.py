@@ -167,14 +167,16 @@ def test_frequencies_are_told_apart_by_half_the_main_lobe(apart, told):
     """Two waves whose distance is so many lines: between their peaks the spectrum falls or not."""
     time, length = 1e-3 * np.arange(1000), 1.0
     pair = [100.0, 100.0 + apart / length]
-    signal = sum(np.sin(2 * np.pi * f * time + phase) for f, phase in zip(pair, (0, 1), strict=True))
+    signal = sum(
+        np.sin(2 * np.pi * f * time + phase) for f, phase in zip(pair, (0, 1), strict=True)
+    )
     hertz, amplitude = spectra.amplitude_spectrum(np.pad(signal, (0, 7000))[None], 1e-3, 500.0)
     assert len(hertz) == 4001
     assert len(amplitude) == 1
     note = spectra.resolution_note(np.array([pair]), length)
     assert ("cannot tell" not in note) is told
     time = np.linspace(0.0, 100.0, 401)
-    window = spectra.window_duration(time, np.full((401, 2), 1.0) + [0.0, apart / 20], 1.0)
+    window = spectra.window_duration(time, [*np.full((401, 2), 1.0), 0.0, apart / 20], 1.0)
     assert window == pytest.approx(max(6.0, 2 / (apart / 20)))
 
 
