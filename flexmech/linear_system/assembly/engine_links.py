@@ -15,7 +15,7 @@ from flexmech.linear_system.assembly.balanced_loads import BalancedLoads, Solve,
 from flexmech.linear_system.assembly.element_kinds import ElementKinds
 from flexmech.linear_system.assembly.free_shaft import FreeShaft
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.links.dead_moments import DeadMoments, without_rotary_centrifugal
+from flexmech.linear_system.links.dead_moments import DeadMoments, without_spin_softening
 from flexmech.linear_system.links.displaced_inertia import DisplacedInertia, turns_as_one_body
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.link_stretch import LinkStretch
@@ -121,7 +121,7 @@ class EngineLinks(ElementKinds):
         """
         clamped = self.stressed_clamped_links(motion, prestress, near)
         if not self._is_straight(motion, prestress):
-            clamped = self._without_rotary_centrifugal(motion, clamped)
+            clamped = self._without_spin_softening(motion, clamped)
         shaft = self.free_shaft
         if shaft is None:
             return clamped
@@ -197,10 +197,10 @@ class EngineLinks(ElementKinds):
         acting = self.clamped_connectors.forces(motion, displacement)
         return [a + b for a, b in zip(loads, acting, strict=True)]
 
-    def _without_rotary_centrifugal(
+    def _without_spin_softening(
         self, motion: RigidMotion, stressed: StressedLinks
     ) -> StressedLinks:
-        return without_rotary_centrifugal(
+        return without_spin_softening(
             self.clamped_links, motion, stressed, self._displaced_inertia(motion)
         )
 
@@ -214,20 +214,12 @@ class EngineLinks(ElementKinds):
         displacement: Sequence[FloatArray] | None = None,
     ) -> DeadMoments:
         """Moments on bodies and rigid links of loads (B, n_link) at a displacement."""
-        links, gravity, virial, inertia_moments = (
-            self.clamped_links,
-            self.mechanism.gravity,
-            None,
-            None,
-        )
+        links, gravity, virial, moments = self.clamped_links, self.mechanism.gravity, None, None
         if self.clamped_connectors.any and not self.solves_connectors:
             virial = self.clamped_connectors.virial(motion, displacement)
-        if (
-            displacement is not None
-            and (displaced_inertia := self._displaced_inertia(motion)) is not None
-        ):
-            inertia_moments = displaced_inertia.moments(displacement)
-        return DeadMoments.of(links, motion, gravity, loads, virial, inertia_moments)
+        if displacement is not None and (inertia := self._displaced_inertia(motion)) is not None:
+            moments = inertia.moments(displacement)
+        return DeadMoments.of(links, motion, gravity, loads, virial, moments)
 
     def _quasi_static_loads(self, motion: RigidMotion, solve: Solve) -> BalancedLoads:
         """Loads on the clamped links in the equilibrium that ``solve`` finds."""
@@ -285,10 +277,10 @@ class EngineLinks(ElementKinds):
         shaft = self.free_shaft
         if shaft is None:
             clamped = self.running_clamped_links(motion, displacement)
-            return self._without_rotary_centrifugal(motion, clamped)
+            return self._without_spin_softening(motion, clamped)
         places = shaft.displacements(self.clamped_links, list(displacement))
         clamped = self.running_clamped_links(motion, places)
-        clamped = self._without_rotary_centrifugal(motion, clamped)
+        clamped = self._without_spin_softening(motion, clamped)
         free = shaft.stressed(self.clamped_links, clamped)
         return replace(free, displacement=list(displacement))
 

@@ -177,7 +177,7 @@ class DeadMoments:
         return stiffened
 
 
-def without_rotary_centrifugal(
+def without_spin_softening(
     links: Sequence[LinkModel],
     motion: RigidMotion,
     stressed: StressedLinks,
@@ -233,7 +233,7 @@ def with_straight_inertia(
     motion : RigidMotion
         Batch of shape (B,).
     stressed : StressedLinks
-        As of :func:`without_rotary_centrifugal`.
+        As of :func:`without_spin_softening`.
 
     Returns
     -------

@@ -168,7 +168,7 @@ class DrivenLinkage:
         return [load @ basis for load, basis in zip(full, self.run_bases, strict=True)]
 
     def equations(
-        self, time: FloatArray, *, quasi_static: bool = False, tables: bool = True
+        self, time: FloatArray, *, frozen: bool = False, tables: bool = True
     ) -> Equations:
         """Equations of motion.
 
@@ -176,7 +176,7 @@ class DrivenLinkage:
         ----------
         time : ndarray, shape (m,)
             In s.
-        quasi_static : bool
+        frozen : bool
             Leave out the rotation terms: what the loads would do if nothing moved.
         tables : bool
             Whether the tables of loads count; see :meth:`DrivenConnectors.unit_forces`.
@@ -195,7 +195,7 @@ class DrivenLinkage:
             torque = self.shaft.torque(motion, force)
             force += self.shaft.force(motion, torque)
         force += self.frames.gather(motion, [-s.prestress for s in stress])
-        matrices = self._matrices(time, motion, stress, quasi_static=quasi_static, torque=torque)
+        matrices = self._matrices(time, motion, stress, frozen=frozen, torque=torque)
         return Equations.condensed(motion, matrices, force, self._condensed)
 
     def unit_equations(
@@ -244,11 +244,11 @@ class DrivenLinkage:
         motion: RigidMotion,
         stress: list[LinkStress],
         *,
-        quasi_static: bool = False,
+        frozen: bool = False,
         torque: FloatArray | None = None,
     ) -> SystemMatrices:
         """Matrices of all coordinates of the frames, under the torque (m,) of a free shaft."""
-        terms = RotationTerms.all_or_none(not quasi_static)
+        terms = RotationTerms.all_or_none(not frozen)
         tangents = [s.stiffness for s in stress]
         if self.shaft is not None and torque is not None:
             tangents[self.shaft.link] = tangents[self.shaft.link] + self.shaft.stiffness(torque)
@@ -269,7 +269,7 @@ class DrivenLinkage:
         Without the rotation terms, but of links that turn as one body: their displacement is
         constant in the frame, and its inertia forces are then among the terms.
         """
-        return self.equations(time, quasi_static=not self.engine.turns_as_one_body)
+        return self.equations(time, frozen=not self.engine.turns_as_one_body)
 
     def link_motion(
         self, equations: Equations, vibration: VibrationState
@@ -346,7 +346,7 @@ class DrivenLinkage:
         longer by the square of the bow, which would start it with a stress that it does not
         have.
         """
-        equations = self.equations(np.zeros(1), quasi_static=True)
+        equations = self.equations(np.zeros(1), frozen=True)
         parts = [-s.prestress for s in self.stress.at(np.zeros(1))]
         inner = self.frames.gather(equations.motion, parts)[0]
         position = np.zeros(self.size)
@@ -383,15 +383,13 @@ class DrivenLinkage:
         assert self.stretch is not None
         equations = self.quasi_static_equations(np.array([time]))
         turns = self.stretch.pin_rotations(equations.motion)
-        shaft_row, shaft = np.zeros((0, self.size)), self.shaft
-        shaft_row = shaft_row if shaft is None else shaft.force(equations.motion, np.ones(1))
+        row, shaft = np.zeros((0, self.size)), self.shaft
+        row = row if shaft is None else shaft.force(equations.motion, np.ones(1))
         stiffness, force, z = equations.stiffness[0], equations.force[0], np.array(position)
         for _ in range(MOST_PASSES):
             pulled, tangent = self.stretch.static_force(turns, z)
-            gap = np.concatenate([force - stiffness @ z - pulled, -shaft_row @ z])
-            bordered = np.block(
-                [[stiffness + tangent, shaft_row.T], [shaft_row, np.zeros(2 * [len(shaft_row)])]]
-            )
+            gap = np.concatenate([force - stiffness @ z - pulled, -row @ z])
+            bordered = np.block([[stiffness + tangent, row.T], [row, np.zeros(2 * [len(row)])]])
             change = np.linalg.solve(bordered, gap)[: self.size]
             z += change
             if np.abs(change).max() <= CONVERGED * np.abs(z).max():
