@@ -177,7 +177,7 @@ class DrivenLinkage:
         time : ndarray, shape (m,)
             In s.
         frozen : bool
-            Leave out the rotation terms: what the loads would do if nothing moved.
+            Leave out the rotation terms, as in the frozen inertial form.
         tables : bool
             Whether the tables of loads count; see :meth:`DrivenConnectors.unit_forces`.
 
@@ -201,7 +201,7 @@ class DrivenLinkage:
     def unit_equations(
         self, time: FloatArray, load: Sequence[FloatArray] | None = None
     ) -> list[Equations]:
-        """Equations of motion under a unit of each load with a table in place of all forces.
+        """Equations of motion under a unit of each load with a table instead of all forces.
 
         Parameters
         ----------
@@ -264,10 +264,9 @@ class DrivenLinkage:
         return matrices
 
     def quasi_static_equations(self, time: FloatArray) -> Equations:
-        """Equations at times of shape (m,) of which the quasi-static state is wanted.
+        """Equations of the quasi-static state at times of shape (m,): without rotation terms.
 
-        Without the rotation terms, but of links that turn as one body: their displacement is
-        constant in the frame, and its inertia forces are then among the terms.
+        Links that rotate as one body keep them, as inertia forces of a constant displacement.
         """
         return self.equations(time, frozen=not self.engine.turns_as_one_body)
 
@@ -299,10 +298,9 @@ class DrivenLinkage:
         )
 
     def coordinates(self, state: LinkState, time: float = 0.0) -> tuple[FloatArray, FloatArray]:
-        """Independent coordinates nearest to a state of the engine's links.
+        """Independent coordinates of a state of the engine's links, projected by the mass.
 
-        Nearest by the mass matrix: what component modes cannot show is left out. The
-        inverse of :meth:`link_state` for states that they can.
+        The inverse of :meth:`link_state` for states in the span of the component modes.
 
         Parameters
         ----------
@@ -328,7 +326,7 @@ class DrivenLinkage:
         motion = self.motion(np.array([time]))
         values = self.frames.independent(motion, nearest)[0].T
         if self.frames.topology.sliders:
-            # What the frames' turning alone makes of the position is no rate of a slide.
+            # The part of the rates by the rotation of the frames is no rate of a slide.
             zero = np.zeros_like(values[:1])
             moving = self.frames.link_motion(motion, values[:1], zero, zero)
             rates = [
