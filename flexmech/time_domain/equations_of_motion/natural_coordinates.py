@@ -3,7 +3,8 @@
 The point r of a body displaced by p and rotated by phi moves by ``p + d_1 r + d_2 J r`` with
 ``d = (cos(phi) - 1, sin(phi))``: linear in p and d, so that its constraints, its mass matrix and
 its dead loads are constant and exact at any rotation (Garcia de Jalon & Bayo, *Kinematic and
-Dynamic Simulation of Multibody Systems*, 1994, ch. 2). One condition remains, that lengths are constant::
+Dynamic Simulation of Multibody Systems*, 1994, ch. 2). One condition remains, that lengths are
+constant::
 
     d_1 + (d_1^2 + d_2^2) / 2 = 0
 
