@@ -14,10 +14,13 @@ import flexmech
 from flexmech.analyses.comparison import fit, over_frequency, over_time, parameters, result
 from flexmech.analyses.hammer import plan, transient
 from flexmech.analyses.hammer.locked_linkage import LockedLinkage
+from flexmech.analyses.running_hammer import compute as running
 from flexmech.analyses.running_hammer import measured, prediction
 from flexmech.analyses.running_hammer import plan as running_plan
+from flexmech.analyses.running_hammer import result as running_result
 from flexmech.errors import ComputationError, InputError
 from tests.unit.hammer_data import damped_engine, small_request
+from tests.unit.running_hammer_data import running_hammer_dataset
 
 # --- records of a locked linkage ----------------------------------------------------------------
 
@@ -116,12 +119,13 @@ def test_steps_are_shorter_than_samples_and_pulses(locked):
     assert planned(locked, bandwidth=200.0, pulse=1e-4).pulse.duration / (
         planned(locked, bandwidth=200.0, pulse=1e-4).step
     ) == pytest.approx(80, rel=0.05)
+    with pytest.raises(InputError, match="steps, more than 4000000"):
+        planned(locked, bandwidth=200.0, pulse=2e-5)
+    assert planned(locked, bandwidth=200.0, pulse=6e-5).samples > 0
     simulates = replace(locked, engine=SimpleNamespace(
         simulates=True, elements=2, links=locked.engine.links, mechanism=locked.engine.mechanism
     ))  # fmt: skip
     assert planned(simulates, bandwidth=200.0).oversampling == 10
-    with pytest.raises(InputError, match="steps, more than 4000000"):
-        planned(locked, bandwidth=200.0, pulse=1e-8)
 
 
 def test_records_of_an_undamped_linkage_are_refused():
@@ -181,6 +185,89 @@ def test_impacts_are_spread_over_the_turn_and_jittered():
     assert 1.01 < apart.max() < 1.25
     # Too evenly spaced, orders that are a multiple of their number apart cannot be told.
     assert np.unique(np.round(apart, 3)).size > 5
+
+
+def planned_runs(monkeypatch, bandwidth=100.0, orders=2, turn_time=0.3):
+    monkeypatch.setattr(running_plan, "_greatest", lambda *of: 1e-3)
+    links = [SimpleNamespace(length=length) for length in (0.1, 0.3)]
+    linkage = SimpleNamespace(topology=SimpleNamespace(links=links))
+    engine = SimpleNamespace(mechanism=SimpleNamespace(linkage=linkage))
+    request = SimpleNamespace(orders=orders, seed=1, duration=None, pulse=None)
+    about = SimpleNamespace(
+        turn_time=turn_time, growth_rate=-20.0, forced=None, hit=None, steps=None
+    )
+    return running_plan.planned(engine, request, about, bandwidth)
+
+
+def test_runs_identify_orders_beyond_those_asked_for(monkeypatch):
+    taken = planned_runs(monkeypatch)
+    assert 4 <= taken.fitted <= 7
+    # More impacts than orders, so that a misfit shows, and not many more.
+    assert 1 <= len(taken.phase) - (2 * taken.fitted + 1) <= 4
+    # The first impacts move links by a ten-thousandth of the shortest.
+    assert taken.peak_force * 1e-3 / 0.1 == pytest.approx(1e-4)
+    assert 300 < planned_runs(monkeypatch, bandwidth=30.0, turn_time=0.02).steps < 1000
+    assert planned_runs(monkeypatch, bandwidth=20_000.0).samples < 1_000_000
+    with pytest.raises(InputError, match="more than 1000000 steps"):
+        planned_runs(monkeypatch, bandwidth=60_000.0)
+
+
+def test_modes_count_up_to_half_again_the_highest_frequency(monkeypatch):
+    asked = []
+
+    def below(engine, frequency):
+        asked.append(frequency)
+        raise InputError("enough")
+
+    monkeypatch.setattr(prediction, "_modes_below", below)
+    monkeypatch.setattr(prediction, "with_damping_time", lambda engine, time: engine)
+    engine = SimpleNamespace(links=[SimpleNamespace(damping=np.ones(1))])
+    with pytest.raises(InputError):
+        prediction.predicted_linkage(engine, None, 100.0)
+    assert 120.0 < asked[0] < 250.0
+
+
+def test_frozen_resonances_move_by_less_than_their_width_between_angles():
+    """Of a linkage with the damping of metal, a half per cent."""
+    angles = 2 * np.pi / prediction._FROZEN_ANGLES * np.arange(prediction._FROZEN_ANGLES)
+    engine = flexmech.ReferenceEngine(damped_engine().mechanism, 2)
+    hertz = flexmech.natural_frequencies(engine, angles, modes=2)
+    moved = (np.abs(np.diff(hertz, axis=0)) / hertz[1:]).max()
+    assert 0.1 * 2 * 0.005 < moved < 2 * 2 * 0.005
+
+
+def test_the_band_of_a_running_test_holds_the_first_resonance(monkeypatch):
+    monkeypatch.setattr(running, "lowest_frequency", lambda engine: 2 * np.pi * 40.0)
+    monkeypatch.setattr(running, "with_damping_time", lambda engine, time: engine)
+    chosen = running._bandwidth(None, SimpleNamespace(bandwidth=None, pulse=None))
+    assert 1.3 * 40 < chosen < 3 * 40
+
+
+def test_peaks_are_looked_for_near_those_predicted():
+    predicted, identified = np.zeros((1, 400)), np.zeros((1, 400))
+    for own, apart, near in ((20, 4, True), (20, 7, False), (200, 9, True), (200, 12, False)):
+        predicted[:], identified[:] = 0.0, 0.0
+        predicted[0, own] = identified[0, own + apart] = 1.0
+        found = running._peak_bins(predicted, identified)[1][0]
+        assert bool(found == own + apart) is near
+
+
+def test_sidebands_agree_within_a_twentieth_and_a_bin():
+    def said(**changed):
+        data = running_hammer_dataset()
+        for name, values in changed.items():
+            data[name] = ("order", np.asarray(values))
+        return "predicted agree" in running_result._verdict(data)
+
+    peaks = running_hammer_dataset()["predicted_peak"].values
+    assert said(identified_peak=1.04 * peaks)
+    assert not said(identified_peak=1.07 * peaks)
+    assert said(bins_apart=[1, 0, 1])
+    assert not said(bins_apart=[2, 0, 0])
+    # What is told is of the first sidebands.
+    farther = running_hammer_dataset().assign_coords(order=[-3, 0, 1])
+    farther["bins_apart"] = ("order", [9, 0, 0])
+    assert "predicted agree" in running_result._verdict(farther)
 
 
 def test_orders_that_change_are_hit_half_as_hard(monkeypatch):
