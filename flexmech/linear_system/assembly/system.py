@@ -40,7 +40,7 @@ class LinearSystem:
         From this coordinate on the mass matrix is the unit matrix in every position, and zero
         between these coordinates and those before.
     circulates : bool
-        Whether forces that turn with the links, or dampers of springs, have no potential.
+        Whether there are circulatory forces: follower forces, or dampers of springs.
     rigid_modes : int
         Natural modes that deform nothing: 1 where the shaft turns freely. They are no
         vibration, and modes are counted without them.
@@ -76,7 +76,7 @@ class LinearSystem:
         return self.frames.link_coordinates(self.motion, full)
 
     def inertial_shapes(self, vectors: NDArray[Any]) -> NDArray[Any]:
-        """Shapes whose products are weighted by the mass of the links, in any position.
+        """Shapes scaled so that their products are weighted by mass, in every position alike.
 
         The coordinates z turn with the frames, and their mass matrix changes along the way;
         the shape of each link in its own frame has the same mass everywhere.
@@ -102,7 +102,7 @@ class LinearSystem:
         return np.concatenate(parts, axis=1)
 
     def unreduced_vectors(self, vectors: NDArray[Any], frames: LinkFrames) -> NDArray[Any]:
-        """The same shapes in the coordinates of the unreduced system.
+        """Shapes in the coordinates of the unreduced system.
 
         Parameters
         ----------
@@ -144,11 +144,11 @@ class LinearSystem:
 def condense(
     matrices: SystemMatrices, condensed: NDArray[np.bool_], forces: FloatArray | None = None
 ) -> tuple[SystemMatrices, FloatArray]:
-    """Let some coordinates follow the others statically (Guyan 1965), in every position.
+    """Condense some coordinates statically (Guyan 1965) in every position.
 
-    ``V' X W`` with ``K W = 0`` and ``V' K = 0`` in the coordinates that go: the stiffness of
-    damped links in turning frames is not symmetric, and ``W' C W`` would take what it pulls
-    along for motion. The static answers to ``forces`` move by themselves.
+    ``V' X W`` with ``K W = 0`` and ``V' K = 0`` in the condensed coordinates: the stiffness of
+    damped links in rotating frames is not symmetric, and ``W' C W`` would be wrong. The static
+    responses to ``forces`` remain as coordinates.
 
     Parameters
     ----------
@@ -156,50 +156,50 @@ def condense(
         Over a batch B with ``size`` coordinates.
     condensed : ndarray of bool, shape (size,)
     forces : ndarray, shape (B, c, r), optional
-        On the c coordinates that go.
+        On the c condensed coordinates.
 
     Returns
     -------
     SystemMatrices
-        In the remaining coordinates and the answers, n together.
+        In the remaining coordinates and the static responses, n together.
     ndarray, shape (B, size, n)
-        From these to all.
+        Expansion from these to all coordinates.
     """
-    gone, kept = np.flatnonzero(condensed), np.flatnonzero(~condensed)
+    eliminated, kept = np.flatnonzero(condensed), np.flatnonzero(~condensed)
     count = len(kept)
-    order = np.concatenate([kept, gone])
+    order = np.concatenate([kept, eliminated])
     mass, damping, stiffness = (
         _reordered(m, order) for m in (matrices.mass, matrices.damping, matrices.stiffness)
     )
     flexibility = np.linalg.inv(stiffness[:, count:, count:])
-    follow = -flexibility @ stiffness[:, count:, :count]
-    lead = -stiffness[:, :count, count:] @ flexibility
+    dependence = -flexibility @ stiffness[:, count:, :count]
+    dual = -stiffness[:, :count, count:] @ flexibility
     if forces is not None:
-        answers = flexibility @ forces
-        answers /= np.linalg.norm(answers, axis=1, keepdims=True)
-        follow = np.concatenate([follow, answers], axis=2)
-        lead = np.concatenate([lead, np.swapaxes(answers, 1, 2)], axis=1)
-    size = follow.shape[2]
+        responses = flexibility @ forces
+        responses /= np.linalg.norm(responses, axis=1, keepdims=True)
+        dependence = np.concatenate([dependence, responses], axis=2)
+        dual = np.concatenate([dual, np.swapaxes(responses, 1, 2)], axis=1)
+    size = dependence.shape[2]
 
     def condensed_part(matrix: FloatArray) -> FloatArray:
-        columns = matrix[:, :, count:] @ follow
+        columns = matrix[:, :, count:] @ dependence
         columns[:, :, :count] += matrix[:, :, :count]
-        part = lead @ columns[:, count:]
+        part = dual @ columns[:, count:]
         part[:, :count] += columns[:, :count]
         return np.asarray(part)
 
     expansion = np.zeros((len(stiffness), len(condensed), size))
     expansion[:, kept, np.arange(count)] = 1.0
-    expansion[:, gone] = follow
+    expansion[:, eliminated] = dependence
     none = np.broadcast_to(0.0, (len(stiffness), size, size))
     condensed_damping = condensed_part(damping) if damping.any() else none
     # ``V' K W`` without what is zero in it.
     left = np.zeros((len(stiffness), size, size))
-    left[:, :count, :count] = stiffness[:, :count, count:] @ follow[:, :, :count]
+    left[:, :count, :count] = stiffness[:, :count, count:] @ dependence[:, :, :count]
     left[:, :count, :count] += stiffness[:, :count, :count]
     if forces is not None:
         left[:, count:, count:] = (
-            np.swapaxes(answers, 1, 2) @ stiffness[:, count:, count:] @ answers
+            np.swapaxes(responses, 1, 2) @ stiffness[:, count:, count:] @ responses
         )
     return SystemMatrices(condensed_part(mass), condensed_damping, left), expansion
 

@@ -47,7 +47,7 @@ class RunningConnectors:
         # By how much the clamped link is ahead of the crank.
         self._lead = shaft.start_angle - float(start.crank_angle)
         # A radial spring's marker is on the end that carries the place of the leading one.
-        self._carried_by = {
+        self._leading_places = {
             self._topology.end_place(item.leader): self._topology.end_place(
                 leading_end(item.leader, self._topology.rigid_ties)
             )
@@ -118,12 +118,14 @@ class RunningConnectors:
     ) -> Moved:
         def own(link: int, x: float) -> tuple[FloatArray, FloatArray]:
             point, q = self._all.at(link, x), displacement[link]
-            return point.moved(motion, q), point.moved_rate(motion, q, rate[link])
+            return point.finite_displacement(motion, q), point.finite_displacement_rate(
+                motion, q, rate[link]
+            )
 
         def moved(link: int, x: float) -> tuple[FloatArray, FloatArray]:
-            found, place = own(link, x), own(*self._carried_by.get((link, x), (link, x)))
-            for values, carried in zip(found, place, strict=True):
-                values[:, :2] = carried[:, :2]
+            found, place = own(link, x), own(*self._leading_places.get((link, x), (link, x)))
+            for values, leading in zip(found, place, strict=True):
+                values[:, :2] = leading[:, :2]
             return found
 
         return moved
@@ -159,7 +161,7 @@ class RunningConnectors:
         for joint in self._items.joints:
             own = joint.spring
             if joint.turning is not None:
-                jumped = self._topology.opening(own.joint, start.angle - angles)
+                jumped = self._topology.joint_angle(own.joint, start.angle - angles)
                 assembly.items.change(joint.turning, "offset", float(jumped) + own.free_angle)
             if joint.ground is not None:
                 link, x = self._topology.end_place(joint.follower)

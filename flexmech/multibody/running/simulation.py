@@ -154,7 +154,7 @@ class Simulation:
         """
         assembly, energies = self.model.assembly, self.model.energies
         shaft = self._shaft_motion(time, position, velocity)
-        motion = self._motion(time) if shaft is None else self._carried(time, shaft)
+        motion = self._motion(time) if shaft is None else self._displaced_motion(time, shaft)
         links = slice(0, assembly.size)
         position, velocity = position[:, links], velocity[:, links]
         position, velocity = (
@@ -170,7 +170,7 @@ class Simulation:
         for number, beam in assembly.beams:
             moved, speed = displacement[number], rate[number]
             if (mapped := beam.node_map) is not None:
-                moved, speed = mapped.moved(moved), mapped.moved_rate(moved, speed)
+                moved, speed = mapped.to_nodes(moved), mapped.rate_to_nodes(moved, speed)
             for part_of in beam.kind.strains(moved, speed, np.diff(beam.positions), beam.section):
                 strain += part_of.energy
                 dissipation += part_of.dissipation
@@ -206,7 +206,7 @@ class Simulation:
         rotation = position[:, -1] - [shaft.angle(t) for t in time]
         return ShaftMotion(rotation, velocity[:, -1] - [shaft.speed(t) for t in time])
 
-    def _carried(self, time: FloatArray, shaft: ShaftMotion) -> RigidMotion:
+    def _displaced_motion(self, time: FloatArray, shaft: ShaftMotion) -> RigidMotion:
         """Motion of the rigid linkage with a free shaft; a state needs no acceleration."""
         mean, linkage = self._motion(time), self.model.assembly.mechanism.linkage
         return linkage.motion(mean.crank_angle + shaft.rotation, mean.crank_speed + shaft.rate)
@@ -327,7 +327,7 @@ class _Steps:
         row = self._count
         position = data.GetODE2Coordinates()
         if self._simulation.drifts:
-            self._simulation.model.joints.put_in_place(position, time)
+            self._simulation.model.joints.correct_coordinates(position, time)
             data.SetODE2Coordinates(position)
         self._time[row] = time
         self._position[row] = position

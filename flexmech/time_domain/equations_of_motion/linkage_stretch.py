@@ -1,4 +1,4 @@
-"""The second-order stretch of all links of a linkage, in its independent coordinates."""
+"""Second-order stretch of all links in the independent coordinates of a linkage."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from flexmech.linkages import RigidMotion
 
 
 @dataclass(frozen=True)
-class PinTurns:
-    """How the followers' ends turn from their leaders' at m instants.
+class PinRotations:
+    """Rotation matrices of dependent ends at m instants.
 
     Parameters
     ----------
     turn, rate : ndarray, shape (m, f, k)
         From the first k independent coordinates, those of link ends, to the f displacements
-        of following ends, and the time derivative of that.
+        of dependent ends, and its time derivative.
     """
 
     turn: FloatArray
@@ -29,9 +29,9 @@ class PinTurns:
 
 
 class LinkageStretch:
-    """Strains of all links in spread coordinates: z, then the followers' ends.
+    """Strains of all links in augmented coordinates: z, then the dependent ends.
 
-    In these nothing depends on the position of the linkage: only the spreading does.
+    In these the strains do not depend on the position of the linkage; the augmentation does.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class LinkageStretch:
         Of all links together; see :class:`flexmech.linear_system.LinkStretch`.
     damping_time : ndarray, shape (s,)
     size : int
-        Number p of spread coordinates.
+        Number p of augmented coordinates.
     end_count : int
         How many independent coordinates, the first ones, are displacements of link ends.
     """
@@ -57,7 +57,7 @@ class LinkageStretch:
         self._places = [np.array(target) for target in frames.targets]
         self.size = frames.size
         for number, places in enumerate(self._places):
-            own = frames.following(number)
+            own = frames.dependent_coordinates(number)
             places[own] = np.arange(self.size, self.size + len(own))
             self.size += len(own)
         self.gradient, self.slopes = self._spread("gradient"), self._spread("slopes")
@@ -69,8 +69,8 @@ class LinkageStretch:
         """Whether stretching is damped in any link."""
         return bool(self.damping_time.any())
 
-    def pin_turns(self, motion: RigidMotion) -> PinTurns:
-        """Turns of the following ends; ``motion`` is a batch of shape (m,)."""
+    def pin_rotations(self, motion: RigidMotion) -> PinRotations:
+        """Rotation matrices of the dependent ends; ``motion`` is a batch of shape (m,)."""
         count, first = len(motion.crank_angle), self._frames.size
         turn, rate = np.zeros((2, count, self.size - first, self._frames.end_count))
         for places, ends in zip(self._places, self._frames.dependent_rows(motion), strict=True):
@@ -78,58 +78,62 @@ class LinkageStretch:
                 rows = places[end.rows] - first
                 turn[:, rows[:, None], end.columns] = end.turn
                 rate[:, rows[:, None], end.columns] = end.rate
-        return PinTurns(turn, rate)
+        return PinRotations(turn, rate)
 
-    def spread(self, turn: FloatArray, columns: FloatArray) -> FloatArray:
-        """Columns of z (..., n, r) with the followers' ends below them, (..., p, r).
+    def augmented(self, turn: FloatArray, columns: FloatArray) -> FloatArray:
+        """Columns of z (..., n, r) augmented by the dependent ends, (..., p, r).
 
         Parameters
         ----------
         turn : ndarray, shape (..., f, k)
-            Of :class:`PinTurns`.
+            Of :class:`PinRotations`.
         columns : ndarray, shape (..., n, r)
         """
-        followers = turn @ columns[..., : self.end_count, :]
-        return np.concatenate([columns, followers], axis=-2)
+        dependent = turn @ columns[..., : self.end_count, :]
+        return np.concatenate([columns, dependent], axis=-2)
 
-    def remainder(self, turns: PinTurns, position: FloatArray, velocity: FloatArray) -> FloatArray:
-        """Forces on z beyond the linear ones, elastic and of damping, (m, n).
+    def nonlinear_forces(
+        self, turns: PinRotations, position: FloatArray, velocity: FloatArray
+    ) -> FloatArray:
+        """Elastic and damping forces on z beyond the linear ones, (m, n).
 
         Parameters
         ----------
-        turns : PinTurns
+        turns : PinRotations
             At m instants.
         position, velocity : ndarray, shape (m, n)
         """
         size, ends = position.shape[1], slice(self.end_count)
         forces = StretchForces(self, len(position), 1.0)
-        forces.place[:] = self.spread(turns.turn, position[..., None])[..., 0]
-        forces.rate[:] = self.spread(turns.turn, velocity[..., None])[..., 0]
+        forces.place[:] = self.augmented(turns.turn, position[..., None])[..., 0]
+        forces.rate[:] = self.augmented(turns.turn, velocity[..., None])[..., 0]
         forces.rate[:, size:] += (turns.rate @ position[:, ends, None])[..., 0]
         force = forces.evaluate()
         own = force[:, :size].copy()
         own[:, ends] += (force[:, None, size:] @ turns.turn)[:, 0]
         return own
 
-    def still(self, turns: PinTurns, position: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Force on z of links at rest beyond the linear one, (n,), and its derivative (n, n).
+    def static_force(
+        self, turns: PinRotations, position: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Elastic force on z beyond the linear one, (n,), and its derivative (n, n).
 
         Parameters
         ----------
-        turns : PinTurns
+        turns : PinRotations
             At one instant.
         position : ndarray, shape (n,)
         """
-        forces, spreading = StretchForces(self, 1, 1.0), self.spreading(turns.turn)[0]
-        forces.place[0], forces.rate[:] = spreading @ position, 0.0
+        forces, augmentation = StretchForces(self, 1, 1.0), self.augmentation(turns.turn)[0]
+        forces.place[0], forces.rate[:] = augmentation @ position, 0.0
         force = forces.evaluate()[0]
         elastic, _ = forces.tangents()
-        return force @ spreading, spreading.T @ elastic[0] @ spreading
+        return force @ augmentation, augmentation.T @ elastic[0] @ augmentation
 
-    def spreading(self, turn: FloatArray) -> FloatArray:
-        """From z to spread coordinates, (m, p, n); ``turn`` (m, f, k) of :class:`PinTurns`."""
+    def augmentation(self, turn: FloatArray) -> FloatArray:
+        """Map from z to augmented coordinates, (m, p, n), by ``turn`` of :class:`PinRotations`."""
         size = self._frames.size
-        return self.spread(turn, np.broadcast_to(np.eye(size), (len(turn), size, size)))
+        return self.augmented(turn, np.broadcast_to(np.eye(size), (len(turn), size, size)))
 
     def _spread(self, name: str) -> FloatArray:
         blocks = []
@@ -143,10 +147,10 @@ class LinkageStretch:
 
 
 class StretchForces:
-    """Forces beyond the linear ones, at some instants together.
+    """Nonlinear forces of the stretch at m instants together.
 
-    Everything that an evaluation needs is laid out before: what is left are some ten small
-    products. They are called as methods of arrays, which costs least.
+    Arrays are allocated before, so that an evaluation is some ten small products. They are called
+    as methods of arrays, which is fastest.
 
     Parameters
     ----------
@@ -159,7 +163,7 @@ class StretchForces:
     Attributes
     ----------
     place, rate : ndarray, shape (m, p)
-        Where spread coordinates of the instants and their rates times H are to be written.
+        Augmented coordinates of the instants and their rates times H, set by the caller.
     second : ndarray, shape (m, s)
         The last second-order tensions.
     """
@@ -177,25 +181,25 @@ class StretchForces:
         self._linear_rate = self._pulled_rate[:, :strains]
         self._slope_rates = self._pulled_rate[:, strains:]
         self.second, self._tension, self._tension_rate = np.empty((3, count, strains))
-        self._change, self._yielded = np.empty((2, count * strains))
-        self._changes, self._yieldings = (
-            flat.reshape(count, strains) for flat in (self._change, self._yielded)
+        self._change, self._relaxed = np.empty((2, count * strains))
+        self._changes, self._relaxations = (
+            flat.reshape(count, strains) for flat in (self._change, self._relaxed)
         )
         self._square, self._spread_tension = np.empty((2, count, slopes))
         self._along, self._across = self._load[:, :strains], self._load[:, strains:]
         self._force = np.empty((count, stretch.size))
 
     def evaluate(
-        self, yielding: FloatArray | None = None, second: FloatArray | None = None
+        self, relaxation: FloatArray | None = None, second: FloatArray | None = None
     ) -> FloatArray:
-        """Force on the spread coordinates, (m, p); overwritten next time.
+        """Force on the augmented coordinates, (m, p); overwritten by the next call.
 
         Parameters
         ----------
-        yielding : ndarray, shape (m s, m s), optional
-            Let the links yield to the change of their second-order tension at once.
+        relaxation : ndarray, shape (m s, m s), optional
+            Relaxation of the links by the change of their second-order tension.
         second : ndarray, shape (m, s), optional
-            The second-order tension to which position and rate have yielded.
+            The second-order tension at which position and rate were found.
 
         Returns
         -------
@@ -207,10 +211,10 @@ class StretchForces:
         np.add(self._linear, self.second, self._tension)
         if self._times is not None:
             self._add_damping(self._times)
-        if yielding is not None and second is not None:
+        if relaxation is not None and second is not None:
             np.subtract(self.second, second, self._changes)
-            yielding.dot(self._change, self._yielded)
-            np.subtract(self._tension, self._yieldings, self._tension)
+            relaxation.dot(self._change, self._relaxed)
+            np.subtract(self._tension, self._relaxations, self._tension)
         self._tension.dot(self._spread, self._spread_tension)
         self._along[:] = self.second
         np.multiply(self._spread_tension, self._slopes, self._across)
@@ -218,7 +222,7 @@ class StretchForces:
         return self._force
 
     def tangents(self) -> tuple[FloatArray, FloatArray]:
-        """Derivatives of the last force by the spread coordinates and by their rates times H.
+        """Derivatives of the last force by the augmented coordinates and by their rates times H.
 
         Returns
         -------
