@@ -230,7 +230,7 @@ class StressHistory:
     def _lacking(self, stressed: StressedLinks, bases: Sequence[FloatArray]) -> FloatArray:
         """As :meth:`_packed`, of straight links with what the forces of stretching ones lack.
 
-        Bodies off the axis turn with their sections, and rigid links, in natural coordinates.
+        What is off the axis turns with its sections, and rigid links, in natural coordinates.
         """
         places, forces = stressed.displacement, stressed.internal_force
         stretches, columns = self._engine.stretches, []
@@ -241,7 +241,8 @@ class StressHistory:
             own, batch = self._bases[number], len(places[number])
             stiffness = own.T @ self._links[number].stiffness @ own
             lacking = np.zeros((batch, own.shape[1]))
-            if not link.rigid and not any(body.is_off_axis for body in link.bodies):
+            off_axis = any(body.is_off_axis for body in link.bodies)
+            if not (link.rigid or off_axis or stretches[number].neutral_axis):
                 q = places[number].copy()
                 sections = np.setdiff1d(np.flatnonzero(link.fields.tangential), link.vectors)
                 q[:, sections] = np.sin(q[:, sections])
