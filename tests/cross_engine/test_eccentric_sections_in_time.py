@@ -28,6 +28,7 @@ from flexmech.materials import Material
 from flexmech.sections import BeamSection
 from flexmech.time_domain import DrivenLinkage, LinkState, linear_run
 from flexmech.time_domain.equations_of_motion import turning_sections
+from tests.cross_engine.test_composite_sections import UNSYMMETRIC, fourbar
 from tests.cross_engine.test_two_drawings import heavy_strip
 
 SPEED, OFF = 6.0, 1.9e-3
@@ -104,6 +105,13 @@ def test_small_motions_have_the_mass_matrix_of_the_equilibrium(
         )
         apart.append((above / below - 1)[:2])
     np.testing.assert_allclose(*apart, rtol=0, atol=tolerance * 7e-4)
+
+
+def test_arms_of_links_that_hardly_bend_are_rigid() -> None:
+    """Frequencies at rest of links eight times as long as high."""
+    engine = ReferenceEngine(fourbar(UNSYMMETRIC), 8, "timoshenko", component_modes=False)
+    still = natural_frequencies(engine, 0.0, modes=3)
+    np.testing.assert_allclose(small_motions(engine, 1e-3), still, rtol=3e-6)
 
 
 def test_a_heavy_side_runs_as_a_chain_of_bodies() -> None:
