@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ROUND_OFF, FloatArray
 from flexmech.linkages import RigidMotion, continuous_angles
 from flexmech.linkages.applied_forces import SpringLine, joint_gap
 from flexmech.linkages.motion import direction, normal
@@ -159,11 +159,6 @@ def _set_load(mbs: Any, load: ItemNumber, force: FloatArray) -> None:
     mbs.SetLoadParameter(load, "loadVector", [float(force[0]), float(force[1]), 0.0])
 
 
-# Change of a damper's force, relative to it, at which it has converged: the round-off of a length
-# between points of displaced links.
-CONVERGED = 1e-12
-
-
 class StaticConnectors:
     """Connectors whose forces are those of one position after the other.
 
@@ -225,7 +220,7 @@ class StaticConnectors:
                 before = mbs.GetObjectParameter(item.number, "force")
                 force = item.spring.damping * float(along @ self._approach[item.spring.name])
                 mbs.SetObjectParameter(item.number, "force", force)
-                changed = changed or abs(force - before) > CONVERGED * (abs(force) + abs(before))
+                changed = changed or abs(force - before) > ROUND_OFF * (abs(force) + abs(before))
         return changed
 
     def _along(self, item: SpringItem) -> FloatArray:
@@ -262,9 +257,9 @@ class StaticConnectors:
         if item.turning is not None:
             there = motion.at(slice(number, number + 1))
             angles = self._continuous(motion)[number : number + 1]
-            opening, rate = (x[0, 2] for x in joint_gap(assembly.topology, there, own, angles))
-            stands = sum(sign * pose[angle_of_end(assembly, end)] for sign, end in ends)
-            offset = stands - opening + own.free_angle
+            joint_angle, rate = (x[0, 2] for x in joint_gap(assembly.topology, there, own, angles))
+            model_angle = sum(sign * pose[angle_of_end(assembly, end)] for sign, end in ends)
+            offset = model_angle - joint_angle + own.free_angle
             for load, sign in zip(item.drag, (-1.0, 1.0), strict=False):
                 torque = float(sign * own.torsional_damping * rate)
                 assembly.mbs.SetLoadParameter(load, "load", torque)

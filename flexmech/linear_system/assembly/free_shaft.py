@@ -19,7 +19,7 @@ from flexmech.errors import InputError
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.link_stretch import LinkStretch
 from flexmech.linear_system.links.stressed_links import StressedLinks
-from flexmech.linkages import Clamp, Pivot, RigidMotion, Topology, shown_crank_angle
+from flexmech.linkages import Clamp, Pivot, RigidMotion, Topology, picture_crank_angle
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
 
@@ -73,7 +73,7 @@ class FreeShaft:
             )
         clamp = topology.clamps[0]
         link = topology.index(clamp.link_end.link)
-        motion = mechanism.linkage.motion(shown_crank_angle(mechanism.linkage), 1.0)
+        motion = mechanism.linkage.motion(picture_crank_angle(mechanism.linkage), 1.0)
         if abs(float(motion.angular_velocity[link]) - 1.0) > TURNS_ALIKE:
             raise InputError(
                 f"shaft 'free' needs a link that turns with the shaft, and the "

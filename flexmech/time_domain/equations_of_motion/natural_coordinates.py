@@ -157,7 +157,7 @@ def _bar(
     inertia has that of a free shaft in it, none of which is on the rotation.
     """
     mass = whole(rigid.mass)
-    matter = RigidBody(mass[0, 0], (mass[1, 2], -mass[0, 2]), mass[2, 2], spin=0.0)
+    matter = RigidBody(mass[0, 0], (mass[1, 2], -mass[0, 2]), mass[2, 2], central_inertia=0.0)
     at_start, stretch, turn = np.eye(4)[:2], np.eye(4)[2], np.eye(4)[3]
     if joined:
         at_end = at_start + length * np.eye(4)[2:]

@@ -38,7 +38,7 @@ SMOOTH_SHAPES = 5
 # as high are 1.4e-6 too low, with a tenth of it 1.4e-5. Ten times as much costs a deep bow its
 # energy balance.
 OF_ALL_SECTIONS = 1000.0
-_NOTHING = RigidBody(0.0, (0.0, 0.0), 0.0, spin=0.0)
+_NOTHING = RigidBody(0.0, (0.0, 0.0), 0.0, central_inertia=0.0)
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class TurningSections:
         place = np.concatenate([own.end_displacement(shaft.clamp.link_end.end), own.shaft])
         arm = float(np.hypot(*shaft.lever)) or float(own.readings.nodes[-1])
         stiffness = np.array([bar_stiffness(engine, arm, shaft.inertia)])
-        matter = (RigidBody(0.0, (0.0, 0.0), shaft.inertia, spin=0.0),)
+        matter = (RigidBody(0.0, (0.0, 0.0), shaft.inertia, central_inertia=0.0),)
         return cls(place[None], matter, stiffness, np.eye(1), 0.0, 0.0, np.zeros(1))
 
     @classmethod

@@ -18,7 +18,7 @@ from scipy.interpolate import CubicSpline
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem, transition_matrices
 from flexmech.linear_system import (
-    CarriedInertia,
+    DisplacedInertia,
     Engine,
     Prestress,
     RotationTerms,
@@ -31,6 +31,7 @@ from flexmech.time_domain.periodic_motion.moving_modes import (
     moving_modes,
 )
 from flexmech.time_domain.periodic_motion.sampled_turn import SampledTurn
+from flexmech.time_domain.periodic_motion.shooting import CRITICAL
 
 Readings = Sequence[Sequence[FloatArray | None]]
 
@@ -46,9 +47,6 @@ STEPS_A_PERIOD = 12
 LEAST_STEPS = 720
 # A reading this near to a step, in steps, begins there: phases are told to round-off.
 ON_A_STEP = 1e-9
-# Motions that a turn returns to this part of themselves are not sought: without damping a critical
-# speed has no periodic motion, and the others are as good.
-RETURNED = 1e-12
 # Modes besides those asked for, where nothing turns and any number of them is smooth. What they
 # leave out follows statically.
 SPARE_MODES = 2
@@ -175,7 +173,8 @@ class FreeAndForced:
             np.matmul(self.transitions[step], states[index], out=states[index + 1])
         row, n = self.rows[order, reading], size - 1
         turn = states[-1]
-        start = np.linalg.lstsq(np.eye(n) - turn[:n, :n], turn[:n, n], rcond=RETURNED)[0]
+        # Without damping a critical speed has no periodic motion, and any other motion is as good.
+        start = np.linalg.lstsq(np.eye(n) - turn[:n, :n], turn[:n, n], rcond=CRITICAL)[0]
         own = states[:, :n] @ np.append(start, 1.0)
         gap = own[-1] - own[0]
         free = np.einsum("kn,knj->kj", row, states[:, :n, :n])
@@ -282,11 +281,11 @@ def _loads(engine: Engine, turn: SampledTurn, stressed: StressedLinks) -> list[F
         if inner is None:
             # Such an engine's links are in balance with the loads, and with what they carry along.
             topology = engine.mechanism.linkage.topology
-            carried = CarriedInertia.of(topology, engine.links, turn.motion)
+            inertia = DisplacedInertia.of(topology, engine.links, turn.motion)
             inner = forces
-            if carried is not None:
-                beside = carried.forces(displacement)
-                inner = [force + more for force, more in zip(forces, beside, strict=True)]
+            if inertia is not None:
+                by_displacement = inertia.forces(displacement)
+                inner = [force + more for force, more in zip(forces, by_displacement, strict=True)]
         forces = [
             (tangent @ q[..., None])[..., 0] + (load - own)
             for tangent, q, load, own in zip(

@@ -21,6 +21,7 @@ from flexmech.linkages import CrankDrive
 from flexmech.threads import one_thread
 from flexmech.time_domain.periodic_motion.orbit_equations import OrbitEquations, at_angles
 from flexmech.time_domain.periodic_motion.orbit_newton import NewtonRun, newton
+from flexmech.time_domain.periodic_motion.shooting import CRITICAL
 from flexmech.validation import check_count
 
 logger = logging.getLogger(__name__)
@@ -32,9 +33,6 @@ SAMPLES = (128, 256)
 # more samples are taken above the first, and the orbit is not resolved above the second.
 TAIL = 1e-4
 GREATEST_TAIL = 1e-3
-# A free vibration fits a turn to this part: what it is excited to is made of round-off, or of the
-# steps' errors.
-CRITICAL = 1e-7
 # Damping of the continuation: at first over the crank speed, and the part of it that stays from one
 # motion to the next; that part is brought nearer to one where a motion is not found, at most
 # to the last. Below the least the motion is undamped. Where all are found these are three motions;
