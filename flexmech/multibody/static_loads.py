@@ -84,11 +84,11 @@ class StaticLoads:
             _set_load(mbs, load, at_nodes[first : first + 2])
             at_nodes[first : first + 2] = 0.0
         for turned, couple in zip(self.turning, couples, strict=True):
-            part, carried = self._assembly.parts[turned.link], np.zeros(2)
+            part, start_force = self._assembly.parts[turned.link], np.zeros(2)
             if isinstance(part, RigidPart):
-                carried = forces[part.coordinates][:2]
+                start_force = forces[part.coordinates][:2]
                 at_nodes[part.coordinates] = 0.0
-            _set_load(mbs, turned.at_start, carried - couple)
+            _set_load(mbs, turned.at_start, start_force - couple)
             _set_load(mbs, turned.at_end, couple)
         if self._nodal is not None:
             mbs.SetObjectParameter(self._nodal, "forceVector", at_nodes[self._elastic])

@@ -113,7 +113,7 @@ class FreeShaft:
     @property
     def turns_far(self) -> bool:
         """Whether these may turn by finite angles in a run in time: no links guide others."""
-        return self.is_stiff and not self.clamped.has_turning_lines
+        return self.is_stiff and not self.clamped.has_moving_guides
 
     @property
     def topology(self) -> Topology:

@@ -1,17 +1,17 @@
-"""Rigid bodies of a run in natural coordinates, in which turning far is linear.
+"""Rigid bodies in natural coordinates, in which finite rotations are linear.
 
-A body that is displaced by p and turned by phi moves matter at r from its reference point by
-``p + d_1 r + d_2 J r`` with ``d = (cos(phi) - 1, sin(phi))``: linear in p and d, so that its ties
-to other links, its mass matrix and its dead loads are constant and exact however far it turns
-(Garcia de Jalon & Bayo, *Kinematic and Dynamic Simulation of Multibody Systems*, 1994, ch. 2). One
-condition is left, that lengths stay::
+The point r of a body displaced by p and rotated by phi moves by ``p + d_1 r + d_2 J r`` with
+``d = (cos(phi) - 1, sin(phi))``: linear in p and d, so that its constraints, its mass matrix and
+its dead loads are constant and exact at any rotation (Garcia de Jalon & Bayo, *Kinematic and
+Dynamic Simulation of Multibody Systems*, 1994, ch. 2). One condition remains, that lengths are
+constant::
 
     d_1 + (d_1^2 + d_2^2) / 2 = 0
 
-It is a strain with the squares of two slopes, as that of a bar that bows
-(:class:`flexmech.linear_system.LinkStretch`), and a run in which links stretch has it as one: of a
-bar that is :data:`RIGIDITY` times as stiff along itself as the stiffest elastic link. Moving rigid
-links are such bars, and so is what elastic links carry off their axis
+It is a strain with the squares of two slopes, as that of a bowed bar
+(:class:`flexmech.linear_system.LinkStretch`), and is enforced as one: by a bar that is
+:data:`RIGIDITY` times as stiff along itself as the stiffest elastic link (penalty method). Moving
+rigid links are such bars, and so is what elastic links carry off their axis
 (:mod:`flexmech.time_domain.equations_of_motion.turning_sections`) and a free shaft with its hub. A
 weld ties a section's rotation to ``d_2``, which is exact to the second order.
 """
@@ -76,12 +76,12 @@ class NaturalLink:
 def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
     """Links of a run whose moving rigid ones are bars.
 
-    Where lines turn, all links stay as they are.
+    With moving guides all links keep their coordinates.
 
     Parameters
     ----------
     engine : Engine
-        One that tells how its links stretch.
+        One that provides the second-order stretch of its links.
 
     Returns
     -------
@@ -94,7 +94,7 @@ def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
     pairs = zip(engine.links, stretches, strict=True)
     links = [NaturalLink.of(model, stretch) for model, stretch in pairs]
     topology = engine.topology
-    if topology.has_turning_lines:
+    if topology.has_moving_guides:
         # A line that turns is not linear in natural coordinates.
         return topology, links
     clamped = {clamp.link_end.link for clamp in topology.clamps}
@@ -113,7 +113,7 @@ def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
 
 
 def bar_stiffness(engine: Engine, arm: float, inertia: float = 0.0) -> float:
-    """Stiffness of a rigid body's bar against ``d_1``, in N m.
+    """Penalty stiffness of a rigid body's bar against ``d_1``, in N m.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ def bar_stiffness(engine: Engine, arm: float, inertia: float = 0.0) -> float:
 
 
 def _turns(engine: Engine, name: str) -> bool:
-    """Whether a joint of a link holds or springs its rotation."""
+    """Whether a joint of a link fixes its rotation or has a torsional spring."""
     topology = engine.topology
     welded = any(name in (weld.leader.link, weld.follower.link) for weld in topology.welds)
     sprung = {spring.joint for spring in engine.mechanism.joint_springs}
@@ -150,7 +150,7 @@ def _turns(engine: Engine, name: str) -> bool:
 def _bar(
     rigid: LinkModel, length: float, axial: float, joined: bool, turned: bool, shaft: float
 ) -> NaturalLink:
-    """A rigid link as a bar.
+    """A rigid link as a stiff bar in natural coordinates.
 
     Its coordinates are the displacements of both ends, and its rotation where joints turn with it;
     of a link that nothing joins at its end that of the start, the rotation and the stretch. Its

@@ -263,7 +263,7 @@ def with_turning_sections(
         Likewise.
     ndarray, shape (n + r, m + r)
     """
-    if engine.links[number].rigid or engine.topology.has_turning_lines:
+    if engine.links[number].rigid or engine.topology.has_moving_guides:
         return link, reduced, basis
     before, shaft = link.model, engine.free_shaft
     sections = TurningSections.of_link(engine, number, link.stretch.neutral_axis)

@@ -152,7 +152,7 @@ def _orbit(engine: Engine, crank_speed: float, samples: int) -> NonlinearOrbit:
 
 
 def _found(equations: OrbitEquations, start: FloatArray) -> tuple[NewtonRun, int]:
-    """The periodic motion directly, or else by way of damped ones; and all passes."""
+    """Periodic motion, directly or by continuation in damping, with the number of passes."""
     run = newton(equations, start)
     passes, detuning = run.passes, run.detuning
     if not run.converged:
@@ -178,7 +178,7 @@ def _found(equations: OrbitEquations, start: FloatArray) -> tuple[NewtonRun, int
 
 
 def _by_continuation(equations: OrbitEquations, start: FloatArray) -> tuple[NewtonRun, int]:
-    """The periodic motion by continuation in a damping that falls to zero; and all passes."""
+    """Periodic motion by continuation in a decreasing damping, with the number of passes."""
     speed = abs(equations.crank_speed)
     damping_rate, last_found, less, passes = FIRST_DAMPING * speed, np.inf, LESS, 0
     run = newton(equations, start, damping_rate)

@@ -1,4 +1,4 @@
-"""The periodic steady state at constant crank speed by shooting, without running a transient out.
+"""Periodic steady state at constant crank speed by shooting, without a transient.
 
 A turn of the crank maps the state at its start to that at its end. Of linear equations the map is
 affine, ``x -> monodromy @ x + forced``: it is taken along with the trapezoidal rule for all
@@ -48,7 +48,7 @@ MOST_TURNS = 12
 
 
 def periodic_state(linkage: DrivenLinkage, steps: int) -> VibrationState:
-    """State at time zero of the motion that repeats itself every turn.
+    """State at time zero of the periodic motion.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def _all_motions(
 
 
 def turn_map(linkage: DrivenLinkage, steps: int) -> tuple[FloatArray, FloatArray]:
-    """How a turn of the crank changes the state ``(z, z')``, by the trapezoidal rule.
+    """Map of the state ``(z, z')`` over a turn of the crank, by the trapezoidal rule.
 
     Parameters
     ----------
@@ -176,13 +176,13 @@ def turn_map(linkage: DrivenLinkage, steps: int) -> tuple[FloatArray, FloatArray
 
 
 def _affine_map(end: VibrationState) -> tuple[FloatArray, FloatArray]:
-    """As :func:`turn_map`, from the ends of all motions."""
+    """Map of :func:`turn_map` from the end states of all motions."""
     ends = np.concatenate([end.position, end.velocity])
     return ends[:, 1:] - ends[:, :1], ends[:, 0]
 
 
 def _fixed_point(linkage: DrivenLinkage, monodromy: FloatArray, forced: FloatArray) -> FloatArray:
-    """Position and velocity at time zero that a turn returns to, (2 n,)."""
+    """Fixed point of the map: position and velocity at time zero, (2 n,)."""
     equations = linkage.equations(np.zeros(1))
     # Positions by their stiffness and velocities by their mass: both count as energies.
     energies = (np.diagonal(equations.stiffness[0]), np.diagonal(equations.mass[0]))
@@ -200,7 +200,7 @@ def _fixed_point(linkage: DrivenLinkage, monodromy: FloatArray, forced: FloatArr
 
 @dataclass(frozen=True)
 class PeriodicOrbit:
-    """A simulated turn that ends where it started.
+    """A simulated turn of the periodic motion.
 
     Parameters
     ----------
