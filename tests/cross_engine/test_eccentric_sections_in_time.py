@@ -73,7 +73,7 @@ def small_motions(engine: Engine, speed: float) -> FloatArray:
     linkage = DrivenLinkage(engine, CrankDrive(speed), stretches=True)
     assert linkage.stretch is not None
     rest, now = linkage.balanced(np.zeros(linkage.size)), linkage.equations(np.zeros(1))
-    _, tangent = linkage.stretch.still(linkage.stretch.pin_turns(now.motion), rest)
+    _, tangent = linkage.stretch.static_force(linkage.stretch.pin_rotations(now.motion), rest)
     mass, still = now.mass[0], np.zeros_like(now.mass[0])
     first = np.block([[np.eye(len(mass)), still], [still, mass]])
     second = np.block([[still, np.eye(len(mass))], [-now.stiffness[0] - tangent, -now.damping[0]]])

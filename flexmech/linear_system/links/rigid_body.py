@@ -102,11 +102,6 @@ class RigidBody:
         return int(self.rows[2].argmax())
 
     @property
-    def arm(self) -> float:
-        """Distance of its centre of mass from its point in m."""
-        return float(np.hypot(*self.first_moment)) / self.mass
-
-    @property
     def is_off_axis(self) -> bool:
         """Whether a rotation changes its inertia: its centre of mass is off the axis."""
         return self.off_axis_inertia > ON_AXIS * self.second_moment
@@ -115,18 +110,6 @@ class RigidBody:
     def off_axis_inertia(self) -> float:
         """Part of the second moment that is not in the centrifugal mass of the straight link."""
         return self.second_moment - self.central_inertia - self.on_axis
-
-    def joined_by(self, other: RigidBody) -> Self:
-        """The body with another one that is fixed to the same section."""
-        (a, c), (x, y) = self.first_moment, other.first_moment
-        return replace(
-            self,
-            mass=self.mass + other.mass,
-            first_moment=(a + x, c + y),
-            second_moment=self.second_moment + other.second_moment,
-            central_inertia=self.central_inertia + other.central_inertia,
-            on_axis=self.on_axis + other.on_axis,
-        )
 
     def projected(self, basis: FloatArray, ends: FloatArray | None = None) -> Self:
         """The body in coordinates p with ``q = basis @ p`` and joined ends ``ends @ p``."""

@@ -114,16 +114,17 @@ class TurningSections:
         fixed = [body for body in link.bodies if not body.of_section]
         for body, node in zip(fixed, body_nodes(nodes, fixed).tolist(), strict=True):
             if body.is_off_axis or eccentric:
-                at[node] = at.get(node, _NOTHING).joined_by(body)
+                at[node] = _joined(at.get(node, _NOTHING), body)
             if body.is_off_axis:
-                stiffness[node] += bar_stiffness(engine, body.arm)
+                arm = float(np.hypot(*body.first_moment)) / body.mass
+                stiffness[node] += bar_stiffness(engine, arm)
         if not at:
             return None
         used, shapes = np.sort(np.array(list(at))), np.eye(len(at))
         if eccentric:
             for x, point in zip(mass.point_positions, mass.point_masses, strict=True):
                 node = int(np.argmin(np.abs(nodes - x)))
-                at[node] = at[node].joined_by(replace(_NOTHING, mass=point))
+                at[node] = _joined(at[node], replace(_NOTHING, mass=point))
             arm = float(np.hypot(mass.offset, neutral_axis))
             part = np.convolve(np.diff(nodes), [0.5, 0.5]) / nodes[-1]
             stiffness += OF_ALL_SECTIONS * part * bar_stiffness(engine, arm)
@@ -309,6 +310,18 @@ def _on_shaft(engine: Engine, shaft: FreeShaft, link: NaturalLink) -> NaturalLin
         model=link.model.in_coordinates(unit),
         stretch=link.stretch.in_coordinates(unit),
         to_engine=link.to_engine @ unit,
+    )
+
+
+def _joined(first: RigidBody, second: RigidBody) -> RigidBody:
+    """Two bodies that are fixed to one section."""
+    (a, c), (x, y) = first.first_moment, second.first_moment
+    return replace(
+        first,
+        mass=first.mass + second.mass,
+        first_moment=(a + x, c + y),
+        second_moment=first.second_moment + second.second_moment,
+        central_inertia=first.central_inertia + second.central_inertia,
     )
 
 
