@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq, minimize_scalar
 
 from flexmech.analyses.campbell import bands, edges, projection
 from flexmech.analyses.campbell.bands import BandSolver
@@ -82,7 +83,7 @@ def test_few_of_many_speeds_are_solved_for_and_the_others_fitted(monkeypatch):
     # A dozen speeds are all solved for.
     found, places = sampled_bands(linkage.solver(), np.linspace(0.0, 100.0, 13))
     assert np.isin(found.crank_speed[places], found.solved.crank_speed).all()
-    found, places = sampled_bands(linkage.solver(), np.linspace(0.0, 100.0, 30))
+    found, places = sampled_bands(linkage.solver(), np.linspace(0.0, 100.0, 40))
     assert not np.isin(found.crank_speed[places], found.solved.crank_speed).all()
 
 
@@ -120,6 +121,7 @@ def test_bends_are_told_from_what_the_fit_may_be_off_by():
         return np.abs(band_fit(nodes, curve(nodes), at) - curve(at))[:, ::2].max() / slope
 
     assert missed(1e-2) < 1e-6
+    assert missed(3e-4) < 1e-6
     # Round-off of the values is no bend.
     assert missed(1e-6) > 1e-3
     # More nodes than four would run over a bend that is two nodes away.
@@ -200,24 +202,92 @@ def test_a_band_without_width_is_met_at_once(monkeypatch):
     assert linkage.positions < 100
 
 
-def sharp(angle, speed):
-    """The lowest of two sharp valleys, the other one of which is lower from 52 rad/s on."""
-    first = np.sqrt(np.sin((angle - 1.01) / 2) ** 2 + 1e-3)
-    last = np.sqrt(np.sin((angle - 4.03) / 2) ** 2 + 1e-3)
-    return 9 + 0.01 * speed + np.minimum(first, last + 0.02 * (52 - speed) / 52)
+def valleys(heights):
+    """Sharp valleys at some crank angles, so high above ten at a speed."""
+
+    def frequency(angle, speed):
+        depths = [
+            np.sqrt(np.sin((angle - place) / 2) ** 2 + 1e-3) + height(speed)
+            for place, height in heights.items()
+        ]
+        return 10 + np.min(depths, axis=0) + 0.02 * np.sin(3 * (angle - 0.8))
+
+    return frequency
 
 
-def test_a_ray_meets_the_first_of_two_extremes(monkeypatch):
-    passed, speeds, _, linkage = crossed(monkeypatch, sharp, [1], count=5)
+def entered(monkeypatch, heights, solved=5):
+    """Speed at which the first order enters the band, the exact one, and what that took."""
+    frequency = valleys(heights)
+    passed, speeds, _, linkage = crossed(monkeypatch, frequency, [1], count=solved)
     (low,) = (edge for edge in passed if edge.end == 0)
 
     def end(speed):
-        both = 9 + 0.01 * speed + np.sqrt(1e-3) + np.array([0.0, 0.02 * (52 - speed) / 52])
-        return both.min() - speed / (2 * np.pi)
+        least = []
+        for place in heights:
+            near = (place - 0.1, place + 0.1)
+            found = minimize_scalar(
+                lambda angle: frequency(angle, speed), bounds=near, options={"xatol": 1e-12}
+            )
+            least.append(found.fun)
+        return min(least) - speed / (2 * np.pi)
 
-    exact = edges.brentq(end, 50.0, 70.0, xtol=1e-10)
-    assert speeds[low] == pytest.approx(exact, rel=1e-8)
+    return speeds[low], brentq(end, 50.0, 80.0, xtol=1e-10), linkage
+
+
+def test_a_ray_meets_the_first_of_two_extremes(monkeypatch):
+    def last(speed):
+        return 0.02 * (52 - speed) / 52
+
+    found, exact, linkage = entered(monkeypatch, {1.01: lambda speed: 0.0, 4.03: last})
+    assert found == pytest.approx(exact, rel=1e-8)
     assert linkage.positions < 400
+
+
+@pytest.mark.parametrize(("rise", "above"), [(0.0, 0.1), (0.1, 2.0)])
+def test_extremes_count_that_may_be_the_end_between_two_solved_speeds(monkeypatch, rise, above):
+    """Nearly as low at both of them, as the end moves or in itself, and lower between."""
+
+    def usual(speed):
+        return rise * (speed - 62.0)
+
+    def between(speed):
+        return usual(speed) + above * (abs(speed - 63.5) - 11.0) / 12.5
+
+    heights = {1.01: usual, 2.6: lambda speed: usual(speed) + 0.03, 4.03: between}
+    found, exact, _ = entered(monkeypatch, heights)
+    assert found == pytest.approx(exact, rel=1e-8)
+
+
+def test_of_many_extremes_the_lowest_three_are_followed(monkeypatch):
+    places = 0.3 + 0.6 * np.arange(10)
+    heights = {p: lambda speed, p=p: 0.01 * np.sin(7 * p) for p in places.tolist()}
+    found, exact, linkage = entered(monkeypatch, heights)
+    assert found == pytest.approx(exact, rel=1e-8)
+    assert linkage.positions < 200
+
+
+def test_a_band_with_hardly_any_width_is_flat_but_for_round_off(monkeypatch):
+    def narrow(angle, speed):
+        noise = 1e-12 * np.sin(1e7 * angle + 1e5 * speed)
+        return 10 * (1 - 2.6e-6 * np.cos(angle - 1.02) + noise)
+
+    passed, speeds, _, linkage = crossed(monkeypatch, narrow, [1])
+    for edge in passed:
+        part = 1 - 2.6e-6 if edge.end == 0 else 1 + 2.6e-6
+        assert speeds[edge] == pytest.approx(20 * np.pi * part, rel=2e-10)
+    assert linkage.positions < 100
+
+
+def test_a_ray_meets_a_band_at_a_speed_of_the_grid(monkeypatch):
+    """Within round-off it is in the step before it or in that behind."""
+    for off in (-1e-9, 0.0, 1e-9):
+
+        def frequency(angle, speed, off=off):
+            return (1 + off) * (30 / np.pi) * (1.1 + 0.1 * np.cos(angle - 1.0))
+
+        _, speeds, _, linkage = crossed(monkeypatch, frequency, [1])
+        assert min(speeds.values()) == pytest.approx(60.0, rel=5e-9)
+        assert linkage.positions < 100
 
 
 def test_a_ray_that_comes_within_a_tenth_of_a_band_is_told():

@@ -176,7 +176,7 @@ def test_frequencies_are_told_apart_by_half_the_main_lobe(apart, told):
     note = spectra.resolution_note(np.array([pair]), length)
     assert ("cannot tell" not in note) is told
     time = np.linspace(0.0, 100.0, 401)
-    window = spectra.window_duration(time, [*np.full((401, 2), 1.0), 0.0, apart / 20], 1.0)
+    window = spectra.window_duration(time, np.tile([1.0, 1.0 + apart / 20], (401, 1)), 1.0)
     assert window == pytest.approx(max(6.0, 2 / (apart / 20)))
 
 
