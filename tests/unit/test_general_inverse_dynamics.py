@@ -436,7 +436,9 @@ def test_a_portal_on_a_roller_is_held_too_often() -> None:
     held = Topology(
         SQUARE, (FOOT,), welds=CORNERS, sliders=(Slider("O4", LinkEnd("right", "start"), 0.0),)
     )
-    with pytest.raises(InputError, match=r"10 connection forces for 9 .*: joint O4 constrains what"):
+    with pytest.raises(
+        InputError, match=r"10 connection forces for 9 .*: joint O4 constrains what"
+    ):
         inverse_dynamics(held, PORTAL, MASSES)
 
 
@@ -450,7 +452,9 @@ def test_as_many_connections_as_equations_can_still_hold_one_part_twice() -> Non
         welds=(corner,),
         sliders=(Slider("S", LinkEnd("left", "end"), 0.0),),
     )
-    with pytest.raises(InputError, match=r"joint S constrains what .*, and the right can move .* has B"):
+    with pytest.raises(
+        InputError, match=r"joint S constrains what .*, and the right can move .* has B"
+    ):
         inverse_dynamics(held, PORTAL, MASSES, (1.0, -9.81))
 
 
