@@ -162,6 +162,7 @@ def test_elements_that_were_asked_for_are_warned_of() -> None:
     assert "each by its own stiffness" in warning
 
 
+@pytest.mark.thorough
 def test_modes_asked_for_choose_the_element_of_every_analysis() -> None:
     mechanism = rectangle(20e-3)
     few, many = (ReferenceEngine(mechanism, 2, modes=m).element for m in (1, 4))

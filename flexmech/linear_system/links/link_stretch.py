@@ -34,12 +34,15 @@ class LinkStretch:
     weights : ndarray, shape (s, g)
     damping_time : ndarray, shape (s,)
         Kelvin-Voigt: a tension is its strain plus this time in s its rate.
+    neutral_axis : float
+        Distance of the axis whose strains they are from that of the link in m.
     """
 
     gradient: FloatArray
     slopes: FloatArray
     weights: FloatArray
     damping_time: FloatArray
+    neutral_axis: float = 0.0
 
     @classmethod
     def none(cls, size: int) -> LinkStretch:
@@ -74,8 +77,12 @@ class LinkStretch:
             combined[-1][own] = directions
             times.append(np.full(directions.shape[1], time))
         kept = np.concatenate(combined, axis=1).T
-        return LinkStretch(
-            kept @ gradient, self.slopes @ basis, kept @ self.weights, np.concatenate(times)
+        return replace(
+            self,
+            gradient=kept @ gradient,
+            slopes=self.slopes @ basis,
+            weights=kept @ self.weights,
+            damping_time=np.concatenate(times),
         )
 
     def nonlinear_forces(
