@@ -1,4 +1,4 @@
-"""Stiffness of rigid links against turning, from the forces on them.
+"""Stiffness of rigid links and hubs against turning, from the forces on them.
 
 A force F that keeps its direction at the place r of a rigid link, turned by phi, does the work
 ``F . R(phi) r``; its second derivative gives the stiffness ``F . R(phi) r``. Where F is the force
@@ -98,7 +98,7 @@ def joint_forces(model: StaticModel, state: FloatArray) -> Iterator[JointForce]:
 
 
 def turning_stiffness(model: StaticModel, state: FloatArray, couples: FloatArray) -> FloatArray:
-    """Stiffness against turning of rigid links and bodies at nodes after a static solution.
+    """Stiffness against turning of rigid links, hubs and bodies at nodes after a static solution.
 
     Loads and springs on points of rigid links are not counted.
 
@@ -125,6 +125,10 @@ def turning_stiffness(model: StaticModel, state: FloatArray, couples: FloatArray
         if acting.link in rigid:
             own = parts[acting.link].coordinates
             stiffness[own.stop - 1] += acting.force @ (acting.place - state[own][:2])
+    multipliers = _multipliers(model)
+    for constraint, angle, radius in model.hubs:
+        [row] = model.assembly.mbs.systemData.GetObjectLTGAE(int(constraint))
+        stiffness[angle] += radius * multipliers[row]
     return stiffness
 
 

@@ -221,7 +221,7 @@ class ReferenceEngine(Engine):
         columns = [q.T for q in displacement]
         of_chains = dead.stiffen(of_chains, columns)
         dead.resist([each.T for each in force], columns)
-        if frames.rigid.size:
+        if frames.has_arms:
             beside = [load - own for load, own in zip(loads, force, strict=True)]
             found = self.equilibrium.stiffness_of_rigid(motion, displacement, beside, dead)
         stressed = with_rigid_links(frames, of_chains, found)
@@ -253,7 +253,7 @@ class ReferenceEngine(Engine):
         frames = self._tied_frames
         loads = self._straight_loads(motion)
         straight = straight_forces(
-            self.mechanism, frames, motion, loads, self._lumped, self.clamped_connectors
+            self.mechanism, frames, motion, loads, self._lumped, self.connectors
         )
         tensions = element_tensions(self.mechanism, self.nodes, motion, straight.links)
         tangent: dict[int, LinkMatrix] = {
@@ -282,7 +282,7 @@ class ReferenceEngine(Engine):
                 gravity,
                 nothing,
                 nothing[..., 0],
-                self.clamped_connectors.applied(motion),
+                self.connectors.applied(motion),
                 (),
             )
         else:

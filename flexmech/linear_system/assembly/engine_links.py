@@ -1,10 +1,9 @@
-"""Links of an engine, at their stress and with their shaft held or free."""
+"""Links of an engine, at their stress and with their shaft prescribed or free."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -30,8 +29,8 @@ from flexmech.mechanism import Mechanism
 class EngineLinks(ElementKinds):
     """Links of an engine as its linear systems are made of them.
 
-    An engine gives the links whose clamped one is held by the shaft, in a frame that turns as
-    prescribed. A free shaft is released in them: it changes none of their states.
+    An engine gives the links in frames that turn as prescribed, and their states with the shaft's
+    rotation at zero. That of a free shaft is one more coordinate: it changes none of them.
 
     Attributes
     ----------
@@ -49,7 +48,7 @@ class EngineLinks(ElementKinds):
 
     @cached_property
     def topology(self) -> Topology:
-        """Links and connections of the linear system: a free shaft is a pivot."""
+        """Links and connections of the linear system; the clamp says whether the shaft is free."""
         shaft = self.free_shaft
         return self.mechanism.linkage.topology if shaft is None else shaft.topology
 
@@ -60,7 +59,7 @@ class EngineLinks(ElementKinds):
 
     @cached_property
     def links(self) -> tuple[LinkModel, ...]:
-        """Unreduced link models in the topology's order; the shaft is as it is asked for."""
+        """Unreduced link models in the topology's order, with the inertia of a free shaft."""
         held = self.clamped_links
         return held if self.free_shaft is None else self.free_shaft.links(held)
 
@@ -72,7 +71,7 @@ class EngineLinks(ElementKinds):
     @property
     @abstractmethod
     def clamped_links(self) -> tuple[LinkModel, ...]:
-        """Unreduced link models in the topology's order, the clamped one in its clamp."""
+        """Unreduced link models in the topology's order, without the shaft's inertia."""
 
     @property
     def stretches(self) -> tuple[LinkStretch, ...] | None:
@@ -81,10 +80,11 @@ class EngineLinks(ElementKinds):
         None as well where links bend or stretch without load: it is that of straight links; and of
         a free shaft with rigid links that guide others.
         """
-        held, shaft = self.clamped_stretches, self.free_shaft
-        if held is None or shaft is None:
-            return held
-        return shaft.stretches(self.clamped_links, held)
+        shaft = self.free_shaft
+        # What turns with the shaft is stiffened by what pulls at it, which rigid links and a hub
+        # tell by a stretch in natural coordinates alone.
+        told = shaft is None or shaft.turns_far or not shaft.is_stiff
+        return self.clamped_stretches if told else None
 
     @property
     def clamped_stretches(self) -> tuple[LinkStretch, ...] | None:
@@ -120,15 +120,9 @@ class EngineLinks(ElementKinds):
             If the equilibrium does not converge or is unstable; names the crank angle.
         """
         held = self.stressed_clamped_links(motion, prestress, near)
-        if not self._is_straight(motion, prestress):
-            held = self._without_own_turning(motion, held)
-        shaft = self.free_shaft
-        if shaft is None:
+        if self._is_straight(motion, prestress):
             return held
-        reaction = None
-        if not self._is_straight(motion, prestress):
-            reaction = shaft.reaction(self.clamped_links, motion, held.loads)
-        return shaft.stressed(self.clamped_links, held, reaction)
+        return self._without_own_turning(motion, held)
 
     @abstractmethod
     def stressed_clamped_links(
@@ -175,11 +169,6 @@ class EngineLinks(ElementKinds):
         bent = self.mechanism.is_free_strained or self.connectors.any
         return "equilibrium" if bent else "none"
 
-    @cached_property
-    def clamped_connectors(self) -> Connectors:
-        """As :attr:`connectors`, of :attr:`clamped_links`."""
-        return Connectors(self.mechanism, self.clamped_links)
-
     def _straight_loads(self, motion: RigidMotion) -> list[FloatArray]:
         """Loads (B, n_link) on the held links as long as nothing has moved."""
         loads = inertia_loads(self.clamped_links, motion, self.mechanism.gravity)
@@ -192,9 +181,9 @@ class EngineLinks(ElementKinds):
         displacement: Sequence[FloatArray] | None,
     ) -> list[FloatArray]:
         """Loads (B, n_link) and those of connectors at a displacement of the held links."""
-        if not self.clamped_connectors.any:
+        if not self.connectors.any:
             return loads
-        acting = self.clamped_connectors.forces(motion, displacement)
+        acting = self.connectors.forces(motion, displacement)
         return [a + b for a, b in zip(loads, acting, strict=True)]
 
     def _without_own_turning(self, motion: RigidMotion, stressed: StressedLinks) -> StressedLinks:
@@ -211,8 +200,8 @@ class EngineLinks(ElementKinds):
     ) -> DeadMoments:
         """Moments on bodies and rigid links of loads (B, n_link) at a displacement."""
         links, gravity, virial, beside = self.clamped_links, self.mechanism.gravity, None, None
-        if self.clamped_connectors.any and not self.solves_connectors:
-            virial = self.clamped_connectors.virial(motion, displacement)
+        if self.connectors.any and not self.solves_connectors:
+            virial = self.connectors.virial(motion, displacement)
         if displacement is not None and (carried := self._carried(motion)) is not None:
             beside = carried.moments(displacement)
         return DeadMoments.of(links, motion, gravity, loads, virial, beside)
@@ -221,7 +210,7 @@ class EngineLinks(ElementKinds):
         """Loads on the held links, which ``solve`` displaces under them."""
         loads = inertia_loads(self.clamped_links, motion, self.mechanism.gravity)
         carried = self._carried(motion)
-        connectors = self.clamped_connectors
+        connectors = self.connectors
         if carried is None and (self.solves_connectors or not connectors.any):
             return BalancedLoads(loads, None)
         frames = LinkFrames(self.mechanism.linkage.topology, self.clamped_links)
@@ -270,14 +259,8 @@ class EngineLinks(ElementKinds):
         InputError
             If the engine does not linearize about given states.
         """
-        shaft = self.free_shaft
-        if shaft is None:
-            held = self.running_clamped_links(motion, displacement)
-            return self._without_own_turning(motion, held)
-        clamped = shaft.displacements(self.clamped_links, list(displacement))
-        held = self._without_own_turning(motion, self.running_clamped_links(motion, clamped))
-        free = shaft.stressed(self.clamped_links, held)
-        return replace(free, displacement=list(displacement))
+        running = self.running_clamped_links(motion, displacement)
+        return self._without_own_turning(motion, running)
 
     def running_clamped_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]

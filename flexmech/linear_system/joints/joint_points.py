@@ -21,11 +21,15 @@ class JointPoint:
         Whether the ground or the shaft holds the point.
     slider : int, optional
         Number of the slider that guides it.
+    hub : float
+        Distance in m from the axis of a free shaft at which the point is on its hub, along the
+        frame of the first end's link; zero of others.
     """
 
     ends: tuple[LinkEnd, ...]
     held: bool
     slider: int | None
+    hub: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -37,7 +41,7 @@ class TurningJoint:
     ends : tuple of LinkEnd
         The one that the others follow, by the topology, comes first.
     held : bool
-        Whether the shaft holds their rotation.
+        Whether the shaft holds their rotation; one that is free turns with them.
     """
 
     ends: tuple[LinkEnd, ...]
@@ -57,18 +61,21 @@ def joint_points(topology: Topology) -> list[JointPoint]:
         Of ends that are tied, held or guided; free tips are not in it.
     """
     followers = _followers(topology.rigid_ties)
-    held = {clamp.link_end for clamp in topology.clamps}
+    hubs = {clamp.link_end: clamp.hub for clamp in topology.clamps if clamp.free and clamp.hub}
+    held = {clamp.link_end for clamp in topology.clamps} - set(hubs)
     held |= {pivot.link_end for pivot in topology.pivots if not pivot.sprung}
     sliders = {slider.link_end: number for number, slider in enumerate(topology.sliders)}
-    roots = dict.fromkeys([*held, *sliders, *followers])
+    roots = dict.fromkeys([*held, *hubs, *sliders, *followers])
     return [
-        JointPoint((root, *followers.get(root, ())), root in held, sliders.get(root))
+        JointPoint(
+            (root, *followers.get(root, ())), root in held, sliders.get(root), hubs.get(root, 0.0)
+        )
         for root in sorted(roots, key=lambda end: (topology.index(end.link), end.end == "end"))
     ]
 
 
 def turning_joints(topology: Topology) -> list[TurningJoint]:
-    """Link ends whose rotations are one or held.
+    """Link ends whose rotations are one, held, or that of a free shaft.
 
     Parameters
     ----------
@@ -79,10 +86,10 @@ def turning_joints(topology: Topology) -> list[TurningJoint]:
     list of TurningJoint
     """
     followers = _followers(topology.welds)
-    held = {clamp.link_end for clamp in topology.clamps}
+    held = {clamp.link_end: not clamp.free for clamp in topology.clamps}
     roots = dict.fromkeys([*held, *followers])
     return [
-        TurningJoint((root, *followers.get(root, ())), root in held)
+        TurningJoint((root, *followers.get(root, ())), held.get(root, False))
         for root in sorted(roots, key=lambda end: (topology.index(end.link), end.end == "end"))
     ]
 

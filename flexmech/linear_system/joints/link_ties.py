@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -26,6 +26,7 @@ from flexmech.linear_system.joints.rigid_pose import (
     CoordinateRows,
     DisplacedRows,
     DisplacedTies,
+    HubRow,
     PointRows,
     RigidPose,
 )
@@ -55,6 +56,19 @@ class _EqualRows:
 
 
 @dataclass(frozen=True)
+class _HubEnd:
+    """An end on the hub of a free shaft.
+
+    In the frame of the clamped link it moves by ``arm`` (2, c) times the columns.
+    """
+
+    rows: IntArray
+    columns: IntArray
+    clamped: int
+    arm: FloatArray
+
+
+@dataclass(frozen=True)
 class _LedEnd:
     """An end whose displacement is that of a rigid link's point or of a point on a line."""
 
@@ -72,7 +86,7 @@ class _RigidRows:
     among: IntArray
 
 
-_Tie = _TurningEnd | _EqualRows | _LedEnd | _RigidRows
+_Tie = _TurningEnd | _EqualRows | _HubEnd | _LedEnd | _RigidRows
 
 
 class _MovingFrames:
@@ -123,6 +137,8 @@ class LinkTies:
         Likewise.
     rigid : RigidCoordinates
         Of the rigid links and sliders.
+    hubs : list of HubRow
+        Of elastic links that are clamped to a hub.
     """
 
     def __init__(
@@ -136,6 +152,7 @@ class LinkTies:
         self._links = links
         self._ties: list[list[_Tie]] = [[] for _ in links]
         self._at_rest: list[PointRows] = []  # ends that rigid links lead whose shaft is held
+        self.hubs = list(self._flexible_hubs())
         self.targets = [np.full(link.size, -2, dtype=np.intp) for link in links]
         self._points, self._turns = joint_points(topology), turning_joints(topology)
         self._number_rigid()
@@ -210,7 +227,7 @@ class LinkTies:
             led = free[self.targets[link][free] < len(self.rigid.independent_coordinates)]
             among = self.rigid.independent_coordinates[self.targets[link][led]]
             at_coordinates.append(CoordinateRows(link, led, among))
-        return DisplacedTies(pose, rows, at_points, at_coordinates)
+        return DisplacedTies(pose, rows, at_points, at_coordinates, self.hubs)
 
     def guided(self, motion: RigidMotion, guiding: FloatArray) -> FloatArray:
         """Stiffness between guides' rotations and slides, by the independent coordinates."""
@@ -257,6 +274,9 @@ class LinkTies:
             matrix = moving.turned(link, tie.leader)
         elif isinstance(tie, _EqualRows):
             matrix = MatrixWithRates.constant(np.ones((len(tie.rows), 1)), len(moving.motion.angle))
+        elif isinstance(tie, _HubEnd):
+            arm = MatrixWithRates.constant(tie.arm, len(moving.motion.angle))
+            matrix = moving.turned(link, tie.clamped) @ arm
         elif isinstance(tie, _LedEnd):
             matrix = (moving.turned(link) @ moving.point(tie.point)).columns(tie.columns)
         else:
@@ -273,6 +293,12 @@ class LinkTies:
     def _general(self) -> _MovingFrames:
         """Matrices in a general position: they tell what depends on what."""
         return _MovingFrames(self.rigid, self.rigid.general_position)
+
+    def _flexible_hubs(self) -> Iterator[HubRow]:
+        for clamp in self.topology.clamps:
+            end = clamp.link_end
+            if clamp.hub and not self.rigid.is_rigid(end) and len(rows := self._rows(end)):
+                yield HubRow(self.topology.index(end.link), int(rows[0]), clamp.hub)
 
     def _number_rigid(self) -> None:
         """Number the independent coordinates of rigid links; the others follow them."""
@@ -299,7 +325,7 @@ class LinkTies:
             link = self.topology.index(end.link)
             self.targets[link][self._links[link].end_warping_of(end.end)] = -1
         for point in self._points:
-            leads = point.held or self._leads_by_rigid(point)
+            leads = point.held or point.hub or self._leads_by_rigid(point)
             for end in point.ends if leads else point.ends[1:]:
                 if not self.rigid.is_rigid(end):
                     self.targets[self.topology.index(end.link)][self._rows(end)] = -1
@@ -319,7 +345,7 @@ class LinkTies:
         ends = [~late for late in last]
         for number, (link, end) in enumerate(zip(self._links, ends, strict=True)):
             elsewhere = np.ones(link.size, dtype=bool)
-            elsewhere[link.start] = elsewhere[link.end] = elsewhere[link.shaft] = False
+            elsewhere[link.start] = elsewhere[link.end] = elsewhere[link.receding] = False
             elsewhere[self._leading_rotations(number)] = False
             end[elsewhere] = False
         inner = [~(end | late) for end, late in zip(ends, last, strict=True)]
@@ -333,14 +359,12 @@ class LinkTies:
         return count
 
     def _leading_rotations(self, link: int) -> list[int]:
-        """Rotations of a link's welded ends that others follow."""
+        """Rotations of a link's ends that others follow, or that are a free shaft's."""
         name = self.topology.links[link].name
         return [
             int(self._rotations(turn.ends[0])[0])
             for turn in self._turns
-            if turn.ends[0].link == name
-            and len(turn.ends) > 1
-            and len(self._rotations(turn.ends[0]))
+            if turn.ends[0].link == name and len(self._rotations(turn.ends[0]))
         ]
 
     def _follow(self) -> None:
@@ -349,7 +373,7 @@ class LinkTies:
             if point.held:
                 continue
             by_rigid = self._leads_by_rigid(point)
-            for end in point.ends if by_rigid else point.ends[1:]:
+            for end in point.ends if by_rigid or point.hub else point.ends[1:]:
                 rows, link = self._rows(end), self.topology.index(end.link)
                 if self.rigid.is_rigid(end) or not len(rows):
                     continue
@@ -361,6 +385,8 @@ class LinkTies:
                         self._ties[link].append(_LedEnd(rows, columns, leader))
                     else:
                         self._at_rest.append(PointRows(link, rows, leader))
+                elif point.hub:
+                    self._follow_hub(link, rows, point)
                 else:
                     self._follow_end(link, rows, point.ends[0])
         for turn in self._turns:
@@ -373,6 +399,13 @@ class LinkTies:
         self.targets[link][rows] = columns
         if (columns >= 0).any():
             self._ties[link].append(_TurningEnd(rows, columns, leader))
+
+    def _follow_hub(self, link: int, rows: IntArray, point: JointPoint) -> None:
+        """Let rows move with a hub: across by its rotation, along in natural coordinates alone."""
+        clamped = self.topology.index(point.ends[0].link)
+        own = [*self._links[clamped].receding, *self._rotations(point.ends[0])[:1]]
+        arm = point.hub * np.eye(2)[:, 2 - len(own) :]
+        self._ties[link].append(_HubEnd(rows, self.targets[clamped][own], clamped, arm))
 
     def _follow_rotation(self, turn: TurningJoint) -> None:
         rigid = [end for end in turn.ends if self.rigid.is_rigid(end)]

@@ -10,7 +10,7 @@ rigid ones never follow them.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -33,7 +33,8 @@ class PoseStiffness:
     Parameters
     ----------
     turning : ndarray, shape (B, n_links)
-        Of each rigid link against its rotation in N m/rad; zero of flexible ones.
+        Of each rigid link against its rotation in N m/rad; of a flexible one that of the hub to
+        which it is clamped.
     guiding : ndarray, shape (B, n_sliders)
         Between the rotation of a slider's guide and its slide, in N/rad; zero on the ground.
     """
@@ -196,7 +197,15 @@ class RigidCoordinates:
             leads = leader is not None and leader.slide is None
             for end in rigid[1 if leads else 0 :]:
                 held = BodyPoint(GROUND_AFTER_LINKS) if leader is None else leader
-                yield Coincidence(end_point(self.topology, end), held)
+                yield Coincidence(self._pinned(end), held)
+            if point.hub and self.is_rigid(point.ends[0]):
+                yield Coincidence(self._pinned(point.ends[0]), BodyPoint(GROUND_AFTER_LINKS))
+
+    def _pinned(self, end: LinkEnd) -> BodyPoint:
+        """Point of a rigid link that is pinned for an end: of a clamped one that on the axis."""
+        point = end_point(self.topology, end)
+        hubs = (clamp.hub for clamp in self.topology.clamps if clamp.link_end == end)
+        return replace(point, place=point.place - sum(hubs))
 
     def _equal_angles(self) -> Iterator[EqualAngle]:
         """Rigid links that turn with others or with the shaft."""

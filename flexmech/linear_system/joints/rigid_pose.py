@@ -256,6 +256,23 @@ class CoordinateRows:
     among: IntArray
 
 
+@dataclass(frozen=True)
+class HubRow:
+    """Displacement of a link along its frame at the end that is clamped to a hub.
+
+    Parameters
+    ----------
+    link, row : int
+        Number of the link, and which of its coordinates that is.
+    radius : float
+        Distance of the end from the shaft's axis in m.
+    """
+
+    link: int
+    row: int
+    radius: float
+
+
 class DisplacedTies:
     """Ties over a batch of positions at given coordinates of the rigid links.
 
@@ -266,6 +283,7 @@ class DisplacedTies:
         For each link.
     at_points, at_coordinates : list
         What of the links leads to the rigid links and lines.
+    hubs : list of HubRow
     """
 
     def __init__(
@@ -274,14 +292,15 @@ class DisplacedTies:
         rows: list[list[DisplacedRows]],
         at_points: list[PointRows],
         at_coordinates: list[CoordinateRows],
+        hubs: list[HubRow],
     ) -> None:
-        self.pose, self.rows = pose, rows
+        self.pose, self.rows, self._hubs = pose, rows, hubs
         self._at_points, self._at_coordinates = at_points, at_coordinates
 
     def stiffness(
         self, forces: Sequence[FloatArray], turning: Mapping[int, FloatArray]
     ) -> PoseStiffness:
-        """Stiffness of rigid links and sliders from forces that keep their direction.
+        """Stiffness of rigid links, hubs and sliders from forces that keep their direction.
 
         Parameters
         ----------
@@ -312,6 +331,8 @@ class DisplacedTies:
         by_link = np.zeros(motion.angle.shape)
         for link in rigid.links:
             by_link[:, link] = turning[link]
+        for hub in self._hubs:
+            by_link[:, hub.link] += hub.radius * forces[hub.link][:, hub.row]
         return pose.stiffness(at_points, by_y, by_link)
 
     def matrix(self, stiffness: PoseStiffness) -> FloatArray:

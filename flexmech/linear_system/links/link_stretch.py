@@ -8,7 +8,7 @@ against the slopes do not.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -45,10 +45,6 @@ class LinkStretch:
     def none(cls, size: int) -> LinkStretch:
         """Of a link of ``size`` coordinates that does not stretch."""
         return cls(np.zeros((0, size)), np.zeros((0, size)), np.zeros((0, 0)), np.zeros(0))
-
-    def in_coordinates(self, basis: FloatArray) -> LinkStretch:
-        """The same strains in other coordinates: ``q = basis @ p``, with basis (n, m)."""
-        return replace(self, gradient=self.gradient @ basis, slopes=self.slopes @ basis)
 
     def projected(self, basis: FloatArray) -> LinkStretch:
         """The same with ``q = basis @ p``.

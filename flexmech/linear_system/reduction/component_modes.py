@@ -254,7 +254,7 @@ def _reduce(
     is_condensed = np.arange(basis.shape[1]) >= basis.shape[1] - condensed.shape[1]
     answered = damped and turning and fine
     return ReducedLink(
-        fixed.link.projected(basis, fixed.boundary.kept, fixed.boundary.shaft),
+        fixed.link.projected(basis, fixed.boundary.kept),
         basis,
         is_condensed,
         _damped_ends(fixed, basis, condensed) if answered else np.zeros((basis.shape[1], 0)),

@@ -100,7 +100,7 @@ def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
     if topology.has_turning_lines:
         # A line that turns is not linear in natural coordinates.
         return topology, links
-    clamped = {clamp.link_end.link for clamp in topology.clamps}
+    clamped = {clamp.link_end.link for clamp in topology.clamps if not clamp.free}
     bars = {link.name for link in topology.links if link.rigid} - clamped
     shaft = engine.free_shaft
     for number, link in enumerate(topology.links):
@@ -158,7 +158,7 @@ def with_turning_bodies(
     shaft = engine.free_shaft
     if as_they_are or shaft is None or shaft.link != number or not shaft.turns_far:
         return link, reduced, basis
-    if not (shaft.inertia or shaft.has_lever):
+    if not (shaft.inertia or shaft.clamp.hub):
         # Without mass its d_1 would be no coordinate.
         return link, reduced, basis
     return _on_shaft(engine, shaft, link, reduced, basis)
@@ -169,22 +169,16 @@ def _on_shaft(
 ) -> tuple[NaturalLink, LinkModel, FloatArray]:
     """An elastic link on a free shaft; see :func:`with_turning_bodies`."""
     own, size = engine.links[shaft.link], link.model.size
-    place = np.concatenate([own.end_displacement(shaft.clamp.link_end.end), own.shaft])
-    arm = float(np.hypot(*shaft.lever)) or float(own.readings.nodes[-1])
+    place = np.append(own.end_displacement(shaft.clamp.link_end.end), shaft.rotation(own))
+    arm = shaft.clamp.hub or float(own.readings.nodes[-1])
     matter = RigidBody(0.0, (0.0, 0.0), shaft.inertia, spin=0.0)
     stiffness, time = _stiffness(engine, arm, shaft.inertia), float(link.stretch.damping_time[0])
     link = _link_with_body(link, place, matter, stiffness)
     reduced = _with_body(reduced, basis[place], matter, stiffness, time)
     basis = scipy.linalg.block_diag(basis, 1.0)
-    link = replace(link, natural=np.eye(size + 1)[[size, place[2]]])
-    if shaft.has_lever:
-        # An arm on a hub, which is not reduced. The clamped end moves with d_1 as well.
-        on_hub = np.eye(size + 1)
-        on_hub[place[:2], size] = shaft.lever
-        reduced = link.model.in_coordinates(on_hub)
-        stretch = link.stretch.in_coordinates(on_hub)
-        link = replace(link, model=reduced, stretch=stretch, to_engine=link.to_engine @ on_hub)
-    return link, reduced, basis
+    model = replace(link.model, receding=np.array([size]))
+    reduced = replace(reduced, receding=np.array([reduced.size - 1]))
+    return replace(link, model=model, natural=np.eye(size + 1)[[size, place[2]]]), reduced, basis
 
 
 def _weighted(body: RigidBody, turn: FloatArray) -> FloatArray:
