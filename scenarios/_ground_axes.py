@@ -102,7 +102,7 @@ def _free_vectors(system: LinearSystem) -> list[IntArray]:
     pairs = []
     for number, link in enumerate(system.frames.links):
         target = system.frames.targets[number].copy()
-        target[system.frames.following(number)] = -1
+        target[system.frames.dependent_coordinates(number)] = -1
         both = target[link.vectors]
         pairs.append(both[:, (both >= 0).all(axis=0)])
     return pairs

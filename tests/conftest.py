@@ -54,9 +54,9 @@ MODELS = Path(__file__).parents[1] / "models"
 
 
 @pytest.fixture(scope="session")
-def held_number() -> Callable[[str], Any]:
+def expected_number() -> Callable[[str], Any]:
     """The number of a scenario, as the gallery shows it, within its tolerance."""
-    text = (MODELS.parent / "scenarios" / "held_numbers.toml").read_text()
+    text = (MODELS.parent / "scenarios" / "expected_numbers.toml").read_text()
     numbers = tomllib.loads(text)
 
     def within(scenario: str) -> Any:

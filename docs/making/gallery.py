@@ -33,7 +33,7 @@ class Scenario:
     name: str
     question: str
     text: str
-    held: dict[str, Any]
+    expected: dict[str, Any]
 
 
 def gallery_pages(folder: Path) -> dict[str, str]:
@@ -49,16 +49,16 @@ def gallery_pages(folder: Path) -> dict[str, str]:
 
 def scenario_names() -> list[str]:
     """Names of the scenarios, in the order of the gallery."""
-    return list(_held_numbers())
+    return list(_expected_numbers())
 
 
-def _held_numbers() -> dict[str, dict[str, Any]]:
-    return tomllib.loads((SCENARIOS / "held_numbers.toml").read_text())
+def _expected_numbers() -> dict[str, dict[str, Any]]:
+    return tomllib.loads((SCENARIOS / "expected_numbers.toml").read_text())
 
 
 def _scenarios() -> list[Scenario]:
     found = []
-    for name, number in _held_numbers().items():
+    for name, number in _expected_numbers().items():
         docstring = ast.get_docstring(ast.parse((SCENARIOS / f"{name}.py").read_text())) or ""
         question, _, rest = docstring.partition("\n\n")
         text = "\n\n".join(part for part in rest.split("\n\n") if not part.startswith("    "))
@@ -93,7 +93,7 @@ def scenario_results(name: str) -> Path:
 def _index(scenarios: list[Scenario]) -> str:
     cards = [
         f"## [{one.question}]({one.name}.md)\n\n"
-        f"[![{one.question}]({one.name}/{one.held['picture']}){{width=75%}}]({one.name}.md)\n"
+        f"[![{one.question}]({one.name}/{one.expected['picture']}){{width=75%}}]({one.name}.md)\n"
         for one in scenarios
     ]
     entries = "\n".join(one.name for one in scenarios)
@@ -102,18 +102,18 @@ def _index(scenarios: list[Scenario]) -> str:
 
 
 def _page(scenario: Scenario, result: Path) -> str:
-    held = scenario.held
-    unit = "" if held["unit"] == "1" else f" {held['unit']}"
+    expected = scenario.expected
+    unit = "" if expected["unit"] == "1" else f" {expected['unit']}"
     pictures = sorted(path.name for path in result.glob("*.png"))
-    pictures.sort(key=lambda name: name != held["picture"])
+    pictures.sort(key=lambda name: name != expected["picture"])
     drawn = "\n\n".join(
         f"![{name.removesuffix('.png').replace('_', ' ')}]({scenario.name}/{name})"
         for name in pictures
     )
     return (
         f"# {scenario.question}\n\n{scenario.text}\n\n"
-        f"**Held by a test:** {held['quantity']}: {held['value']}{unit}, within "
-        f"{held['tolerance']}{unit} (`{held['test']}`).\n\n"
+        f"**Held by a test:** {expected['quantity']}: {expected['value']}{unit}, within "
+        f"{expected['tolerance']}{unit} (`{expected['test']}`).\n\n"
         f"    python scenarios/{scenario.name}.py\n\n{drawn}\n\n## What it prints\n\n"
         f"```text\n{(result / PRINTED).read_text()}```\n\n## The script\n\n"
         f"```{{literalinclude}} ../../../scenarios/{scenario.name}.py\n:language: python\n```\n"

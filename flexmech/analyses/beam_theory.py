@@ -12,8 +12,8 @@ from flexmech.beams.restrained_ends import RestrainedEnds, restrained_beam
 from flexmech.beams.solid_link import beam_error
 from flexmech.linear_system import (
     ELASTICITY,
-    HELD_ENDS,
     NEGLIGIBLE,
+    RESTRAINED_ENDS,
     Engine,
     TheoryComparison,
     TheoryDifference,
@@ -135,7 +135,7 @@ def _off_axis(engine: Engine) -> list[str]:
     warnings, joined = [], mechanism.linkage.topology.joined_ends
     for name, section in mechanism.sections.items():
         length = mechanism.link_mass(name).length
-        if engine.holds_ends and (held := restrained_beam(mechanism, name)[1]) is not None:
+        if engine.restrains_ends and (held := restrained_beam(mechanism, name)[1]) is not None:
             warnings.append(_held(name, engine, section, held))
             rest = "" if held.solid else _short(name, section, length)
             warnings += [f"{rest} ({engine.name})"] if rest else []
@@ -164,9 +164,9 @@ def _held(link: str, engine: Engine, section: BeamSection, held: RestrainedEnds)
 
 def _one_stiffness(engine: Engine, comparison: TheoryComparison) -> str:
     """What one stiffness of off-axis plies does to the linkage; nothing if that is negligible."""
-    if engine.holds_ends or not _links_held(engine):
+    if engine.restrains_ends or not _restrained_links(engine):
         return ""
-    found = comparison.difference("timoshenko", HELD_ENDS)
+    found = comparison.difference("timoshenko", RESTRAINED_ENDS)
     if found.value <= NEGLIGIBLE:
         return ""
     return (
@@ -175,7 +175,7 @@ def _one_stiffness(engine: Engine, comparison: TheoryComparison) -> str:
     )
 
 
-def _links_held(engine: Engine) -> list[str]:
+def _restrained_links(engine: Engine) -> list[str]:
     """Links whose off-axis plies bend and twist otherwise than by one stiffness."""
     mechanism = engine.mechanism
     sections = mechanism.sections.items()
@@ -185,12 +185,12 @@ def _links_held(engine: Engine) -> list[str]:
 
 def _ends_apart(engines: Sequence[Engine], comparison: TheoryComparison) -> list[str]:
     """How links of off-axis plies keep two engines apart, if only one of them holds the ends."""
-    coarse = [engine for engine in engines if not engine.holds_ends]
-    fine = [engine for engine in engines if engine.holds_ends]
+    coarse = [engine for engine in engines if not engine.restrains_ends]
+    fine = [engine for engine in engines if engine.restrains_ends]
     if not coarse or not fine:
         return []
     mechanism, apart = fine[0].mechanism, []
-    for name in _links_held(fine[0]):
+    for name in _restrained_links(fine[0]):
         layers = mechanism.sections[name].layers
         assert layers is not None
         found = beam_error(layers, mechanism.link_mass(name).length)
@@ -203,7 +203,7 @@ def _ends_apart(engines: Sequence[Engine], comparison: TheoryComparison) -> list
     return [
         f"off-axis plies bend and twist by one stiffness in {coarse[0].name} ({', '.join(apart)} "
         f"off in its first two modes between pins, the linkage's frequencies at rest by up to "
-        f"{_percent(comparison.difference('timoshenko', HELD_ENDS))}); trust {fine[0].name}"
+        f"{_percent(comparison.difference('timoshenko', RESTRAINED_ENDS))}); trust {fine[0].name}"
     ]
 
 

@@ -103,7 +103,7 @@ def read_netcdf(path: Path) -> xr.Dataset:
 
 
 @contextmanager
-def told_as_damaged(place: object) -> Iterator[None]:
+def reported_as_damaged(place: object) -> Iterator[None]:
     """Use what a file holds; where something is missing in it, say so.
 
     Parameters

@@ -18,7 +18,7 @@ from flexmech.analyses.netcdf import (
     file_attributes,
     netcdf_bytes,
     read_netcdf,
-    told_as_damaged,
+    reported_as_damaged,
 )
 from flexmech.analyses.summary import Summary
 from flexmech.choices import PAGE_WIDTHS, PICTURE_FORMATS, PageWidth, PictureFormat
@@ -235,7 +235,7 @@ class Result(ABC):
             )
         given = [name for name in FILE_ATTRIBUTES if name in loaded.attrs]
         found = cls(loaded, {name: str(loaded.attrs.pop(name)) for name in given})
-        with told_as_damaged(path):
+        with reported_as_damaged(path):
             found.summary()
         return found
 

@@ -17,7 +17,7 @@ from flexmech.choices import ELEMENTS_A_LINK, MODES
 from flexmech.errors import InputError
 from flexmech.linear_system import (
     ELASTICITY,
-    HELD_ENDS,
+    RESTRAINED_ENDS,
     Connectors,
     LinkFrames,
     LinkModel,
@@ -32,7 +32,7 @@ from flexmech.linkages import (
     RigidMotion,
     Spring,
     Topology,
-    shown_crank_angle,
+    picture_crank_angle,
 )
 from flexmech.linkages.applied_forces import SpringLine
 from flexmech.mechanism import Mechanism
@@ -128,20 +128,20 @@ class _Links:
 def _configurations(mechanism: Mechanism) -> RigidMotion:
     """The linkage at rest at those crank angles that it can stand at."""
     try:
-        return _standing(mechanism, ANGLES)
+        return _at_rest(mechanism, ANGLES)
     except InputError:  # it does not turn fully
         possible = []
     for angle in ANGLES:
         try:
-            _standing(mechanism, np.array([angle]))
+            _at_rest(mechanism, np.array([angle]))
         except InputError:
             continue
         possible.append(angle)
     linkage = mechanism.linkage
-    return linkage.motion(np.array(possible or [shown_crank_angle(linkage)]))
+    return linkage.motion(np.array(possible or [picture_crank_angle(linkage)]))
 
 
-def _standing(mechanism: Mechanism, crank_angle: FloatArray) -> RigidMotion:
+def _at_rest(mechanism: Mechanism, crank_angle: FloatArray) -> RigidMotion:
     """The linkage at crank angles, where its springs have a direction; InputError elsewhere."""
     motion, topology = mechanism.linkage.motion(crank_angle), mechanism.linkage.topology
     for spring in mechanism.springs:
@@ -204,7 +204,7 @@ def _beam(links: _Links, number: int, theory: str, modes: int) -> LinkModel:
     if section is None:
         return rigid_link(name, mass)
     elements = max(ELEMENTS_A_LINK, 2 * modes)
-    if theory == HELD_ENDS:
+    if theory == RESTRAINED_ENDS:
         own, ends = restrained_beam(links.mechanism, name)
         chain = build_chain(name, own, mass, elements, BEAM_SHAPES["timoshenko"])
         return chain.model if ends is None else ends.restrain(chain, mass.mass_per_length).model

@@ -54,7 +54,7 @@ def report(
     """
     import numpy as np
 
-    from flexmech.analyses.netcdf import told_as_damaged
+    from flexmech.analyses.netcdf import reported_as_damaged
     from flexmech.report import (
         ReportRequest,
         check_extra,
@@ -94,7 +94,10 @@ def report(
             )
             engines = make_engines(mechanism, engine, element, elements)
             results = report_results(engines, request, progress)
-        with told_as_damaged(source) if source.is_dir() else telling(None, unit), naming("--out"):
+        with (
+            reported_as_damaged(source) if source.is_dir() else telling(None, unit),
+            naming("--out"),
+        ):
             write_report(results.all, out, command_line=command_line())
     size = f"{out.stat().st_size / 1e6:.1f} MB"
     lines = [f"file: {one_line(str(out))} ({size}), open it in a browser"]

@@ -8,21 +8,21 @@ from flexmech.linear_system.assembly.balanced_loads import (
     RELATIVE_RESIDUAL,
     ROUND_OFF,
     BalancedLoads,
-    free_load,
     refuse_large_displacements,
+    swelling_force,
 )
 from flexmech.linear_system.assembly.batches import check_elastic, checked_mechanism
 from flexmech.linear_system.assembly.constant_turn import (
+    all_constant,
+    has_constant_tangents,
     is_constant_turn,
-    same_answers,
     stressed_along_turn,
     turns_or_slides,
-    unchanged,
 )
 from flexmech.linear_system.assembly.element_kinds import (
     ELASTICITY,
-    HELD_ENDS,
     NEGLIGIBLE,
+    RESTRAINED_ENDS,
     TheoryComparison,
     TheoryDifference,
 )
@@ -48,9 +48,8 @@ from flexmech.linear_system.joints.position_errors import (
     TooManyModesError,
     refuse_positions,
 )
-from flexmech.linear_system.joints.rigid_coordinates import PoseStiffness
+from flexmech.linear_system.joints.rigid_coordinates import RigidGeometricStiffness
 from flexmech.linear_system.joints.rigid_pose import DisplacedTies
-from flexmech.linear_system.links.carried_inertia import CarriedInertia
 from flexmech.linear_system.links.chains import (
     ChainMatrix,
     LinkMatrix,
@@ -63,6 +62,7 @@ from flexmech.linear_system.links.chains import (
     whole,
 )
 from flexmech.linear_system.links.dead_moments import DeadMoments, body_turns, with_straight_inertia
+from flexmech.linear_system.links.displaced_inertia import DisplacedInertia
 from flexmech.linear_system.links.link_model import LinkModel, RigidFields
 from flexmech.linear_system.links.link_readings import LinkReadings
 from flexmech.linear_system.links.link_stretch import LinkStretch
@@ -72,7 +72,11 @@ from flexmech.linear_system.links.rigid_link import rigid_link
 from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.loads.attached_points import AttachedPoint
-from flexmech.linear_system.loads.connector_forces import ConnectedMatrices, PointForce, acts_still
+from flexmech.linear_system.loads.connector_forces import (
+    ConnectedMatrices,
+    PointForce,
+    acts_at_rest,
+)
 from flexmech.linear_system.loads.connectors import Connectors
 from flexmech.linear_system.loads.inertia_loads import inertia_loads
 from flexmech.linear_system.loads.joint_couples import has_dampers
@@ -85,7 +89,6 @@ from flexmech.linear_system.reduction.component_modes import (
 __all__ = [
     "ELASTICITY",
     "GREAT_DETAIL",
-    "HELD_ENDS",
     "LAST_STEP",
     "LESS_LOADED",
     "LOAD_STEPS",
@@ -93,16 +96,17 @@ __all__ = [
     "NEGLIGIBLE",
     "PRESTRESS_LEVELS",
     "RELATIVE_RESIDUAL",
+    "RESTRAINED_ENDS",
     "ROUND_OFF",
     "AttachedPoint",
     "BalancedLoads",
-    "CarriedInertia",
     "ChainMatrix",
     "ComponentModes",
     "ConnectedMatrices",
     "Connectors",
     "DeadMoments",
     "DependentRows",
+    "DisplacedInertia",
     "DisplacedTies",
     "Engine",
     "LinearSystem",
@@ -115,11 +119,11 @@ __all__ = [
     "LinkStretch",
     "OverdampedError",
     "PointForce",
-    "PoseStiffness",
     "Prestress",
     "RefusedPositionsError",
     "RigidBody",
     "RigidFields",
+    "RigidGeometricStiffness",
     "RotationTerms",
     "SparseMatrices",
     "SparsePositions",
@@ -129,7 +133,8 @@ __all__ = [
     "TheoryComparison",
     "TheoryDifference",
     "TooManyModesError",
-    "acts_still",
+    "acts_at_rest",
+    "all_constant",
     "body_nodes",
     "body_turns",
     "chain_matrices",
@@ -142,7 +147,7 @@ __all__ = [
     "displacement_row",
     "element_tensions",
     "forces_of_links",
-    "free_load",
+    "has_constant_tangents",
     "has_dampers",
     "in_positions",
     "inertia_loads",
@@ -153,14 +158,13 @@ __all__ = [
     "refuse_large_displacements",
     "refuse_positions",
     "rigid_link",
-    "same_answers",
     "static_displacement",
     "straight_forces",
     "stressed_along_turn",
     "summed",
+    "swelling_force",
     "ties_beyond_pins",
     "turns_or_slides",
-    "unchanged",
     "whole",
     "with_rigid_links",
     "with_straight_inertia",

@@ -22,7 +22,7 @@ from flexmech.linkages.linkage import (
     continuous_angles,
     drawn_joints,
     linkage_positions,
-    shown_crank_angle,
+    picture_crank_angle,
 )
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.planar import PlanarJoint, PlanarLink, PlanarLinkage
@@ -85,8 +85,8 @@ __all__ = [
     "inverse_dynamics",
     "linkage_positions",
     "lumped_elements",
+    "picture_crank_angle",
     "rocker_swing",
-    "shown_crank_angle",
     "synthesize_crank_rocker",
     "time_ratio",
     "transmission_design",

@@ -240,12 +240,12 @@ def joint_gap(
         Along ground x and y in m, and the angle between the links in rad; and their rates.
     """
     gap, rate = np.zeros((2, *motion.crank_angle.shape, 3))
-    gap[..., 2] = topology.opening(spring.joint, angles)
-    rate[..., 2] = topology.opening(spring.joint, motion.angular_velocity)
+    gap[..., 2] = topology.joint_angle(spring.joint, angles)
+    rate[..., 2] = topology.joint_angle(spring.joint, motion.angular_velocity)
     if moved is not None:
         for sign, link, x in _sides(topology, spring):
-            apart, parting = moved(link, x)
-            gap, rate = gap + sign * apart, rate + sign * parting
+            displacement, velocity = moved(link, x)
+            gap, rate = gap + sign * displacement, rate + sign * velocity
     return gap, rate
 
 

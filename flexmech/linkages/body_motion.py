@@ -315,7 +315,7 @@ class BodyPoints:
             matrix[slide_rows, slides] += along.real
             matrix[slide_rows + 1, slides] += along.imag
 
-    def turning_stiffness(
+    def geometric_stiffness(
         self, bodies: BodyMotion, slid: ComplexArray, forces: ComplexArray
     ) -> tuple[FloatArray, FloatArray]:
         """What forces that keep their direction add to the stiffness, as their arms turn.
@@ -334,15 +334,15 @@ class BodyPoints:
         tuple of ndarray, shape (B, n), (B, n_slides)
             Against the rotation of bodies, and between that of a guide and the slide on it.
         """
-        turning, guiding = np.zeros(bodies.place.shape), np.zeros(slid.shape)
+        rotation_stiffness, guide_stiffness = np.zeros(bodies.place.shape), np.zeros(slid.shape)
         by_arm = dot(forces, self.arms(bodies, slid))
         for point in self._own:
-            turning[:, self.body[point]] += by_arm[:, point]
+            rotation_stiffness[:, self.body[point]] += by_arm[:, point]
         for point, slide, along in zip(self._sliding, self._slide, self._along, strict=True):
             if point in self._own:
                 across = 1j * along * bodies.turn[:, self.body[point]]
-                guiding[:, slide] -= dot(forces[:, point], across)
-        return turning, guiding
+                guide_stiffness[:, slide] -= dot(forces[:, point], across)
+        return rotation_stiffness, guide_stiffness
 
 
 def parts_of(matrix: FloatArray) -> MatrixWithRates:

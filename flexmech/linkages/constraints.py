@@ -99,12 +99,12 @@ class Constraints:
             )
         )
         self._points: dict[tuple[BodyPoint, ...], BodyPoints] = {}
-        self._turning = np.zeros((self.count, self._size))
+        self._rotation = np.zeros((self.count, self._size))
         for row, own in numbered:
             if isinstance(own, EqualAngle):
                 for body, sign in ((own.first, 1.0), (own.second, -1.0)):
                     if body in self._columns:
-                        self._turning[row, self._columns[body] + 2] = sign
+                        self._rotation[row, self._columns[body] + 2] = sign
 
     def points(self, points: Sequence[BodyPoint]) -> BodyPoints:
         """Points whose Jacobian is by the coordinates of the constraints."""
@@ -131,18 +131,18 @@ class Constraints:
         one, other = bodies.of(self.first.body), bodies.of(self.second.body)
         at, through = self.first.place, self.second.place
         paths = one.point_1(at), one.point_2(at)
-        followed = other.point_1(through), other.point_2(through)
+        line_rates = other.point_1(through), other.point_2(through)
         if len(self._lines):
             # A line's own rate counts across it, at the place where the point is.
             lines, here = self._lines, one.point(at)[:, self._lines]
             needed = other.of(lines).line_rates(
                 through[lines], self._along, here, paths[0][:, lines]
             )
-            for path, own in zip(followed, needed, strict=True):
+            for path, own in zip(line_rates, needed, strict=True):
                 path[:, lines] = own * self._across(bodies)
         rates = [
             self._in_rows(path - own, self._across(bodies))
-            for path, own in zip(paths, followed, strict=True)
+            for path, own in zip(paths, line_rates, strict=True)
         ]
         return rates[0], rates[1]
 
@@ -174,7 +174,7 @@ class Constraints:
         for own, arm, sign in zip((self.first, self.second), arms, (1.0, -1.0), strict=True):
             turn = bodies.turn[:, own.body]
             own.add_to(matrix, sign, axes[:, own.body], turn, arm, self._across(bodies))
-        matrix += self._turning[..., None]
+        matrix += self._rotation[..., None]
         return np.ascontiguousarray(matrix.transpose(2, 0, 1))
 
     def jacobian_with_rates(self, bodies: BodyMotion, slid: ComplexArray) -> MatrixWithRates:
@@ -195,14 +195,14 @@ class Constraints:
         matrix = np.zeros((self.count, self._size, len(bodies.place), 4))
         self.first.add_rates(matrix, 1.0, bodies, slid)
         self.second.add_rates(matrix, -1.0, bodies, slid)
-        matrix[..., 0] += self._turning[..., None]
+        matrix[..., 0] += self._rotation[..., None]
         return parts_of(matrix)
 
-    def turned(self, coordinates: FloatArray) -> FloatArray:
+    def angle_gaps(self, coordinates: FloatArray) -> FloatArray:
         """Gaps (B, count) of equal angles in rad, by the coordinates (B, 3 n + slides)."""
-        return np.asarray(coordinates @ self._turning.T)
+        return np.asarray(coordinates @ self._rotation.T)
 
-    def turning_stiffness(
+    def geometric_stiffness(
         self, bodies: BodyMotion, slid: ComplexArray, forces: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """What the forces of the conditions add to the stiffness, as their arms turn.
@@ -218,11 +218,11 @@ class Constraints:
         Returns
         -------
         tuple of ndarray
-            See :meth:`BodyPoints.turning_stiffness`.
+            See :meth:`BodyPoints.geometric_stiffness`.
         """
         vectors = forces[:, self._row] + 1j * forces[:, self._row + 1]
-        first = self.first.turning_stiffness(bodies, slid, vectors)
-        second = self.second.turning_stiffness(bodies, slid, -vectors)
+        first = self.first.geometric_stiffness(bodies, slid, vectors)
+        second = self.second.geometric_stiffness(bodies, slid, -vectors)
         return first[0] + second[0], first[1] + second[1]
 
     def _across(self, bodies: BodyMotion) -> ComplexArray:

@@ -148,7 +148,7 @@ def linkage_positions(linkage: Linkage, crank_angle: float) -> xr.Dataset:
     )
 
 
-def shown_crank_angle(linkage: Linkage) -> float:
+def picture_crank_angle(linkage: Linkage) -> float:
     """Crank angle in rad at which a picture shows a linkage.
 
     Parameters
@@ -263,9 +263,9 @@ def continuous_angles(linkage: Linkage, motion: RigidMotion) -> FloatArray:
     possible = assemblable(linkage, around)
     turns, places = np.divmod(np.rint(motion.crank_angle / step).astype(int), STEPS)
     if np.all(possible):
-        followed = np.unwrap(linkage.motion(around).angle, axis=0)
-        gained = TURN * np.round((followed[-1] - followed[0]) / TURN)
-        near = followed[places] + turns[..., None] * gained
+        unwrapped = np.unwrap(linkage.motion(around).angle, axis=0)
+        gained = TURN * np.round((unwrapped[-1] - unwrapped[0]) / TURN)
+        near = unwrapped[places] + turns[..., None] * gained
     else:
         near = _in_ranges(linkage, around[:-1], possible[:-1], motion.angle.shape[-1])[places]
         # A range too narrow to be met by a step is its own.
@@ -278,7 +278,7 @@ def _in_ranges(
     linkage: Linkage, around: FloatArray, possible: NDArray[np.bool_], links: int
 ) -> FloatArray:
     """Angles over a turn, followed in each range of motion; not a number elsewhere."""
-    followed = np.full((len(around), links), np.nan)
+    unwrapped = np.full((len(around), links), np.nan)
     # Begun where the linkage cannot be assembled, no range runs over the end.
     order = np.roll(np.arange(len(around)), -int(np.argmin(possible)))
     edges = np.flatnonzero(np.diff(possible[order].astype(int))) + 1
@@ -288,9 +288,9 @@ def _in_ranges(
             if 0 in part:
                 kept = linkage.motion(0.0).angle
                 angles = angles + TURN * np.round((kept - angles[part == 0][0]) / TURN)
-            followed[part] = angles
+            unwrapped[part] = angles
     # Between the last step of a range and its end.
     for shift in (1, -1):
-        beside = np.roll(followed, shift, axis=0)
-        followed = np.where(np.isnan(followed) & ~np.isnan(beside), beside, followed)
-    return followed
+        beside = np.roll(unwrapped, shift, axis=0)
+        unwrapped = np.where(np.isnan(unwrapped) & ~np.isnan(beside), beside, unwrapped)
+    return unwrapped

@@ -247,7 +247,7 @@ class Topology:
         """Follow pins and welds from a link end to the end that carries its displacement."""
         return leading_end(place, self.ties)
 
-    def tied(self) -> Topology:
+    def with_rigid_joints(self) -> Topology:
         """The same with rigid pins and pivots in place of springs."""
         pins = tuple(replace(pin, sprung=False) for pin in self.pins)
         pivots = tuple(replace(pivot, sprung=False) for pivot in self.pivots)
@@ -275,7 +275,7 @@ class Topology:
         }
         return ends | {pivot.joint: (pivot.link_end, None) for pivot in self.pivots}
 
-    def opening(self, joint: str, angles: FloatArray) -> FloatArray:
+    def joint_angle(self, joint: str, angles: FloatArray) -> FloatArray:
         """Angle by which a pin or pivot is open, or its rate from angular velocities.
 
         Parameters
@@ -290,8 +290,8 @@ class Topology:
             That of the following link less that of the leading one, or that of a pivoted link.
         """
         follower, leader = self.pinned_ends[joint]
-        opened: FloatArray = angles[..., self.index(follower.link)]
-        return opened if leader is None else opened - angles[..., self.index(leader.link)]
+        angle: FloatArray = angles[..., self.index(follower.link)]
+        return angle if leader is None else angle - angles[..., self.index(leader.link)]
 
 
 def leading_end(place: LinkEnd, ties: Iterable[Pin | Weld]) -> LinkEnd:

@@ -24,7 +24,7 @@ from flexmech.linkages import (
     continuous_angles,
     inverse_dynamics,
     linkage_positions,
-    shown_crank_angle,
+    picture_crank_angle,
 )
 from flexmech.materials import REFERENCE_TEMPERATURE
 from flexmech.mechanism.checks import (
@@ -190,7 +190,7 @@ class Mechanism:
     def _repr_html_(self) -> str:
         from flexmech.plots import figure_html, plot_linkage
 
-        dataset = linkage_positions(self.linkage, shown_crank_angle(self.linkage))
+        dataset = linkage_positions(self.linkage, picture_crank_angle(self.linkage))
         figure = plot_linkage(
             dataset.assign_attrs(mechanism=self.provenance.name, drawing=drawing(self))
         )

@@ -16,7 +16,7 @@ from flexmech.linkages import (
     Load,
     Spring,
     Topology,
-    shown_crank_angle,
+    picture_crank_angle,
 )
 from flexmech.linkages.topology import LinkEnd
 from flexmech.mechanism import AttachedBody, PointMass
@@ -170,7 +170,7 @@ def _fixed_joints(places: LinkPlaces) -> dict[str, LinkEnd]:
 def _of_ground(end: LinkEnd, places: LinkPlaces) -> AttachmentPoint:
     """Where an end that does not move is on the ground."""
     linkage, place = places.linkage, places.at_end(end)
-    motion = linkage.motion(shown_crank_angle(linkage))
+    motion = linkage.motion(picture_crank_angle(linkage))
     x, y = motion.position(linkage.topology.index(place.link), place.x)
     return AttachmentPoint(GROUND, float(x), float(y))
 

@@ -23,7 +23,7 @@ from flexmech.multibody.beam_kind import BeamKind
 from flexmech.multibody.items import ItemNumber, SystemItems
 from flexmech.multibody.link_parts import RIGID_SIZE, BeamPart, LinkPart, RigidPart
 from flexmech.multibody.node_bodies import NodeBodies, point_masses_at
-from flexmech.multibody.node_directions import PolarSlopes, gripped_places, held_places
+from flexmech.multibody.node_directions import PolarSlopes, places_with_angles, required_nodes
 
 
 @dataclass(frozen=True)
@@ -166,8 +166,8 @@ def _add_beam(
     items: SystemItems, mechanism: Mechanism, kind: BeamKind, name: str, elements: int, start: int
 ) -> BeamPart:
     section, mass = mechanism.sections[name], mechanism.link_mass(name)
-    held = [*held_places(mechanism, mass, name, kind.turns_arms), *mechanism.acting_at(name)]
-    positions = node_positions(mass.length, elements, held)
+    places = [*required_nodes(mechanism, mass, name, kind.turns_arms), *mechanism.acting_at(name)]
+    positions = node_positions(mass.length, elements, places)
     items.begin(f"{name}: nodes, in the undeformed link along the x axis")
     nodes = [
         kind.add_node(items, f"{name}_node_{i}", float(x), section.neutral_axis)
@@ -193,7 +193,7 @@ def _add_beam(
         coordinates=slice(start, stop),
         arms=Arms(section.neutral_axis) if section.is_eccentric else None,
         bodies=bodies,
-        polar=_polar_slopes(kind, positions, gripped_places(mechanism, mass, name)),
+        polar=_polar_slopes(kind, positions, places_with_angles(mechanism, mass, name)),
     )
 
 

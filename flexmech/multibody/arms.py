@@ -34,11 +34,11 @@ class Arms:
     length: float
 
     @property
-    def back(self) -> Arms:
+    def inverse(self) -> Arms:
         """From the nodes to the axis points."""
         return Arms(-self.length)
 
-    def moved(self, axis: FloatArray) -> FloatArray:
+    def to_nodes(self, axis: FloatArray) -> FloatArray:
         """Coordinates of the nodes, less the reference ones.
 
         Parameters
@@ -56,7 +56,7 @@ class Arms:
         nodes[..., 1::PER_NODE] -= 2 * self.length * np.sin(angle / 2) ** 2
         return nodes
 
-    def moved_rate(self, axis: FloatArray, rate: FloatArray) -> FloatArray:
+    def rate_to_nodes(self, axis: FloatArray, rate: FloatArray) -> FloatArray:
         """Velocities of the nodes.
 
         Parameters
@@ -138,11 +138,11 @@ class _NodeMap(Protocol):
     """From a link's coordinates to those of its nodes, less the reference ones."""
 
     @property
-    def back(self) -> _NodeMap: ...
+    def inverse(self) -> _NodeMap: ...
 
-    def moved(self, axis: FloatArray, /) -> FloatArray: ...
+    def to_nodes(self, axis: FloatArray, /) -> FloatArray: ...
 
-    def moved_rate(self, axis: FloatArray, rate: FloatArray, /) -> FloatArray: ...
+    def rate_to_nodes(self, axis: FloatArray, rate: FloatArray, /) -> FloatArray: ...
 
 
 class LinkArms:
@@ -183,7 +183,7 @@ class LinkArms:
         -------
         ndarray, shape (..., size)
         """
-        return self._mapped(axis, lambda arms, own: arms.moved(axis[..., own]))
+        return self._mapped(axis, lambda arms, own: arms.to_nodes(axis[..., own]))
 
     def to_axis(self, nodes: FloatArray) -> FloatArray:
         """Undo :meth:`to_nodes`.
@@ -196,7 +196,7 @@ class LinkArms:
         -------
         ndarray, shape (..., size)
         """
-        return self._back.to_nodes(nodes[..., : self._size])
+        return self._inverse.to_nodes(nodes[..., : self._size])
 
     def rate_to_nodes(self, axis: FloatArray, rate: FloatArray) -> FloatArray:
         """Exudyn's velocities of points on the pins' axis.
@@ -209,7 +209,9 @@ class LinkArms:
         -------
         ndarray, shape (..., size)
         """
-        return self._mapped(rate, lambda arms, own: arms.moved_rate(axis[..., own], rate[..., own]))
+        return self._mapped(
+            rate, lambda arms, own: arms.rate_to_nodes(axis[..., own], rate[..., own])
+        )
 
     def rate_to_axis(self, nodes: FloatArray, rate: FloatArray) -> FloatArray:
         """Undo :meth:`rate_to_nodes`.
@@ -222,12 +224,12 @@ class LinkArms:
         -------
         ndarray, shape (..., size)
         """
-        return self._back.rate_to_nodes(nodes, rate)
+        return self._inverse.rate_to_nodes(nodes, rate)
 
     @cached_property
-    def _back(self) -> LinkArms:
+    def _inverse(self) -> LinkArms:
         """From the nodes to the axis points, without bodies."""
-        return LinkArms([arms.back for arms, _ in self._links], [own for _, own in self._links])
+        return LinkArms([arms.inverse for arms, _ in self._links], [own for _, own in self._links])
 
     def _mapped(
         self, values: FloatArray, mapped: Callable[[_NodeMap, slice], FloatArray]

@@ -210,7 +210,7 @@ class LinkAssembly:
         return self.items.add("CoordinateConstraint", name, markerNumbers=[fixed, marker], **offset)
 
     def add_ground_pin(
-        self, name: str, held: LinkEnd, place: list[float]
+        self, name: str, end: LinkEnd, place: list[float]
     ) -> tuple[ItemNumber, ItemNumber]:
         """Pin a link end to a point of the ground.
 
@@ -218,7 +218,7 @@ class LinkAssembly:
         ----------
         name : str
             Of the pin.
-        held : LinkEnd
+        end : LinkEnd
         place : list of float
             In m.
 
@@ -233,7 +233,7 @@ class LinkAssembly:
         ground = items.add("ObjectGround", f"{name}_ground", referencePosition=place)
         markers = [
             items.add("MarkerBodyPosition", f"{name}_on_ground", bodyNumber=ground),
-            self.add_end_marker(held, f"{name}_on_{held.link}"),
+            self.add_end_marker(end, f"{name}_on_{end.link}"),
         ]
         return ground, items.add("RevoluteJoint2D", name, markerNumbers=markers)
 

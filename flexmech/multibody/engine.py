@@ -32,7 +32,7 @@ from flexmech.linear_system import (
     StraightForces,
     StressedLinks,
     TheoryComparison,
-    acts_still,
+    acts_at_rest,
     element_tensions,
     inertia_loads,
     refuse_large_displacements,
@@ -119,7 +119,7 @@ class ExudynEngine(Engine):
     def model(self) -> StaticModel:
         """The Exudyn system, moved through the crank angles."""
         return StaticModel(
-            self.mechanism, self.elements, self.element, connects=acts_still(self.mechanism)
+            self.mechanism, self.elements, self.element, connects=acts_at_rest(self.mechanism)
         )
 
     @cached_property
@@ -180,7 +180,7 @@ class ExudynEngine(Engine):
             equilibrium.displacement,
             damping=equilibrium.damping,
             loads=self._with_connectors(loads, motion, equilibrium.displacement),
-            guiding=equilibrium.line_force * [bool(s.guide) for s in topology.sliders],
+            guide_stiffness=equilibrium.line_force * [bool(s.guide) for s in topology.sliders],
         )
 
     def simulate(
@@ -353,7 +353,7 @@ class ExudynEngine(Engine):
         # that turn it is not told.
         elastic = {n: tangent[n] for n, link in enumerate(links) if not link.rigid}
         dead = self._dead(motion, inertia_loads(links, motion, self.mechanism.gravity))
-        stiffened = dead.stiffen(elastic, [q.T for q in displacement])
+        stiffened = dead.add_stiffness(elastic, [q.T for q in displacement])
         tangents = [stiffened.get(number, own) for number, own in enumerate(tangent)]
         shaft = self.free_shaft
         if shaft is not None and (shaft.clamp.hub or links[shaft.link].rigid):
@@ -363,7 +363,7 @@ class ExudynEngine(Engine):
 
     def _straight(self, motion: RigidMotion) -> StraightForces:
         """Forces in straight links."""
-        frames = LinkFrames(self.tied_topology, self.clamped_links)
+        frames = LinkFrames(self.rigid_joint_topology, self.clamped_links)
         loads, connectors = self._straight_loads(motion), self.connectors
         return straight_forces(self.mechanism, frames, motion, loads, connectors=connectors)
 
@@ -379,7 +379,7 @@ class ExudynEngine(Engine):
             )
             if not link.rigid
         }
-        tangent = self._dead(motion, loads).stiffen(
+        tangent = self._dead(motion, loads).add_stiffness(
             tangent, [np.zeros_like(load.T) for load in loads]
         )
         return with_rigid_links(self.frames, tangent, straight.stiffness, loads)

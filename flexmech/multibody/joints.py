@@ -159,7 +159,7 @@ def add_sliders(assembly: LinkAssembly) -> list[SliderJoint]:
         items.begin(f"slider {slider.joint}")
         joint = SliderJoint(slider, ItemNumber(-1, "object", name))
         x, y = map(float, joint.place)
-        held = assembly.add_frame_marker(slider.link_end, f"{name}_on_{slider.link_end.link}")
+        end = assembly.add_frame_marker(slider.link_end, f"{name}_on_{slider.link_end.link}")
         ground = None
         if slider.guide:
             guide = assembly.parts[assembly.topology.index(slider.guide)]
@@ -172,7 +172,7 @@ def add_sliders(assembly: LinkAssembly) -> list[SliderJoint]:
         constraint = items.add(
             "PrismaticJoint2D",
             name,
-            markerNumbers=[held, line],
+            markerNumbers=[end, line],
             normalMarker1=[*map(float, joint.normal), 0.0],
             constrainRotation=False,
         )

@@ -14,7 +14,7 @@ from flexmech.linkages import RigidMotion
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import BeamPart, RigidPart, turn_vectors
-from flexmech.multibody.rigid_tangents import line_forces, turning_stiffness
+from flexmech.multibody.rigid_tangents import geometric_stiffness, line_forces
 from flexmech.multibody.static_model import (
     StaticModel,
     StaticSettings,
@@ -111,23 +111,23 @@ def static_equilibrium(
         pose = model.move_to(motion, number)
         forces, couples = applied.forces[number], applied.couples[number]
         model.loads.set(forces, couples)
-        loaded = float(np.abs(forces).sum()) + model.free_load
+        loaded = float(np.abs(forces).sum()) + model.swelling_force
         loaded += 0.0 if model.applied is None else model.applied.scale_of_forces
         settings = static_settings.under(loaded)
         start = pose + assembly.turned(deformation, relative[number])
         if not solve_static(assembly, settings, assembly.arms.to_nodes(start)):
-            _solve_afresh(model, settings, pose, applied, motion, number)
+            _solve_in_steps(model, settings, pose, applied, motion, number)
         for _ in range(DAMPER_TURNS):
             if model.applied is None or not model.applied.converge():
                 break
             solved = np.array(assembly.mbs.systemData.GetODE2Coordinates())
             solve_static(assembly, settings, solved)
         state = assembly.arms.to_axis(assembly.mbs.systemData.GetODE2Coordinates())
-        turning = turning_stiffness(model, state, couples)
+        turning = geometric_stiffness(model, state, couples)
         line_force[number] = line_forces(model)
         moved = assembly.deformation(state, pose)
         deformation = displacement[number] = assembly.turned(moved, -relative[number])
-        tangents.take(number, settings[0], state, forces, turning)
+        tangents.linearize_at(number, settings[0], state, forces, turning)
     stiffness, damping = tangents.in_link_frames(relative)
     return StaticEquilibrium(
         displacement=[displacement[:, part.coordinates] for part in assembly.parts],
@@ -199,7 +199,7 @@ def running_tangents(
     settings, tangents = simulation_settings(), _Tangents(model, len(together))
     for number, q in enumerate(together):
         state = model.move_to(motion, number) + assembly.turned(q, relative[number])
-        tangents.take(number, settings, state)
+        tangents.linearize_at(number, settings, state)
     return tangents.in_link_frames(relative)
 
 
@@ -223,7 +223,7 @@ def internal_forces(model: StaticModel, displacement: Sequence[FloatArray]) -> l
             forces.append(np.zeros_like(q))
             continue
         mapped = part.node_map
-        force = _internal_force(part, q if mapped is None else mapped.moved(q))
+        force = _internal_force(part, q if mapped is None else mapped.to_nodes(q))
         forces.append(force if mapped is None else mapped.force(q, force))
     return forces
 
@@ -242,7 +242,7 @@ class _Tangents:
         self._outer: FloatArray = np.zeros((batch, assembly.size))
         self._turning: FloatArray = np.zeros((batch, assembly.size))
 
-    def take(
+    def linearize_at(
         self,
         number: int,
         settings: Any,
@@ -282,7 +282,7 @@ class _Tangents:
         for link, part in assembly.beams:
             if (mapped := part.node_map) is not None:
                 state = self._state[:, part.coordinates]
-                force = _internal_force(part, mapped.moved(state))
+                force = _internal_force(part, mapped.to_nodes(state))
                 if part.polar is not None:
                     force -= self._outer[:, part.coordinates]
                 stiff, damped = self._stiffness[link], self._damping[link]
@@ -301,7 +301,7 @@ class _Tangents:
         return stiffness, damping
 
 
-def _solve_afresh(
+def _solve_in_steps(
     model: StaticModel,
     settings: Sequence[Any],
     pose: FloatArray,

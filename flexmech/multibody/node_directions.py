@@ -39,11 +39,11 @@ class PolarSlopes:
     first: IntArray
 
     @property
-    def back(self) -> _CartesianSlopes:
+    def inverse(self) -> _CartesianSlopes:
         """From slope vectors to stretch and angle."""
         return _CartesianSlopes(self.first)
 
-    def moved(self, polar: FloatArray) -> FloatArray:
+    def to_nodes(self, polar: FloatArray) -> FloatArray:
         """Coordinates of the nodes, less the reference ones.
 
         Parameters
@@ -62,7 +62,7 @@ class PolarSlopes:
         nodes[..., self.first + 1] = stretch * sine
         return nodes
 
-    def moved_rate(self, polar: FloatArray, rate: FloatArray) -> FloatArray:
+    def rate_to_nodes(self, polar: FloatArray, rate: FloatArray) -> FloatArray:
         """Velocities of the nodes.
 
         Parameters
@@ -158,11 +158,11 @@ class _CartesianSlopes:
     first: IntArray
 
     @property
-    def back(self) -> PolarSlopes:
+    def inverse(self) -> PolarSlopes:
         """From stretch and angle to slope vectors."""
         return PolarSlopes(self.first)
 
-    def moved(self, nodes: FloatArray) -> FloatArray:
+    def to_nodes(self, nodes: FloatArray) -> FloatArray:
         """Stretch and angle, the angle within half a turn."""
         polar = nodes.copy()
         x, y = 1 + nodes[..., self.first], nodes[..., self.first + 1]
@@ -170,7 +170,7 @@ class _CartesianSlopes:
         polar[..., self.first + 1] = np.arctan2(y, x)
         return polar
 
-    def moved_rate(self, nodes: FloatArray, rate: FloatArray) -> FloatArray:
+    def rate_to_nodes(self, nodes: FloatArray, rate: FloatArray) -> FloatArray:
         """Rates of stretch and angle."""
         polar = rate.copy()
         x, y = 1 + nodes[..., self.first], nodes[..., self.first + 1]
@@ -181,7 +181,7 @@ class _CartesianSlopes:
         return polar
 
 
-def held_places(mechanism: Mechanism, mass: LinkMass, link: str, exact: bool) -> list[float]:
+def required_nodes(mechanism: Mechanism, mass: LinkMass, link: str, exact: bool) -> list[float]:
     """Places along a link that need a node.
 
     Point masses and bodies, and on exact beams points at which loads or springs act: a cable
@@ -214,7 +214,7 @@ def held_places(mechanism: Mechanism, mass: LinkMass, link: str, exact: bool) ->
     return places
 
 
-def gripped_places(mechanism: Mechanism, mass: LinkMass, link: str) -> list[float]:
+def places_with_angles(mechanism: Mechanism, mass: LinkMass, link: str) -> list[float]:
     """Places along a link of cables at which something holds or asks for the angle, in m.
 
     Parameters
@@ -252,7 +252,7 @@ def turned_bodies(mechanism: Mechanism, mass: LinkMass, link: str) -> list[LinkB
     return [LinkBody(place, 0.0) for place in places]
 
 
-def hanging_on(topology: Topology, end: LinkEnd) -> list[str]:
+def dependent_joints(topology: Topology, end: LinkEnd) -> list[str]:
     """Joints whose leading link ends in another joint's follower and is placed by its leader.
 
     What they put on the end that carries the leader's place, they put on the follower's link.

@@ -78,10 +78,10 @@ def joint_forces(model: StaticModel, state: FloatArray) -> Iterator[JointForce]:
             angle = state[assembly.parts[guide].coordinates][2]
             cosine, sine = np.cos(angle), np.sin(angle)
             normal = np.array([cosine * x - sine * y, sine * x + cosine * y])
-        held = on(line.slider.link_end, own(line.constraint)[0] * normal)
-        yield held
+        on_end = on(line.slider.link_end, own(line.constraint)[0] * normal)
+        yield on_end
         if line.slider.guide:
-            yield JointForce(guide, held.place, -held.force)
+            yield JointForce(guide, on_end.place, -on_end.force)
     for item in () if model.connectors is None else model.connectors.joints:
         if item.radial is None:
             continue
@@ -97,7 +97,7 @@ def joint_forces(model: StaticModel, state: FloatArray) -> Iterator[JointForce]:
             yield on(item.leader, -force)
 
 
-def turning_stiffness(model: StaticModel, state: FloatArray, couples: FloatArray) -> FloatArray:
+def geometric_stiffness(model: StaticModel, state: FloatArray, couples: FloatArray) -> FloatArray:
     """Stiffness against turning of rigid links, hubs and bodies at nodes after a static solution.
 
     Loads and springs on points of rigid links are not counted.

@@ -262,9 +262,9 @@ class StaticConnectors:
         if item.turning is not None:
             there = motion.at(slice(number, number + 1))
             angles = self._continuous(motion)[number : number + 1]
-            opening, rate = (x[0, 2] for x in joint_gap(assembly.topology, there, own, angles))
-            stands = sum(sign * pose[angle_of_end(assembly, end)] for sign, end in ends)
-            offset = stands - opening + own.free_angle
+            joint_angle, rate = (x[0, 2] for x in joint_gap(assembly.topology, there, own, angles))
+            model_angle = sum(sign * pose[angle_of_end(assembly, end)] for sign, end in ends)
+            offset = model_angle - joint_angle + own.free_angle
             for load, sign in zip(item.drag, (-1.0, 1.0), strict=False):
                 torque = float(sign * own.torsional_damping * rate)
                 assembly.mbs.SetLoadParameter(load, "load", torque)

@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import LAST_STEP, MAX_ITERATIONS, RELATIVE_RESIDUAL, free_load
-from flexmech.linkages import LinkEnd, RigidMotion, shown_crank_angle
+from flexmech.linear_system import LAST_STEP, MAX_ITERATIONS, RELATIVE_RESIDUAL, swelling_force
+from flexmech.linkages import LinkEnd, RigidMotion, picture_crank_angle
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.connectors import ConnectorItems, angle_of_end
@@ -78,17 +78,17 @@ class StaticModel:
         topology = assembly.topology
         if topology.ties or topology.sliders or topology.clamps[1:]:
             linkage = mechanism.linkage
-            angle = linkage.motion(shown_crank_angle(linkage)).angle
+            angle = linkage.motion(picture_crank_angle(linkage)).angle
             self.ties = add_ties(assembly, angle, sprung_alone=connects)
             self.sliders = add_sliders(assembly)
             self._add_further_clamps(angle)
         assembly.mbs.Assemble()
 
     @property
-    def free_load(self) -> float:
+    def swelling_force(self) -> float:
         """Force by which swelling that is held back pulls and bends an element, at most."""
         loads = (
-            free_load(part.section, np.diff(part.positions).min())
+            swelling_force(part.section, np.diff(part.positions).min())
             for _, part in self.assembly.beams
         )
         return max(loads, default=0.0)
@@ -159,19 +159,21 @@ class StaticModel:
     def _add_supports(self, fixed: ItemNumber, sprung_alone: bool) -> list[tuple[ItemNumber, int]]:
         """Hold clamped and pivoted coordinates; returns constraints and what they hold."""
         assembly = self.assembly
-        held: list[tuple[LinkEnd, tuple[int, ...]]] = []
+        fixed_ends: list[tuple[LinkEnd, tuple[int, ...]]] = []
         for number, clamp in enumerate(assembly.topology.clamps):
             turning = assembly.turning_coordinate(clamp.link_end)
             if turning is not None:
-                held.append((clamp.link_end, (0, 1, turning)))
+                fixed_ends.append((clamp.link_end, (0, 1, turning)))
             else:
                 # The slope of the first clamped cable lies along the frame's x axis.
-                held.append((clamp.link_end, (0, 1) if number else (0, 1, assembly.kind.clamped)))
+                fixed_ends.append(
+                    (clamp.link_end, (0, 1) if number else (0, 1, assembly.kind.clamped))
+                )
         for pivot in assembly.topology.pivots:
             if pivot.sprung and sprung_alone:
                 continue
             if assembly.is_at_node(pivot.link_end):
-                held.append((pivot.link_end, (0, 1)))
+                fixed_ends.append((pivot.link_end, (0, 1)))
             else:
                 ground, pin = assembly.add_ground_pin(
                     f"pivot_{pivot.joint}", pivot.link_end, [0.0, 0.0, 0.0]
@@ -179,7 +181,7 @@ class StaticModel:
                 self.grounds.append((pivot.link_end, ground, pin))
         offsets = []
         radius = {clamp.link_end: clamp.hub for clamp in assembly.topology.clamps if clamp.hub}
-        for place, coordinates in held:
+        for place, coordinates in fixed_ends:
             node, first = assembly.end_node(place), assembly.first_coordinate(place)
             for coordinate in coordinates:
                 constraint = assembly.add_constraint(

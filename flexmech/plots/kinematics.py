@@ -188,7 +188,7 @@ def plot_transmission_angle(dataset: xr.Dataset, *, ax: AxesLike | None = None) 
     InputError
         If there are no linkages, or more than there are styles to tell them apart.
     """
-    names = style.told_apart(reading.names_of(dataset, "linkage"))
+    names = style.distinct_names(reading.names_of(dataset, "linkage"))
     curves = np.degrees(reading.values_of(dataset["transmission_angle"], "linkage", "crank_angle"))
     angles, attrs = reading.degrees(dataset["crank_angle"]), dataset.attrs
     with sheet(grid(1, 1, 3.2), ax=ax) as drawn:
@@ -234,7 +234,7 @@ def plot_coupler_curve(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
         If there are no states, or more than there are styles to tell them apart.
     """
     states, angles = (
-        style.told_apart(reading.names_of(dataset, "state")),
+        style.distinct_names(reading.names_of(dataset, "state")),
         reading.degrees(dataset["crank_angle"]),
     )
     curves = reading.values_of(dataset["position"], "state", "crank_angle", "component")[:, None]
@@ -299,7 +299,7 @@ def plot_coupler_angles(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> F
         If there are no states, or more than there are styles to tell them apart.
     """
     states, angles = (
-        style.told_apart(reading.names_of(dataset, "state")),
+        style.distinct_names(reading.names_of(dataset, "state")),
         reading.degrees(dataset["crank_angle"]),
     )
     angle = np.degrees(reading.values_of(dataset["angle"], "link", "state", "crank_angle"))

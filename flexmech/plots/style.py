@@ -236,7 +236,7 @@ def series_handles(labels: Iterable[str], points: FloatArray | None = None) -> l
     return [line_handle(label, **series_line(n, points)) for n, label in enumerate(labels)]
 
 
-def told_apart(names: list[str]) -> list[str]:
+def distinct_names(names: list[str]) -> list[str]:
     """Names of series, if there are some and each can have a style of its own."""
     if not 1 <= len(names) <= len(SERIES_STYLES):
         raise InputError(f"one to {len(SERIES_STYLES)} series can be drawn, got {len(names)}")

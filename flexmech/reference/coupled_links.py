@@ -9,7 +9,7 @@ import numpy as np
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.link_matrices import Coupling
 from flexmech.linear_system import LinkFrames
-from flexmech.reference.turning_element import Ties
+from flexmech.reference.dependent_element import Ties
 
 
 class CoupledLinks:
@@ -38,7 +38,7 @@ class CoupledLinks:
         self._couplings = dict(couplings)
         self.columns = [self._columns(link) for link in self._couplings]
 
-    def resist(
+    def add_forces(
         self,
         displacement: Sequence[FloatArray],
         forces: Sequence[FloatArray],
@@ -69,10 +69,10 @@ class CoupledLinks:
         for (link, own), columns in zip(self._couplings.items(), self.columns, strict=True):
             target = self._frames.targets[link].copy()
             moved = np.zeros((len(own.rows), self._frames.size, batch))
-            for (rows, led), turn in zip(
-                self._frames.followed(link), ties.turns[link], strict=True
+            for (rows, columns_of_tie), turn in zip(
+                self._frames.dependencies(link), ties.turns[link], strict=True
             ):
-                moved[:, led] += np.einsum("kr,rcb->kcb", own.rows[:, rows], turn)
+                moved[:, columns_of_tie] += np.einsum("kr,rcb->kcb", own.rows[:, rows], turn)
                 target[rows] = -1
             free = target >= 0
             moved[:, target[free]] += own.rows[:, free, None]
@@ -82,6 +82,6 @@ class CoupledLinks:
 
     def _columns(self, link: int) -> IntArray:
         target = self._frames.targets[link]
-        led = [columns for _, columns in self._frames.followed(link)]
-        found = np.unique(np.concatenate([target, *led]))
+        columns_of_tie = [columns for _, columns in self._frames.dependencies(link)]
+        found = np.unique(np.concatenate([target, *columns_of_tie]))
         return found[found >= 0]

@@ -71,7 +71,7 @@ class ReferenceEngine(Engine):
         "geometrically-exact": "timoshenko",
     }
     masses: ClassVar[tuple[MassChoice, ...]] = MASSES
-    holds_ends: ClassVar[bool] = True
+    restrains_ends: ClassVar[bool] = True
     theories: ClassVar[dict[str, str]] = {theory: theory for theory in BEAM_SHAPES}
 
     @classmethod
@@ -134,11 +134,11 @@ class ReferenceEngine(Engine):
         return [link.readings.nodes for link in self.clamped_links]
 
     @cached_property
-    def _tied_frames(self) -> LinkFrames:
+    def _rigid_joint_frames(self) -> LinkFrames:
         """Frames of links whose sprung joints hold as rigid ones do."""
-        if self.tied_topology == self.mechanism.linkage.topology:
+        if self.rigid_joint_topology == self.mechanism.linkage.topology:
             return self.equilibrium.frames
-        return LinkFrames(self.tied_topology, self.clamped_links)
+        return LinkFrames(self.rigid_joint_topology, self.clamped_links)
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
@@ -201,7 +201,7 @@ class ReferenceEngine(Engine):
         assert stressed.internal_force is not None
         dead, columns = self._dead(motion, loads, displacement), [q.T for q in displacement]
         fallen, stiffness = [np.zeros_like(q) for q in columns], dead.by_link(columns)
-        dead.resist(fallen, columns)
+        dead.add_forces(fallen, columns)
         for number, link in enumerate(self.clamped_links):
             if link.rigid:
                 fallen[number][2] = stiffness[number] * columns[number][2]
@@ -219,8 +219,8 @@ class ReferenceEngine(Engine):
         frames, links = self.equilibrium.frames, self.clamped_links
         found, dead = None, self._dead(motion, loads, displacement)
         columns = [q.T for q in displacement]
-        of_chains = dead.stiffen(of_chains, columns)
-        dead.resist([each.T for each in force], columns)
+        of_chains = dead.add_stiffness(of_chains, columns)
+        dead.add_forces([each.T for each in force], columns)
         if frames.has_arms:
             beside = [load - own for load, own in zip(loads, force, strict=True)]
             found = self.equilibrium.stiffness_of_rigid(motion, displacement, beside, dead)
@@ -250,7 +250,7 @@ class ReferenceEngine(Engine):
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links in tension."""
-        frames = self._tied_frames
+        frames = self._rigid_joint_frames
         loads = self._straight_loads(motion)
         straight = straight_forces(
             self.mechanism, frames, motion, loads, self._lumped, self.connectors
@@ -264,7 +264,7 @@ class ReferenceEngine(Engine):
             for number, chain in self.chains.items()
         }
         drawn = [np.zeros_like(load.T) for load in loads]
-        tangent = self._dead(motion, loads).stiffen(tangent, drawn)
+        tangent = self._dead(motion, loads).add_stiffness(tangent, drawn)
         return with_rigid_links(frames, tangent, straight.stiffness, loads)
 
     def _varying(self, motion: RigidMotion) -> list[FloatArray]:
@@ -273,7 +273,7 @@ class ReferenceEngine(Engine):
         A corotational element knows its mean tension by itself; what inertia forces add
         inside it is the varying part.
         """
-        if ties_beyond_pins(self._tied_frames):
+        if ties_beyond_pins(self._rigid_joint_frames):
             # What the joints carry changes the mean alone.
             nothing, gravity = np.zeros((*motion.angle.shape, 2)), self.mechanism.gravity
             forces = LinkForces(

@@ -31,7 +31,7 @@ from flexmech.linear_system import (
     DeadMoments,
     LinkFrames,
     LinkMatrix,
-    PoseStiffness,
+    RigidGeometricStiffness,
     link_matrices,
     refuse_positions,
     whole,
@@ -41,7 +41,7 @@ from flexmech.reference import banded
 from flexmech.reference.corotational import CorotationalElements
 from flexmech.reference.coupled_links import CoupledLinks
 from flexmech.reference.force_balance import ForceBalance
-from flexmech.reference.linkage_tangents import LinkageTangents, turned_by
+from flexmech.reference.linkage_tangents import LinkageTangents, angle_per_unit
 from flexmech.reference.newton_state import Imbalance, Problem, State
 from flexmech.reference.nodal_chains import element_ends, node_forces, relative_coordinates
 from flexmech.reference.radial_springs import RadialSprings
@@ -108,7 +108,7 @@ class Equilibrium:
         self._force_scale = min(
             e.section.bending_stiffness / float(e.length.sum()) ** 2 for e in links.values()
         )
-        self._turned_by = turned_by(frames, links)[:, None]
+        self._angle_per_unit = angle_per_unit(frames, links)[:, None]
 
     def solve(
         self,
@@ -181,7 +181,7 @@ class Equilibrium:
         displacement: Sequence[FloatArray],
         beside: Sequence[FloatArray],
         dead: DeadMoments,
-    ) -> PoseStiffness:
+    ) -> RigidGeometricStiffness:
         """Stiffness of rigid links and sliders at given displacements.
 
         Parameters
@@ -195,14 +195,14 @@ class Equilibrium:
 
         Returns
         -------
-        PoseStiffness
+        RigidGeometricStiffness
         """
-        posed = self.frames.displaced_ties_by(motion, displacement)
+        displaced = self.frames.displaced_ties_by(motion, displacement)
         columns = [q.T for q in displacement]
         inner = [-each.T for each in beside]
-        turning = self._springs.resist(motion, columns, inner)
-        found = posed.stiffness([-each.T for each in inner], dead.by_link(columns))
-        return replace(found, turning=found.turning + turning)
+        rotation_stiffness = self._springs.add_forces(motion, columns, inner)
+        found = displaced.geometric_stiffness([-each.T for each in inner], dead.by_link(columns))
+        return replace(found, rotation_stiffness=found.rotation_stiffness + rotation_stiffness)
 
     def _in_steps(self, problem: Problem, steps: int) -> State:
         """Newton's method with the load brought on in steps; who fails in one is left there."""
@@ -277,7 +277,9 @@ class Equilibrium:
 
     def _turned(self, change: FloatArray) -> FloatArray:
         """Greatest angle in rad that a change (size, B) of the displacements stands for, (B,)."""
-        return np.asarray(np.abs(change * self._turned_by).max(axis=0, initial=0.0), dtype=float)
+        return np.asarray(
+            np.abs(change * self._angle_per_unit).max(axis=0, initial=0.0), dtype=float
+        )
 
     def response(
         self, displacement: Sequence[FloatArray], extra: Sequence[FloatArray]

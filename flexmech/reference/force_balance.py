@@ -15,11 +15,11 @@ from flexmech.arrays import FloatArray
 from flexmech.linear_system import DeadMoments
 from flexmech.reference.corotational import CorotationalElements, LinearStrain
 from flexmech.reference.coupled_links import CoupledLinks
+from flexmech.reference.dependent_element import Ties
 from flexmech.reference.linkage_tangents import LinkageTangents, TangentEntries
 from flexmech.reference.newton_state import Imbalance, Problem
 from flexmech.reference.nodal_chains import node_forces, relative_coordinates
 from flexmech.reference.radial_springs import RadialSprings
-from flexmech.reference.turning_element import Ties
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class ForceBalance:
         """
         entries, ties = self.tangents.entries(z.shape[1]), self.ties(z, problem)
         displacement = self.tangents.link_displacement(z, ties)
-        inner, strains = self._resting(displacement), []
+        inner, strains = self._rigid_link_forces(displacement), []
         for place, (number, extra) in enumerate(zip(self.links, problem.extra, strict=True)):
             relative = relative_coordinates(displacement[number], self.per_node)
             force, tangent, strain = self.links[number].relative_response(
@@ -81,42 +81,46 @@ class ForceBalance:
             tangent += extra
             inner[number] = node_forces(force, self.per_node)
             strains.append(strain)
-        problem.dead.resist(inner, displacement)
+        problem.dead.add_forces(inner, displacement)
         self._stiffen(problem.dead, displacement, entries)
-        self.coupled.resist(displacement, inner, problem.swelling)
-        turning: FloatArray | None = None
+        self.coupled.add_forces(displacement, inner, problem.swelling)
+        rotation_stiffness: FloatArray | None = None
         springs: Iterable[FloatArray] = ()
         if self.springs.columns:
-            turning = self.springs.resist(problem.motion, displacement, inner)
+            rotation_stiffness = self.springs.add_forces(problem.motion, displacement, inner)
             springs = self.springs.tangents(problem.motion, displacement, ties)
         springs = chain(springs, self.coupled.tangents(ties, z.shape[1]))
         residual = self._unbalanced(inner, ties, problem)
-        if problem.loads is None or ties.posed is None:
+        if problem.loads is None or ties.displaced is None:
             return Imbalance(residual, self.tangents.band(entries, ties, springs=springs), strains)
-        beside = [(load - force).T for load, force in zip(problem.loads, inner, strict=True)]
-        stiffness = ties.posed.stiffness(beside, problem.dead.by_link(displacement))
-        if turning is not None:
-            stiffness = replace(stiffness, turning=stiffness.turning + turning)
-        band = self.tangents.band(entries, ties, ties.posed.matrix(stiffness), springs)
+        unbalanced = [(load - force).T for load, force in zip(problem.loads, inner, strict=True)]
+        stiffness = ties.displaced.geometric_stiffness(
+            unbalanced, problem.dead.by_link(displacement)
+        )
+        if rotation_stiffness is not None:
+            stiffness = replace(
+                stiffness, rotation_stiffness=stiffness.rotation_stiffness + rotation_stiffness
+            )
+        band = self.tangents.band(entries, ties, ties.displaced.matrix(stiffness), springs)
         return Imbalance(residual, band, strains)
 
     def residual(self, z: FloatArray, problem: Problem) -> FloatArray:
         """Outer minus inner forces (size, B) of displacements (size, B), without tangents."""
         ties = self.ties(z, problem)
         displacement = self.tangents.link_displacement(z, ties)
-        inner = self._resting(displacement)
+        inner = self._rigid_link_forces(displacement)
         for number, extra in zip(self.links, problem.extra, strict=True):
             relative = relative_coordinates(displacement[number], self.per_node)
             force = self.links[number].relative_force(relative, problem.swelling)
             force += (extra * relative[:, None]).sum(axis=2)
             inner[number] = node_forces(force, self.per_node)
-        problem.dead.resist(inner, displacement)
-        self.coupled.resist(displacement, inner, problem.swelling)
+        problem.dead.add_forces(inner, displacement)
+        self.coupled.add_forces(displacement, inner, problem.swelling)
         if self.springs.columns:
-            self.springs.resist(problem.motion, displacement, inner)
+            self.springs.add_forces(problem.motion, displacement, inner)
         return self._unbalanced(inner, ties, problem)
 
-    def _resting(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
+    def _rigid_link_forces(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
         """Forces of rigid links, which are none; room for those of the others."""
         return [np.zeros_like(q) if n not in self.links else q for n, q in enumerate(displacement)]
 
@@ -124,14 +128,14 @@ class ForceBalance:
         """Outer minus inner forces (n_link, B), on the independent coordinates, (size, B)."""
         if problem.loads is None:
             return problem.outer - self.tangents.gather(inner, ties)
-        beside = [load - force for load, force in zip(problem.loads, inner, strict=True)]
-        return self.tangents.gather(beside, ties)
+        unbalanced = [load - force for load, force in zip(problem.loads, inner, strict=True)]
+        return self.tangents.gather(unbalanced, ties)
 
     def _stiffen(
         self, dead: DeadMoments, displacement: Sequence[FloatArray], entries: TangentEntries
     ) -> None:
         """Add to tangents of flexible links what their bodies resist a turn with."""
-        for link, (rows, stiffness) in dead.turning(displacement).items():
+        for link, (rows, stiffness) in dead.rotation_stiffness(displacement).items():
             if link not in self.links:
                 continue
             tangent = entries.of_link(link)

@@ -19,7 +19,7 @@ from flexmech.beams.elements import BeamElements
 from flexmech.linear_system import LinkFrames
 from flexmech.linkages import RigidMotion
 from flexmech.reference.corotational import CorotationalElements
-from flexmech.reference.turning_element import Ties, TurningElement
+from flexmech.reference.dependent_element import DependentElement, Ties
 
 
 @dataclass(frozen=True)
@@ -113,24 +113,24 @@ class LinkageTangents:
         """
         if not self.ties_move:
             turns = [
-                [np.ascontiguousarray(np.moveaxis(led.turn, 0, -1)) for led in following]
-                for following in self._frames.dependent_rows(motion)
+                [np.ascontiguousarray(np.moveaxis(tie.turn, 0, -1)) for tie in dependent]
+                for dependent in self._frames.dependent_rows(motion)
             ]
             return Ties(turns, None)
-        posed = self._frames.displaced_ties(motion, z[: self._rigid_count].T)
-        turns = [[np.moveaxis(led.turn, 0, -1) for led in rows] for rows in posed.rows]
-        return Ties(turns, posed)
+        displaced = self._frames.displaced_ties(motion, z[: self._rigid_count].T)
+        turns = [[np.moveaxis(tie.turn, 0, -1) for tie in rows] for rows in displaced.rows]
+        return Ties(turns, displaced)
 
     def link_displacement(self, z: FloatArray, ties: Ties) -> list[FloatArray]:
         """Coordinates (n_link, B) of each link from independent ones (size, B)."""
         result = []
         for link, target in enumerate(self._frames.targets):
             q = np.where(target[:, None] >= 0, z[target], 0.0)
-            following = self._frames.followed(link)
+            dependent = self._frames.dependencies(link)
             for number, ((rows, columns), turn) in enumerate(
-                zip(following, ties.turns[link], strict=True)
+                zip(dependent, ties.turns[link], strict=True)
             ):
-                place = None if ties.posed is None else ties.posed.rows[link][number].place
+                place = None if ties.displaced is None else ties.displaced.rows[link][number].place
                 q[rows] = (turn * z[columns]).sum(axis=1) if place is None else place.T
             result.append(q)
         return result
@@ -145,7 +145,7 @@ class LinkageTangents:
             return self._frames.independent(motion, columns)[..., 0].T.copy()
         z = np.zeros((self._frames.size, len(displacement[0])))
         for link, (target, q) in enumerate(zip(self._frames.targets, displacement, strict=True)):
-            own = self._frames.own(link)
+            own = self._frames.independent_coordinates(link)
             z[target[own]] = q.T[own]
         pose = self._frames.displaced_ties_by(motion, displacement).pose
         z[: self._rigid_count] = pose.y[:, self._frames.rigid.independent_coordinates].T
@@ -157,7 +157,7 @@ class LinkageTangents:
         for link, (target, force) in enumerate(zip(self._frames.targets, forces, strict=True)):
             free = target >= 0
             for (rows, columns), turn in zip(
-                self._frames.followed(link), ties.turns[link], strict=True
+                self._frames.dependencies(link), ties.turns[link], strict=True
             ):
                 total[columns] += (turn * force[rows][:, None]).sum(axis=0)
                 free[rows] = False
@@ -220,21 +220,21 @@ class LinkageTangents:
         springs = sum(len(columns) ** 2 for columns in self._springs)
         return self._inner_count + self._turning_count + self._rigid_count**2 + springs
 
-    def _turning_elements(self) -> list[TurningElement]:
+    def _turning_elements(self) -> list[DependentElement]:
         """Elements of which a row follows, in the order of their entries."""
         turning, first, size = [], self._inner_count, 2 * self._per_node
         for link, elements in self._links.items():
             of_element: dict[int, list[tuple[int, IntArray]]] = {}
             count = len(elements.elements.length)
-            for number, (rows, _) in enumerate(self._frames.followed(link)):
+            for number, (rows, _) in enumerate(self._frames.dependencies(link)):
                 element = min(int(rows.min()) // self._per_node, count - 1)
                 local = rows - self._per_node * element
                 assert local.max() < size
                 of_element.setdefault(element, []).append((number, local))
             for element, ties in sorted(of_element.items()):
                 target = self._frames.targets[link][self._per_node * element + np.arange(size)]
-                following = [self._frames.followed(link)[number][1] for number, _ in ties]
-                turning.append(TurningElement.of(link, element, ties, target, following, first))
+                dependent = [self._frames.dependencies(link)[number][1] for number, _ in ties]
+                turning.append(DependentElement.of(link, element, ties, target, dependent, first))
                 first += len(turning[-1].columns) ** 2
         return turning
 
@@ -263,7 +263,7 @@ class LinkageTangents:
         return _Entries(*(np.concatenate(x) for x in zip(*parts, strict=True)))
 
 
-def turned_by(frames: LinkFrames, links: Mapping[int, BeamElements]) -> FloatArray:
+def angle_per_unit(frames: LinkFrames, links: Mapping[int, BeamElements]) -> FloatArray:
     """Angle in rad that a unit of each coordinate of z stands for.
 
     A displacement stands for its part of the shortest link, a curvature for the turn over its

@@ -11,7 +11,7 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import DeadMoments
 from flexmech.linkages import RigidMotion
 from flexmech.reference.corotational import LinearStrain
-from flexmech.reference.turning_element import Ties
+from flexmech.reference.dependent_element import Ties
 
 
 @dataclass(frozen=True)

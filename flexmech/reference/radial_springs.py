@@ -17,7 +17,7 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import LinkFrames
 from flexmech.linkages import JointSpring, LinkEnd, RigidMotion
 from flexmech.linkages.motion import direction, normal
-from flexmech.reference.turning_element import Ties
+from flexmech.reference.dependent_element import Ties
 
 
 @dataclass(frozen=True)
@@ -52,15 +52,15 @@ class RadialSprings:
         self._frames = frames
         topology = frames.topology
         sprung = topology.sprung_joints
-        held = [own for own in springs if own.joint in sprung and own.radial_stiffness]
-        self._stiffness = [float(own.radial_stiffness or 0.0) for own in held]
+        sprung_joints = [own for own in springs if own.joint in sprung and own.radial_stiffness]
+        self._stiffness = [float(own.radial_stiffness or 0.0) for own in sprung_joints]
         self._ends = [
             [self._end(sign, end) for sign, end in zip((1.0, -1.0), ends, strict=True) if end]
-            for ends in (topology.pinned_ends[own.joint] for own in held)
+            for ends in (topology.pinned_ends[own.joint] for own in sprung_joints)
         ]
         self.columns = [self._columns(ends) for ends in self._ends]
 
-    def resist(
+    def add_forces(
         self,
         motion: RigidMotion,
         displacement: Sequence[FloatArray],
@@ -79,7 +79,7 @@ class RadialSprings:
         ndarray, shape (B, n_links)
             Stiffness of rigid links against turning by forces that keep their direction.
         """
-        turning = np.zeros(motion.angle.shape)
+        stiffness_of_rotation = np.zeros(motion.angle.shape)
         for stiffness, ends in zip(self._stiffness, self._ends, strict=True):
             force = stiffness * self._gap(motion, displacement, ends)
             for end in ends:
@@ -90,8 +90,10 @@ class RadialSprings:
                     turned = angle + displacement[end.link][2]
                     arm = end.sign * end.x
                     own[2] += arm * np.sum(force * normal(turned), axis=1)
-                    turning[:, end.link] -= arm * np.sum(force * direction(turned), axis=1)
-        return turning
+                    stiffness_of_rotation[:, end.link] -= arm * np.sum(
+                        force * direction(turned), axis=1
+                    )
+        return stiffness_of_rotation
 
     def tangents(
         self, motion: RigidMotion, displacement: Sequence[FloatArray], ties: Ties
@@ -128,7 +130,7 @@ class RadialSprings:
                 continue
             target = self._frames.targets[end.link][end.rows]
             found.append(target[target >= 0])
-            for rows, columns in self._frames.followed(end.link):
+            for rows, columns in self._frames.dependencies(end.link):
                 if np.isin(end.rows, rows).any():
                     found.append(columns[columns >= 0])
         return np.unique(np.concatenate(found))
@@ -159,16 +161,16 @@ class RadialSprings:
         angle = motion.angle[:, end.link]
         axes = end.sign * np.stack([direction(angle).T, normal(angle).T], axis=1)
         if end.rigid:
-            assert ties.posed is not None
-            pose, among = ties.posed.pose, self._frames.rigid.of_link(end.link)
+            assert ties.displaced is not None
+            pose, among = ties.displaced.pose, self._frames.rigid.of_link(end.link)
             turned = normal(angle + displacement[end.link][2]).T
             own = np.concatenate([axes, end.sign * end.x * turned[:, None]], axis=1)
             by_y = pose.coordinates[:, among]
             moved[:, : by_y.shape[2]] += np.einsum("cyb,byn->cnb", own, by_y)
             return
-        following = self._frames.followed(end.link)
+        dependencies = self._frames.dependencies(end.link)
         target = self._frames.targets[end.link][end.rows]
-        for number, (rows, columns) in enumerate(following):
+        for number, (rows, columns) in enumerate(dependencies):
             place = np.flatnonzero(np.isin(end.rows, rows))
             if len(place):
                 turn = ties.turns[end.link][number][np.searchsorted(rows, end.rows[place])]

@@ -58,7 +58,7 @@ def moving_linkage(mechanism: Mechanism, results: Results, arrays: Arrays) -> di
         ``parts`` of :func:`flexmech.mechanism.drawn_parts`, ``box`` in m, ``shapes`` and ``runs``
         with displacements in link frames, and ``path``.
     """
-    degrees = _standing(mechanism)
+    degrees = _assemblable_angles(mechanism)
     linkage, topology = mechanism.linkage, mechanism.linkage.topology
     motion = linkage.motion(np.radians(degrees))
     turn = np.unwrap(motion.angle, axis=0)
@@ -125,7 +125,7 @@ def _joints(topology: Topology) -> list[dict[str, Any]]:
     return found
 
 
-def _standing(mechanism: Mechanism) -> FloatArray:
+def _assemblable_angles(mechanism: Mechanism) -> FloatArray:
     """Crank angles in whole degrees at which the linkage stands, without a gap between them."""
     degrees = np.arange(0.0, 361.0)
     stands = assemblable(mechanism.linkage, np.radians(degrees))

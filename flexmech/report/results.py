@@ -11,7 +11,7 @@ from typing import TypeVar
 import numpy as np
 
 from flexmech import analyses
-from flexmech.analyses.netcdf import read_netcdf, told_as_damaged
+from flexmech.analyses.netcdf import read_netcdf, reported_as_damaged
 from flexmech.errors import InputError
 from flexmech.files import given_path
 from flexmech.units import from_si
@@ -133,7 +133,7 @@ def stored_results(folder: str | Path) -> Results:
     files = sorted(folder.rglob("*.nc"), key=lambda path: (len(path.parts), path))
     whole = {path.parent for path in files if path.name == BOTH_STATES}
     parts = {place / name for place in whole for name in EACH_STATE}
-    with told_as_damaged(folder):
+    with reported_as_damaged(folder):
         found = tuple(_load(path) for path in files if path not in parts)
         if not found:
             raise InputError(

@@ -29,7 +29,7 @@ from flexmech.dynamical_systems import (
 )
 from flexmech.linear_system import Engine, LinearSystem, point_rows
 from flexmech.time_domain import forced_linkage
-from flexmech.time_domain.periodic_motion.forced_linkage import static_remainder
+from flexmech.time_domain.periodic_motion.forced_linkage import residual_flexibility
 
 ORDERS = np.arange(-2, 3)
 CENTRE = 2
@@ -222,7 +222,7 @@ def test_nothing_is_left_out_where_all_coordinates_move() -> None:
     moving = LinkageSolver(engine, "equilibrium", 2).moving_modes(50.0)
     stressed = engine.stressed_links(moving.turn.motion, "equilibrium")
     point = LinkPoint(engine.links[0].name, 1.0)
-    assert not static_remainder(moving, stressed, point, point).any()
+    assert not residual_flexibility(moving, stressed, point, point).any()
 
 
 def test_modes_that_coincide_leave_half_of_the_digits() -> None:

@@ -51,7 +51,7 @@ def test_forces_are_the_gradient_of_the_energy(linkage):
     for stretch in linkage.stretch.links:
         size = stretch.gradient.shape[1]
         q = 1e-2 * random.normal(size=(1, size))
-        force = stretch.remainder(q, 0 * q)[0][0]
+        force = stretch.nonlinear_forces(q, 0 * q)[0][0]
         slope = np.imag(stretch.energy(q + 1e-30j * np.eye(size))) / 1e-30
         assert force == pytest.approx(slope, rel=1e-10, abs=1e-10 * np.abs(force).max())
 
@@ -62,14 +62,14 @@ def test_forces_one_by_one_are_those_of_the_links(linkage):
     time = np.array([0.01, 0.07])
     motion = linkage.motion(time)
     z, v = 1e-3 * random.normal(size=(2, 2, linkage.size))
-    turns = linkage.stretch.pin_turns(motion)
+    turns = linkage.stretch.pin_rotations(motion)
     parts = linkage.frames.link_motion(motion, z, v, 0 * z)
     forces = [
-        sum(stretch.remainder(q, rate))
+        sum(stretch.nonlinear_forces(q, rate))
         for stretch, (q, rate, _) in zip(linkage.stretch.links, parts, strict=True)
     ]
     expected = linkage.frames.gather(motion, forces)
-    found = linkage.stretch.remainder(turns, z, v)
+    found = linkage.stretch.nonlinear_forces(turns, z, v)
     assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(expected).max())
 
 
@@ -78,7 +78,9 @@ def test_work_of_the_shaft_is_energy(linkage):
     time = 0.1 * linkage.drive.revolution_time * np.linspace(0.0, 1.0, 10)
     equations = linkage.quasi_static_equations(np.zeros(1))
     still = linkage.balanced(equations.quasi_static()[0])
-    pulled, tangent = linkage.stretch.still(linkage.stretch.pin_turns(equations.motion), still)
+    pulled, tangent = linkage.stretch.static_force(
+        linkage.stretch.pin_rotations(equations.motion), still
+    )
     gap = equations.force[0] - equations.stiffness[0] @ still - pulled
     left = np.linalg.solve(equations.stiffness[0] + tangent, gap)
     assert np.abs(left).max() < 1e-13 * np.abs(still).max()
@@ -133,7 +135,7 @@ def test_interpolated_stages_are_those_solved_one_by_one(aluminium):
     def solve(time):
         stages = np.column_stack([time - step, time]).ravel()
         rows = stage_operators(linkage.equations(stages), linkage.stretch, 2 * step)
-        return [rows.resistance, rows.force, rows.answer, rows.yielding, rows.turns.turn]
+        return [rows.resistance, rows.force, rows.compliance, rows.relaxation, rows.turns.turn]
 
     table = PositionTable(linkage, solve, reach=step)
     for found, expected in zip(table.at(TIMES), solve(TIMES), strict=True):

@@ -37,7 +37,7 @@ def middle(engine, trajectory, link=1):
 
 def quasi_static_start(linkage):
     h = 1e-5
-    position = linkage.equations(np.array([-h, 0.0, h]), still=True).quasi_static()
+    position = linkage.equations(np.array([-h, 0.0, h]), frozen=True).quasi_static()
     return position[1], (position[2] - position[0]) / (2 * h)
 
 
@@ -188,7 +188,7 @@ def test_reduction_keeps_the_stiffness_of_bowed_bell_cranks(engine):
     first = []
     for one in (full, full.unreduced()):
         equations = DrivenLinkage(one, CrankDrive(12.0), with_energy=False).equations(
-            np.array([0.05, 0.3]), still=True
+            np.array([0.05, 0.3]), frozen=True
         )
         pairs = zip(equations.stiffness, equations.mass, strict=True)
         first.append([scipy.linalg.eigvals(*pair).real.min() for pair in pairs])

@@ -256,7 +256,7 @@ def strain_energy(engine, link, displacement):
     assembly = engine.model.assembly
     part = assembly.parts[link]
     section = part.section
-    nodes = part.arms.moved(displacement)
+    nodes = part.arms.to_nodes(displacement)
     strains = assembly.kind.strains(nodes, 0 * nodes, np.diff(part.positions), section)
     return sum(strain.energy for strain in strains)
 
@@ -280,7 +280,7 @@ def test_inner_forces_balance_the_loads(bent):
     """
     engine, _, loads, dead, equilibrium = bent
     fallen = [np.zeros_like(load.T) for load in loads]
-    dead.resist(fallen, [q.T for q in equilibrium.displacement])
+    dead.add_forces(fallen, [q.T for q in equilibrium.displacement])
     acting = [load - less.T for load, less in zip(loads, fallen, strict=True)]
     assert (
         max(np.abs(less).max() / np.abs(f).max() for less, f in zip(fallen, loads, strict=True))
@@ -300,7 +300,7 @@ def test_inner_forces_balance_the_loads(bent):
 def test_tangent_is_the_second_derivative_of_the_strain_energy(bent):
     engine, motion, _, dead, equilibrium = bent
     running = engine.running_clamped_links(motion, equilibrium.displacement)
-    turning = dead.turning([q.T for q in equilibrium.displacement])
+    turning = dead.rotation_stiffness([q.T for q in equilibrium.displacement])
     random = np.random.default_rng(1)
     for link, (place, tangent) in enumerate(
         zip(equilibrium.displacement, equilibrium.tangent, strict=True)

@@ -458,14 +458,14 @@ def test_other_pictures(invented: xr.Dataset) -> None:
 
 @pytest.mark.usefixtures("rough_pictures")
 def test_scenario(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, held_number: Callable[[str], Any]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, expected_number: Callable[[str], Any]
 ) -> None:
     """Thin links lose nearly as in bending; the study itself shows thick ones."""
     monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "scenarios"))
     module = importlib.import_module("composite_crank_rockers")
     answer = module.main(tmp_path, thickness=np.array([0.1e-3]), elements=2)
     bent, sheared = (answer.ratios[name] for name in ("euler", "timoshenko"))
-    assert bent["factor"][0] == held_number("composite_crank_rockers")
+    assert bent["factor"][0] == expected_number("composite_crank_rockers")
     assert bent["damping"] == pytest.approx([0.353], abs=1e-3)
     assert 0.4 < sheared["damping"][0] < 0.5
     assert [path.name for path in tmp_path.iterdir()] == ["link_size.png"]

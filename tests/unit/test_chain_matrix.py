@@ -100,7 +100,9 @@ def test_flexibility_is_the_inverse() -> None:
     forces = RNG.normal(size=(len(free), 3))
     for form in (matrix, matrix.whole()):
         flexibility = Flexibility(form, free)
-        assert flexibility.answers(forces) == pytest.approx(inverse @ forces, rel=1e-9, abs=1e-9)
+        assert flexibility.displacements(forces) == pytest.approx(
+            inverse @ forces, rel=1e-9, abs=1e-9
+        )
         trace = float(np.sum(inverse * other.whole()[np.ix_(free, free)]))
         assert flexibility.trace_with(other) == pytest.approx(trace, rel=1e-9)
 

@@ -44,16 +44,16 @@ def test_forces_on_guides_are_in_the_equations_in_time(prestress: str) -> None:
     equations = linkage.equations(np.array([angle / 20.0]))
     motion = engine.mechanism.linkage.motion(np.array([angle]), 20.0)
     stressed = engine.stressed_links(motion, prestress)
-    assert stressed.guiding is not None
-    assert np.abs(stressed.guiding).max() > 0.1
+    assert stressed.guide_stiffness is not None
+    assert np.abs(stressed.guide_stiffness).max() > 0.1
     # In time, coordinates of rigid links stay in the frames of the rigid motion.
     straight: StressedLinks = replace(stressed, displacement=None)
     nothing = [LinkDamping(0 * x.damping, 0 * x.damping) for x in engine.links]
     with_guides, without = (
         linkage.frames.assemble(
-            motion, straight.tangent, RotationTerms(), nothing, guiding
+            motion, straight.tangent, RotationTerms(), nothing, guide_stiffness
         ).stiffness
-        for guiding in (stressed.guiding, None)
+        for guide_stiffness in (stressed.guide_stiffness, None)
     )
     scale = np.abs(with_guides - without).max()
     assert scale > 0.1

@@ -83,15 +83,15 @@ def test_stiffness_is_the_second_derivative_of_the_work_of_dead_forces(
         lever = np.array([-turned[1], turned[0]])
         forces[0, rigid.of_link(link)] = [*force, force @ lever]
         virial[0, link] = force @ turned
-    found = pose.stiffness(at_points, forces, virial)
+    found = pose.geometric_stiffness(at_points, forces, virial)
     total = np.zeros((rigid.size, rigid.size))
     for link in rigid.links:
-        total[rigid.of_link(link)[2], rigid.of_link(link)[2]] = found.turning[0, link]
+        total[rigid.of_link(link)[2], rigid.of_link(link)[2]] = found.rotation_stiffness[0, link]
     for number, slider in enumerate(topology.sliders):
         if slider.guide:
             turn = rigid.of_link(topology.index(slider.guide))[2]
             slide = 3 * len(rigid.links) + number
-            total[turn, slide] = total[slide, turn] = found.guiding[0, number]
+            total[turn, slide] = total[slide, turn] = found.guide_stiffness[0, number]
     matrix = pose.coordinates[0].T @ total @ pose.coordinates[0]
     count, step = w.shape[1], 1e-3
     numbers = np.eye(count)
@@ -128,8 +128,8 @@ def test_a_bar_in_tension_resists_with_its_force_over_its_length() -> None:
     angle = motion.angle[0, 0]
     force = pull * np.array([[np.cos(angle), np.sin(angle)]])
     point = next(p for p in map(rigid.leader, joint_points(topology)) if p is not None)
-    found = pose.stiffness({point: force}, np.zeros((1, 3)), np.zeros((1, 2)))
-    assert found.turning[0, 0] / length**2 == pytest.approx(pull / length, rel=1e-12)
+    found = pose.geometric_stiffness({point: force}, np.zeros((1, 3)), np.zeros((1, 2)))
+    assert found.rotation_stiffness[0, 0] / length**2 == pytest.approx(pull / length, rel=1e-12)
 
 
 def rigid_fourbar(linkage: FourBar) -> RigidCoordinates:

@@ -61,7 +61,7 @@ def newton_group(linkage: PlanarLinkage) -> NewtonGroup:
 
 
 def followed(linkage: PlanarLinkage):
-    return newton_group(linkage).follow(linkage._assembly._driven)
+    return newton_group(linkage).trace_path(linkage._assembly._driven)
 
 
 # --- places that are one ------------------------------------------------------------------------

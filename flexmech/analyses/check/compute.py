@@ -29,7 +29,7 @@ from flexmech.linkages import (
     Topology,
     assemblable,
     linkage_positions,
-    shown_crank_angle,
+    picture_crank_angle,
 )
 from flexmech.linkages.topology import End
 from flexmech.mechanism import Mechanism, drawing
@@ -106,7 +106,7 @@ def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCh
         # Not every linkage can stand at crank angle zero; what is known of it is right even so.
         dataset.attrs["without_frequencies"] = str(error)
     with suppress(InputError):  # assembled at no angle that is tried: there is nothing to draw
-        posture = shown_crank_angle(mechanism.linkage) if crank_angle is None else at
+        posture = picture_crank_angle(mechanism.linkage) if crank_angle is None else at
         drawn = drawn_mechanism(mechanism, posture)
         dataset = dataset.merge(drawn).assign_attrs(drawn.attrs)
     dataset.attrs["remarks"] = "\n".join(remarks(mechanism, frequency))

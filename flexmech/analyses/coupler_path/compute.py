@@ -34,7 +34,7 @@ from flexmech.linkages import (
     RigidMotion,
     coupler_sextic,
     double_points,
-    shown_crank_angle,
+    picture_crank_angle,
 )
 from flexmech.linkages.motion import direction
 from flexmech.mechanism import Mechanism, drawing
@@ -204,7 +204,7 @@ def coupler_paths(
 
 def _shown(mechanism: Mechanism, angles: FloatArray) -> float:
     """The crank angle of the path at which a picture shows the linkage best."""
-    best = shown_crank_angle(mechanism.linkage)
+    best = picture_crank_angle(mechanism.linkage)
     return float(angles[np.argmin(np.abs(angles - best))])
 
 

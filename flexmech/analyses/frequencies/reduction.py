@@ -173,7 +173,7 @@ class UnreducedPositions:
         massless = any(not (link.rigid or diagonal(link.mass).all()) for link in links)
         if not chains or massless or engine.rigid_modes or engine.connectors.any:
             return None
-        if self.stressed.guiding is not None:
+        if self.stressed.guide_stiffness is not None:
             return None
         motion = engine.mechanism.linkage.motion(self.crank_angle, self.crank_speed)
         terms = formulation.rotation_terms

@@ -262,7 +262,7 @@ def lowest_axial_frequency(engine: Engine, crank_angle: FloatArray) -> float:
     float
     """
     engine.check_runs()
-    topology = engine.tied_topology
+    topology = engine.rigid_joint_topology
     links = [_straight(link) for link in engine.links]
     frames = LinkFrames(topology, links)
     matrices = frames.assemble(

@@ -107,7 +107,7 @@ def _on_periodic_motion(engine: Engine, request: ResponseRequest, step: float) -
         return found
 
     placed = without_second_order_stretch(
-        LinkFrames(engine.tied_topology, engine.links),
+        LinkFrames(engine.rigid_joint_topology, engine.links),
         motion,
         was,
         linear_forces(engine, motion, was, request.prestress),
@@ -224,7 +224,7 @@ def _stretching_on_periodic_motion(
 
     def internal_forces(displacement: list[FloatArray]) -> list[FloatArray]:
         return [
-            p @ link.stiffness + stretch.remainder(p, np.zeros_like(p))[0]
+            p @ link.stiffness + stretch.nonlinear_forces(p, np.zeros_like(p))[0]
             for (link, stretch), p in zip(links, displacement, strict=True)
         ]
 

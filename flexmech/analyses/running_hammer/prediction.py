@@ -190,11 +190,11 @@ def _connected(
     """Stiffness of loads, springs and guides at crank angles (N,) of the unreduced links."""
     frames = engine.frames
     found = engine.connected_matrices(frames, motion, request.prestress, stressed.displacement)
-    guiding = stressed.guiding
-    if guiding is None or not guiding.any():
+    guide_stiffness = stressed.guide_stiffness
+    if guide_stiffness is None or not guide_stiffness.any():
         return None if found is None else found.stiffness
-    guided = frames.guided(motion, guiding)
-    return guided if found is None else found.stiffness + guided
+    guide_matrix = frames.guide_matrix(motion, guide_stiffness)
+    return guide_matrix if found is None else found.stiffness + guide_matrix
 
 
 def frozen_response(

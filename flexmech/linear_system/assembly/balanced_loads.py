@@ -1,10 +1,10 @@
 """Loads of a quasi-static equilibrium that depend on its displacements.
 
-These are the forces of springs, forces that turn with links, and the inertia forces of links that
-turn as one body (:mod:`flexmech.linear_system.links.carried_inertia`). An engine's solver displaces
-the links under given forces. Those are sought that are the right ones at that displacement: from
-the last one a step of Newton's method with the links' tangent stiffness predicts where the links
-will be, and the forces there are the next load.
+These are the forces of springs, follower forces, and the inertia forces of links that rotate as
+one body (:mod:`flexmech.linear_system.links.displaced_inertia`). An engine's solver finds
+the displacement under given forces. The loads are those at that displacement, found by Newton's
+method: the links' tangent stiffness predicts the next displacement, and the forces there are the
+next load.
 """
 
 from __future__ import annotations
@@ -17,27 +17,27 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.position_errors import LESS_LOADED, refuse_positions
-from flexmech.linear_system.links.carried_inertia import CarriedInertia
 from flexmech.linear_system.links.chains import LinkMatrix, whole
+from flexmech.linear_system.links.displaced_inertia import DisplacedInertia
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.loads.connectors import Connectors
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.sections import BeamSection
 
-# Passes of Newton's method: linkages with springs take four or five; what takes ten times as many
-# goes to and fro.
+# Passes of Newton's method: linkages with springs take four or five; one that takes ten times as
+# many oscillates.
 MOST_PASSES = 60
 # Greatest change of a load in the last pass, relative to the greatest. A pass gains more than that.
 LAST_PASS = 1e-10
 # A change that is smaller than this and no longer falls is the round-off of an engine's solver.
-STILL_APART = 1e-8
-STILL = RotationTerms.all_or_none(False)
+STAGNATED = 1e-8
+FROZEN = RotationTerms.all_or_none(False)
 
 
 @dataclass(frozen=True)
 class BalancedLoads:
-    """Loads on the links, and where the links are that they belong to.
+    """Loads on the links, and the displacement at which they act.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def balanced_loads(
     solve: Solve,
     tangents: Callable[[list[FloatArray]], Sequence[LinkMatrix]],
     *,
-    carried: CarriedInertia | None = None,
+    displaced_inertia: DisplacedInertia | None = None,
     solve_connects: bool = False,
 ) -> BalancedLoads:
     """Loads on the links with those that depend on where the links are.
@@ -80,7 +80,7 @@ def balanced_loads(
         Displacements (B, n_link) at equilibrium under :class:`BalancedLoads`.
     tangents : callable
         Tangent stiffness (B, n_link, n_link) at displacements.
-    carried : CarriedInertia, optional
+    displaced_inertia : DisplacedInertia, optional
         Inertia forces by which the displacement of the links changes those among ``loads``.
     solve_connects : bool
         Whether ``solve`` counts the connectors, whose forces are then not among the result.
@@ -95,41 +95,44 @@ def balanced_loads(
         Where no such forces are found, or inertia forces grow faster with the displacement than
         the links' forces; names the crank angle.
     """
-    acting = _Acting(connectors, carried, motion, connects=not solve_connects)
+    acting = _DisplacementForces(connectors, displaced_inertia, motion, connects=not solve_connects)
     force = acting.forces(None)
-    if carried is None and not connectors.depend_on_displacement:
+    if displaced_inertia is None and not connectors.depend_on_displacement:
         return BalancedLoads(_sum(loads, force), None)
     stiffness: Sequence[LinkMatrix] = [link.stiffness for link in frames.links]
     displacement = [np.zeros_like(load) for load in loads]
-    gap = frames.gather(motion, _sum(loads, force))
-    if carried is not None:
+    residual = frames.gather(motion, _sum(loads, force))
+    if displaced_inertia is not None:
         # Near its first frequency a body is stiff by its tension alone, which it has then.
         displacement = solve(BalancedLoads(_sum(loads, force), None))
         stiffness = tangents(displacement)
-        gap = frames.gather(motion, acting.beyond(force, displacement))
-    apart = np.full(len(motion.crank_angle), np.inf)
-    converged = np.zeros(len(apart), dtype=bool)
+        residual = frames.gather(motion, acting.excess(force, displacement))
+    load_change = np.full(len(motion.crank_angle), np.inf)
+    converged = np.zeros(len(load_change), dtype=bool)
     for number in range(MOST_PASSES):
         against = acting.stiffness(frames, stiffness, displacement)
-        step = frames.link_coordinates(motion, np.linalg.solve(against, gap[..., None]))
+        step = frames.link_coordinates(motion, np.linalg.solve(against, residual[..., None]))
         moved = [q + change[..., 0] for q, change in zip(displacement, step, strict=True)]
         before, force = force, acting.forces(moved)
-        last, apart = apart, greatest([b - a for a, b in zip(before, force, strict=True)])
+        last, load_change = (
+            load_change,
+            greatest([b - a for a, b in zip(before, force, strict=True)]),
+        )
         size = np.maximum(greatest(force), greatest(loads))
-        still = (apart <= STILL_APART * size) & (2 * apart >= last)
-        converged |= (apart <= LAST_PASS * size) | still
+        stagnated = (load_change <= STAGNATED * size) & (2 * load_change >= last)
+        converged |= (load_change <= LAST_PASS * size) | stagnated
         if number and converged.all():
-            if carried is not None:
+            if displaced_inertia is not None:
                 _refuse_instability(motion, against)
             return BalancedLoads(_sum(loads, force), moved)
         displacement = solve(BalancedLoads(_sum(loads, force), moved))
         stiffness = tangents(displacement)
-        gap = frames.gather(motion, acting.beyond(force, displacement))
+        residual = frames.gather(motion, acting.excess(force, displacement))
     refuse_positions(
         motion,
         ~converged,
         "no equilibrium with the forces that depend on the displacement of the links",
-        f": they still change by {float((apart / size).max()):.3g} of the greatest after "
+        f": they still change by {float((load_change / size).max()):.3g} of the greatest after "
         f"{MOST_PASSES} passes; use softer springs, smaller loads or a lower crank speed, or "
         "prestress 'axial'",
     )
@@ -137,13 +140,13 @@ def balanced_loads(
 
 
 @dataclass(frozen=True)
-class _Acting:
-    """Forces on the links that depend on where they are.
+class _DisplacementForces:
+    """Forces on the links that depend on their displacement.
 
     Parameters
     ----------
     connectors : Connectors
-    carried : CarriedInertia or None
+    displaced_inertia : DisplacedInertia or None
     motion : RigidMotion
         Batch of shape (B,).
     connects : bool
@@ -151,26 +154,26 @@ class _Acting:
     """
 
     connectors: Connectors
-    carried: CarriedInertia | None
+    displaced_inertia: DisplacedInertia | None
     motion: RigidMotion
     connects: bool
 
     def forces(self, displacement: Sequence[FloatArray] | None) -> list[FloatArray]:
-        """Forces (B, n_link) at a displacement; of links where they are drawn where it is None."""
+        """Forces (B, n_link) at a displacement; of undisplaced links where it is None."""
         batch = len(self.motion.crank_angle)
         total = (
             self.connectors.forces(self.motion, displacement)
             if self.connects
             else [np.zeros((batch, link.size)) for link in self.connectors.links]
         )
-        if self.carried is None or displacement is None:
+        if self.displaced_inertia is None or displacement is None:
             return total
-        return _sum(total, self.carried.on_drawn(displacement))
+        return _sum(total, self.displaced_inertia.on_undeformed(displacement))
 
-    def beyond(
+    def excess(
         self, counted: Sequence[FloatArray], displacement: Sequence[FloatArray]
     ) -> list[FloatArray]:
-        """By how much forces at a displacement are beyond those that it was found under."""
+        """Forces at a displacement less those under which it was found."""
         return [b - a for a, b in zip(counted, self.forces(displacement), strict=True)]
 
     def stiffness(
@@ -179,19 +182,19 @@ class _Acting:
         stiffness: Sequence[LinkMatrix],
         displacement: Sequence[FloatArray],
     ) -> FloatArray:
-        """Stiffness of the linkage against such forces, (B, size, size), from its links'."""
-        if self.carried is not None:
-            pairs = zip(stiffness, self.carried.matrices(displacement), strict=True)
+        """Tangent stiffness of the linkage with these forces, (B, size, size)."""
+        if self.displaced_inertia is not None:
+            pairs = zip(stiffness, self.displaced_inertia.matrices(displacement), strict=True)
             stiffness = [whole(tangent) - matrix for tangent, matrix in pairs]
-        links = frames.assemble(self.motion, stiffness, STILL)
+        links = frames.assemble(self.motion, stiffness, FROZEN)
         added = self.connectors.added(
-            frames, self.motion, links, STILL, "equilibrium", displacement
+            frames, self.motion, links, FROZEN, "equilibrium", displacement
         )
         return added.stiffness
 
 
 def _refuse_instability(motion: RigidMotion, stiffness: FloatArray) -> None:
-    """Refuse a body that forces drive away from where it would stand."""
+    """Refuse an equilibrium that is statically unstable."""
     symmetric = (stiffness + np.swapaxes(stiffness, 1, 2)) / 2
     refuse_positions(
         motion,
@@ -237,8 +240,8 @@ Four forces meet at a node, each of a product and a sum.
 FARTHEST = 0.5
 
 
-def free_load(section: BeamSection, length: float) -> float:
-    """Force in N by which swelling that is restrained pulls and bends an element of a length."""
+def swelling_force(section: BeamSection, length: float) -> float:
+    """Force in N of an element of a length whose free strain and curvature are restrained."""
     bending = abs(section.free_curvature) * section.bending_stiffness / length
     return bending + abs(section.free_strain) * section.axial_stiffness
 

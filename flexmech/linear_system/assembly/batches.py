@@ -1,4 +1,4 @@
-"""Batches of positions, whose matrices are in memory at a time."""
+"""Batches of positions by memory, and checks of an engine's arguments."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ STORED_COLUMNS = 100
 
 
 def batch_size(links: Sequence[LinkModel]) -> int:
-    """Positions of a linkage to hold in memory at a time."""
+    """Number of positions of a linkage to hold in memory at a time."""
     entries = 0
     for link in links:
         chain = isinstance(link.stiffness, ChainMatrix)
@@ -32,10 +32,10 @@ def batch_size(links: Sequence[LinkModel]) -> int:
 
 
 def equal_batches(count: int, size: int) -> list[slice]:
-    """Batches of so many positions, of equal size.
+    """Batches of equal size for a number of positions.
 
-    A batch may exceed the size asked for by a quarter: it takes some time however small it is, and
-    a small last one is spared.
+    A batch may exceed the requested size by a quarter, which avoids a small last one: each batch
+    takes some time however small it is.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Links along a turn over which nothing changes in their frames, such as welded ones on a shaft."""
+"""Linkages that are constant in their frames over a turn, such as welded links on a shaft."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ UNCHANGED = 1e-13
 
 
 def turns_or_slides(topology: Topology) -> bool:
-    """Whether a link turns against another one or slides, so that the map of coordinates moves.
+    """Whether a link turns against another one or slides, so that the constraints vary.
 
     Parameters
     ----------
@@ -34,8 +34,8 @@ def turns_or_slides(topology: Topology) -> bool:
     return bool(topology.pins or topology.sliders)
 
 
-def unchanged(arrays: Iterable[FloatArray], size: float = 0.0) -> bool:
-    """Whether arrays (B, ...) are the same at all positions but for round-off.
+def all_constant(arrays: Iterable[FloatArray], size: float = 0.0) -> bool:
+    """Whether arrays (B, ...) are constant over the positions, up to round-off.
 
     Parameters
     ----------
@@ -54,12 +54,12 @@ def unchanged(arrays: Iterable[FloatArray], size: float = 0.0) -> bool:
     )
 
 
-def same_answers(answers: ConnectedMatrices, motion: RigidMotion) -> bool:
-    """Whether connectors answer displacements and velocities alike at all positions.
+def has_constant_tangents(tangents: ConnectedMatrices, motion: RigidMotion) -> bool:
+    """Whether stiffness and damping of connectors are constant over the positions.
 
     Parameters
     ----------
-    answers : ConnectedMatrices
+    tangents : ConnectedMatrices
         Over a batch of shape (B,).
     motion : RigidMotion
         Of that batch.
@@ -69,15 +69,15 @@ def same_answers(answers: ConnectedMatrices, motion: RigidMotion) -> bool:
     bool
     """
     # A spring without tension pulls by round-off, which damping forces are large against.
-    turning = float(np.abs(motion.crank_speed).max() * np.abs(answers.damping).max())
-    return unchanged((answers.stiffness + answers.turning, answers.damping), turning)
+    turning = float(np.abs(motion.crank_speed).max() * np.abs(tangents.damping).max())
+    return all_constant((tangents.stiffness + tangents.rate_stiffness, tangents.damping), turning)
 
 
 def is_constant_turn(engine: Engine, motion: RigidMotion) -> bool:
-    """Whether nothing that acts on the links changes in their frames from position to position.
+    """Whether all forces on the links are constant in the link frames over the positions.
 
     It is computed: no link turns against another one, and the forces of inertia, gravity, loads
-    and springs on the straight links, and what springs answer, are the same at all positions.
+    and springs on the straight links, and the stiffness of springs, are constant.
 
     Parameters
     ----------
@@ -96,13 +96,13 @@ def is_constant_turn(engine: Engine, motion: RigidMotion) -> bool:
     if connectors.any:
         # Together: a spring without tension pulls by round-off, which differs at all positions.
         loads = [a + b for a, b in zip(loads, connectors.forces(motion), strict=True)]
-    if not unchanged((motion.angular_velocity, motion.angular_acceleration, *loads)):
+    if not all_constant((motion.angular_velocity, motion.angular_acceleration, *loads)):
         return False
     if not connectors.depend_on_displacement:
         return True
-    frames = LinkFrames(engine.tied_topology, links)
-    answers = connectors.matrices(frames, motion, "equilibrium")
-    return same_answers(answers, motion)
+    frames = LinkFrames(engine.rigid_joint_topology, links)
+    tangents = connectors.matrices(frames, motion, "equilibrium")
+    return has_constant_tangents(tangents, motion)
 
 
 def stressed_along_turn(
@@ -111,7 +111,7 @@ def stressed_along_turn(
     prestress: Prestress,
     near: Sequence[FloatArray] | None = None,
 ) -> StressedLinks:
-    """Links at their stress; where nothing changes along the turn, one position stands for all.
+    """Stressed links over a turn; where all is constant, one position is solved for all.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The kinds of element that an engine has, their beam theories, and which a mechanism needs."""
+"""Element kinds of an engine, their beam theories, and the choice for a mechanism."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from flexmech.mechanism import Mechanism
 
 
 class ElementKinds(ABC):
-    """What an engine's elements are to beam theory.
+    """Element kinds of an engine and the beam theory of each.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class ElementKinds(ABC):
     """Of each element of another engine, this one's of the same beam theory or the nearest."""
     theories: ClassVar[dict[str, str]]
     """Beam theory of each element."""
-    holds_ends: ClassVar[bool] = False
+    restrains_ends: ClassVar[bool] = False
     """Whether links of off-axis plies bend and twist between joints as in three dimensions."""
     element: str
 
@@ -40,7 +40,7 @@ class ElementKinds(ABC):
     @classmethod
     @abstractmethod
     def compare_theories(cls, mechanism: Mechanism, modes: int) -> TheoryComparison:
-        """Hold beam theories against each other on a mechanism at rest.
+        """Compare beam theories on a mechanism at rest.
 
         Parameters
         ----------
@@ -104,7 +104,7 @@ elastic moduli of most materials are known to."""
 ELASTICITY = "elasticity"
 """In the place of a theory: plane stress for links whose soft layers are compressed."""
 
-HELD_ENDS = "held ends"
+RESTRAINED_ENDS = "held ends"
 """In the place of a theory: Timoshenko's, and links of off-axis plies between joints as in three
 dimensions."""
 
@@ -135,8 +135,8 @@ class TheoryComparison:
     Parameters
     ----------
     frequency : callable
-        Of a theory's name, :data:`ELASTICITY` or :data:`HELD_ENDS`: its frequencies in Hz at some
-        crank angles, (A, modes).
+        Of a theory's name, :data:`ELASTICITY` or :data:`RESTRAINED_ENDS`: its frequencies in Hz at
+        some crank angles, (A, modes).
     eccentric : bool
         Whether a neutral axis is off the pins' axis, which asks for a beam that shears.
     """
@@ -145,7 +145,7 @@ class TheoryComparison:
     eccentric: bool
 
     def difference(self, theory: str, finer: str) -> TheoryDifference:
-        """Greatest difference of a theory from a finer one, over crank angles and modes."""
+        """Greatest relative difference of a theory from a finer one over angles and modes."""
         by_mode = np.abs(self.frequency(theory) / self.frequency(finer) - 1).max(axis=0)
         mode = int(by_mode.argmax())
         noticed = np.flatnonzero(by_mode > NEGLIGIBLE)
@@ -155,13 +155,13 @@ class TheoryComparison:
 
     @property
     def finest(self) -> str:
-        """What other theories are held against: elasticity where zigzag beams fall short of it."""
+        """The finest theory: elasticity where zigzag beams differ from it, else theirs."""
         short = self.difference("zigzag", ELASTICITY).value > NEGLIGIBLE
         return ELASTICITY if short else "zigzag"
 
     @property
     def suitable(self) -> str:
-        """The simplest theory whose frequencies a finer one does not change noticeably."""
+        """The simplest theory whose frequencies a finer one changes negligibly."""
         slender = self.difference("euler", "timoshenko").value <= NEGLIGIBLE
         # Zigzag beams are between the two: what shear does not change, warping cannot.
         if slender:

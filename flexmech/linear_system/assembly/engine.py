@@ -1,4 +1,4 @@
-"""What an engine is, and all that two finite-element engines have in common."""
+"""Engine: the contract and the common part of the finite-element engines."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ class Engine(EngineLinks):
         shaft: ShaftChoice | None = None,
         mass: MassChoice | None = None,
     ) -> Self:
-        """Make the same engine with something changed.
+        """Make a copy of the engine with some parameters changed.
 
         Parameters
         ----------
@@ -172,7 +172,7 @@ class Engine(EngineLinks):
         )
 
     def unreduced(self) -> Self:
-        """Make the same engine without component modes; what is built of links serves both."""
+        """Make a copy without component modes that shares the link models."""
         other = copy(self)
         vars(other).update(component_modes=False, _component_modes_asked=False, _reductions={})
         return other
@@ -204,7 +204,7 @@ class Engine(EngineLinks):
 
     @property
     def _computes(self) -> tuple[int, str, bool, str, str]:
-        """What decides over the results, besides the mechanism."""
+        """Parameters that determine the results, besides the mechanism."""
         return self.elements, self.element, self.component_modes, self.shaft, self.mass
 
     @property
@@ -217,7 +217,7 @@ class Engine(EngineLinks):
         return sum(len(mass.lumps(count)) for mass, count in elements)
 
     def check_runs(self) -> None:
-        """Refuse what is for natural frequencies alone.
+        """Refuse models that are for natural frequencies alone.
 
         Raises
         ------
@@ -244,11 +244,11 @@ class Engine(EngineLinks):
 
     @property
     def batch_size(self) -> int:
-        """Positions to hold in memory at a time."""
+        """Number of positions to hold in memory at a time."""
         return batch_size(self.links)
 
     def batches(self, count: int) -> list[slice]:
-        """Batches of equal size, into which so many positions are cut."""
+        """Batches of equal size for a number of positions."""
         return equal_batches(count, self.batch_size)
 
     def linear_system(
@@ -334,7 +334,7 @@ class Engine(EngineLinks):
                     "modes or more elements",
                     most_modes=system.size,
                 )
-            return self._marked(system)
+            return self._with_rigid_modes(system)
         greatest = float(np.max(np.abs(motion.angular_velocity), initial=0.0))
         if not terms.any:
             greatest = 0.0
@@ -344,7 +344,9 @@ class Engine(EngineLinks):
         reduction = self._reduction(modes or SYSTEM_MODES, greatest, loaded, detail)
         if reduction.frames.rigid.size:
             motion = self.frames.displaced(motion, stressed.displacement)
-        return self._marked(reduced_system(self.links, reduction, motion, stressed, terms, connect))
+        return self._with_rigid_modes(
+            reduced_system(self.links, reduction, motion, stressed, terms, connect)
+        )
 
     def _stressed(
         self, motion: RigidMotion, prestress: Prestress, running: Sequence[FloatArray] | None
@@ -353,9 +355,9 @@ class Engine(EngineLinks):
             return self.stressed_links(motion, prestress)
         return self.running_links(motion, running)
 
-    def _marked(self, system: LinearSystem) -> LinearSystem:
-        """The system, which knows how many of its modes are rigid."""
-        circulates = self.connectors.follows
+    def _with_rigid_modes(self, system: LinearSystem) -> LinearSystem:
+        """The system with its number of rigid modes, and whether forces circulate."""
+        circulates = self.connectors.circulates
         if not (self.rigid_modes or circulates):
             return system
         return replace(system, rigid_modes=self.rigid_modes, circulates=circulates)
@@ -366,7 +368,7 @@ class Engine(EngineLinks):
         prestress: Prestress,
         displacement: Sequence[FloatArray] | None,
     ) -> Connect | None:
-        """What loads and springs add to matrices; None where there are none."""
+        """Function that adds stiffness and damping of loads and springs; None without them."""
         connectors = self.connectors
         if not connectors.any:
             return None
@@ -391,8 +393,8 @@ class Engine(EngineLinks):
                 fastest,
                 couples_axially=loaded,
                 detail=detail,
-                answers_damping=any(link.damping.any() for link in self.links),
+                with_damping_shapes=any(link.damping.any() for link in self.links),
                 couples=joint_couples(self.mechanism, self.connectors),
-                parts_mass=True,
+                decouples_mass=True,
             )
         return self._reductions[key]

@@ -1,4 +1,4 @@
-"""Links of an engine, at their stress and with their shaft prescribed or free."""
+"""Stressed links of an engine with a prescribed or a free shaft."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from flexmech.linear_system.assembly.balanced_loads import BalancedLoads, Solve,
 from flexmech.linear_system.assembly.element_kinds import ElementKinds
 from flexmech.linear_system.assembly.free_shaft import FreeShaft
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.links.carried_inertia import CarriedInertia, turns_as_one_body
-from flexmech.linear_system.links.dead_moments import DeadMoments, without_own_turning
+from flexmech.linear_system.links.dead_moments import DeadMoments, without_spin_softening
+from flexmech.linear_system.links.displaced_inertia import DisplacedInertia, turns_as_one_body
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.link_stretch import LinkStretch
 from flexmech.linear_system.links.stressed_links import StressedLinks
@@ -27,18 +27,18 @@ from flexmech.mechanism import Mechanism
 
 
 class EngineLinks(ElementKinds):
-    """Links of an engine as its linear systems are made of them.
+    """Link models of an engine from which its linear systems are assembled.
 
-    An engine gives the links in frames that turn as prescribed, and their states with the shaft's
-    rotation at zero. That of a free shaft is one more coordinate: it changes none of them.
+    An engine gives the links in frames that rotate as prescribed, with the shaft's rotation at
+    zero. That of a free shaft is one more coordinate; it changes none of their states.
 
     Attributes
     ----------
     name : str
     mechanism : Mechanism
     solves_connectors : bool
-        Whether the engine's own equilibrium counts loads and springs; they are among its loads
-        where it does not.
+        Whether the engine's own equilibrium includes loads and springs; otherwise their forces
+        are applied as loads.
     """
 
     name: ClassVar[str]
@@ -53,19 +53,19 @@ class EngineLinks(ElementKinds):
         return self.mechanism.linkage.topology if shaft is None else shaft.topology
 
     @cached_property
-    def tied_topology(self) -> Topology:
-        """Links and connections where forces in straight links are sought: all joints hold."""
-        return self.mechanism.linkage.topology.tied()
+    def rigid_joint_topology(self) -> Topology:
+        """Links and connections with rigid joints in place of springs."""
+        return self.mechanism.linkage.topology.with_rigid_joints()
 
     @cached_property
     def links(self) -> tuple[LinkModel, ...]:
         """Unreduced link models in the topology's order, with the inertia of a free shaft."""
-        held = self.clamped_links
-        return held if self.free_shaft is None else self.free_shaft.links(held)
+        clamped = self.clamped_links
+        return clamped if self.free_shaft is None else self.free_shaft.links(clamped)
 
     @cached_property
     def frames(self) -> LinkFrames:
-        """How the unreduced links hang together."""
+        """Link frames and constraints of the unreduced links."""
         return LinkFrames(self.topology, self.links)
 
     @property
@@ -75,14 +75,14 @@ class EngineLinks(ElementKinds):
 
     @property
     def stretches(self) -> tuple[LinkStretch, ...] | None:
-        """Second-order stretch of each link; None where an engine does not tell.
+        """Second-order stretch of each link; None where an engine does not provide it.
 
-        None as well where links bend or stretch without load: it is that of straight links; and of
-        a free shaft with rigid links that guide others.
+        None as well where links bend or stretch without load, since it is that of straight links,
+        and of a free shaft with rigid links that guide others.
         """
         shaft = self.free_shaft
-        # What turns with the shaft is stiffened by what pulls at it, which rigid links and a hub
-        # tell by a stretch in natural coordinates alone.
+        # Rigid links and a hub on a free shaft have their geometric stiffness in natural
+        # coordinates alone.
         told = shaft is None or shaft.turns_far or not shaft.is_stiff
         return self.clamped_stretches if told else None
 
@@ -99,7 +99,7 @@ class EngineLinks(ElementKinds):
     ) -> StressedLinks:
         """Tangent stiffness of each link in its frame under the motion's inertia forces.
 
-        The equilibrium is that with the shaft held, whether it is free or not.
+        The equilibrium is that with a prescribed shaft, whether it is free or not.
 
         Parameters
         ----------
@@ -119,10 +119,10 @@ class EngineLinks(ElementKinds):
         ComputationError
             If the equilibrium does not converge or is unstable; names the crank angle.
         """
-        held = self.stressed_clamped_links(motion, prestress, near)
+        clamped = self.stressed_clamped_links(motion, prestress, near)
         if self._is_straight(motion, prestress):
-            return held
-        return self._without_own_turning(motion, held)
+            return clamped
+        return self._without_spin_softening(motion, clamped)
 
     @abstractmethod
     def stressed_clamped_links(
@@ -154,15 +154,15 @@ class EngineLinks(ElementKinds):
 
     @property
     def axial_modes_of_bows(self) -> int:
-        """Axial modes of a link without which its elements stretch where a bowed link bends.
+        """Number of axial modes that a bowed link needs to bend without stretch.
 
-        Zero where few smooth ones do, which is where elements stretch by their ends alone.
+        Zero where a few smooth ones are enough: where elements stretch by their ends alone.
         """
         return 0
 
     @property
     def prestress_at_rest(self) -> Prestress:
-        """Level that describes the linkage at rest.
+        """Prestress level of the linkage at rest.
 
         ``none``, unless links bend without load or loads and springs act on them.
         """
@@ -170,7 +170,7 @@ class EngineLinks(ElementKinds):
         return "equilibrium" if bent else "none"
 
     def _straight_loads(self, motion: RigidMotion) -> list[FloatArray]:
-        """Loads (B, n_link) on the held links as long as nothing has moved."""
+        """Loads (B, n_link) on the clamped links at zero displacement."""
         loads = inertia_loads(self.clamped_links, motion, self.mechanism.gravity)
         return self._with_connectors(loads, motion, None)
 
@@ -180,17 +180,21 @@ class EngineLinks(ElementKinds):
         motion: RigidMotion,
         displacement: Sequence[FloatArray] | None,
     ) -> list[FloatArray]:
-        """Loads (B, n_link) and those of connectors at a displacement of the held links."""
+        """Loads (B, n_link) with those of connectors at a displacement of the clamped links."""
         if not self.connectors.any:
             return loads
         acting = self.connectors.forces(motion, displacement)
         return [a + b for a, b in zip(loads, acting, strict=True)]
 
-    def _without_own_turning(self, motion: RigidMotion, stressed: StressedLinks) -> StressedLinks:
-        return without_own_turning(self.clamped_links, motion, stressed, self._carried(motion))
+    def _without_spin_softening(
+        self, motion: RigidMotion, stressed: StressedLinks
+    ) -> StressedLinks:
+        return without_spin_softening(
+            self.clamped_links, motion, stressed, self._displaced_inertia(motion)
+        )
 
-    def _carried(self, motion: RigidMotion) -> CarriedInertia | None:
-        return CarriedInertia.of(self.mechanism.linkage.topology, self.clamped_links, motion)
+    def _displaced_inertia(self, motion: RigidMotion) -> DisplacedInertia | None:
+        return DisplacedInertia.of(self.mechanism.linkage.topology, self.clamped_links, motion)
 
     def _dead(
         self,
@@ -199,19 +203,19 @@ class EngineLinks(ElementKinds):
         displacement: Sequence[FloatArray] | None = None,
     ) -> DeadMoments:
         """Moments on bodies and rigid links of loads (B, n_link) at a displacement."""
-        links, gravity, virial, beside = self.clamped_links, self.mechanism.gravity, None, None
+        links, gravity, virial, moments = self.clamped_links, self.mechanism.gravity, None, None
         if self.connectors.any and not self.solves_connectors:
             virial = self.connectors.virial(motion, displacement)
-        if displacement is not None and (carried := self._carried(motion)) is not None:
-            beside = carried.moments(displacement)
-        return DeadMoments.of(links, motion, gravity, loads, virial, beside)
+        if displacement is not None and (inertia := self._displaced_inertia(motion)) is not None:
+            moments = inertia.moments(displacement)
+        return DeadMoments.of(links, motion, gravity, loads, virial, moments)
 
     def _quasi_static_loads(self, motion: RigidMotion, solve: Solve) -> BalancedLoads:
-        """Loads on the held links, which ``solve`` displaces under them."""
+        """Loads on the clamped links in the equilibrium that ``solve`` finds."""
         loads = inertia_loads(self.clamped_links, motion, self.mechanism.gravity)
-        carried = self._carried(motion)
+        displaced_inertia = self._displaced_inertia(motion)
         connectors = self.connectors
-        if carried is None and (self.solves_connectors or not connectors.any):
+        if displaced_inertia is None and (self.solves_connectors or not connectors.any):
             return BalancedLoads(loads, None)
         frames = LinkFrames(self.mechanism.linkage.topology, self.clamped_links)
         return balanced_loads(
@@ -221,12 +225,12 @@ class EngineLinks(ElementKinds):
             loads,
             solve,
             lambda displacement: self.running_clamped_links(motion, displacement).tangent,
-            carried=carried,
+            displaced_inertia=displaced_inertia,
             solve_connects=self.solves_connectors,
         )
 
     def _is_straight(self, motion: RigidMotion, prestress: Prestress) -> bool:
-        """Whether the links are taken as straight and without stress."""
+        """Whether the links are linearized about the straight, stress-free state."""
         if self.mechanism.is_free_strained:
             if prestress != "equilibrium":
                 raise InputError(
@@ -259,8 +263,8 @@ class EngineLinks(ElementKinds):
         InputError
             If the engine does not linearize about given states.
         """
-        running = self.running_clamped_links(motion, displacement)
-        return self._without_own_turning(motion, running)
+        clamped = self.running_clamped_links(motion, displacement)
+        return self._without_spin_softening(motion, clamped)
 
     def running_clamped_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
@@ -288,12 +292,12 @@ class EngineLinks(ElementKinds):
         )
 
     def require_no_connectors(self, what: str) -> None:
-        """Refuse loads and springs where they are not counted.
+        """Refuse loads and springs where a computation does not include them.
 
         Parameters
         ----------
         what : str
-            Computation that does not count them.
+            Computation that does not include them.
 
         Raises
         ------
@@ -325,7 +329,7 @@ class EngineLinks(ElementKinds):
             Batch of shape (B,).
         prestress : {"none", "axial", "equilibrium"}
         displacement : sequence of ndarray, shape (B, n_link), or None
-            Of the unreduced links in the state that they are about.
+            Of the unreduced links in the state about which to linearize.
 
         Returns
         -------
@@ -357,18 +361,18 @@ class EngineLinks(ElementKinds):
 
     @property
     def turns_as_one_body(self) -> bool:
-        """Whether nothing moves against what the shaft turns.
+        """Whether all links rotate with the shaft as one body.
 
-        The body is not reduced. Component modes of straight links do not show how a free one that
-        is stretched turns as a whole, and a turn would meet a force; nor how one that bows far
-        goes on bending without stretch.
+        Such links are not reduced. Component modes of straight links do not contain the rigid
+        rotation of a stretched free one, which would then meet a force, nor the bending without
+        stretch of one that is bowed far.
         """
         return turns_as_one_body(self.mechanism.linkage.topology)
 
     @property
     def rigid_modes(self) -> int:
-        """Natural modes at rest without deformation: that of a shaft that turns freely."""
-        return 0 if self.free_shaft is None or self.connectors.holds_shaft else 1
+        """Number of rigid-body modes at rest: that of a shaft that turns freely."""
+        return 0 if self.free_shaft is None or self.connectors.restrains_shaft else 1
 
     @cached_property
     def connectors(self) -> Connectors:

@@ -16,7 +16,7 @@ import numpy as np
 from flexmech.errors import InputError
 from flexmech.linear_system.links.chains import with_entries
 from flexmech.linear_system.links.link_model import LinkModel
-from flexmech.linkages import Clamp, Topology, shown_crank_angle
+from flexmech.linkages import Clamp, Topology, picture_crank_angle
 from flexmech.mechanism import Mechanism
 
 # Part of the shaft's speed by which that of the clamped link may be off: what the kinematics of any
@@ -65,7 +65,7 @@ class FreeShaft:
             )
         clamp = topology.clamps[0]
         link = topology.index(clamp.link_end.link)
-        motion = mechanism.linkage.motion(shown_crank_angle(mechanism.linkage), 1.0)
+        motion = mechanism.linkage.motion(picture_crank_angle(mechanism.linkage), 1.0)
         if abs(float(motion.angular_velocity[link]) - 1.0) > TURNS_ALIKE:
             raise InputError(
                 f"shaft 'free' needs a link that turns with the shaft, and the "

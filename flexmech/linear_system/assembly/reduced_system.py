@@ -19,7 +19,7 @@ from flexmech.linear_system.reduction.component_modes import ComponentModes, Red
 from flexmech.linkages import RigidMotion
 
 Connect = Callable[[LinkFrames, RigidMotion, SystemMatrices, slice], SystemMatrices]
-"""Adds to matrices in some positions, those of a slice, what connects the links."""
+"""Adds to matrices in the positions of a slice those of loads and springs."""
 # Of one matrix in the positions that are assembled at a time: memory near the processor holds it.
 MATRIX_BYTES = 1_000_000
 
@@ -33,7 +33,7 @@ def unreduced_system(
 ) -> LinearSystem:
     """Linear system in all coordinates of the links that have mass.
 
-    Rotations, and nodes between lumped masses, may have none: they follow statically.
+    Rotations, and nodes between lumped masses, may have none: they are condensed statically.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def unreduced_system(
     stressed : StressedLinks
     terms : RotationTerms
     connect : callable, optional
-        Adds what connects the links to their matrices.
+        Adds the matrices of loads and springs.
 
     Returns
     -------
@@ -55,7 +55,9 @@ def unreduced_system(
         damping = [LinkDamping(matrix, matrix) for matrix in stressed.damping]
     motion = frames.displaced(motion, stressed.displacement)
     turns = body_turns(frames.links, stressed.displacement)
-    matrices = frames.assemble(motion, stressed.tangent, terms, damping, stressed.guiding, turns)
+    matrices = frames.assemble(
+        motion, stressed.tangent, terms, damping, stressed.guide_stiffness, turns
+    )
     if connect is not None:
         matrices = connect(frames, motion, matrices, slice(None))
     massless = np.all(np.diagonal(matrices.mass, axis1=1, axis2=2) == 0, axis=0)
@@ -82,7 +84,7 @@ def reduced_system(
     terms: RotationTerms,
     connect: Connect | None = None,
 ) -> LinearSystem:
-    """Linear system in component modes, some of which follow the others statically.
+    """Linear system in component modes, some of which are condensed statically.
 
     Parameters
     ----------
@@ -94,7 +96,7 @@ def reduced_system(
     stressed : StressedLinks
     terms : RotationTerms
     connect : callable, optional
-        Adds what connects the links to their matrices.
+        Adds the matrices of loads and springs.
 
     Returns
     -------
@@ -114,9 +116,11 @@ def reduced_system(
             for full, link, tangent in zip(links, reduction.links, stressed.tangent, strict=True)
         ]
         own = damping and [each.at(some) for each in damping]
-        guiding = None if stressed.guiding is None else stressed.guiding[some]
+        guide_stiffness = (
+            None if stressed.guide_stiffness is None else stressed.guide_stiffness[some]
+        )
         turned = turns and [[angle[some] for angle in each] for each in turns]
-        matrices = frames.assemble(motion.at(some), projected, terms, own, guiding, turned)
+        matrices = frames.assemble(motion.at(some), projected, terms, own, guide_stiffness, turned)
         if connect is not None:
             matrices = connect(frames, motion.at(some), matrices, some)
         forces = _damped_ends(frames, reduction, own, len(matrices.mass))
@@ -125,7 +129,7 @@ def reduced_system(
         *(_joined([getattr(m, field.name) for m, _ in parts]) for field in fields(SystemMatrices))
     )
     expansion = _joined([e for _, e in parts if e is not None]) if condensed.any() else None
-    has_unit_mass = reduction.parts_mass and expansion is None and turns is None
+    has_unit_mass = reduction.decouples_mass and expansion is None and turns is None
     return LinearSystem(
         motion,
         matrices.mass,
@@ -173,7 +177,7 @@ def _damped_ends(
     damping: Sequence[LinkDamping] | None,
     batch: int,
 ) -> FloatArray | None:
-    """What damps the motion of ends alone, on the coordinates that follow; (B, c, r) or None."""
+    """Damping forces of end motions on the condensed coordinates, (B, c, r) or None."""
     ways = [link.damped_ends.shape[1] for link in reduction.links]
     if not any(ways):
         return None

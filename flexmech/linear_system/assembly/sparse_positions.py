@@ -1,4 +1,4 @@
-"""Unreduced matrices of a linkage of many elements, as sparse ones.
+"""Sparse matrices of the unreduced links of many elements.
 
 They are those of :meth:`flexmech.linear_system.LinkFrames.assemble`, position by position. Their
 entries grow with the number of elements, where those of whole matrices grow with its square.
@@ -55,7 +55,7 @@ class SparsePositions:
         self._frames, self._stressed, self.terms = frames, stressed, terms
         self._motion = frames.displaced(motion, stressed.displacement)
         self._turns = body_turns(frames.links, stressed.displacement)
-        self._following = frames.dependent_rows(self._motion)
+        self._dependent = frames.dependent_rows(self._motion)
         self._steady = [
             tuple(map(_sparse, (link.mass, link.gyroscopic, link.centrifugal_mass)))
             for link in frames.links
@@ -76,26 +76,26 @@ class SparsePositions:
         mass, rates, total = (csc_array((size, size)) for _ in range(3))
         for number, (inertia, gyroscopic, translational) in enumerate(self._steady):
             speed = self._motion.angular_velocity[position, number]
-            faster = self._motion.angular_acceleration[position, number]
+            acceleration = self._motion.angular_acceleration[position, number]
             if self._turns is not None:
                 change = self._inertia_change(number, position)
                 inertia, gyroscopic, translational = (
                     own + more
                     for own, more in zip((inertia, gyroscopic, translational), change, strict=True)
                 )
-            resting, rate, centripetal, tangential = self._maps(number, position)
-            across = resting.T
+            value, rate, centripetal, tangential = self._maps(number, position)
+            across = value.T
             tangent, damping = self._stress(number, position)
             if terms.centripetal:
                 tangent = tangent - speed**2 * translational
             if terms.tangential:
-                tangent = tangent + faster * gyroscopic
-            mass = mass + across @ (inertia @ resting)
-            moved = tangent @ resting
+                tangent = tangent + acceleration * gyroscopic
+            mass = mass + across @ (inertia @ value)
+            moved = tangent @ value
             if damping is not None:
-                rates = rates + across @ (damping @ resting)
+                rates = rates + across @ (damping @ value)
             if terms.coriolis:
-                turning = speed * (gyroscopic @ resting) + inertia @ rate
+                turning = speed * (gyroscopic @ value) + inertia @ rate
                 rates = rates + across @ (2 * turning)
                 if damping is not None:
                     moved = moved + damping @ rate
@@ -116,7 +116,7 @@ class SparsePositions:
         return tangent, _sparse(damping) if damping.any() else None
 
     def _inertia_change(self, number: int, position: int) -> list[csc_array]:
-        """What bodies that are turned change in mass, gyroscopic matrix and centrifugal mass."""
+        """Change of mass, gyroscopic matrix and centrifugal mass by rotated bodies."""
         assert self._turns is not None
         link = self._frames.links[number]
         if not link.bodies:
@@ -130,16 +130,16 @@ class SparsePositions:
 
     def _maps(self, number: int, position: int) -> list[csc_array]:
         """``N`` of a link and its time derivatives: ``N.``, ``N..`` in its two parts."""
-        following = self._following[number]
+        dependent = self._dependent[number]
         own = self._frames.targets[number].copy()
-        for led in following:
-            own[led.rows] = -1
+        for tie in dependent:
+            own[tie.rows] = -1
         free = np.flatnonzero(own >= 0)
         shape = (len(own), self._frames.size)
         maps = []
         for name in ("turn", "rate", "centripetal", "tangential"):
             begin = (free, own[free]) if name == "turn" else (free[:0], own[:0])
-            maps.append(_map(shape, begin, following, name, position))
+            maps.append(_map(shape, begin, dependent, name, position))
         return maps
 
 
@@ -158,15 +158,15 @@ def _sparse(matrix: LinkMatrix) -> csc_array:
 def _map(
     shape: tuple[int, int],
     own: tuple[IntArray, IntArray],
-    following: Sequence[DependentRows],
+    dependent: Sequence[DependentRows],
     name: str,
     position: int,
 ) -> csc_array:
-    """Ones at places ``own``, and a part of what follows."""
+    """Sparse matrix with ones at places ``own`` and one part of the dependent rows."""
     rows, columns, entries = [own[0]], [own[1]], [np.ones(len(own[0]))]
-    for led in following:
-        rows.append(np.repeat(led.rows, len(led.columns)))
-        columns.append(np.tile(led.columns, len(led.rows)))
-        entries.append(getattr(led, name)[position].ravel())
+    for tie in dependent:
+        rows.append(np.repeat(tie.rows, len(tie.columns)))
+        columns.append(np.tile(tie.columns, len(tie.rows)))
+        entries.append(getattr(tie, name)[position].ravel())
     places = (np.concatenate(rows), np.concatenate(columns))
     return csc_array(coo_array((np.concatenate(entries), places), shape=shape))

@@ -1,8 +1,8 @@
-"""Forces in straight links under the inertia forces of the rigid motion, and what they stiffen.
+"""Forces in straight links under the rigid motion's inertia forces, and geometric stiffness.
 
-Of links that pins alone tie, the rigid linkage tells them all. Welds may make a linkage statically
-indeterminate: then they are those of the linear static solution. Rigid links meet the forces of
-their joints, which keep their direction, as springs against rotation.
+Where pins alone join the links, the forces are those of the rigid linkage. Welds may make a linkage
+statically indeterminate: then they are those of the linear static solution. Joint forces on rigid
+links, as dead loads, are a geometric stiffness against rotation.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.joints.rigid_coordinates import PoseStiffness
+from flexmech.linear_system.joints.rigid_coordinates import RigidGeometricStiffness
 from flexmech.linear_system.links.chains import LinkMatrix, with_entries
 from flexmech.linear_system.links.dead_moments import DeadMoments
 from flexmech.linear_system.links.rotation_terms import RotationTerms
@@ -36,19 +36,19 @@ class StraightForces:
     Parameters
     ----------
     loads : list of ndarray, shape (B, n_link)
-        That they are under.
+        On the links.
     links : LinkForces
-    stiffness : PoseStiffness, optional
-        Of rigid links, hubs and sliders by them; None where there are none.
+    stiffness : RigidGeometricStiffness, optional
+        Geometric stiffness of rigid links, hubs and sliders; None where there are none.
     """
 
     loads: list[FloatArray]
     links: LinkForces
-    stiffness: PoseStiffness | None
+    stiffness: RigidGeometricStiffness | None
 
 
 def ties_beyond_pins(frames: LinkFrames) -> bool:
-    """Whether there are welds, lines, rigid links or a hub: pins alone do not tell all forces."""
+    """Whether there are welds, lines, rigid links or a hub, so that pins do not tell all forces."""
     return bool(frames.topology.welds or frames.has_arms)
 
 
@@ -92,20 +92,22 @@ def straight_forces(
     if not frames.has_arms:
         return StraightForces(loads, forces, None)
     virial = None if connectors is None else connectors.virial(motion)
-    posed = frames.displaced_ties(
+    displaced = frames.displaced_ties(
         motion, np.zeros((len(motion.angle), len(frames.rigid.independent_coordinates)))
     )
     inner = [q @ link.stiffness for q, link in zip(displacement, frames.links, strict=True)]
     dead = DeadMoments.of(frames.links, motion, mechanism.gravity, loads, virial)
-    beside = [load - force for load, force in zip(loads, inner, strict=True)]
-    turning = dead.by_link([np.zeros_like(load.T) for load in loads])
-    return StraightForces(loads, forces, posed.stiffness(beside, turning))
+    unbalanced = [load - force for load, force in zip(loads, inner, strict=True)]
+    rotation_stiffness = dead.by_link([np.zeros_like(load.T) for load in loads])
+    return StraightForces(
+        loads, forces, displaced.geometric_stiffness(unbalanced, rotation_stiffness)
+    )
 
 
 def with_rigid_links(
     frames: LinkFrames,
     tangent: Mapping[int, LinkMatrix],
-    found: PoseStiffness | None,
+    found: RigidGeometricStiffness | None,
     loads: list[FloatArray] | None = None,
 ) -> StressedLinks:
     """Tangents of all links from those of flexible ones.
@@ -116,7 +118,7 @@ def with_rigid_links(
         Of the unreduced links.
     tangent : mapping of int to ndarray, shape (n, n) or (B, n, n)
         Of each flexible link.
-    found : PoseStiffness, optional
+    found : RigidGeometricStiffness, optional
         Of rigid links, hubs and sliders.
     loads : list of ndarray, shape (B, n_link), optional
 
@@ -128,16 +130,18 @@ def with_rigid_links(
     if found is None:
         return StressedLinks(list(_in_order(tangent)), loads=loads)
     tangents = [
-        np.multiply.outer(found.turning[:, number], TURN) if link.rigid else tangent[number]
+        np.multiply.outer(found.rotation_stiffness[:, number], TURN)
+        if link.rigid
+        else tangent[number]
         for number, link in enumerate(frames.links)
     ]
     for clamp in frames.topology.clamps:
         number = frames.topology.index(clamp.link_end.link)
         if clamp.hub and not (link := frames.links[number]).rigid:
             turn = link.end_rotation_of(clamp.link_end.end)[:1]
-            met = found.turning[:, number, None]
-            tangents[number] = with_entries(tangents[number], turn, turn, met)
-    return StressedLinks(tangents, loads=loads, guiding=found.guiding)
+            own = found.rotation_stiffness[:, number, None]
+            tangents[number] = with_entries(tangents[number], turn, turn, own)
+    return StressedLinks(tangents, loads=loads, guide_stiffness=found.guide_stiffness)
 
 
 def _in_order(values: Mapping[int, LinkMatrix]) -> Sequence[LinkMatrix]:
@@ -224,7 +228,7 @@ def forces_of_links(
     masses: tuple[LinkMass, ...],
     gravity: tuple[float, float],
 ) -> LinkForces:
-    """Forces in flexible links by their own displacements, determinate or not.
+    """Forces in flexible links from their displacements, statically determinate or not.
 
     Parameters
     ----------

@@ -40,7 +40,7 @@ class LinearSystem:
         From this coordinate on the mass matrix is the unit matrix in every position, and zero
         between these coordinates and those before.
     circulates : bool
-        Whether forces that turn with the links, or dampers of springs, have no potential.
+        Whether there are circulatory forces: follower forces, or dampers of springs.
     rigid_modes : int
         Natural modes that deform nothing: 1 where the shaft turns freely. They are no
         vibration, and modes are counted without them.
@@ -76,7 +76,7 @@ class LinearSystem:
         return self.frames.link_coordinates(self.motion, full)
 
     def inertial_shapes(self, vectors: NDArray[Any]) -> NDArray[Any]:
-        """Shapes whose products are weighted by the mass of the links, in any position.
+        """Shapes scaled so that their products are weighted by mass, in every position alike.
 
         The coordinates z turn with the frames, and their mass matrix changes along the way;
         the shape of each link in its own frame has the same mass everywhere.
@@ -102,7 +102,7 @@ class LinearSystem:
         return np.concatenate(parts, axis=1)
 
     def unreduced_vectors(self, vectors: NDArray[Any], frames: LinkFrames) -> NDArray[Any]:
-        """The same shapes in the coordinates of the unreduced system.
+        """Shapes in the coordinates of the unreduced system.
 
         Parameters
         ----------
@@ -144,11 +144,11 @@ class LinearSystem:
 def condense(
     matrices: SystemMatrices, condensed: NDArray[np.bool_], forces: FloatArray | None = None
 ) -> tuple[SystemMatrices, FloatArray]:
-    """Let some coordinates follow the others statically (Guyan 1965), in every position.
+    """Condense some coordinates statically (Guyan 1965) in every position.
 
-    ``V' X W`` with ``K W = 0`` and ``V' K = 0`` in the coordinates that go: the stiffness of
-    damped links in turning frames is not symmetric, and ``W' C W`` would take what it pulls
-    along for motion. The static answers to ``forces`` move by themselves.
+    ``V' X W`` with ``K W = 0`` and ``V' K = 0`` in the condensed coordinates: the stiffness of
+    damped links in rotating frames is not symmetric, and ``W' C W`` would be wrong. The static
+    responses to ``forces`` remain as coordinates.
 
     Parameters
     ----------
@@ -156,14 +156,14 @@ def condense(
         Over a batch B with ``size`` coordinates.
     condensed : ndarray of bool, shape (size,)
     forces : ndarray, shape (B, c, r), optional
-        On the c coordinates that go.
+        On the c condensed coordinates.
 
     Returns
     -------
     SystemMatrices
-        In the remaining coordinates and the answers, n together.
+        In the remaining coordinates and the static responses, n together.
     ndarray, shape (B, size, n)
-        From these to all.
+        Expansion from these to all coordinates.
     """
     gone, kept = np.flatnonzero(condensed), np.flatnonzero(~condensed)
     count = len(kept)

@@ -1,4 +1,4 @@
-"""The rigid motion in which rigid links are displaced, and links as bodies in it."""
+"""Rigid motion with rigid links displaced, and its links as bodies."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from flexmech.linkages.connection_forces import slider_line
 
 @dataclass(frozen=True)
 class DisplacedMotion(RigidMotion):
-    """Motion whose rigid links are displaced, as in an equilibrium: their frames turn with them.
+    """Rigid motion whose rigid links, with their frames, are displaced as in an equilibrium.
 
     Parameters
     ----------
@@ -25,8 +25,8 @@ class DisplacedMotion(RigidMotion):
     origin, origin_velocity, origin_acceleration : ndarray
         Likewise.
     turn : ndarray, shape (B, n_links)
-        By how much each angle is that of the displaced rigid link rather than that of the rigid
-        motion, in rad; zero of flexible links.
+        Rotation of each displaced rigid link against the rigid motion in rad; zero of flexible
+        links.
     slide : ndarray, shape (B, n_sliders)
         Displacement of each slider along its line in m.
     """
@@ -62,7 +62,7 @@ class DisplacedMotion(RigidMotion):
 
 
 def link_bodies(motion: RigidMotion, topology: Topology) -> tuple[BodyMotion, ComplexArray]:
-    """Links as bodies, and where sliders are in the axes of the links that guide them.
+    """Links as bodies, and positions of sliders in the axes of their guides.
 
     Parameters
     ----------
@@ -87,19 +87,19 @@ def link_bodies(motion: RigidMotion, topology: Topology) -> tuple[BodyMotion, Co
             drawn = BodyMotion.of_links(motion.undisplaced)
     for number, (slider, line) in enumerate(zip(topology.sliders, lines, strict=True)):
         if slider.guide:
-            held, guide, at = (
+            slider_body, guide, at = (
                 drawn.of(line.first.body),
                 drawn.of(line.second.body),
                 line.first.place,
             )
             back, turning = np.conj(guide.turn), 1j * guide.turn_1
-            apart = held.point(at) - guide.place
-            apart_1 = held.point_1(at) - guide.place_1
-            apart_2 = held.point_2(at) - guide.place_2
+            relative = slider_body.point(at) - guide.place
+            relative_1 = slider_body.point_1(at) - guide.place_1
+            relative_2 = slider_body.point_2(at) - guide.place_2
             changing = turning**2 - 1j * guide.turn_2
-            rate = back * (apart_1 - turning * apart)
-            second = back * (apart_2 - 2 * turning * apart_1 + changing * apart)
-            slid[0][:, number] += back * apart
+            rate = back * (relative_1 - turning * relative)
+            second = back * (relative_2 - 2 * turning * relative_1 + changing * relative)
+            slid[0][:, number] += back * relative
             # The point stays on its line: what round-off leaves across it is not motion.
             slid[1][:, number] = line.along * dot(line.along, rate)
             slid[2][:, number] = line.along * dot(line.along, second)
@@ -107,7 +107,7 @@ def link_bodies(motion: RigidMotion, topology: Topology) -> tuple[BodyMotion, Co
 
 
 def general_position(topology: Topology) -> RigidMotion:
-    """One position with the links at angles that have nothing to do with each other.
+    """One position with random link angles and origins, for rank decisions.
 
     Parameters
     ----------

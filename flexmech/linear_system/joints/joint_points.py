@@ -1,4 +1,4 @@
-"""Which link ends are one point, and which of them turn together."""
+"""Link ends that coincide at a joint, and link ends whose rotations are equal."""
 
 from __future__ import annotations
 
@@ -11,45 +11,45 @@ from flexmech.linkages.topology import leading_end
 
 @dataclass(frozen=True)
 class JointPoint:
-    """Link ends that pins and welds keep at one point.
+    """Link ends that coincide at a pin or a weld.
 
     Parameters
     ----------
     ends : tuple of LinkEnd
-        The one that the others follow, by the topology, comes first.
-    held : bool
-        Whether the ground or the shaft holds the point.
+        The leader, by the topology, comes first.
+    fixed : bool
+        Whether the point is fixed to the ground or to the shaft.
     slider : int, optional
-        Number of the slider that guides it.
+        Number of the slider on whose line the point is.
     hub : float
         Distance in m from the axis of a free shaft at which the point is on its hub, along the
         frame of the first end's link; zero of others.
     """
 
     ends: tuple[LinkEnd, ...]
-    held: bool
+    fixed: bool
     slider: int | None
     hub: float = 0.0
 
 
 @dataclass(frozen=True)
-class TurningJoint:
-    """Link ends that welds turn together.
+class JointRotation:
+    """Link ends that welds give equal rotations.
 
     Parameters
     ----------
     ends : tuple of LinkEnd
-        The one that the others follow, by the topology, comes first.
-    held : bool
-        Whether the shaft holds their rotation; one that is free turns with them.
+        The leader, by the topology, comes first.
+    fixed : bool
+        Whether their rotation is fixed to the prescribed shaft; one that is free rotates with them.
     """
 
     ends: tuple[LinkEnd, ...]
-    held: bool
+    fixed: bool
 
 
 def joint_points(topology: Topology) -> list[JointPoint]:
-    """Points at which link ends meet, without those that springs alone hold together.
+    """Points at which link ends coincide; joints of springs alone are not among them.
 
     Parameters
     ----------
@@ -58,24 +58,24 @@ def joint_points(topology: Topology) -> list[JointPoint]:
     Returns
     -------
     list of JointPoint
-        Of ends that are tied, held or guided; free tips are not in it.
+        Of ends that are joined, fixed or on a slider's line; free tips are not among them.
     """
-    followers = _followers(topology.rigid_ties)
+    dependent = _ends_by_leader(topology.rigid_ties)
     hubs = {clamp.link_end: clamp.hub for clamp in topology.clamps if clamp.free and clamp.hub}
-    held = {clamp.link_end for clamp in topology.clamps} - set(hubs)
-    held |= {pivot.link_end for pivot in topology.pivots if not pivot.sprung}
+    fixed = {clamp.link_end for clamp in topology.clamps} - set(hubs)
+    fixed |= {pivot.link_end for pivot in topology.pivots if not pivot.sprung}
     sliders = {slider.link_end: number for number, slider in enumerate(topology.sliders)}
-    roots = dict.fromkeys([*held, *hubs, *sliders, *followers])
+    roots = dict.fromkeys([*fixed, *hubs, *sliders, *dependent])
     return [
         JointPoint(
-            (root, *followers.get(root, ())), root in held, sliders.get(root), hubs.get(root, 0.0)
+            (root, *dependent.get(root, ())), root in fixed, sliders.get(root), hubs.get(root, 0.0)
         )
         for root in sorted(roots, key=lambda end: (topology.index(end.link), end.end == "end"))
     ]
 
 
-def turning_joints(topology: Topology) -> list[TurningJoint]:
-    """Link ends whose rotations are one, held, or that of a free shaft.
+def joint_rotations(topology: Topology) -> list[JointRotation]:
+    """Link ends whose rotations are equal, fixed, or that of a free shaft.
 
     Parameters
     ----------
@@ -83,21 +83,21 @@ def turning_joints(topology: Topology) -> list[TurningJoint]:
 
     Returns
     -------
-    list of TurningJoint
+    list of JointRotation
     """
-    followers = _followers(topology.welds)
-    held = {clamp.link_end: not clamp.free for clamp in topology.clamps}
-    roots = dict.fromkeys([*held, *followers])
+    dependent = _ends_by_leader(topology.welds)
+    fixed = {clamp.link_end: not clamp.free for clamp in topology.clamps}
+    roots = dict.fromkeys([*fixed, *dependent])
     return [
-        TurningJoint((root, *followers.get(root, ())), held.get(root, False))
+        JointRotation((root, *dependent.get(root, ())), fixed.get(root, False))
         for root in sorted(roots, key=lambda end: (topology.index(end.link), end.end == "end"))
     ]
 
 
-def _followers(ties: Sequence[Pin | Weld]) -> dict[LinkEnd, tuple[LinkEnd, ...]]:
-    """Of each end that follows none, those that follow it directly or not."""
-    followers: dict[LinkEnd, tuple[LinkEnd, ...]] = {}
+def _ends_by_leader(ties: Sequence[Pin | Weld]) -> dict[LinkEnd, tuple[LinkEnd, ...]]:
+    """Ends that depend on each leader, directly or through others."""
+    dependent: dict[LinkEnd, tuple[LinkEnd, ...]] = {}
     for tie in ties:
         root = leading_end(tie.follower, ties)
-        followers[root] = (*followers.get(root, ()), tie.follower)
-    return followers
+        dependent[root] = (*dependent.get(root, ()), tie.follower)
+    return dependent

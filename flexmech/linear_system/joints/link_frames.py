@@ -1,9 +1,9 @@
-"""Link frames: how the links' own coordinates hang together while the frames turn.
+"""Link frames: the constraints between the coordinates of links whose frames rotate.
 
-Each link's displacement is written in the frame of its rigid motion. A pin keeps the
-displacement of its joint in the leader's frame; the follower's end is
-``R(theta_follower)^T R(theta_leader)`` times it. A weld turns by an angle that does not change,
-and the rotation is one; an end on a line follows the slide; ends on rigid links follow these
+Each link's displacement is written in the frame of its rigid motion. The displacement of a pin is a
+coordinate in the leader's frame; that of the follower's end is
+``R(theta_follower)^T R(theta_leader)`` times it. At a weld the angle between the frames is constant
+and the rotations are equal; an end on a line depends on the slide, and ends on rigid links on these
 (:mod:`flexmech.linear_system.joints.rigid_coordinates`). With ``q = N(t) z``::
 
     M_r = N'MN
@@ -49,12 +49,12 @@ class LinkFrames:
     Attributes
     ----------
     targets : list of ndarray of int, shape (n_link,)
-        For each link coordinate the coordinate of z that it takes: its own, or another link's
-        that it equals or, turned, follows. -1 where it is held, and where it follows several.
+        For each link coordinate its coordinate of z: its own, or that of another link to which it
+        is equal or, rotated, related. -1 where it is fixed, and where it depends on several.
     size : int
         Number of independent coordinates.
     end_count : int
-        How many of them, the first ones, may lead others: those of rigid links and of sliders,
+        How many of them, the first ones, others may depend on: those of rigid links and of sliders,
         displacements of link ends, rotations of welded ends and of a free shaft.
     """
 
@@ -72,21 +72,21 @@ class LinkFrames:
         self.targets = self._ties.targets
         self.size, self.end_count = self._ties.size, self._ties.end_count
 
-    def following(self, link: int) -> IntArray:
-        """Coordinates of a link that follow others, turned."""
-        rows = [rows for rows, _ in self._ties.following(link)]
+    def dependent_coordinates(self, link: int) -> IntArray:
+        """Dependent coordinates of a link, (k,)."""
+        rows = [rows for rows, _ in self._ties.dependencies(link)]
         return np.concatenate([np.zeros(0, dtype=np.intp), *rows])
 
-    def followed(self, link: int) -> list[tuple[IntArray, IntArray]]:
-        """Coordinates of a link that follow, and those of z that they follow, tie by tie."""
-        return self._ties.following(link)
+    def dependencies(self, link: int) -> list[tuple[IntArray, IntArray]]:
+        """Dependent coordinates of a link and the coordinates of z that determine them, by tie."""
+        return self._ties.dependencies(link)
 
-    def own(self, link: int) -> IntArray:
-        """Coordinates of a link that are independent ones of the linkage, and lead themselves."""
-        return self._ties.own(link)
+    def independent_coordinates(self, link: int) -> IntArray:
+        """Coordinates of a link that are independent coordinates of the linkage, (k,)."""
+        return self._ties.independent_coordinates(link)
 
     def dependent_rows(self, motion: RigidMotion) -> list[list[DependentRows]]:
-        """What follows in each link, and its time derivatives.
+        """Dependent coordinates of each link by the independent ones, with time derivatives.
 
         Parameters
         ----------
@@ -111,15 +111,15 @@ class LinkFrames:
         return bool(self.rigid.size or self._ties.hubs)
 
     def displaced_ties(self, motion: RigidMotion, w: FloatArray) -> DisplacedTies:
-        """Ties where the rigid links are displaced by finite amounts.
+        """Constraints at finite displacements of the rigid links.
 
         Parameters
         ----------
         motion : RigidMotion
             Batch of shape (B,).
         w : ndarray, shape (B, n)
-            Independent coordinates of rigid links and sliders, the first ones of z, as they are
-            in the frames of the rigid motion.
+            Independent coordinates of rigid links and sliders, the first ones of z, in the
+            frames of the rigid motion.
 
         Returns
         -------
@@ -132,13 +132,13 @@ class LinkFrames:
     def displaced_ties_by(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
     ) -> DisplacedTies:
-        """Ties where the links have displacements (B, n_link) in the rigid motion's frames."""
+        """Constraints at displacements (B, n_link) of the links in the rigid motion's frames."""
         return self._ties.displaced_ties(motion, self._ties.pose_of(motion, displacement))
 
     def displaced(
         self, motion: RigidMotion, displacement: Sequence[FloatArray] | None
     ) -> RigidMotion:
-        """The motion whose rigid links are where displacements (B, n_link) have turned them.
+        """Motion of the link frames with rigid links displaced by (B, n_link).
 
         Coordinates of rigid links are then those in their displaced frames.
         """
@@ -152,22 +152,22 @@ class LinkFrames:
         stiffness: Sequence[LinkMatrix],
         terms: RotationTerms,
         damping: Sequence[LinkDamping] | None = None,
-        guiding: FloatArray | None = None,
+        guide_stiffness: FloatArray | None = None,
         turns: Sequence[Sequence[FloatArray]] | None = None,
     ) -> SystemMatrices:
-        """Matrices of the whole linkage in the independent coordinates.
+        """Assemble mass, damping and stiffness in the independent coordinates.
 
         Parameters
         ----------
         motion : RigidMotion
             Batch of shape (B,).
         stiffness : sequence of ndarray, shape (n, n) or (B, n, n)
-            Tangent stiffness of each link in its frame, at the prestress wanted.
+            Tangent stiffness of each link in its frame, at the chosen prestress.
         terms : RotationTerms
         damping : sequence of LinkDamping, optional
-            At the prestress wanted; that of the straight links where it is left out.
-        guiding : ndarray, shape (B, n_sliders), optional
-            Stiffness between the rotation of a slider's guide and its slide in N/rad.
+            At the chosen prestress; that of the straight links by default.
+        guide_stiffness : ndarray, shape (B, n_sliders), optional
+            Geometric stiffness between the rotation of a slider's guide and its slide in N/rad.
         turns : sequence of sequence of ndarray, shape (B,), optional
             Of the bodies on each link; see :func:`flexmech.linear_system.body_turns`.
 
@@ -193,16 +193,16 @@ class LinkFrames:
         self._steady.mass.write(mass, factors)
         steady = {n: tangents[n] for n in self._steady.numbers if tangents[n].ndim == 2}
         self._steady.sum_of_tangents(steady).write(total, factors)
-        following: list[list[DependentRows]] | None = None
+        dependent: list[list[DependentRows]] | None = None
         for number, (link, tangent, (damping_matrix, damped_ends)) in enumerate(
             zip(links, tangents, resisting, strict=True)
         ):
             damped = bool(damping_matrix.any())
             if number in steady and number not in turned and not damped and not terms.any:
                 continue
-            if following is None:
-                following = self.dependent_rows(motion)
-            place, pairs = self._places[number], following[number]
+            if dependent is None:
+                dependent = self.dependent_rows(motion)
+            place, pairs = self._places[number], dependent[number]
             speed = motion.angular_velocity[:, number, None, None]
             if number not in self._steady.numbers:
                 place.add(mass, link.mass, pairs)
@@ -215,32 +215,32 @@ class LinkFrames:
             turning = [p.rate for p in pairs]
             if terms.coriolis:
                 place.add(rates, 2 * speed * link.gyroscopic, pairs)
-                place.add_following(rates, 2 * link.end_mass, pairs, turning)
+                place.add_dependent_columns(rates, 2 * link.end_mass, pairs, turning)
                 if damped:
-                    place.add_following(total, damped_ends, pairs, turning)
+                    place.add_dependent_columns(total, damped_ends, pairs, turning)
             if terms.centripetal:
                 coriolis = [2 * speed * rate for rate in turning]
-                place.add_following(total, link.end_gyroscopic, pairs, coriolis)
+                place.add_dependent_columns(total, link.end_gyroscopic, pairs, coriolis)
             if terms.centripetal or terms.tangential:
                 accelerating = [p.acceleration(terms) for p in pairs]
-                place.add_following(total, link.end_mass, pairs, accelerating)
-        if guiding is not None and guiding.any():
-            total += self.guided(motion, guiding)
+                place.add_dependent_columns(total, link.end_mass, pairs, accelerating)
+        if guide_stiffness is not None and guide_stiffness.any():
+            total += self.guide_matrix(motion, guide_stiffness)
         return SystemMatrices(mass, rates, total)
 
-    def guided(self, motion: RigidMotion, guiding: FloatArray) -> FloatArray:
-        """Stiffness between the rotations of guides and the slides on them, (B, size, size).
+    def guide_matrix(self, motion: RigidMotion, guide_stiffness: FloatArray) -> FloatArray:
+        """Geometric stiffness between rotations of guides and slides on them, (B, size, size).
 
         Parameters
         ----------
         motion : RigidMotion
             Batch of shape (B,).
-        guiding : ndarray, shape (B, n_sliders)
+        guide_stiffness : ndarray, shape (B, n_sliders)
             In N/rad; see :class:`flexmech.linear_system.StressedLinks`.
         """
         first = len(self.rigid.independent_coordinates)
-        total = np.zeros((len(guiding), self.size, self.size))
-        total[:, :first, :first] = self._ties.guided(motion, guiding)
+        total = np.zeros((len(guide_stiffness), self.size, self.size))
+        total[:, :first, :first] = self._ties.guide_matrix(motion, guide_stiffness)
         return total
 
     @cached_property
@@ -250,7 +250,7 @@ class LinkFrames:
     @cached_property
     def _places(self) -> list[LinkPlace]:
         numbered = enumerate(self.targets)
-        return [LinkPlace.of(target, self._ties.following(n)) for n, target in numbered]
+        return [LinkPlace.of(target, self._ties.dependencies(n)) for n, target in numbered]
 
     def link_coordinates(self, motion: RigidMotion, vectors: NDArray[Any]) -> list[NDArray[Any]]:
         """Coordinates of each link from independent ones.
@@ -266,15 +266,15 @@ class LinkFrames:
         list of ndarray, shape (B, n_link, m)
         """
         result = []
-        for number, (link, following) in enumerate(
+        for number, (link, dependent) in enumerate(
             zip(self.links, self.dependent_rows(motion), strict=True)
         ):
             target = self.targets[number]
             free = target >= 0
             q = np.zeros((len(vectors), link.size, vectors.shape[2]), dtype=vectors.dtype)
             q[:, free] = vectors[:, target[free]]
-            for led in following:
-                q[:, led.rows] = led.turn @ vectors[:, led.columns]
+            for tie in dependent:
+                q[:, tie.rows] = tie.turn @ vectors[:, tie.columns]
             result.append(q)
         return result
 
@@ -288,12 +288,12 @@ class LinkFrames:
         motion : RigidMotion
             Batch of shape (B,).
         displacement : sequence of ndarray, shape (B, n_link, m)
-            An end that follows is taken to be where that is which it follows.
+            A dependent end is taken to satisfy its constraint.
         """
         shape = (len(displacement[0]), self.size, displacement[0].shape[2])
         z = np.zeros(shape, dtype=displacement[0].dtype)
         for number, q in enumerate(displacement):
-            own = self.own(number)
+            own = self.independent_coordinates(number)
             z[:, self.targets[number][own]] = q[:, own]
         if self.topology.sliders:
             first = len(self.rigid.independent_coordinates)
@@ -322,7 +322,7 @@ class LinkFrames:
             ``q = N z``, ``N z' + N' z`` and ``N z'' + 2 N' z' + N'' z`` of each link.
         """
         result = []
-        for number, (link, following) in enumerate(
+        for number, (link, dependent) in enumerate(
             zip(self.links, self.dependent_rows(motion), strict=True)
         ):
             target = self.targets[number]
@@ -330,12 +330,12 @@ class LinkFrames:
             q, rate, change = np.zeros((3, len(position), link.size))
             for values, given in ((q, position), (rate, velocity), (change, acceleration)):
                 values[:, free] = given[:, target[free]]
-            for led in following:
-                z0, z1, z2 = (v[:, led.columns, None] for v in (position, velocity, acceleration))
-                twice = led.centripetal + led.tangential
-                q[:, led.rows] = (led.turn @ z0)[..., 0]
-                rate[:, led.rows] = (led.turn @ z1 + led.rate @ z0)[..., 0]
-                change[:, led.rows] = (led.turn @ z2 + 2 * led.rate @ z1 + twice @ z0)[..., 0]
+            for tie in dependent:
+                z0, z1, z2 = (v[:, tie.columns, None] for v in (position, velocity, acceleration))
+                twice = tie.centripetal + tie.tangential
+                q[:, tie.rows] = (tie.turn @ z0)[..., 0]
+                rate[:, tie.rows] = (tie.turn @ z1 + tie.rate @ z0)[..., 0]
+                change[:, tie.rows] = (tie.turn @ z2 + 2 * tie.rate @ z1 + twice @ z0)[..., 0]
             result.append((q, rate, change))
         return result
 
@@ -350,13 +350,13 @@ class LinkFrames:
             Forces on each link in its frame.
         """
         total = np.zeros((len(motion.crank_angle), self.size))
-        for number, (load, following) in enumerate(
+        for number, (load, dependent) in enumerate(
             zip(loads, self.dependent_rows(motion), strict=True)
         ):
             target = self.targets[number].copy()
-            for led in following:
-                total[:, led.columns] += led.leading(load[:, led.rows])
-                target[led.rows] = -1
+            for tie in dependent:
+                total[:, tie.columns] += tie.leading(load[:, tie.rows])
+                target[tie.rows] = -1
             free = np.flatnonzero(target >= 0)
             total[:, target[free]] += load[:, free]
         return total
@@ -365,7 +365,7 @@ class LinkFrames:
 def _tangent(
     link: WholeLink, motion: RigidMotion, number: int, stiffness: FloatArray, terms: RotationTerms
 ) -> FloatArray:
-    """Stiffness of a link with what its frame's turning adds; (n, n) or (B, n, n)."""
+    """Stiffness of a link with the centripetal and tangential terms; (n, n) or (B, n, n)."""
     if terms.centripetal:
         speed = motion.angular_velocity[:, number, None, None]
         stiffness = stiffness - speed**2 * link.centrifugal_mass

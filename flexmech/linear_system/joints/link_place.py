@@ -1,4 +1,4 @@
-"""Dependent coordinates of a link, and where its matrix goes in those of the linkage."""
+"""Dependent coordinates of a link, and assembly of its matrix into that of the linkage."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ Numbers = slice | IntArray
 class DependentRows:
     """Dependent coordinates of a link: ``q[rows] = turn @ z[columns]``.
 
-    A pinned end follows its leader's end, turned from the leader's frame: two rows, two columns.
-    An end on a line follows the slide, one on a rigid link that link's three coordinates.
+    A pinned end depends on its leader's end, rotated from that frame: two rows, two columns.
+    An end on a line depends on the slide, one on a rigid link on that link's three coordinates.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class DependentRows:
 
     @classmethod
     def of(cls, rows: IntArray, columns: IntArray, matrix: MatrixWithRates) -> DependentRows:
-        """Rows that depend by a matrix with rates.
+        """Dependent rows of a matrix with rates.
 
         Parameters
         ----------
@@ -57,110 +57,110 @@ class DependentRows:
         return cls(rows, columns, matrix.value, matrix.rate, matrix.centripetal, matrix.tangential)
 
     def acceleration(self, terms: RotationTerms) -> FloatArray:
-        """Second time derivative of ``turn`` of the terms that count, (B, r, c)."""
+        """Second time derivative of ``turn``: the terms that are included, (B, r, c)."""
         if terms.centripetal and terms.tangential:
             return self.centripetal + self.tangential
         return self.centripetal if terms.centripetal else self.tangential
 
     def leading(self, forces: FloatArray) -> FloatArray:
-        """Forces (B, c) on the columns of forces (B, r) on the rows."""
+        """Generalized forces (B, c) on the columns by forces (B, r) on the rows."""
         return np.asarray(np.einsum("bij,bi->bj", self.turn, forces))
 
 
 @dataclass(frozen=True)
 class LinkPlace:
-    """Coordinates of a link and those of the linkage that they are.
+    """Assembly of a link: the coordinates of the linkage for each coordinate of the link.
 
     Parameters
     ----------
     runs : list of tuple of slice
-        Those that are coordinates of the linkage themselves: runs in the link and in the linkage.
-    following : list of tuple of slice or ndarray of int
-        Rows that follow, in the link, and what they follow, in the linkage.
+        Independent coordinates: runs of consecutive numbers in the link and in the linkage.
+    dependencies : list of tuple of slice or ndarray of int
+        Dependent rows of the link, and the columns of the linkage that determine them.
     """
 
     runs: list[tuple[slice, slice]]
-    following: list[tuple[Numbers, Numbers]]
+    dependencies: list[tuple[Numbers, Numbers]]
 
     @classmethod
-    def of(cls, target: IntArray, following: Sequence[tuple[IntArray, IntArray]]) -> LinkPlace:
-        """Place of a link.
+    def of(cls, target: IntArray, dependencies: Sequence[tuple[IntArray, IntArray]]) -> LinkPlace:
+        """Assembly of one link.
 
         Parameters
         ----------
         target : ndarray of int, shape (n,)
-            Coordinate of the linkage of each of the link; -1 where held.
-        following : sequence of tuple of ndarray of int
-            Rows of the link that follow, and the columns that they follow.
+            Coordinate of the linkage for each of the link; -1 where fixed.
+        dependencies : sequence of tuple of ndarray of int
+            Dependent rows of the link, and the columns that determine them.
         """
         own = target.copy()
-        for rows, _ in following:
+        for rows, _ in dependencies:
             own[rows] = -1
         free = np.flatnonzero(own >= 0)
-        places = [(_numbers(rows), _numbers(columns)) for rows, columns in following]
+        places = [(_numbers(rows), _numbers(columns)) for rows, columns in dependencies]
         return cls(_runs(free, own[free]), places)
 
     def add(
-        self, total: FloatArray, matrix: FloatArray, following: Sequence[DependentRows]
+        self, total: FloatArray, matrix: FloatArray, dependencies: Sequence[DependentRows]
     ) -> None:
-        """Add ``Q' X Q`` to a matrix of the linkage; only what follows turns.
+        """Add ``Q' X Q`` to a matrix of the linkage.
 
         Parameters
         ----------
         total : ndarray, shape (B, size, size)
         matrix : ndarray, shape (n, n) or (B, n, n)
-        following : sequence of DependentRows
+        dependencies : sequence of DependentRows
         """
-        self.add_resting(total, matrix)
-        self.add_turning(total, matrix, following)
+        self.add_constant(total, matrix)
+        self.add_dependent(total, matrix, dependencies)
 
-    def add_resting(self, total: FloatArray, matrix: FloatArray) -> None:
-        """Add the part of ``Q' X Q`` that does not turn, to (size, size) or (B, size, size)."""
+    def add_constant(self, total: FloatArray, matrix: FloatArray) -> None:
+        """Add the constant part of ``Q' X Q`` to (size, size) or (B, size, size)."""
         for row, to_row in self.runs:
             for column, to_column in self.runs:
                 total[..., to_row, to_column] += matrix[..., row, column]
 
-    def add_turning(
-        self, total: FloatArray, matrix: FloatArray, following: Sequence[DependentRows]
+    def add_dependent(
+        self, total: FloatArray, matrix: FloatArray, dependencies: Sequence[DependentRows]
     ) -> None:
-        """Add the rest of ``Q' X Q``.
+        """Add the part of ``Q' X Q`` that varies: that of the dependent coordinates.
 
         Parameters
         ----------
         total : ndarray, shape (B, size, size)
         matrix : ndarray, shape (n, n) or (B, n, n)
-        following : sequence of DependentRows
+        dependencies : sequence of DependentRows
         """
-        for (rows, to_rows), led in zip(self.following, following, strict=True):
+        for (rows, to_rows), tie in zip(self.dependencies, dependencies, strict=True):
             for column, to_column in self.runs:
-                block = _turned(led.turn, matrix[..., rows, column])
+                block = _turned(tie.turn, matrix[..., rows, column])
                 total[_where(to_rows, to_column)] += block
-        self.add_following(total, matrix, following, [led.turn for led in following])
+        self.add_dependent_columns(total, matrix, dependencies, [tie.turn for tie in dependencies])
 
-    def add_following(
+    def add_dependent_columns(
         self,
         total: FloatArray,
         matrix: FloatArray,
-        following: Sequence[DependentRows],
+        dependencies: Sequence[DependentRows],
         right: Sequence[FloatArray],
     ) -> None:
-        """Add ``Q' X P``, where P holds what follows alone.
+        """Add ``Q' X P``, where P has the rows of dependent coordinates alone.
 
         Parameters
         ----------
         total : ndarray, shape (B, size, size)
         matrix : ndarray, shape (n, n) or (B, n, n)
-        following : sequence of DependentRows
+        dependencies : sequence of DependentRows
         right : sequence of ndarray, shape (B, r, c)
             ``P`` of each.
         """
-        for (columns, to_columns), by in zip(self.following, right, strict=True):
+        for (columns, to_columns), by in zip(self.dependencies, right, strict=True):
             transposed = np.swapaxes(matrix[..., columns], -1, -2)
             turned = np.swapaxes(_turned(by, transposed), 1, 2)
             for row, to_row in self.runs:
                 total[_where(to_row, to_columns)] += turned[:, row]
-            for (rows, to_rows), led in zip(self.following, following, strict=True):
-                total[_where(to_rows, to_columns)] += np.swapaxes(led.turn, 1, 2) @ turned[:, rows]
+            for (rows, to_rows), tie in zip(self.dependencies, dependencies, strict=True):
+                total[_where(to_rows, to_columns)] += np.swapaxes(tie.turn, 1, 2) @ turned[:, rows]
 
 
 def _turned(turn: FloatArray, rows: FloatArray) -> FloatArray:

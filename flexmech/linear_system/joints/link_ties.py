@@ -1,4 +1,4 @@
-"""Which coordinates of the links are independent, and what the others follow from."""
+"""Independent coordinates of all links, and the dependence of the others on them."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.joint_points import (
     JointPoint,
-    TurningJoint,
+    JointRotation,
     joint_points,
-    turning_joints,
+    joint_rotations,
 )
 from flexmech.linear_system.joints.link_place import DependentRows
 from flexmech.linear_system.joints.rigid_coordinates import (
-    PoseStiffness,
     RigidCoordinates,
+    RigidGeometricStiffness,
 )
 from flexmech.linear_system.joints.rigid_pose import (
     CoordinateRows,
@@ -39,8 +39,8 @@ from flexmech.linkages.motion import direction, normal
 
 
 @dataclass(frozen=True)
-class _TurningEnd:
-    """An end whose displacement is that of a flexible link's end, turned."""
+class _RotatedEnd:
+    """An end whose displacement is that of a flexible link's end, rotated."""
 
     rows: IntArray
     columns: IntArray
@@ -49,7 +49,7 @@ class _TurningEnd:
 
 @dataclass(frozen=True)
 class _EqualRows:
-    """Rows that equal one column: what else a welded section turns with its rotation."""
+    """Rows equal to one column: further rotations of a welded section."""
 
     rows: IntArray
     columns: IntArray
@@ -59,7 +59,7 @@ class _EqualRows:
 class _HubEnd:
     """An end on the hub of a free shaft.
 
-    In the frame of the clamped link it moves by ``arm`` (2, c) times the columns.
+    Its displacement in the frame of the clamped link is ``arm`` (2, c) times the columns.
     """
 
     rows: IntArray
@@ -69,7 +69,7 @@ class _HubEnd:
 
 
 @dataclass(frozen=True)
-class _LedEnd:
+class _PointEnd:
     """An end whose displacement is that of a rigid link's point or of a point on a line."""
 
     rows: IntArray
@@ -86,11 +86,11 @@ class _RigidRows:
     among: IntArray
 
 
-_Tie = _TurningEnd | _EqualRows | _HubEnd | _LedEnd | _RigidRows
+_Tie = _RotatedEnd | _EqualRows | _HubEnd | _PointEnd | _RigidRows
 
 
 class _MovingFrames:
-    """Frames of links, and points that rigid links or lines lead, over a batch of positions."""
+    """Link frames and points of rigid links or lines over a batch of positions."""
 
     def __init__(self, rigid: RigidCoordinates, motion: RigidMotion) -> None:
         self.rigid, self.motion = rigid, motion
@@ -108,19 +108,19 @@ class _MovingFrames:
             self._points[point] = rows @ self.coordinates
         return self._points[point]
 
-    def turned(self, link: int, leader: int | None = None) -> MatrixWithRates:
+    def rotation(self, link: int, leader: int | None = None) -> MatrixWithRates:
         """To the frame of a link from that of another, or from ground axes, (B, 2, 2)."""
         m = self.motion
         of_link = [own[:, link] for own in (m.angle, m.angular_velocity, m.angular_acceleration)]
         if leader is None:
             return MatrixWithRates.rotation(*(-own for own in of_link))
         others = (m.angle, m.angular_velocity, m.angular_acceleration)
-        led = zip(others, of_link, strict=True)
-        return MatrixWithRates.rotation(*(other[:, leader] - own for other, own in led))
+        pairs = zip(others, of_link, strict=True)
+        return MatrixWithRates.rotation(*(other[:, leader] - own for other, own in pairs))
 
 
 class LinkTies:
-    """Ties of the coordinates of all links, and the numbers of the independent ones.
+    """Constraints between the coordinates of all links, and the numbering of independent ones.
 
     Parameters
     ----------
@@ -151,43 +151,44 @@ class LinkTies:
         self.rigid = RigidCoordinates(topology)
         self._links = links
         self._ties: list[list[_Tie]] = [[] for _ in links]
-        self._at_rest: list[PointRows] = []  # ends that rigid links lead whose shaft is held
+        self._at_rest: list[PointRows] = []  # ends on rigid links that do not move
         self.hubs = list(self._flexible_hubs())
         self.targets = [np.full(link.size, -2, dtype=np.intp) for link in links]
-        self._points, self._turns = joint_points(topology), turning_joints(topology)
+        self._points, self._turns = joint_points(topology), joint_rotations(topology)
         self._number_rigid()
         self._mark()
         self.size = self._number(last)
-        self._follow()
+        self._add_ties()
 
-    def following(self, link: int) -> list[tuple[IntArray, IntArray]]:
-        """Rows of a link that follow and the columns that they follow, tie by tie."""
+    def dependencies(self, link: int) -> list[tuple[IntArray, IntArray]]:
+        """Dependent rows of a link and the columns that determine them, tie by tie."""
         return [(tie.rows, tie.columns) for tie in self._ties[link]]
 
     def leaders(self, link: int) -> list[int]:
-        """Links whose ends those of a link follow, turned; of a link where nothing else does."""
-        return [tie.leader for tie in self._ties[link] if isinstance(tie, _TurningEnd)]
+        """Leaders of the pinned ends of a link; of a link without other dependent rows."""
+        return [tie.leader for tie in self._ties[link] if isinstance(tie, _RotatedEnd)]
 
     def is_general(self, link: int) -> bool:
-        """Whether more follows in a link than ends that turn."""
-        return not all(isinstance(tie, _TurningEnd) for tie in self._ties[link])
+        """Whether a link has other dependent rows than pinned ends."""
+        return not all(isinstance(tie, _RotatedEnd) for tie in self._ties[link])
 
-    def own(self, link: int) -> IntArray:
-        """Coordinates of a link that are independent ones, and follow nothing."""
+    def independent_coordinates(self, link: int) -> IntArray:
+        """Coordinates of a link that are independent coordinates of the linkage, (k,)."""
         own = self.targets[link] >= 0
-        for rows, _ in self.following(link):
+        for rows, _ in self.dependencies(link):
             own[rows] = False
         return np.flatnonzero(own)
 
     def dependent_rows(self, motion: RigidMotion) -> list[list[DependentRows]]:
-        """What follows in each link over a batch of shape (B,)."""
+        """Dependent rows of each link over a batch of shape (B,)."""
         moving = _MovingFrames(self.rigid, motion)
         return [
-            [self._led(moving, link, tie) for tie in ties] for link, ties in enumerate(self._ties)
+            [self._tie_rows(moving, link, tie) for tie in ties]
+            for link, ties in enumerate(self._ties)
         ]
 
     def displaced_ties(self, motion: RigidMotion, pose: RigidPose) -> DisplacedTies:
-        """Ties where the rigid links are displaced.
+        """Constraints at finite displacements of the rigid links.
 
         Parameters
         ----------
@@ -206,8 +207,8 @@ class LinkTies:
             rows.append([])
             for tie in ties:
                 place = None
-                if isinstance(tie, _LedEnd):
-                    back = moving.turned(link).value
+                if isinstance(tie, _PointEnd):
+                    back = moving.rotation(link).value
                     turn = (back @ pose.rows([tie.point]) @ pose.coordinates)[:, :, tie.columns]
                     place = (back @ pose.displacement([tie.point])[:, 0, :, None])[..., 0]
                     at_points.append(PointRows(link, tie.rows, tie.point))
@@ -217,26 +218,26 @@ class LinkTies:
                     if link not in self.rigid.links:
                         at_coordinates.append(CoordinateRows(link, tie.rows, tie.among))
                 else:
-                    turn = self._led(moving, link, tie).turn
+                    turn = self._tie_rows(moving, link, tie).turn
                 rows[-1].append(DisplacedRows(tie.rows, tie.columns, turn, place))
             if link in self.rigid.links:
                 among = self.rigid.of_link(link)
                 at_coordinates.append(CoordinateRows(link, np.arange(3), among))
                 continue
-            free = self.own(link)
-            led = free[self.targets[link][free] < len(self.rigid.independent_coordinates)]
-            among = self.rigid.independent_coordinates[self.targets[link][led]]
-            at_coordinates.append(CoordinateRows(link, led, among))
+            free = self.independent_coordinates(link)
+            chosen = free[self.targets[link][free] < len(self.rigid.independent_coordinates)]
+            among = self.rigid.independent_coordinates[self.targets[link][chosen]]
+            at_coordinates.append(CoordinateRows(link, chosen, among))
         return DisplacedTies(pose, rows, at_points, at_coordinates, self.hubs)
 
-    def guided(self, motion: RigidMotion, guiding: FloatArray) -> FloatArray:
-        """Stiffness between guides' rotations and slides, by the independent coordinates."""
-        still = np.zeros((len(guiding), len(self.topology.links)))
+    def guide_matrix(self, motion: RigidMotion, guide_stiffness: FloatArray) -> FloatArray:
+        """Geometric stiffness between guides' rotations and slides, by independent coordinates."""
+        still = np.zeros((len(guide_stiffness), len(self.topology.links)))
         dependence = self.rigid.dependence(motion).value
-        return self.rigid.projected(PoseStiffness(still, guiding), dependence)
+        return self.rigid.projected(RigidGeometricStiffness(still, guide_stiffness), dependence)
 
     def slides(self, motion: RigidMotion, displacement: Sequence[NDArray[Any]]) -> NDArray[Any]:
-        """Slides by the displacements (B, n_link, m) of all links, at their places among w."""
+        """Slide coordinates of displacements (B, n_link, m) of all links, at their places in w."""
         rigid = self.rigid
         shape = (len(displacement[0]), rigid.size, displacement[0].shape[2])
         y = np.zeros(shape, dtype=displacement[0].dtype)
@@ -252,14 +253,14 @@ class LinkTies:
             if rigid.is_rigid(end):
                 moved = rows[:, 2:] @ y
             else:
-                to_ground = np.swapaxes(_MovingFrames(rigid, motion).turned(link).value, 1, 2)
+                to_ground = np.swapaxes(_MovingFrames(rigid, motion).rotation(link).value, 1, 2)
                 moved = to_ground @ displacement[link][:, self._rows(end)]
             along = rows[:, :2, slide]
             found[:, slide] = np.einsum("bc,bcm->bm", along, moved - rows[:, :2] @ y)
         return found[:, rigid.independent_coordinates]
 
     def pose_of(self, motion: RigidMotion, displacement: Sequence[FloatArray]) -> RigidPose:
-        """Where rigid links and sliders are, by the displacements (B, n_link) of all links."""
+        """Finite displacements of rigid links and sliders at displacements (B, n_link) of links."""
         held = {}
         for number, slider in enumerate(self.topology.sliders):
             if not self.rigid.is_rigid(slider.link_end):
@@ -269,16 +270,16 @@ class LinkTies:
                 held[number] = q[:, :1] * direction(angle) + q[:, 1:] * normal(angle)
         return RigidPose.displaced_by(self.rigid, motion, displacement, held)
 
-    def _led(self, moving: _MovingFrames, link: int, tie: _Tie) -> DependentRows:
-        if isinstance(tie, _TurningEnd):
-            matrix = moving.turned(link, tie.leader)
+    def _tie_rows(self, moving: _MovingFrames, link: int, tie: _Tie) -> DependentRows:
+        if isinstance(tie, _RotatedEnd):
+            matrix = moving.rotation(link, tie.leader)
         elif isinstance(tie, _EqualRows):
             matrix = MatrixWithRates.constant(np.ones((len(tie.rows), 1)), len(moving.motion.angle))
         elif isinstance(tie, _HubEnd):
             arm = MatrixWithRates.constant(tie.arm, len(moving.motion.angle))
-            matrix = moving.turned(link, tie.clamped) @ arm
-        elif isinstance(tie, _LedEnd):
-            matrix = (moving.turned(link) @ moving.point(tie.point)).columns(tie.columns)
+            matrix = moving.rotation(link, tie.clamped) @ arm
+        elif isinstance(tie, _PointEnd):
+            matrix = (moving.rotation(link) @ moving.point(tie.point)).columns(tie.columns)
         else:
             matrix = moving.coordinates.rows(tie.among).columns(tie.columns)
         return DependentRows.of(tie.rows, tie.columns, matrix)
@@ -291,7 +292,7 @@ class LinkTies:
 
     @cached_property
     def _general(self) -> _MovingFrames:
-        """Matrices in a general position: they tell what depends on what."""
+        """Matrices in a general position, whose zeros show which coordinates do not depend."""
         return _MovingFrames(self.rigid, self.rigid.general_position)
 
     def _flexible_hubs(self) -> Iterator[HubRow]:
@@ -301,7 +302,7 @@ class LinkTies:
                 yield HubRow(self.topology.index(end.link), int(rows[0]), clamp.hub)
 
     def _number_rigid(self) -> None:
-        """Number the independent coordinates of rigid links; the others follow them."""
+        """Number the independent coordinates of rigid links; the others depend on them."""
         own, place = self.rigid.independent_coordinates, np.full(self.rigid.size, -1, dtype=np.intp)
         place[own] = np.arange(len(own))
         for link in self.rigid.links:
@@ -310,33 +311,33 @@ class LinkTies:
             self._add_rigid(link, np.arange(3), among)
 
     def _add_rigid(self, link: int, rows: IntArray, among: IntArray) -> None:
-        """Let rows of a link that are none of w follow those of them that they depend on."""
-        led = self.targets[link][rows] < 0
-        if not led.any():
+        """Add the dependence of rows of a link that are not in w."""
+        chosen = self.targets[link][rows] < 0
+        if not chosen.any():
             return
-        rows, among = rows[led], among[led]
+        rows, among = rows[chosen], among[chosen]
         columns = _depends_on(self._general.coordinates.rows(among))
         if len(columns):
             self._ties[link].append(_RigidRows(rows, columns, among))
 
     def _mark(self) -> None:
-        """Mark what is held or follows: no independent coordinates are these."""
+        """Mark fixed and dependent coordinates, which are not independent."""
         for end in self.topology.joined_ends:
             link = self.topology.index(end.link)
             self.targets[link][self._links[link].end_warping_of(end.end)] = -1
         for point in self._points:
-            leads = point.held or point.hub or self._leads_by_rigid(point)
+            leads = point.fixed or point.hub or self._is_on_rigid_link_or_line(point)
             for end in point.ends if leads else point.ends[1:]:
                 if not self.rigid.is_rigid(end):
                     self.targets[self.topology.index(end.link)][self._rows(end)] = -1
         for turn in self._turns:
-            leads = turn.held or any(map(self.rigid.is_rigid, turn.ends))
+            leads = turn.fixed or any(map(self.rigid.is_rigid, turn.ends))
             for number, end in enumerate(turn.ends):
                 if not self.rigid.is_rigid(end):
-                    follow = self._rotations(end)[0 if leads or number else 1 :]
-                    self.targets[self.topology.index(end.link)][follow] = -1
+                    dependent = self._rotations(end)[0 if leads or number else 1 :]
+                    self.targets[self.topology.index(end.link)][dependent] = -1
 
-    def _leads_by_rigid(self, point: JointPoint) -> bool:
+    def _is_on_rigid_link_or_line(self, point: JointPoint) -> bool:
         return point.slider is not None or any(map(self.rigid.is_rigid, point.ends))
 
     def _number(self, last: Sequence[NDArray[np.bool_]]) -> int:
@@ -359,7 +360,7 @@ class LinkTies:
         return count
 
     def _leading_rotations(self, link: int) -> list[int]:
-        """Rotations of a link's ends that others follow, or that are a free shaft's."""
+        """Rotations of a link's ends on which others depend, or that are a free shaft's."""
         name = self.topology.links[link].name
         return [
             int(self._rotations(turn.ends[0])[0])
@@ -367,12 +368,12 @@ class LinkTies:
             if turn.ends[0].link == name and len(self._rotations(turn.ends[0]))
         ]
 
-    def _follow(self) -> None:
-        """Tell what the marked ends of flexible links follow."""
+    def _add_ties(self) -> None:
+        """Add the constraints of the marked ends of flexible links."""
         for point in self._points:
-            if point.held:
+            if point.fixed:
                 continue
-            by_rigid = self._leads_by_rigid(point)
+            by_rigid = self._is_on_rigid_link_or_line(point)
             for end in point.ends if by_rigid or point.hub else point.ends[1:]:
                 rows, link = self._rows(end), self.topology.index(end.link)
                 if self.rigid.is_rigid(end) or not len(rows):
@@ -382,32 +383,32 @@ class LinkTies:
                     assert leader is not None
                     columns = _depends_on(self._general.point(leader))
                     if len(columns):
-                        self._ties[link].append(_LedEnd(rows, columns, leader))
+                        self._ties[link].append(_PointEnd(rows, columns, leader))
                     else:
                         self._at_rest.append(PointRows(link, rows, leader))
                 elif point.hub:
-                    self._follow_hub(link, rows, point)
+                    self._add_hub(link, rows, point)
                 else:
-                    self._follow_end(link, rows, point.ends[0])
+                    self._add_pinned_end(link, rows, point.ends[0])
         for turn in self._turns:
-            if not turn.held:
-                self._follow_rotation(turn)
+            if not turn.fixed:
+                self._add_rotation(turn)
 
-    def _follow_end(self, link: int, rows: IntArray, leading: LinkEnd) -> None:
+    def _add_pinned_end(self, link: int, rows: IntArray, leading: LinkEnd) -> None:
         leader = self.topology.index(leading.link)
         columns = self.targets[leader][self._rows(leading)]
         self.targets[link][rows] = columns
         if (columns >= 0).any():
-            self._ties[link].append(_TurningEnd(rows, columns, leader))
+            self._ties[link].append(_RotatedEnd(rows, columns, leader))
 
-    def _follow_hub(self, link: int, rows: IntArray, point: JointPoint) -> None:
-        """Let rows move with a hub: across by its rotation, along in natural coordinates alone."""
+    def _add_hub(self, link: int, rows: IntArray, point: JointPoint) -> None:
+        """Displacement of a hub's end: across by its rotation, along in natural coordinates."""
         clamped = self.topology.index(point.ends[0].link)
         own = [*self._links[clamped].receding, *self._rotations(point.ends[0])[:1]]
         arm = point.hub * np.eye(2)[:, 2 - len(own) :]
         self._ties[link].append(_HubEnd(rows, self.targets[clamped][own], clamped, arm))
 
-    def _follow_rotation(self, turn: TurningJoint) -> None:
+    def _add_rotation(self, turn: JointRotation) -> None:
         rigid = [end for end in turn.ends if self.rigid.is_rigid(end)]
         if rigid:
             among = self.rigid.of_link(self.topology.index(rigid[0].link))[2]
@@ -428,5 +429,5 @@ class LinkTies:
 
 
 def _depends_on(matrix: MatrixWithRates) -> IntArray:
-    """Which of the independent coordinates a matrix (1, r, n) in a general position depends on."""
+    """Independent coordinates with a column in a matrix (1, r, n) in a general position."""
     return np.flatnonzero(np.abs(matrix.value[0]).max(axis=0, initial=0.0) > RANK_TOLERANCE)

@@ -1,10 +1,10 @@
-"""Coordinates of rigid links and of sliders, and which of them the others follow from.
+"""Coordinates of rigid links and of sliders: coordinate partitioning.
 
 A rigid link has three coordinates in its link frame: the displacement of its start along and
 across, and its rotation. A slider has one: the displacement along its line. Pins, welds, pivots,
-clamps and lines tie them together: ``G(t) y = 0``. Some of them, ``w``, are independent, and
-``y = Y(t) w``; the derivatives of Y follow by implicit differentiation. Flexible links follow:
-rigid ones never follow them.
+clamps and lines are constraints ``G(t) y = 0``. Some coordinates, ``w``, are independent, and
+``y = Y(t) w``; the derivatives of Y come from implicit differentiation (Shabana, *Computational
+Dynamics*, coordinate partitioning). Flexible links depend on rigid ones, never these on them.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.displaced_motion import general_position, link_bodies
-from flexmech.linear_system.joints.joint_points import JointPoint, joint_points, turning_joints
+from flexmech.linear_system.joints.joint_points import JointPoint, joint_points, joint_rotations
 from flexmech.linear_system.joints.position_errors import refuse_positions
 from flexmech.linkages import LinkEnd, RigidMotion, Topology
 from flexmech.linkages.body_motion import GROUND_AFTER_LINKS, BodyPoint
@@ -27,20 +27,19 @@ from flexmech.linkages.matrix_with_rates import MatrixWithRates
 
 
 @dataclass(frozen=True)
-class PoseStiffness:
-    """Stiffness of rigid links and sliders from forces that keep their direction.
+class RigidGeometricStiffness:
+    """Geometric stiffness of rigid links and sliders under dead loads and joint forces.
 
     Parameters
     ----------
-    turning : ndarray, shape (B, n_links)
-        Of each rigid link against its rotation in N m/rad; of a flexible one that of the hub to
-        which it is clamped.
-    guiding : ndarray, shape (B, n_sliders)
-        Between the rotation of a slider's guide and its slide, in N/rad; zero on the ground.
+    rotation_stiffness : ndarray, shape (B, n_links)
+        Of each rigid link by its rotation in N m/rad; of a flexible one that of its hub.
+    guide_stiffness : ndarray, shape (B, n_sliders)
+        Between the rotation of a slider's guide and its slide in N/rad; zero on the ground.
     """
 
-    turning: FloatArray
-    guiding: FloatArray
+    rotation_stiffness: FloatArray
+    guide_stiffness: FloatArray
 
 
 class RigidCoordinates:
@@ -57,11 +56,11 @@ class RigidCoordinates:
     size : int
         Number of all coordinates y: those of the links, then one a slider.
     independent_coordinates, dependent_coordinates : ndarray of int, shape (n,), (size - n,)
-        Which of them are w, and which follow.
+        Which of them are w, and which depend on these.
     constraints : Constraints
-        All ties, also those that others imply.
+        All constraints, redundant ones included.
     rows : ndarray of int, shape (size - n,)
-        Which of their equations determine the dependent coordinates.
+        Constraint equations that determine the dependent coordinates.
     """
 
     def __init__(self, topology: Topology) -> None:
@@ -82,7 +81,7 @@ class RigidCoordinates:
         return 3 * self.links.index(link) + np.arange(3)
 
     def dependence(self, motion: RigidMotion) -> MatrixWithRates:
-        """``Y``: all coordinates from the independent ones, (B, size, n).
+        """``Y``: derivative of all coordinates by the independent ones, (B, size, n).
 
         Parameters
         ----------
@@ -113,7 +112,7 @@ class RigidCoordinates:
         return MatrixWithRates(*parts)
 
     def leader(self, point: JointPoint) -> BodyPoint | None:
-        """Point of a line or of a rigid link that others at a joint follow.
+        """Point of a line or of a rigid link on which the other ends at a joint depend.
 
         Parameters
         ----------
@@ -122,22 +121,22 @@ class RigidCoordinates:
         Returns
         -------
         BodyPoint or None
-            None of a point that is held, or that no rigid link and no line leads.
+            None of a fixed point, and where no rigid link and no line is at the joint.
         """
         if point.slider is not None:
             return self.point_on_line(point.slider)
         leads = [end for end in point.ends if self.is_rigid(end)]
-        return None if point.held or not leads else end_point(self.topology, leads[0])
+        return None if point.fixed or not leads else end_point(self.topology, leads[0])
 
     def point_on_line(self, number: int) -> BodyPoint:
-        """The point of its line at which a slider is."""
+        """Point of a slider on its line."""
         line = slider_line(self.topology, self.topology.sliders[number])
         return BodyPoint(line.second.body, slide=number, along=line.along)
 
     def displacement_rows(
         self, motion: RigidMotion, points: Sequence[BodyPoint]
     ) -> MatrixWithRates:
-        """Displacement of points of rigid links and lines in ground axes by y, (B, 2 P, size).
+        """Jacobian of points of rigid links and lines in ground axes by y, (B, 2 P, size).
 
         Parameters
         ----------
@@ -150,11 +149,11 @@ class RigidCoordinates:
 
     @cached_property
     def general_position(self) -> RigidMotion:
-        """A motion of one position in which no links are in line, and which need not close."""
+        """One generic position for rank decisions; the links need not meet in it."""
         return general_position(self.topology)
 
     def constraint_jacobian(self, motion: RigidMotion) -> MatrixWithRates:
-        """``G``: ties that determine the dependent coordinates, (B, size - n, size).
+        """``G``: Jacobian of the constraints that determine the dependent coordinates.
 
         Parameters
         ----------
@@ -164,40 +163,40 @@ class RigidCoordinates:
         Returns
         -------
         MatrixWithRates
-            Displacements in ground axes in m, rotations in rad.
+            Of shape (B, size - n, size); displacements in ground axes in m, rotations in rad.
         """
         bodies, slid = link_bodies(motion, self.topology)
         return self.constraints.jacobian_with_rates(bodies, slid).rows(self.rows)
 
-    def projected(self, stiffness: PoseStiffness, dependence: FloatArray) -> FloatArray:
-        """A stiffness by the independent coordinates, (B, n, n).
+    def projected(self, stiffness: RigidGeometricStiffness, dependence: FloatArray) -> FloatArray:
+        """Geometric stiffness by the independent coordinates, (B, n, n).
 
         Parameters
         ----------
-        stiffness : PoseStiffness
+        stiffness : RigidGeometricStiffness
         dependence : ndarray, shape (B, size, n)
             Derivative of y by the independent coordinates.
         """
         total = np.zeros((len(dependence), self.size, self.size))
         for link in self.links:
             turn = self.of_link(link)[2]
-            total[:, turn, turn] = stiffness.turning[:, link]
+            total[:, turn, turn] = stiffness.rotation_stiffness[:, link]
         for number, slider in enumerate(self.topology.sliders):
             if slider.guide:
                 turn = self.of_link(self.topology.index(slider.guide))[2]
                 slide = 3 * len(self.links) + number
-                total[:, turn, slide] = total[:, slide, turn] = stiffness.guiding[:, number]
+                total[:, turn, slide] = total[:, slide, turn] = stiffness.guide_stiffness[:, number]
         return np.asarray(np.swapaxes(dependence, 1, 2) @ total @ dependence)
 
     def _coincidences(self) -> Iterator[Coincidence]:
-        """Ends of rigid links, and the points that they are tied to and do not lead."""
+        """Ends of rigid links that coincide with the leader or a fixed point of their joint."""
         for point in joint_points(self.topology):
             rigid = [end for end in point.ends if self.is_rigid(end)]
             leader = self.leader(point)
             leads = leader is not None and leader.slide is None
             for end in rigid[1 if leads else 0 :]:
-                held = BodyPoint(GROUND_AFTER_LINKS) if leader is None else leader
-                yield Coincidence(self._pinned(end), held)
+                other = BodyPoint(GROUND_AFTER_LINKS) if leader is None else leader
+                yield Coincidence(self._pinned(end), other)
             if point.hub and self.is_rigid(point.ends[0]):
                 yield Coincidence(self._pinned(point.ends[0]), BodyPoint(GROUND_AFTER_LINKS))
 
@@ -208,17 +207,17 @@ class RigidCoordinates:
         return replace(point, place=point.place - sum(hubs))
 
     def _equal_angles(self) -> Iterator[EqualAngle]:
-        """Rigid links that turn with others or with the shaft."""
-        for turn in turning_joints(self.topology):
+        """Rigid links whose rotation equals that of others or of the shaft."""
+        for turn in joint_rotations(self.topology):
             rigid = [self.topology.index(end.link) for end in turn.ends if self.is_rigid(end)]
-            others = rigid if turn.held else rigid[1:]
-            leader = GROUND_AFTER_LINKS if turn.held else rigid[0] if rigid else 0
+            others = rigid if turn.fixed else rigid[1:]
+            leader = GROUND_AFTER_LINKS if turn.fixed else rigid[0] if rigid else 0
             yield from (EqualAngle(other, leader) for other in others)
 
     def _choose(self) -> tuple[IntArray, IntArray, IntArray]:
-        """Independent and dependent coordinates, and the conditions that determine the latter.
+        """Independent and dependent coordinates, and the constraints that determine the latter.
 
-        Chosen once, in a general position: who comes first and adds to the rank depends.
+        Chosen once, in a general position: the first columns that add to the rank are dependent.
         """
         none = np.zeros(0, dtype=np.intp)
         if not self.constraints.count:
@@ -226,16 +225,17 @@ class RigidCoordinates:
         bodies, slid = link_bodies(self.general_position, self.topology)
         conditions = self.constraints.jacobian_with_rates(bodies, slid).value[0]
         order = self._order()
-        dependent = np.sort(order[_adding_to_the_rank(conditions[:, order])])
-        rows = _adding_to_the_rank(conditions[:, dependent].T)
+        dependent = np.sort(order[_independent_columns(conditions[:, order])])
+        rows = _independent_columns(conditions[:, dependent].T)
         independent = np.setdiff1d(np.arange(self.size), dependent)
         return independent, dependent, rows
 
     def _order(self) -> IntArray:
         """All coordinates; those that should be independent come last.
 
-        Rotations, of the first links most of all, before slides, and these before displacements:
-        what turns with a crank tells where the others are, what stands in a dead point does not.
+        Rotations, of the first links most of all, are preferred to slides, and these to
+        displacements: the rotation of a crank determines the position, a coordinate that is
+        stationary in a dead point does not.
         """
         count = len(self.links)
         every = np.arange(self.size)
@@ -244,14 +244,14 @@ class RigidCoordinates:
         return np.concatenate([displacements, every[3 * count :], rotations[::-1]])
 
     def refuse_locked(self, motion: RigidMotion, across: FloatArray) -> None:
-        """Refuse positions where the ties do not determine the dependent coordinates.
+        """Refuse positions in which the constraints do not determine the dependent coordinates.
 
         Parameters
         ----------
         motion : RigidMotion
             Batch of shape (B,).
         across : ndarray, shape (B, n, n)
-            Derivative of the ties by these.
+            Jacobian of the constraints by these.
 
         Raises
         ------
@@ -264,13 +264,13 @@ class RigidCoordinates:
             motion,
             size[:, -1] <= RANK_TOLERANCE * size[:, 0],
             f"the rigid links ({names}) and lines lock or come loose",
-            ": their ties do not settle how they move together; leave that crank angle out, or "
+            ": their constraints do not determine their motion; leave that crank angle out, or "
             "make one of the links elastic",
         )
 
 
-def _adding_to_the_rank(matrix: FloatArray) -> IntArray:
-    """Numbers of the columns that are no combination of those before them."""
+def _independent_columns(matrix: FloatArray) -> IntArray:
+    """Numbers of the columns that are linearly independent of those before them."""
     basis = np.zeros((len(matrix), 0))
     chosen = []
     for number, column in enumerate(matrix.T):

@@ -1,10 +1,9 @@
-"""Rigid links and sliders that are displaced by finite amounts.
+"""Finite displacements of rigid links and sliders.
 
-The place of a point at r of a rigid link is ``u + R(phi) r``: it is not linear in the rotation,
-and the ties of rigid links among themselves are conditions that Newton's method satisfies. Forces
-that keep their direction while the links turn are springs against rotation: the force F at r has
-the stiffness ``F . R(phi) r``, be it an inertia force, a weight or the force of a joint. A bar in
-tension P gets ``P / L`` between its ends.
+The point r of a rigid link is at ``u + R(phi) r``: it is not linear in the rotation, and the
+position constraints between rigid links are solved by Newton's method. A dead load F at r has the
+geometric stiffness ``F . R(phi) r`` against the rotation, be it an inertia force, a weight or the
+force of a joint. A bar in tension P has ``P / L`` between its ends.
 """
 
 from __future__ import annotations
@@ -18,12 +17,15 @@ import numpy as np
 
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.linear_system.joints.displaced_motion import DisplacedMotion, link_bodies
-from flexmech.linear_system.joints.rigid_coordinates import PoseStiffness, RigidCoordinates
+from flexmech.linear_system.joints.rigid_coordinates import (
+    RigidCoordinates,
+    RigidGeometricStiffness,
+)
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.body_motion import BodyMotion, BodyPoint, dot
 from flexmech.linkages.connection_forces import end_point
 
-# Newton's method takes five to eight from the straight linkage; more is out of reach.
+# Newton's method takes five to eight from the straight linkage; more is no position near it.
 ITERATIONS = 30
 # Of conditions in m, to the size of the longest link, and of angles in rad: fifty times the unit
 # round-off. Where it stays above that, as far as it comes is enough if it closes to the second.
@@ -31,7 +33,7 @@ CLOSED, NEARLY_CLOSED = 1e-14, 1e-9
 
 
 class RigidPose:
-    """Rigid links and sliders at given coordinates.
+    """Rigid links and sliders at given finite coordinates.
 
     Parameters
     ----------
@@ -62,7 +64,7 @@ class RigidPose:
         motion : RigidMotion
             Batch of shape (B,).
         w : ndarray, shape (B, n)
-            Where no place satisfies the ties, those of the pose are out of reach: not a number.
+            Where no position satisfies the constraints, coordinates of the pose are not a number.
         """
         y = np.zeros((len(w), rigid.size))
         y[:, rigid.independent_coordinates] = w
@@ -89,9 +91,9 @@ class RigidPose:
         rigid: RigidCoordinates,
         motion: RigidMotion,
         displacement: Sequence[FloatArray],
-        held: Mapping[int, FloatArray],
+        sliding: Mapping[int, FloatArray],
     ) -> Self:
-        """Rigid links and sliders of given displacements of all links.
+        """Rigid links and sliders at given displacements of all links.
 
         Parameters
         ----------
@@ -100,7 +102,7 @@ class RigidPose:
             Batch of shape (B,).
         displacement : sequence of ndarray, shape (B, n_link)
             In the frames of the rigid motion.
-        held : mapping of int to ndarray, shape (B, 2)
+        sliding : mapping of int to ndarray, shape (B, 2)
             Displacements of the ends of flexible links that slide, in ground axes, by the number
             of the slider.
         """
@@ -111,8 +113,8 @@ class RigidPose:
         for number, slider in enumerate(rigid.topology.sliders):
             line = rigid.point_on_line(number)
             moved = (
-                held[number]
-                if number in held
+                sliding[number]
+                if number in sliding
                 else pose.displacement([end_point(rigid.topology, slider.link_end)])[:, 0]
             )
             moved = moved - pose.displacement([line])[:, 0]  # whose slide is not there yet
@@ -127,14 +129,14 @@ class RigidPose:
         return np.stack([moved.real, moved.imag], axis=-1)
 
     def rows(self, points: Sequence[BodyPoint]) -> FloatArray:
-        """Derivative of the displacement of points by y, (B, 2 P, size)."""
+        """Jacobian of the displacement of points by y, (B, 2 P, size)."""
         bodies, slid = self._after
         own = self.rigid.constraints.points(points)
         return own.jacobian(bodies, self._before[0].turn, slid)
 
     @cached_property
     def coordinates(self) -> FloatArray:
-        """Derivative of y by the independent coordinates, (B, size, n)."""
+        """Derivative of all coordinates y by the independent ones, (B, size, n)."""
         rigid = self.rigid
         moved = np.zeros((len(self.y), rigid.size, len(rigid.independent_coordinates)))
         moved[:, rigid.independent_coordinates, np.arange(len(rigid.independent_coordinates))] = 1.0
@@ -146,71 +148,73 @@ class RigidPose:
             moved[:, rigid.dependent_coordinates] = -np.linalg.solve(across, along)
         return moved
 
-    def stiffness(
+    def geometric_stiffness(
         self,
         at_points: Mapping[BodyPoint, FloatArray],
         forces: FloatArray,
         virial: FloatArray,
-    ) -> PoseStiffness:
-        """Stiffness from forces that keep their direction, those of the joints among them.
+    ) -> RigidGeometricStiffness:
+        """Geometric stiffness by dead loads and by the forces of the joints.
 
         Parameters
         ----------
         at_points : mapping of BodyPoint to ndarray, shape (B, 2)
-            Forces of flexible links on points that lead them, in ground axes in N.
+            Forces of flexible links on the points they are joined to, in ground axes in N.
         forces : ndarray, shape (B, size)
             All other forces, by y.
         virial : ndarray, shape (B, n_links)
-            Product of force and place of what acts on each rigid link besides its joints, in
-            its displaced place, in N m.
+            Of the forces on each rigid link but those of its joints, at its displaced place, in
+            N m.
 
         Returns
         -------
-        PoseStiffness
+        RigidGeometricStiffness
         """
         rigid, (bodies, slid) = self.rigid, self._after
-        turning, guiding = virial.copy(), np.zeros(slid.shape)
+        rotation_stiffness, guide_stiffness = virial.copy(), np.zeros(slid.shape)
         total, found = forces, []
         if at_points:
             points = list(at_points)
             given = np.concatenate(list(at_points.values()), axis=1)
             total = total + np.einsum("bci,bc->bi", self.rows(points), given)
-            led = rigid.constraints.points(points)
-            found.append(led.turning_stiffness(bodies, slid, given[:, ::2] + 1j * given[:, 1::2]))
+            point_rows = rigid.constraints.points(points)
+            found.append(
+                point_rows.geometric_stiffness(bodies, slid, given[:, ::2] + 1j * given[:, 1::2])
+            )
         if len(rigid.dependent_coordinates):
             across = np.swapaxes(self._jacobian[:, :, rigid.dependent_coordinates], 1, 2)
             ties = np.zeros((len(total), rigid.constraints.count))
             ties[:, rigid.rows] = -np.linalg.solve(
                 across, total[:, rigid.dependent_coordinates, None]
             )[..., 0]
-            found.append(rigid.constraints.turning_stiffness(bodies, slid, ties))
+            found.append(rigid.constraints.geometric_stiffness(bodies, slid, ties))
         for by_arm, by_line in found:
-            turning += by_arm[:, :-1]
-            guiding += by_line
-        return PoseStiffness(turning, guiding)
+            rotation_stiffness += by_arm[:, :-1]
+            guide_stiffness += by_line
+        return RigidGeometricStiffness(rotation_stiffness, guide_stiffness)
 
     def _gap(self) -> FloatArray:
-        """By how much the ties that determine the dependent coordinates are not satisfied."""
+        """Violation of the constraints that determine the dependent coordinates."""
         constraints = self.rigid.constraints
         gap = constraints.gap(*self._after) - constraints.gap(*self._before)
-        return (gap + constraints.turned(self.y))[:, self.rigid.rows]
+        return (gap + constraints.angle_gaps(self.y))[:, self.rigid.rows]
 
     @cached_property
     def _jacobian(self) -> FloatArray:
-        """Derivative of the ties by y, (B, conditions, size)."""
+        """Constraint Jacobian by y, (B, conditions, size)."""
         bodies, slid = self._after
         jacobian = self.rigid.constraints.jacobian(bodies, self._before[0].turn, slid)
         return jacobian[:, self.rigid.rows]
 
     @cached_property
     def _before(self) -> tuple[BodyMotion, ComplexArray]:
-        """Bodies before they are displaced, from their places, and where sliders are on them."""
+        """Undisplaced bodies about their reference points, and slider positions on them."""
         bodies, slid = link_bodies(self.motion, self.rigid.topology)
         return replace(bodies, place=np.zeros_like(bodies.place)), slid[0]
 
     @cached_property
     def _after(self) -> tuple[BodyMotion, ComplexArray]:
-        """Displaced bodies, from the places before, and where sliders are on them."""
+        """Displaced bodies about their former reference points, and slider positions on them."""
         bodies, slid = link_bodies(self.displaced, self.rigid.topology)
         place, links = np.zeros_like(bodies.place), list(self.rigid.links)
         u, v = (self.y[:, first : 3 * len(links) : 3] for first in (0, 1))
@@ -220,7 +224,7 @@ class RigidPose:
 
 @dataclass(frozen=True)
 class DisplacedRows:
-    """Rows of a link that follow, where the linkage is displaced.
+    """Dependent rows of a link at finite displacements.
 
     Parameters
     ----------
@@ -229,7 +233,7 @@ class DisplacedRows:
     turn : ndarray, shape (B, r, c)
         Derivative of the rows by the columns.
     place : ndarray, shape (B, r), or None
-        The rows themselves, where they are not linear in the columns.
+        The dependent coordinates, where they are not linear in the columns.
     """
 
     rows: IntArray
@@ -240,7 +244,7 @@ class DisplacedRows:
 
 @dataclass(frozen=True)
 class PointRows:
-    """Rows (r,) of a link that are the displacement of a point in the link's frame."""
+    """Rows (r,) of a link: the displacement of a point in the link's frame."""
 
     link: int
     rows: IntArray
@@ -274,7 +278,7 @@ class HubRow:
 
 
 class DisplacedTies:
-    """Ties over a batch of positions at given coordinates of the rigid links.
+    """Constraints over a batch of positions at finite displacements of the rigid links.
 
     Parameters
     ----------
@@ -282,7 +286,7 @@ class DisplacedTies:
     rows : list of list of DisplacedRows
         For each link.
     at_points, at_coordinates : list
-        What of the links leads to the rigid links and lines.
+        Rows of flexible links whose forces act on rigid links and lines.
     hubs : list of HubRow
     """
 
@@ -297,44 +301,44 @@ class DisplacedTies:
         self.pose, self.rows, self._hubs = pose, rows, hubs
         self._at_points, self._at_coordinates = at_points, at_coordinates
 
-    def stiffness(
-        self, forces: Sequence[FloatArray], turning: Mapping[int, FloatArray]
-    ) -> PoseStiffness:
-        """Stiffness of rigid links, hubs and sliders from forces that keep their direction.
+    def geometric_stiffness(
+        self, forces: Sequence[FloatArray], rotation_stiffness: Mapping[int, FloatArray]
+    ) -> RigidGeometricStiffness:
+        """Geometric stiffness of rigid links, hubs and sliders by dead loads and joint forces.
 
         Parameters
         ----------
         forces : sequence of ndarray, shape (B, n_link)
-            Outer less inner ones on each link in its frame.
-        turning : mapping of int to ndarray, shape (B,)
-            Of each rigid link by its number: stiffness against its turn by what acts on it
-            besides its joints, in N m/rad.
+            Applied less internal forces on each link in its frame.
+        rotation_stiffness : mapping of int to ndarray, shape (B,)
+            Of each rigid link by its number: stiffness by its rotation of all forces but those of
+            its joints, in N m/rad.
 
         Returns
         -------
-        PoseStiffness
+        RigidGeometricStiffness
         """
         pose = self.pose
         motion, rigid = pose.motion, pose.rigid
         at_points: dict[BodyPoint, FloatArray] = {}
-        for led in self._at_points:
-            force = forces[led.link][:, led.rows]
-            angle = motion.angle[:, led.link, None]
+        for point_rows in self._at_points:
+            force = forces[point_rows.link][:, point_rows.rows]
+            angle = motion.angle[:, point_rows.link, None]
             cosine, sine = np.cos(angle), np.sin(angle)
             x, y = force[:, :1], force[:, 1:]
             ground = np.concatenate([cosine * x - sine * y, sine * x + cosine * y], axis=1)
-            at_points[led.point] = at_points.get(led.point, 0.0) + ground
+            at_points[point_rows.point] = at_points.get(point_rows.point, 0.0) + ground
         by_y = np.zeros_like(pose.y)
         for own in self._at_coordinates:
             for row, coordinate in zip(own.rows, own.among, strict=True):
                 by_y[:, coordinate] += forces[own.link][:, row]
         by_link = np.zeros(motion.angle.shape)
         for link in rigid.links:
-            by_link[:, link] = turning[link]
+            by_link[:, link] = rotation_stiffness[link]
         for hub in self._hubs:
             by_link[:, hub.link] += hub.radius * forces[hub.link][:, hub.row]
-        return pose.stiffness(at_points, by_y, by_link)
+        return pose.geometric_stiffness(at_points, by_y, by_link)
 
-    def matrix(self, stiffness: PoseStiffness) -> FloatArray:
-        """A stiffness of the pose by the independent coordinates, (B, n, n)."""
+    def matrix(self, stiffness: RigidGeometricStiffness) -> FloatArray:
+        """Geometric stiffness by the independent coordinates, (B, n, n)."""
         return self.pose.rigid.projected(stiffness, self.pose.coordinates)

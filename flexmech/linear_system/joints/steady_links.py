@@ -1,4 +1,4 @@
-"""Links of which nothing follows but ends that turn, and the sums of their constant matrices."""
+"""Links whose only dependent rows are pinned ends: sums of their constant matrices."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from flexmech.linear_system.links.link_model import LinkModel
 
 
 class SteadyLinks:
-    """Those links of a linkage whose constant matrices are summed in all positions at once.
+    """Links whose constant matrices are summed for all positions at once.
 
     Parameters
     ----------
@@ -30,8 +30,8 @@ class SteadyLinks:
     ----------
     numbers : frozenset of int
         Which links these are.
-    factors : TurningFactors
-        By which the sums turn.
+    factors : RotationFactors
+        Cosines and sines by which the sums vary.
     """
 
     def __init__(
@@ -43,10 +43,10 @@ class SteadyLinks:
         leaders: list[list[int]] = []
         for number, target in enumerate(ties.targets):
             steady = number in self.numbers
-            following = ties.following(number) if steady else []
-            self._maps.append(LinkMap.of(target, [rows for rows, _ in following], ties.size))
+            dependencies = ties.dependencies(number) if steady else []
+            self._maps.append(LinkMap.of(target, [rows for rows, _ in dependencies], ties.size))
             leaders.append(ties.leaders(number) if steady else [])
-        self.factors = TurningFactors.of(leaders)
+        self.factors = RotationFactors.of(leaders)
 
     @cached_property
     def mass(self) -> SteadySum:
@@ -54,7 +54,7 @@ class SteadyLinks:
         return self._sum({n: whole(self._links[n].mass) for n in self.numbers})
 
     def sum_of_tangents(self, tangents: Mapping[int, FloatArray]) -> SteadySum:
-        """Sum over tangents (n, n) of some of the links; that of unstressed ones is made once."""
+        """Sum over tangents (n, n) of some of the links; that of unstressed links is cached."""
         unstressed = all(x is self._links[n].stiffness for n, x in tangents.items())
         if unstressed and len(tangents) == len(self.numbers):
             return self._stiffness
@@ -66,14 +66,14 @@ class SteadyLinks:
 
     def _sum(self, matrices: Mapping[int, FloatArray]) -> SteadySum:
         """Sum of ``N'XN`` over symmetric matrices (n, n), by link."""
-        # What turns has a row or a column of an end that leads, and those ends come first.
-        led = [columns for n in matrices for _, columns in self._ties.following(n)]
+        # Terms that vary have a row or a column of a leading end, and those come first.
+        led = [columns for n in matrices for _, columns in self._ties.dependencies(n)]
         ends = 1 + max((int(pair.max()) for pair in led), default=-1)
-        resting = np.zeros((self._ties.size, self._ties.size))
+        constant = np.zeros((self._ties.size, self._ties.size))
         for number, matrix in matrices.items():
-            self._places[number].add_resting(resting, matrix)
-        terms = [m.turning_terms(matrices.get(n), ends) for n, m in enumerate(self._maps)]
-        return SteadySum.of(resting, np.concatenate(terms))
+            self._places[number].add_constant(constant, matrix)
+        terms = [m.rotating_terms(matrices.get(n), ends) for n, m in enumerate(self._maps)]
+        return SteadySum.of(constant, np.concatenate(terms))
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ class LinkMap:
     Parameters
     ----------
     parts : ndarray, shape (m, n, size)
-        Factors of 1, and of the cosine and the sine of each following end's angle.
+        Factors of 1, and of the cosine and the sine of each dependent end's angle.
     """
 
     parts: FloatArray
@@ -95,9 +95,9 @@ class LinkMap:
         Parameters
         ----------
         target : ndarray of int, shape (n,)
-            Coordinate of the linkage of each of the link; -1 where held.
+            Coordinate of the linkage for each of the link; -1 where fixed.
         pairs : sequence of ndarray of int, shape (2,)
-            Coordinates of the link's ends that follow.
+            Coordinates of the link's dependent ends.
         size : int
             Number of coordinates of the linkage.
         """
@@ -110,8 +110,8 @@ class LinkMap:
             sine[pair, target[pair[::-1]]] = [-1.0, 1.0]
         return cls(parts)
 
-    def turning_terms(self, matrix: FloatArray | None, rows: int) -> FloatArray:
-        """What multiplies the products of factors in rows of ``N'XN``.
+    def rotating_terms(self, matrix: FloatArray | None, rows: int) -> FloatArray:
+        """Coefficients of the products of factors in rows of ``N'XN``.
 
         Parameters
         ----------
@@ -123,7 +123,7 @@ class LinkMap:
         Returns
         -------
         ndarray, shape (r, rows, size)
-            Of ``f_i f_j`` for i <= j without the first, which rests; r = m (m + 1) / 2 - 1.
+            Of ``f_i f_j`` for i <= j without the first, constant one; r = m (m + 1) / 2 - 1.
         """
         first, second = _two_of(len(self.parts))
         if matrix is None or not len(first):
@@ -135,13 +135,13 @@ class LinkMap:
 
 
 @dataclass(frozen=True)
-class TurningFactors:
+class RotationFactors:
     """Products ``f_i f_j`` of the factors of all links, by the angles of their frames.
 
     Parameters
     ----------
     leaders, followers : ndarray of int, shape (k,)
-        Links whose ends lead others and those whose ends follow, end by end.
+        Leading and following link of each dependent end.
     first, second : ndarray of int, shape (1 + r,)
         Numbers of two factors: the first is 1, those of end e are 1 + 2 e and 2 + 2 e. The first
         product is 1, then come those of one link after the other.
@@ -153,8 +153,8 @@ class TurningFactors:
     second: IntArray
 
     @classmethod
-    def of(cls, leaders: Sequence[Sequence[int]]) -> TurningFactors:
-        """Factors of links of which each follows so many leaders."""
+    def of(cls, leaders: Sequence[Sequence[int]]) -> RotationFactors:
+        """Factors of links with the leaders of each."""
         first, second = [np.zeros(1, dtype=np.intp)], [np.zeros(1, dtype=np.intp)]
         followers: list[int] = []
         for link, led in enumerate(leaders):
@@ -191,30 +191,30 @@ class SteadySum:
 
     Parameters
     ----------
-    resting : ndarray, shape (size, size)
-        The part that does not turn.
+    constant : ndarray, shape (size, size)
+        The part that does not depend on the angles.
     terms : ndarray, shape (1 + r, e, w)
-        First rows and columns of that part and of what multiplies the products of factors. No
-        other rows turn but, by symmetry, columns.
+        First rows and columns of that part and of the coefficients of the products of factors. All
+        other rows are constant but, by symmetry, in these columns.
     """
 
-    resting: FloatArray
+    constant: FloatArray
     terms: FloatArray
 
     @classmethod
-    def of(cls, resting: FloatArray, terms: FloatArray) -> SteadySum:
-        """Sum without the columns in which nothing turns.
+    def of(cls, constant: FloatArray, terms: FloatArray) -> SteadySum:
+        """Sum without the columns that are constant.
 
         Parameters
         ----------
-        resting : ndarray, shape (size, size)
+        constant : ndarray, shape (size, size)
         terms : ndarray, shape (r, e, size)
         """
         ends = terms.shape[1]
         turning = np.flatnonzero(terms.any(axis=(0, 1)))
         width = max(ends, 1 + int(turning[-1]) if len(turning) else 0)
-        every = np.concatenate([resting[None, :ends], terms])
-        return cls(resting, np.ascontiguousarray(every[:, :, :width]))
+        every = np.concatenate([constant[None, :ends], terms])
+        return cls(constant, np.ascontiguousarray(every[:, :, :width]))
 
     def write(self, total: FloatArray, factors: FloatArray) -> None:
         """Write the sum in all positions.
@@ -223,11 +223,11 @@ class SteadySum:
         ----------
         total : ndarray, shape (B, size, size)
         factors : ndarray, shape (1 + r, B)
-            See :class:`TurningFactors`.
+            See :class:`RotationFactors`.
         """
         count, ends, width = self.terms.shape
         turned = (factors.T @ self.terms.reshape(count, -1)).reshape(len(total), ends, width)
-        total[:] = self.resting
+        total[:] = self.constant
         total[:, :ends, :width] = turned
         total[:, ends:width, :ends] = np.swapaxes(turned[:, :, ends:], 1, 2)
 

@@ -1,4 +1,4 @@
-"""Matrices of a chain of elements, stored element by element.
+"""Block-banded matrices of a chain of elements, stored element by element.
 
 The matrix of a link of many elements is zero but for a narrow band. Its elements take memory that
 grows with their number, where all entries of the matrix take its square. Of few elements the whole
@@ -109,7 +109,7 @@ class ChainMatrix:
         return total.reshape(*batch, -1)
 
     def with_entries(self, rows: IntArray, columns: IntArray, values: FloatArray) -> ChainMatrix:
-        """The matrix with something added, each entry within an element.
+        """The matrix with entries added, each within an element.
 
         Parameters
         ----------
@@ -140,7 +140,7 @@ class ChainMatrix:
         return csc_array(entries, shape=self.shape)
 
     def whole(self, out: FloatArray | None = None) -> FloatArray:
-        """All entries, (..., n, n); written into ``out``, which is zero, if it is given."""
+        """The full matrix, (..., n, n); written into ``out``, which is zero, if it is given."""
         size, count = self.per_node, self.elements.shape[-3]
         first, second = slice(0, size), slice(size, None)
         total = np.zeros(self.shape) if out is None else out
@@ -158,7 +158,7 @@ LinkMatrix = FloatArray | ChainMatrix
 
 
 def whole(matrix: LinkMatrix) -> FloatArray:
-    """All entries of a link matrix, (n, n) or (B, n, n)."""
+    """A link matrix as a full one, (n, n) or (B, n, n)."""
     return matrix.whole() if isinstance(matrix, ChainMatrix) else matrix
 
 
@@ -170,7 +170,7 @@ def diagonal(matrix: LinkMatrix) -> FloatArray:
 
 
 def couples(matrix: LinkMatrix, some: NDArray[np.bool_], others: NDArray[np.bool_]) -> bool:
-    """Whether some coordinates of a matrix have an entry with others.
+    """Whether a matrix couples some coordinates with others.
 
     Parameters
     ----------
@@ -185,7 +185,7 @@ def couples(matrix: LinkMatrix, some: NDArray[np.bool_], others: NDArray[np.bool
 
 
 def repeated(matrix: LinkMatrix, count: int) -> LinkMatrix:
-    """A matrix of one position, of shape (1, n, n), at so many; one (n, n) stays."""
+    """A matrix of one position, (1, n, n), repeated; a constant one (n, n) stays."""
     if matrix.ndim == 2:
         return matrix
     if isinstance(matrix, ChainMatrix):
@@ -194,7 +194,7 @@ def repeated(matrix: LinkMatrix, count: int) -> LinkMatrix:
 
 
 def in_positions(matrix: LinkMatrix, which: slice | IntArray) -> LinkMatrix:
-    """A link matrix in some positions; one that is the same in all stays."""
+    """A link matrix in some positions; a constant one stays."""
     return matrix[which] if matrix.ndim == 3 else matrix
 
 
@@ -254,7 +254,7 @@ def summed(first: LinkMatrix, second: LinkMatrix) -> LinkMatrix:
 def with_entries(
     matrix: LinkMatrix, rows: IntArray, columns: IntArray, values: FloatArray
 ) -> LinkMatrix:
-    """A link matrix with something added, each entry within an element.
+    """A link matrix with entries added, each within an element.
 
     Parameters
     ----------

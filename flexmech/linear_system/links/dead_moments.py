@@ -1,4 +1,4 @@
-"""Forces that keep their direction on bodies and rigid links that turn, and how far these do."""
+"""Moments of dead loads on bodies and rigid links that rotate by finite angles."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system.links.carried_inertia import CarriedInertia
 from flexmech.linear_system.links.chains import LinkMatrix, with_entries
+from flexmech.linear_system.links.displaced_inertia import DisplacedInertia
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linkages import RigidMotion
@@ -20,21 +20,21 @@ from flexmech.linkages import RigidMotion
 def body_turns(
     links: Sequence[LinkModel], displacement: Sequence[FloatArray] | None
 ) -> list[list[FloatArray]] | None:
-    """By what angles the bodies on links are turned in the frames of these.
+    """Rotation of the bodies on links in the link frames.
 
-    The frame of a rigid link turns with it.
+    The frame of a rigid link rotates with it.
 
     Parameters
     ----------
     links : sequence of LinkModel
         Unreduced.
     displacement : sequence of ndarray, shape (B, n_link), or None
-        Of the state that matrices are about; None of straight links.
+        Of the state about which matrices are linearized; None of straight links.
 
     Returns
     -------
     list of list of ndarray, shape (B,), or None
-        For each body of each link, in rad; None where no turn changes any inertia.
+        For each body of each link, in rad; None where no rotation changes the inertia.
     """
     off_axis = any(body.is_off_axis for link in links for body in link.bodies)
     if displacement is None or not off_axis:
@@ -47,14 +47,14 @@ def body_turns(
 
 @dataclass(frozen=True)
 class DeadMoments:
-    """Moments of forces that keep their direction about k points that turn, in B positions.
+    """Moments of dead loads about k points that rotate, in B positions.
 
     Parameters
     ----------
     links, rows : ndarray of int, shape (k,)
         The link of each point, and the coordinate that is its rotation.
     virial, moment : ndarray, shape (k, B)
-        Where the link is straight: product of the forces with their places from the point, and
+        On the straight link: scalar product of the forces and their arms from the point, and
         their moment about it.
     """
 
@@ -71,9 +71,9 @@ class DeadMoments:
         gravity: tuple[float, float],
         loads: Sequence[FloatArray],
         virial: FloatArray | None = None,
-        carried: Sequence[Sequence[FloatArray]] | None = None,
+        displaced_inertia: Sequence[Sequence[FloatArray]] | None = None,
     ) -> Self:
-        """Of inertia forces and weight of all bodies, and of loads on rigid links.
+        """Moments of inertia forces and weight of all bodies, and of loads on rigid links.
 
         Parameters
         ----------
@@ -87,8 +87,8 @@ class DeadMoments:
             On the links; of a rigid one with the moment about its start.
         virial : ndarray, shape (B, n_links), optional
             Of other loads on rigid links than inertia forces and weight.
-        carried : sequence of sequence of ndarray, shape (2, B), optional
-            See :meth:`flexmech.linear_system.CarriedInertia.moments`; their moments are among the
+        displaced_inertia : sequence of sequence of ndarray, shape (2, B), optional
+            See :meth:`flexmech.linear_system.DisplacedInertia.moments`; their moments are among the
             loads.
 
         Returns
@@ -98,39 +98,39 @@ class DeadMoments:
         found: dict[tuple[int, int], FloatArray] = {}
         for number, link in enumerate(links):
             for place, body in enumerate(link.bodies):
-                own, moment = body.dead(motion, number, gravity)
+                own, moment = body.dead_moment(motion, number, gravity)
                 value = np.stack([own, moment])
-                if carried is not None:
-                    value += carried[number][place]
+                if displaced_inertia is not None:
+                    value += displaced_inertia[number][place]
                 if link.rigid:
                     value[1] = loads[number][:, 2]
                     value[0] += 0.0 if virial is None else virial[:, number]
-                # Bodies on one section turn alike.
+                # Bodies on one section have one rotation.
                 found[number, body.row] = found.get((number, body.row), 0.0) + value
         places = np.array(list(found), dtype=np.intp).reshape(-1, 2).T
         shape = (len(found), 2, len(motion.crank_angle))
         return cls(*places, *np.moveaxis(np.reshape(list(found.values()), shape), 1, 0))
 
     def scaled(self, part: float) -> Self:
-        """Those of a part of the forces."""
+        """Moments of a part of the forces."""
         return replace(self, virial=part * self.virial, moment=part * self.moment)
 
     def at(self, which: NDArray[np.bool_] | IntArray) -> Self:
-        """Those of some positions."""
+        """Moments in some positions."""
         return replace(self, virial=self.virial[:, which], moment=self.moment[:, which])
 
-    def fall(self, points: IntArray, angle: FloatArray) -> FloatArray:
-        """By what moments of some points (m,) are less once these are turned by angles (m, B)."""
+    def decrease(self, points: IntArray, angle: FloatArray) -> FloatArray:
+        """Decrease of the moments about some points (m,) at rotations (m, B)."""
         half = 2 * np.sin(angle / 2) ** 2
         return np.asarray(self.virial[points] * np.sin(angle) + self.moment[points] * half)
 
     def stiffness(self, points: IntArray, angle: FloatArray) -> FloatArray:
-        """Derivative of :meth:`fall` by the angles, (m, B)."""
+        """Geometric stiffness: derivative of :meth:`decrease` by the angles, (m, B)."""
         cosine, sine = np.cos(angle), np.sin(angle)
         return np.asarray(self.virial[points] * cosine + self.moment[points] * sine)
 
-    def resist(self, force: Sequence[FloatArray], displacement: Sequence[FloatArray]) -> None:
-        """Add what the moments fall by to the forces of links, in place.
+    def add_forces(self, force: Sequence[FloatArray], displacement: Sequence[FloatArray]) -> None:
+        """Add the decrease of the moments to the internal forces of links, in place.
 
         Parameters
         ----------
@@ -138,10 +138,12 @@ class DeadMoments:
         """
         for link, points in self._of_links():
             rows = self.rows[points]
-            force[link][rows] += self.fall(points, displacement[link][rows])
+            force[link][rows] += self.decrease(points, displacement[link][rows])
 
-    def turning(self, displacement: Sequence[FloatArray]) -> dict[int, tuple[IntArray, FloatArray]]:
-        """Coordinates (m,) of each link that turns, and the stiffness by them (m, B).
+    def rotation_stiffness(
+        self, displacement: Sequence[FloatArray]
+    ) -> dict[int, tuple[IntArray, FloatArray]]:
+        """Rotations (m,) of each link, and the geometric stiffness by them (m, B).
 
         Parameters
         ----------
@@ -153,38 +155,41 @@ class DeadMoments:
         }
 
     def by_link(self, displacement: Sequence[FloatArray]) -> dict[int, FloatArray]:
-        """The stiffness of :meth:`turning` by link: of rigid ones, which have one point."""
-        return {link: stiffness[0] for link, (_, stiffness) in self.turning(displacement).items()}
+        """Geometric stiffness (B,) of rigid links, which have one point each, by link."""
+        return {
+            link: stiffness[0]
+            for link, (_, stiffness) in self.rotation_stiffness(displacement).items()
+        }
 
     def _of_links(self) -> Iterator[tuple[int, IntArray]]:
         """Numbers of the points of each link that has some."""
         for link in np.unique(self.links).tolist():
             yield link, np.flatnonzero(self.links == link)
 
-    def stiffen(
+    def add_stiffness(
         self, tangent: Mapping[int, LinkMatrix], displacement: Sequence[FloatArray]
     ) -> dict[int, LinkMatrix]:
-        """Tangents (n, n) or (B, n, n) of elastic links with what their bodies resist."""
+        """Tangents (n, n) or (B, n, n) of elastic links with the geometric stiffness of bodies."""
         stiffened = dict(tangent)
-        for link, (rows, stiffness) in self.turning(displacement).items():
+        for link, (rows, stiffness) in self.rotation_stiffness(displacement).items():
             if link in stiffened:
                 stiffened[link] = with_entries(stiffened[link], rows, rows, stiffness.T)
         return stiffened
 
 
-def without_own_turning(
+def without_spin_softening(
     links: Sequence[LinkModel],
     motion: RigidMotion,
     stressed: StressedLinks,
-    carried: CarriedInertia | None,
+    displaced_inertia: DisplacedInertia | None,
 ) -> StressedLinks:
-    """Stressed links without the centrifugal forces of what turns with bodies about their points.
+    """Stressed links without the centrifugal stiffness against the rotation of bodies.
 
-    A rotation keeps the potential of these forces, which resist it as long as they keep their
-    direction. What is left out is what the centrifugal mass leaves out too: on straight links all
-    matter off the axis, in a displaced state what turns about a centre of mass of its own. Of links
-    that turn as one body inertia forces are those at the displaced places, which the terms of the
-    turning frame change as well.
+    A rotation keeps the centrifugal potential, whose forces resist it as dead loads. The part is
+    left out that the centrifugal mass leaves out too: on straight links that of all matter off the
+    axis, in a displaced state that of the inertia about the centres of mass. Inertia forces of
+    links that rotate as one body are those at the displaced places, which the terms of the rotating
+    frame change as well.
 
     Parameters
     ----------
@@ -193,9 +198,9 @@ def without_own_turning(
     motion : RigidMotion
         Batch of shape (B,).
     stressed : StressedLinks
-        Under forces that keep their direction.
-    carried : CarriedInertia or None
-        Of links that turn as one body.
+        Under dead loads.
+    displaced_inertia : DisplacedInertia or None
+        Of links that rotate as one body.
 
     Returns
     -------
@@ -205,21 +210,21 @@ def without_own_turning(
     for number, link in enumerate(links):
         square, less = motion.angular_velocity[:, number] ** 2, []
         for body in link.bodies:
-            turning = -square * (body.second_moment - body.on_axis)
+            stiffness = -square * (body.second_moment - body.on_axis)
             if moved is not None:
-                turning = -square * body.spin
-            if moved is not None and carried is not None:
-                by_turn = carried.of_body(number, body, moved[number])[1][:, 2, 2]
-                turning = square * (body.second_moment - body.spin) - by_turn
-            less.append(turning)
-        tangent[number] = _stiffened(tangent[number], link, less)
+                stiffness = -square * body.central_inertia
+            if moved is not None and displaced_inertia is not None:
+                by_turn = displaced_inertia.of_body(number, body, moved[number])[1][:, 2, 2]
+                stiffness = square * (body.second_moment - body.central_inertia) - by_turn
+            less.append(stiffness)
+        tangent[number] = _with_rotation_stiffness(tangent[number], link, less)
     return replace(stressed, tangent=tangent)
 
 
 def with_straight_inertia(
     links: Sequence[LinkModel], motion: RigidMotion, stressed: StressedLinks
 ) -> StressedLinks:
-    """Stressed links whose tangents stand beside the centrifugal mass of straight ones.
+    """Stressed links with tangents for use with the centrifugal mass of straight links.
 
     Parameters
     ----------
@@ -228,7 +233,7 @@ def with_straight_inertia(
     motion : RigidMotion
         Batch of shape (B,).
     stressed : StressedLinks
-        As of :func:`without_own_turning`.
+        As of :func:`without_spin_softening`.
 
     Returns
     -------
@@ -237,15 +242,17 @@ def with_straight_inertia(
     tangent = list(stressed.tangent)
     for number, link in enumerate(links if stressed.displacement is not None else ()):
         square = motion.angular_velocity[:, number] ** 2
-        less = [-square * own.beside * own.is_off_axis for own in link.bodies]
-        tangent[number] = _stiffened(tangent[number], link, less)
+        less = [-square * own.off_axis_inertia * own.is_off_axis for own in link.bodies]
+        tangent[number] = _with_rotation_stiffness(tangent[number], link, less)
     return replace(stressed, tangent=tangent)
 
 
-def _stiffened(tangent: LinkMatrix, link: LinkModel, turning: Sequence[FloatArray]) -> LinkMatrix:
-    """A tangent with more stiffness (B,) against the turn of each body of the unreduced link."""
+def _with_rotation_stiffness(
+    tangent: LinkMatrix, link: LinkModel, stiffness: Sequence[FloatArray]
+) -> LinkMatrix:
+    """A tangent with stiffness (B,) added against the rotation of each body of a link."""
     by_row: dict[int, FloatArray] = {}
-    for body, own in zip(link.bodies, turning, strict=True):
+    for body, own in zip(link.bodies, stiffness, strict=True):
         if own.any():
             by_row[body.row] = by_row.get(body.row, 0.0) + own
     if not by_row:

@@ -1,4 +1,4 @@
-"""One elastic link in its own frame: matrices of small displacements about the rigid motion."""
+"""Matrices of one link in its frame, for small displacements about the rigid motion."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NO_VECTORS = np.zeros((2, 0), dtype=np.intp)
 
 @dataclass(frozen=True)
 class RigidFields:
-    """Coordinates of the accelerations that a rigid link can have, each of shape (n,).
+    """Rigid-body acceleration fields in a link's coordinates, each of shape (n,).
 
     Parameters
     ----------
@@ -40,12 +40,12 @@ class RigidFields:
 
 @dataclass(frozen=True)
 class EndMatrices:
-    """Forces ``X E`` from displacing a link's joined ends alone; each (n, n).
+    """Forces ``X E`` by displacements of a link's joined ends alone; each (n, n).
 
-    Only the columns of the ends matter. In nodal coordinates these are the link's own
+    Only the columns of the ends are used. In nodal coordinates these are the link's own
     matrices. In component modes an end's coordinate carries a static shape with it, but
-    the frame that turns with the leader holds the end alone: the reduction must not change
-    the frame, because frozen eigenvalues depend on it.
+    the leader's rotating frame is that of the end alone: the reduction must not change the
+    frame, because frozen eigenvalues depend on it.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ class EndMatrices:
 
 @dataclass(frozen=True)
 class WholeLink:
-    """Matrices of a link with all their entries, (n, n); see :class:`LinkModel`.
+    """Full matrices of a link, (n, n); see :class:`LinkModel`.
 
     Parameters
     ----------
@@ -115,27 +115,27 @@ class LinkModel:
         Coordinates that are the displacement of the two ends; empty where a reduction has
         removed an end that is not joined, and of a rigid link's end.
     start_rotation, end_rotation : ndarray of int, shape (k,)
-        Coordinates that a clamp at that end holds besides the displacement.
+        Coordinates that a clamp at that end fixes besides the displacement.
     readings : LinkReadings
-        What :attr:`shape` and :attr:`curvature` are made from.
+        From which :attr:`shape` and :attr:`curvature` are computed.
     fields : RigidFields
         Rigid accelerations in these coordinates (of the unreduced link only).
     reduced_ends : EndMatrices, optional
         Of a reduced link; see :attr:`ends`.
     start_warping, end_warping : ndarray of int, shape (k,)
-        Coordinates that a joint at that end holds, whatever its kind: its pin sits in a fitting
-        that keeps the cross-section plane.
+        Coordinates that a joint of any kind at that end fixes: its pin is in a fitting that keeps
+        the cross-section plane.
     vectors : ndarray of int, shape (2, k)
-        Coordinates along x and across it of all vectors that turn with the link: displacements
-        of nodes, and their slope vectors. Of a reduced link there are none.
+        Coordinates along and across of all vectors in the link frame: displacements of nodes,
+        and slope vectors. Of a reduced link there are none.
     receding : ndarray of int, shape (1,) or (0,)
         Coordinate ``cos(phi) - 1`` of the free shaft that the link is clamped to, where its
         coordinates are natural ones.
     rigid : bool
         Whether the link is rigid; see :func:`flexmech.linear_system.links.rigid_link`.
     bodies : tuple of RigidBody
-        Whose inertia, where the link is straight, is in its matrices; a rigid link is one, and the
-        matter of sections is in so many where it is off the axis.
+        Their inertia on the straight link is in its matrices. A rigid link is one body;
+        distributed mass off the axis is one body for each node.
     """
 
     name: str
@@ -161,10 +161,10 @@ class LinkModel:
     bodies: tuple[RigidBody, ...] = ()
 
     def carrying(self, mass: LinkMass) -> LinkModel:
-        """The unreduced link with the bodies of its mass, and with what turns with its sections.
+        """The unreduced link with attached bodies, and with its mass off the axis as bodies.
 
         Distributed mass is in the matrices of the straight link. Where it is off the axis, each
-        node's share of it is a body whose arm turns with the section there.
+        node's share of it is a body whose arm rotates with the section there.
 
         Parameters
         ----------
@@ -214,7 +214,7 @@ class LinkModel:
         return own, rows
 
     def inertia_change(self, turns: Sequence[FloatArray]) -> WholeLink | None:
-        """By what bodies that are turned change the matrices of the straight link.
+        """Change of the matrices of the straight link by rotated bodies.
 
         Parameters
         ----------
@@ -243,7 +243,7 @@ class LinkModel:
         return WholeLink(*(by(rows, n) for n in range(3)), *(by(ends, n) for n in range(2)))
 
     def whole(self) -> WholeLink:
-        """Its matrices with all their entries."""
+        """Its matrices as full ones."""
         ends = self.ends
         return WholeLink(
             *(whole(x) for x in (self.mass, self.gyroscopic, self.centrifugal_mass)),
@@ -252,7 +252,7 @@ class LinkModel:
 
     @property
     def ends(self) -> EndMatrices:
-        """Forces from displacing the joined ends alone."""
+        """Forces by displacements of the joined ends alone."""
         return self.reduced_ends or EndMatrices(
             self.mass, self.gyroscopic, self.damping, self.readings
         )
@@ -313,7 +313,7 @@ class LinkModel:
         return unit
 
     def projected(self, basis: FloatArray, kept: dict[str, IntArray]) -> LinkModel:
-        """The link with ``q = basis @ p``.
+        """The link in reduced coordinates p, with ``q = basis @ p``.
 
         Parameters
         ----------

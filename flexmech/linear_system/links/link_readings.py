@@ -1,4 +1,4 @@
-"""What is read off a link's coordinates: displacements along it and its curvature."""
+"""Displacements, rotations and curvature of a link from its coordinates."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SMALL = 1e-4
 
 @dataclass(frozen=True)
 class LinkReadings:
-    """Readings of one link, made when they are first asked for: frequencies need none.
+    """Displacement, rotation and curvature rows of one link, computed on first use.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a link's axial strain owes to the square of its slopes.
+"""Second-order axial strain of a link by the square of its slopes.
 
 A straight link that bends is, to second order, longer than its chord by half the integral of
 the squared slope (von Karman 1910; Crisfield, *Non-linear Finite Element Analysis of Solids
@@ -22,8 +22,8 @@ class LinkStretch:
 
     Each of the ``s`` strains ``gradient @ q + weights @ (slopes @ q)**2 / 2`` is a mean over a
     part of the link times the square root of that part's stiffness, ``EA`` times length: the
-    strain energy is half the sum of their squares, and a strain is its own tension. Of a link that
-    turns far there are strains of bending among them.
+    strain energy is half the sum of their squares, and each strain equals its tension. A link with
+    large rotations has bending strains among them.
 
     Parameters
     ----------
@@ -43,15 +43,14 @@ class LinkStretch:
 
     @classmethod
     def none(cls, size: int) -> LinkStretch:
-        """Of a link of ``size`` coordinates that does not stretch."""
+        """No strains, for a link of ``size`` coordinates that does not stretch."""
         return cls(np.zeros((0, size)), np.zeros((0, size)), np.zeros((0, 0)), np.zeros(0))
 
     def projected(self, basis: FloatArray) -> LinkStretch:
-        """The same with ``q = basis @ p``.
+        """The same strains with ``q = basis @ p``, where p are fewer.
 
-        Only strains that the linear part of some p can show are kept: the squared slopes of
-        high modes must not stretch a link that has no axial shape to give way with (membrane
-        locking).
+        Only strains in the range of the linear part are kept: squared slopes of high modes must
+        not stretch a link without axial shapes that could relax them (membrane locking).
 
         Parameters
         ----------
@@ -65,18 +64,20 @@ class LinkStretch:
         combined, times = [gradient[:, :0]], [self.damping_time[:0]]
         for time in np.unique(self.damping_time):
             own = np.flatnonzero(self.damping_time == time)
-            shown, size, _ = np.linalg.svd(gradient[own], full_matrices=False)
-            shown = shown[:, size > RANK_TOLERANCE * size.max(initial=0.0)]
-            combined.append(np.zeros((len(gradient), shown.shape[1])))
-            combined[-1][own] = shown
-            times.append(np.full(shown.shape[1], time))
+            directions, size, _ = np.linalg.svd(gradient[own], full_matrices=False)
+            directions = directions[:, size > RANK_TOLERANCE * size.max(initial=0.0)]
+            combined.append(np.zeros((len(gradient), directions.shape[1])))
+            combined[-1][own] = directions
+            times.append(np.full(directions.shape[1], time))
         kept = np.concatenate(combined, axis=1).T
         return LinkStretch(
             kept @ gradient, self.slopes @ basis, kept @ self.weights, np.concatenate(times)
         )
 
-    def remainder(self, displacement: FloatArray, rate: FloatArray) -> tuple[FloatArray, ...]:
-        """Forces beyond those of the linear strain, elastic and of damping.
+    def nonlinear_forces(
+        self, displacement: FloatArray, rate: FloatArray
+    ) -> tuple[FloatArray, ...]:
+        """Elastic and damping forces beyond those of the linear strain.
 
         Parameters
         ----------

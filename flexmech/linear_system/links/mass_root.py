@@ -1,4 +1,4 @@
-"""Coordinates in which mass matrices are the unit matrix, in many positions at once."""
+"""Inverse Cholesky factors of mass matrices in many positions at once."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def inverse_mass_root(mass: FloatArray) -> FloatArray:
 
 
 def _eliminated(mass: FloatArray) -> FloatArray:
-    """``L^-1`` of small matrices: what turns M into the unit matrix, row by row.
+    """``L^-1`` of small matrices, by elimination row by row.
 
     The batch stands last, so that each step runs along memory.
     """

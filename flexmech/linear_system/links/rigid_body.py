@@ -1,11 +1,11 @@
-"""Rigid bodies on links: a body on a section of an elastic link, and a rigid link, alike.
+"""Rigid bodies: bodies on sections of elastic links, and rigid links.
 
-A body is fixed to a point of its link, which is displaced by u and turns by phi, both in the link's
-frame. With its first moment s about that point, where the link is straight, its matter is at
-``u + R(phi) s / m``. An inertia force or weight F that keeps its direction has the moment
-``F . J R(phi) s / m`` about the point, which resists a turn by ``F . R(phi) s / m``: with the
-moment and the virial of the straight link, ``moment cos(phi) - virial sin(phi)`` and its
-derivative. Small displacements of the matter about such a place are ``du + dphi J R(phi) s / m``.
+A body is fixed to a point of its link, which is displaced by u and rotated by phi, both in the link
+frame. With its first moment s about that point on the straight link, its centre of mass is at
+``u + R(phi) s / m``. A dead load F, as an inertia force or weight, has the moment
+``F . J R(phi) s / m`` about the point and the geometric stiffness ``F . R(phi) s / m`` against the
+rotation: with the moment and the virial of the straight link, ``moment cos(phi) - virial sin(phi)``
+and its derivative. Small displacements of the centre of mass are ``du + dphi J R(phi) s / m``.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ class RigidBody:
         ``s``, along and across the straight link, in kg m.
     second_moment : float
         Polar, in kg m^2.
-    spin : float
-        Part of it that is about centres of mass of its own: what turns about these keeps its
-        centrifugal potential.
+    central_inertia : float
+        Part of it about centres of mass: a rotation about these keeps the centrifugal
+        potential.
     on_axis : float
         Part of it that is in the centrifugal mass of the straight link.
     position : float
@@ -49,16 +49,16 @@ class RigidBody:
         Displacement of the point along and across, and rotation, by the link's coordinates.
     end_rows : ndarray, shape (3, n), optional
         The same by the link's joined ends alone; see
-        :class:`flexmech.linear_system.links.link_model.EndMatrices`. Those by all coordinates where
-        it is left out.
+        :class:`flexmech.linear_system.links.link_model.EndMatrices`. By default those by all
+        coordinates.
     of_section : bool
-        Whether it is matter of the link's own sections.
+        Whether it is distributed mass of the link's sections.
     """
 
     mass: float
     first_moment: tuple[float, float]
     second_moment: float
-    spin: float
+    central_inertia: float
     on_axis: float = 0.0
     position: float = 0.0
     rows: FloatArray = field(default_factory=NOWHERE.copy)
@@ -67,7 +67,7 @@ class RigidBody:
 
     @classmethod
     def fixed(cls, body: LinkBody, rows: FloatArray = NOWHERE) -> Self:
-        """A body that is fixed to a section of an elastic link.
+        """Body fixed to a section of an elastic link.
 
         Parameters
         ----------
@@ -80,9 +80,9 @@ class RigidBody:
 
     @classmethod
     def of_link(cls, mass: LinkMass) -> Self:
-        """A rigid link, whose coordinates are displacement of its start and rotation."""
-        beside = mass.mass_per_length * mass.length * mass.offset**2
-        beside += sum(
+        """Rigid link, with the displacement of its start and its rotation as coordinates."""
+        off_axis = mass.mass_per_length * mass.length * mass.offset**2
+        off_axis += sum(
             b.inertia + b.mass * (b.offset[0] ** 2 + b.offset[1] ** 2) for b in mass.bodies
         )
         second = mass.moment(2)
@@ -91,40 +91,40 @@ class RigidBody:
             (mass.moment(1), mass.moment_across),
             second,
             sum(body.inertia for body in mass.bodies),
-            on_axis=second - beside,
+            on_axis=second - off_axis,
             rows=np.eye(3),
         )
 
     @property
     def row(self) -> int:
-        """Coordinate of the unreduced link that is its rotation."""
+        """Coordinate of the unreduced link that is the body's rotation."""
         return int(self.rows[2].argmax())
 
     @property
     def is_off_axis(self) -> bool:
-        """Whether a turn changes its inertia."""
-        return self.beside > ON_AXIS * self.second_moment
+        """Whether a rotation changes its inertia: its centre of mass is off the axis."""
+        return self.off_axis_inertia > ON_AXIS * self.second_moment
 
     @property
-    def beside(self) -> float:
-        """Part of the second moment that the centrifugal mass of the straight link leaves out."""
-        return self.second_moment - self.spin - self.on_axis
+    def off_axis_inertia(self) -> float:
+        """Part of the second moment that is not in the centrifugal mass of the straight link."""
+        return self.second_moment - self.central_inertia - self.on_axis
 
     def projected(self, basis: FloatArray, ends: FloatArray | None = None) -> Self:
-        """The body on a link with ``q = basis @ p``, whose joined ends move by ``ends @ p``."""
+        """The body in coordinates p with ``q = basis @ p`` and joined ends ``ends @ p``."""
         end_rows = None if ends is None else self.rows @ ends
         return replace(self, rows=self.rows @ basis, end_rows=end_rows)
 
     def matrices(self, angle: FloatArray, *, on_axis: bool = False) -> FloatArray:
-        """Mass, gyroscopic and centrifugal mass matrix of the body turned by an angle.
+        """Mass, gyroscopic and centrifugal mass matrix of the body rotated by an angle.
 
         Parameters
         ----------
         angle : ndarray, shape (...)
             In rad.
         on_axis : bool
-            Whether the centrifugal mass is that of the straight link, which leaves out what turns
-            about its place on the axis.
+            Whether the centrifugal mass is that of the straight link, without the inertia about
+            the place on the axis.
 
         Returns
         -------
@@ -140,37 +140,39 @@ class RigidBody:
         mass[..., 1, 2] = mass[..., 2, 1] = a
         centrifugal[:] = mass
         mass[..., 2, 2] = self.second_moment
-        centrifugal[..., 2, 2] = self.on_axis if on_axis else self.second_moment - self.spin
+        centrifugal[..., 2, 2] = (
+            self.on_axis if on_axis else self.second_moment - self.central_inertia
+        )
         gyroscopic[..., 0, 1], gyroscopic[..., 1, 0] = -self.mass, self.mass
         gyroscopic[..., 0, 2], gyroscopic[..., 2, 0] = -a, a
         gyroscopic[..., 1, 2], gyroscopic[..., 2, 1] = -c, c
         return found
 
     def inertia_change(self, angle: FloatArray) -> FloatArray:
-        """By what a turn changes the matrices of the straight link, (3, ..., 3, 3)."""
+        """Change of the matrices of the straight link by a rotation, (3, ..., 3, 3)."""
         still = self.matrices(np.zeros_like(angle), on_axis=True)
         return self.matrices(angle) - still
 
     @property
     def about_centre(self) -> Self:
-        """The body about its centre of mass, in whose place :meth:`centre_map` puts its point."""
+        """The body about its centre of mass, to which :meth:`centre_map` leads."""
         a, c = self.first_moment
         less = (a**2 + c**2) / self.mass
         second, on_axis = self.second_moment - less, self.on_axis - less
         return replace(self, first_moment=(0.0, 0.0), second_moment=second, on_axis=on_axis)
 
     def centre_map(self, angle: FloatArray) -> FloatArray:
-        """Displacement of the centre of mass and rotation by those of the point, (..., 3, 3)."""
+        """Jacobian of centre of mass and rotation by those of the point, (..., 3, 3)."""
         a, c = self._turned(angle)
         moved = np.zeros((*np.shape(angle), 3, 3))
         moved[..., [0, 1, 2], [0, 1, 2]] = 1.0
         moved[..., 0, 2], moved[..., 1, 2] = -c / self.mass, a / self.mass
         return moved
 
-    def dead(
+    def dead_moment(
         self, motion: RigidMotion, link: int, gravity: tuple[float, float]
     ) -> tuple[FloatArray, FloatArray]:
-        """Virial and moment about its point of inertia force and weight on the straight link.
+        """Virial and moment of inertia force and weight about its point on the straight link.
 
         Parameters
         ----------
@@ -186,13 +188,15 @@ class RigidBody:
         virial, moment : ndarray, shape (B,)
             In N m.
         """
-        (a, c), (x, y) = self.first_moment, self.pull(motion, link, gravity).T
+        (a, c), (x, y) = self.first_moment, self.net_acceleration(motion, link, gravity).T
         virial = self.second_moment * motion.angular_velocity[:, link] ** 2 - (a * x + c * y)
         moment = c * x - a * y - self.second_moment * motion.angular_acceleration[:, link]
         return virial, moment
 
-    def pull(self, motion: RigidMotion, link: int, gravity: tuple[float, float]) -> FloatArray:
-        """Acceleration less gravity of its point on the straight link, along and across, (B, 2).
+    def net_acceleration(
+        self, motion: RigidMotion, link: int, gravity: tuple[float, float]
+    ) -> FloatArray:
+        """Acceleration less gravity of its point on the straight link, (B, 2), along and across.
 
         Parameters
         ----------
@@ -204,28 +208,28 @@ class RigidBody:
             In ground axes, m/s^2.
         """
         angle = motion.angle[:, link]
-        pull = motion.acceleration(link, self.position) - np.asarray(gravity)
+        net_acceleration = motion.acceleration(link, self.position) - np.asarray(gravity)
         axes = (direction(angle), normal(angle))
-        return np.stack([np.sum(pull * axis, axis=1) for axis in axes], axis=1)
+        return np.stack([np.sum(net_acceleration * axis, axis=1) for axis in axes], axis=1)
 
     def inertia(
         self,
         speed: FloatArray,
         change: FloatArray,
-        pull: FloatArray,
+        net_acceleration: FloatArray,
         moved: FloatArray,
         rate: FloatArray,
-        faster: FloatArray,
+        acceleration: FloatArray,
     ) -> tuple[FloatArray, FloatArray]:
-        """Mass times acceleration, weight taken off, of the body displaced however far.
+        """Inertia force less weight, with opposite sign, of the body at finite displacements.
 
         Parameters
         ----------
         speed, change : ndarray, shape (B,)
             Angular velocity and acceleration of the frame.
-        pull : ndarray, shape (B, 2)
-            See :meth:`pull`.
-        moved, rate, faster : ndarray, shape (B, 3)
+        net_acceleration : ndarray, shape (B, 2)
+            See :meth:`net_acceleration`.
+        moved, rate, acceleration : ndarray, shape (B, 3)
             Displacement of the point and rotation in the frame, and their time derivatives.
 
         Returns
@@ -238,29 +242,33 @@ class RigidBody:
         turning = _turning(speed, change)
         arm = np.stack(self._turned(moved[:, 2]), axis=1)
         lever = _quarter_turned(arm)
-        carried = (turning @ moved[:, :2, None])[..., 0]
-        carried += faster[:, :2] + 2 * speed[:, None] * _quarter_turned(rate[:, :2]) + pull
-        own = _turning(speed + rate[:, 2], change + faster[:, 2])
+        point_inertia = (turning @ moved[:, :2, None])[..., 0]
+        point_inertia += (
+            acceleration[:, :2]
+            + 2 * speed[:, None] * _quarter_turned(rate[:, :2])
+            + net_acceleration
+        )
+        own = _turning(speed + rate[:, 2], change + acceleration[:, 2])
         force, by_q = np.zeros((len(moved), 3)), np.zeros((len(moved), 3, 3))
-        force[:, :2] = self.mass * carried + (own @ arm[..., None])[..., 0]
-        force[:, 2] = np.sum(lever * carried, axis=1)
-        force[:, 2] += self.second_moment * (change + faster[:, 2])
+        force[:, :2] = self.mass * point_inertia + (own @ arm[..., None])[..., 0]
+        force[:, 2] = np.sum(lever * point_inertia, axis=1)
+        force[:, 2] += self.second_moment * (change + acceleration[:, 2])
         by_q[:, :2, :2] = self.mass * turning
         by_q[:, :2, 2] = (own @ lever[..., None])[..., 0]
         by_q[:, 2, :2] = (lever[:, None] @ turning)[:, 0]
-        by_q[:, 2, 2] = -np.sum(arm * carried, axis=1)
+        by_q[:, 2, 2] = -np.sum(arm * point_inertia, axis=1)
         return force, by_q
 
-    def beyond_linear(
+    def nonlinear_inertia(
         self,
         motion: RigidMotion,
         link: int,
         gravity: tuple[float, float],
         moved: FloatArray,
         rate: FloatArray,
-        faster: FloatArray,
+        acceleration: FloatArray,
     ) -> FloatArray:
-        """By what its inertia and weight differ from those of small displacements.
+        """Nonlinear part of its inertia and weight at finite displacements.
 
         Parameters
         ----------
@@ -270,28 +278,33 @@ class RigidBody:
             Number of the link.
         gravity : tuple of float
             In ground axes, m/s^2.
-        moved, rate, faster : ndarray, shape (B, 3)
+        moved, rate, acceleration : ndarray, shape (B, 3)
             As of :meth:`inertia`.
 
         Returns
         -------
         ndarray, shape (B, 3)
-            Force on the point and moment about it: what :meth:`matrices` of the straight link and
-            the load on it leave out of :meth:`inertia`.
+            Force on the point and moment about it: :meth:`inertia` less the part of
+            :meth:`matrices` of the straight link and of the load on it.
         """
         speed, change = motion.angular_velocity[:, link], motion.angular_acceleration[:, link]
-        given, still = (speed, change, self.pull(motion, link, gravity)), np.zeros_like(moved)
-        beyond = self.inertia(*given, moved, rate, faster)[0]
-        beyond -= self.inertia(*given, still, still, still)[0]
+        given, still = (
+            (speed, change, self.net_acceleration(motion, link, gravity)),
+            np.zeros_like(moved),
+        )
+        nonlinear = self.inertia(*given, moved, rate, acceleration)[0]
+        nonlinear -= self.inertia(*given, still, still, still)[0]
         mass, gyroscopic, centrifugal = self.matrices(np.zeros(()), on_axis=True)
         turned = 2 * speed[:, None] * rate + change[:, None] * moved
-        linear = faster @ mass + turned @ gyroscopic.T - speed[:, None] ** 2 * moved @ centrifugal
-        return np.asarray(beyond - linear)
+        linear = (
+            acceleration @ mass + turned @ gyroscopic.T - speed[:, None] ** 2 * moved @ centrifugal
+        )
+        return np.asarray(nonlinear - linear)
 
-    def carried(
+    def displaced_inertia(
         self, speed: FloatArray, change: FloatArray, q: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Inertia force of a displacement that stands still in the link's frame.
+        """Inertia force by a displacement that is constant in the rotating link frame.
 
         Parameters
         ----------
@@ -303,26 +316,26 @@ class RigidBody:
         Returns
         -------
         ndarray, shape (B, 3)
-            Force and moment beyond those that keep their direction; see :meth:`dead`.
+            Force and moment besides those of dead loads; see :meth:`dead_moment`.
         ndarray, shape (B, 3, 3)
             Derivative by q.
         """
-        still, no_pull, turn = np.zeros_like(q), np.zeros((len(q), 2)), q[:, 2]
-        displaced, by_q = self.inertia(speed, change, no_pull, q, still, still)
-        force = self.inertia(speed, change, no_pull, still, still, still)[0] - displaced
+        still, no_acceleration, turn = np.zeros_like(q), np.zeros((len(q), 2)), q[:, 2]
+        displaced, by_q = self.inertia(speed, change, no_acceleration, q, still, still)
+        force = self.inertia(speed, change, no_acceleration, still, still, still)[0] - displaced
         dead = speed**2 * np.sin(turn) - change * (1 - np.cos(turn))
         force[:, 2] += self.second_moment * dead
         by_q[:, 2, 2] -= self.second_moment * (speed**2 * np.cos(turn) - change * np.sin(turn))
         return force, -by_q
 
     def _turned(self, angle: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """First moment along and across, turned."""
+        """First moment along and across, rotated."""
         (a, c), cosine, sine = self.first_moment, np.cos(angle), np.sin(angle)
         return a * cosine - c * sine, a * sine + c * cosine
 
 
 def _turning(speed: FloatArray, change: FloatArray) -> FloatArray:
-    """``change J - speed^2``: acceleration of a turning vector by that vector, (B, 2, 2)."""
+    """``change J - speed^2``: second derivative of a rotating vector by the vector, (B, 2, 2)."""
     found = np.zeros((len(speed), 2, 2))
     found[:, 0, 0] = found[:, 1, 1] = -(speed**2)
     found[:, 0, 1], found[:, 1, 0] = -change, change
@@ -330,7 +343,7 @@ def _turning(speed: FloatArray, change: FloatArray) -> FloatArray:
 
 
 def _quarter_turned(vectors: FloatArray) -> FloatArray:
-    """Vectors (B, 2) turned by a quarter."""
+    """Vectors (B, 2) rotated by 90 deg."""
     return np.stack([-vectors[:, 1], vectors[:, 0]], axis=1)
 
 

@@ -1,4 +1,4 @@
-"""A rigid link as a link of three coordinates."""
+"""Link model of a rigid link, with three coordinates."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from flexmech.linkages import LinkMass
 
 
 def rigid_link(name: str, mass: LinkMass) -> LinkModel:
-    """Model of a rigid link: displacement of its start along and across, and its rotation.
+    """Model of a rigid link in the displacement of its start and its rotation.
 
     With the place r of its matter from the start, the displacement is ``u + phi J r``.
 
@@ -25,7 +25,7 @@ def rigid_link(name: str, mass: LinkMass) -> LinkModel:
     Returns
     -------
     LinkModel
-        Its end is no pair of coordinates, but follows from the three.
+        Without coordinates of its end, which depends on the three.
     """
     body = RigidBody.of_link(mass)
     inertia, gyroscopic, translational = body.matrices(np.zeros(()), on_axis=True)

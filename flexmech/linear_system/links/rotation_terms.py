@@ -1,4 +1,4 @@
-"""Which inertial terms of the turning frames count, and the matrices that they enter."""
+"""Inertial terms of rotating frames, and the system matrices that contain them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from flexmech.linear_system.links.chains import LinkMatrix, in_positions, whole
 
 @dataclass(frozen=True)
 class RotationTerms:
-    """Which inertial terms of the turning frames count.
+    """Selection of the inertial terms of the rotating frames.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class RotationTerms:
 
     @property
     def any(self) -> bool:
-        """Whether one term at least counts."""
+        """Whether any term is included."""
         return self.coriolis or self.centripetal or self.tangential
 
 
@@ -64,9 +64,9 @@ class LinkDamping:
     ends: LinkMatrix
 
     def at(self, which: slice) -> LinkDamping:
-        """That in some positions; what is the same in all stays."""
+        """Damping in some positions; constant matrices stay."""
         return LinkDamping(in_positions(self.matrix, which), in_positions(self.ends, which))
 
     def whole(self) -> tuple[FloatArray, FloatArray]:
-        """Both with all their entries."""
+        """Both as full matrices."""
         return whole(self.matrix), whole(self.ends)

@@ -1,4 +1,4 @@
-"""Links at the stress that the motion puts them under."""
+"""Links in the state of stress of the motion."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from flexmech.linear_system.links.link_model import LinkModel
 
 @dataclass(frozen=True)
 class StressedLinks:
-    """What small displacements from a stressed state of the links meet, link by link.
+    """Tangent stiffness, damping and forces of each link in a state of stress.
 
     The internal force of a link near that state is
     ``internal_force + tangent @ (q - displacement)``, all in its link frame.
@@ -27,15 +27,15 @@ class StressedLinks:
         Displacement of the state; None for links taken as straight.
     internal_force : list of ndarray, shape (B, n), or None
         Internal force of the state; None for straight links, where there is none, and
-        where an engine does not tell.
+        where an engine does not provide it.
     damping : list of ndarray, shape (B, n, n), or None
         Damping matrix in the state; None for that of the straight links. A bowed link that
         bends further is not stretched along its axis, and must not be damped as if it were.
     loads : list of ndarray, shape (B, n), or None
-        Forces on the links that the state is under; None where there are none, or an engine
-        does not tell.
-    guiding : ndarray, shape (B, n_sliders), or None
-        Stiffness between the rotation of a slider's guide and its slide in N/rad.
+        Forces on the links in the state; None where there are none, or an engine does not
+        provide them.
+    guide_stiffness : ndarray, shape (B, n_sliders), or None
+        Geometric stiffness between the rotation of a slider's guide and its slide in N/rad.
     """
 
     tangent: Sequence[LinkMatrix]
@@ -43,7 +43,7 @@ class StressedLinks:
     internal_force: list[FloatArray] | None = None
     damping: Sequence[LinkMatrix] | None = None
     loads: list[FloatArray] | None = None
-    guiding: FloatArray | None = None
+    guide_stiffness: FloatArray | None = None
 
     @classmethod
     def unloaded(cls, links: Sequence[LinkModel]) -> Self:
@@ -51,7 +51,7 @@ class StressedLinks:
         return cls([link.stiffness for link in links])
 
     def repeated(self, count: int) -> StressedLinks:
-        """The state of one position at so many.
+        """The state of one position, repeated.
 
         Parameters
         ----------
@@ -72,11 +72,13 @@ class StressedLinks:
             every(self.internal_force),
             self.damping and [repeated(d, count) for d in self.damping],
             every(self.loads),
-            None if self.guiding is None else np.repeat(self.guiding, count, axis=0),
+            None
+            if self.guide_stiffness is None
+            else np.repeat(self.guide_stiffness, count, axis=0),
         )
 
     def at(self, which: slice | IntArray) -> Self:
-        """Those of some positions of a batch.
+        """Links in some positions of a batch.
 
         Parameters
         ----------
@@ -93,5 +95,5 @@ class StressedLinks:
             internal_force=some(self.internal_force),
             damping=self.damping and [d[which] for d in self.damping],
             loads=some(self.loads),
-            guiding=None if self.guiding is None else self.guiding[which],
+            guide_stiffness=None if self.guide_stiffness is None else self.guide_stiffness[which],
         )

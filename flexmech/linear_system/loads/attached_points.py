@@ -1,4 +1,4 @@
-"""Points of links at which forces act: what they move by in link and ground axes."""
+"""Points of links at which forces act, and their displacement in link and ground axes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class AttachedPoint:
         Distance from the link's start in m.
     rows : ndarray, shape (3, n_link)
         Displacement along and across the link's frame, and rotation, by the link's coordinates;
-        of a rigid link as long as its rotation is small.
+        of a rigid link for small rotations.
     end_rows : ndarray, shape (3, n_link)
         The same by the link's joined ends alone; see
         :class:`flexmech.linear_system.links.link_model.EndMatrices`.
@@ -72,12 +72,12 @@ class AttachedPoint:
         torque: FloatArray,
         q: FloatArray | None = None,
     ) -> FloatArray:
-        """Force on the link's coordinates.
+        """Generalized force on the link's coordinates.
 
-        The moment of a rigid link that has turned by phi is
+        The moment on a rigid link at the rotation phi is
         ``cos(phi) moment - sin(phi) virial``; see
-        :mod:`flexmech.linear_system.links.dead_moments`. A torque is the same
-        however far it has turned: its part of the moment is ``torque cos(phi)``, and of the virial
+        :mod:`flexmech.linear_system.links.dead_moments`. A torque does not
+        depend on the rotation: its part of the moment is ``torque cos(phi)``, and of the virial
         ``-torque sin(phi)``.
 
         Parameters
@@ -108,7 +108,7 @@ class AttachedPoint:
         torque: FloatArray,
         q: FloatArray | None = None,
     ) -> FloatArray:
-        """Product of a force on a rigid link and its place from the start; see :meth:`force`.
+        """Virial of a force on a rigid link about the link's start; see :meth:`force`.
 
         Parameters
         ----------
@@ -129,8 +129,8 @@ class AttachedPoint:
         turned = np.zeros_like(along) if q is None else torque * np.sin(q[:, 2])
         return np.asarray(self.x * along - turned)
 
-    def moved(self, motion: RigidMotion, q: FloatArray) -> FloatArray:
-        """As :meth:`displacement`, of a rigid link that has turned however far.
+    def finite_displacement(self, motion: RigidMotion, q: FloatArray) -> FloatArray:
+        """As :meth:`displacement`, with finite rotation of a rigid link.
 
         Parameters
         ----------
@@ -176,8 +176,10 @@ class AttachedPoint:
         found[:, 1] += speed * moved[:, 0]
         return found
 
-    def moved_rate(self, motion: RigidMotion, q: FloatArray, rate: FloatArray) -> FloatArray:
-        """Time derivative of :meth:`moved`.
+    def finite_displacement_rate(
+        self, motion: RigidMotion, q: FloatArray, rate: FloatArray
+    ) -> FloatArray:
+        """Time derivative of :meth:`finite_displacement`.
 
         Parameters
         ----------
@@ -199,13 +201,13 @@ class AttachedPoint:
 
 
 @dataclass(frozen=True)
-class MovedPoint:
-    """Displacement in ground axes and rotation of a point by the linkage's coordinates.
+class PointJacobian:
+    """Jacobian of a point's displacement in ground axes and rotation by independent coordinates.
 
     Parameters
     ----------
     value, rate : ndarray, shape (B, 3, size)
-        The map, and its time derivative.
+        The Jacobian, and its time derivative.
     """
 
     value: FloatArray
@@ -217,9 +219,9 @@ class MovedPoint:
         point: AttachedPoint,
         frames: LinkFrames,
         motion: RigidMotion,
-        following: Sequence[DependentRows],
-    ) -> MovedPoint:
-        """Map of a point.
+        dependent: Sequence[DependentRows],
+    ) -> PointJacobian:
+        """Jacobian of a point.
 
         Parameters
         ----------
@@ -228,16 +230,16 @@ class MovedPoint:
         frames : LinkFrames
         motion : RigidMotion
             Batch of shape (B,).
-        following : sequence of DependentRows
+        dependent : sequence of DependentRows
             Of the point's link.
         """
         batch, link = len(motion.crank_angle), point.link
         value, rate = np.zeros((2, batch, 3, frames.size))
-        own = frames.own(link)
+        own = frames.independent_coordinates(link)
         value[:, :, frames.targets[link][own]] = point.rows[:, own]
-        for led in following:
-            value[:, :, led.columns] += point.rows[:, led.rows] @ led.turn
-            rate[:, :, led.columns] += point.end_rows[:, led.rows] @ led.rate
+        for tie in dependent:
+            value[:, :, tie.columns] += point.rows[:, tie.rows] @ tie.turn
+            rate[:, :, tie.columns] += point.end_rows[:, tie.rows] @ tie.rate
         angle, speed = motion.angle[:, link], motion.angular_velocity[:, link]
         cosine, sine = np.cos(angle), np.sin(angle)
         turn, quarter = np.zeros((2, batch, 3, 3))

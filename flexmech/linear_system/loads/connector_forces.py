@@ -1,4 +1,4 @@
-"""Forces of connectors on points of links, and how they answer displacements of these."""
+"""Forces of connectors on points of links, with their stiffness and damping."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.loads.attached_points import AttachedPoint, MovedPoint
+from flexmech.linear_system.loads.attached_points import AttachedPoint, PointJacobian
 from flexmech.linkages import JointSpring, RigidMotion, Spring
 from flexmech.linkages.applied_forces import SpringLine
 from flexmech.mechanism import Mechanism
 
 
-def acts_still(mechanism: Mechanism) -> bool:
-    """Whether loads or springs act on a linkage that stands still."""
+def acts_at_rest(mechanism: Mechanism) -> bool:
+    """Whether loads or springs act on the linkage at rest."""
     loads = any(load.over != "time" for load in mechanism.loads)
     return bool(loads or mechanism.springs or mechanism.joint_springs)
 
 
 @dataclass(frozen=True)
 class PointForce:
-    """Force of connectors on one point: ground axes (B, 2) and torque (B,)."""
+    """Force of a connector on a point in ground axes, (B, 2), and torque (B,)."""
 
     point: AttachedPoint
     force: FloatArray
@@ -32,8 +32,8 @@ class PointForce:
 
 
 @dataclass(frozen=True)
-class Answer:
-    """How a connector answers displacements of its two points, one of which may be the ground.
+class ConnectorTangent:
+    """Tangent stiffness and damping of a connector between two points or a point and the ground.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class Answer:
     stiffness, damping : ndarray, shape (B, 3, 3)
         By the displacement (ground axes) and rotation of the second against the first.
     in_joint : bool
-        Whether it is that of the springs in a joint, whose radial force the joint carries.
+        Whether it belongs to springs in a joint, whose radial force is the joint force.
     """
 
     first: AttachedPoint | None
@@ -51,8 +51,8 @@ class Answer:
     in_joint: bool = False
 
     @classmethod
-    def of_turning_force(cls, point: AttachedPoint, force: FloatArray) -> Self:
-        """Of a force that turns with its link's section.
+    def of_follower_force(cls, point: AttachedPoint, force: FloatArray) -> Self:
+        """Stiffness of a follower force, which rotates with its link's section.
 
         Parameters
         ----------
@@ -63,7 +63,7 @@ class Answer:
 
         Returns
         -------
-        Answer
+        ConnectorTangent
         """
         turned = np.zeros((len(force), 3, 3))
         turned[:, 0, 2], turned[:, 1, 2] = force[:, 1], -force[:, 0]
@@ -79,7 +79,7 @@ class Answer:
         *,
         stressed: bool,
     ) -> Self:
-        """Of a spring at its length.
+        """Stiffness and damping of a spring at its length.
 
         Parameters
         ----------
@@ -89,11 +89,11 @@ class Answer:
         line : SpringLine
             Of shape (B,); its relative velocity is that of the rigid motion.
         stressed : bool
-            Whether that of the tension and of the rigid motion counts.
+            Whether the parts by its tension and by the rigid motion are included.
 
         Returns
         -------
-        Answer
+        ConnectorTangent
         """
         along = line.along
         stiffness, damping = np.zeros((2, len(along), 3, 3))
@@ -103,15 +103,15 @@ class Answer:
         damping[:, :2, :2] = spring.damping * lengthwise
         if stressed:
             stiffness[:, :2, :2] += (line.tension / line.length)[:, None, None] * across
-            turning = (across @ line.relative_velocity[..., None])[..., 0] / line.length[:, None]
-            stiffness[:, :2, :2] += spring.damping * along[:, :, None] * turning[:, None]
+            swing = (across @ line.relative_velocity[..., None])[..., 0] / line.length[:, None]
+            stiffness[:, :2, :2] += spring.damping * along[:, :, None] * swing[:, None]
         return cls(first, second, stiffness, damping)
 
     @classmethod
     def of_joint(
         cls, first: AttachedPoint | None, second: AttachedPoint, own: JointSpring, batch: int
     ) -> Self:
-        """Of the springs and dampers in a joint.
+        """Stiffness and damping of the springs and dampers in a joint.
 
         Parameters
         ----------
@@ -123,7 +123,7 @@ class Answer:
 
         Returns
         -------
-        Answer
+        ConnectorTangent
         """
         holds, damps = np.zeros((2, batch, 3, 3))
         holds[:] = np.diag([own.radial_stiffness or 0.0] * 2 + [own.torsional_stiffness])
@@ -133,58 +133,62 @@ class Answer:
 
 @dataclass(frozen=True)
 class ConnectedMatrices:
-    """What connectors add to a linkage whose points move by ``D(t) z``.
+    """Stiffness and damping of connectors on points displaced by ``D(t) z``.
 
     Parameters
     ----------
     stiffness : ndarray, shape (B, n, n)
-        ``D' K D``; not symmetric where forces follow what moves.
+        ``D' K D``; not symmetric with follower forces.
     damping : ndarray, shape (B, n, n)
         ``D' C D``.
-    turning : ndarray, shape (B, n, n)
-        ``D' C D'`` with the rate of D: what dampers answer to displacements because the frames
-        turn. It stands beside the stiffness.
+    rate_stiffness : ndarray, shape (B, n, n)
+        ``D' C D'`` with the rate of D: stiffness by dampers, since the frames rotate. It is added
+        to the stiffness.
     is_conservative : bool
-        Whether there is a potential: no dampers and no forces that follow.
+        Whether there is a potential: no dampers and no follower forces.
     """
 
     stiffness: FloatArray
     damping: FloatArray
-    turning: FloatArray
+    rate_stiffness: FloatArray
     is_conservative: bool
 
     @classmethod
     def of_stiffness(cls, stiffness: FloatArray) -> ConnectedMatrices:
-        """A symmetric stiffness (B, n, n) alone."""
+        """Matrices of a symmetric stiffness (B, n, n) alone."""
         nothing = np.zeros_like(stiffness)
         return cls(stiffness, nothing, nothing, is_conservative=True)
 
     def plus_stiffness(self, stiffness: FloatArray) -> ConnectedMatrices:
-        """These with a symmetric stiffness (B, n, n) more."""
+        """The matrices with a symmetric stiffness (B, n, n) added."""
         return replace(self, stiffness=self.stiffness + stiffness)
 
     @property
     def potential(self) -> FloatArray:
-        """Symmetric part of the stiffness, (B, n, n)."""
+        """Symmetric part of the stiffness, which has a potential, (B, n, n)."""
         return (self.stiffness + np.swapaxes(self.stiffness, 1, 2)) / 2
 
     @property
     def circulatory(self) -> FloatArray:
-        """Skew part of the stiffness, (B, n, n), which has no potential."""
+        """Skew part of the stiffness, (B, n, n): circulatory forces, without a potential."""
         return (self.stiffness - np.swapaxes(self.stiffness, 1, 2)) / 2
 
 
 def connected_matrices(
-    frames: LinkFrames, motion: RigidMotion, answers: Sequence[Answer], *, is_conservative: bool
+    frames: LinkFrames,
+    motion: RigidMotion,
+    tangents: Sequence[ConnectorTangent],
+    *,
+    is_conservative: bool,
 ) -> ConnectedMatrices:
-    """Sum of what connectors answer.
+    """Assemble stiffness and damping of connectors.
 
     Parameters
     ----------
     frames : LinkFrames
     motion : RigidMotion
         Batch of shape (B,).
-    answers : sequence of Answer
+    tangents : sequence of ConnectorTangent
         Of points of the links of ``frames``, reduced or not.
     is_conservative : bool
 
@@ -193,28 +197,28 @@ def connected_matrices(
     ConnectedMatrices
         In the coordinates of ``frames``.
     """
-    following = frames.dependent_rows(motion)
-    maps: dict[tuple[int, float], MovedPoint] = {}
+    dependent = frames.dependent_rows(motion)
+    maps: dict[tuple[int, float], PointJacobian] = {}
 
-    def moved(point: AttachedPoint) -> MovedPoint:
+    def moved(point: AttachedPoint) -> PointJacobian:
         key = (point.link, point.x)
         if key not in maps:
             length = frames.topology.links[point.link].length
             own = AttachedPoint.of(frames.links, point.link, point.x / length, length)
-            maps[key] = MovedPoint.of(own, frames, motion, following[point.link])
+            maps[key] = PointJacobian.of(own, frames, motion, dependent[point.link])
         return maps[key]
 
     batch, size = len(motion.crank_angle), frames.size
-    stiffness, damping, turning = np.zeros((3, batch, size, size))
-    for answer in answers:
+    stiffness, damping, rate_stiffness = np.zeros((3, batch, size, size))
+    for tangent in tangents:
         value, rate = np.zeros((2, batch, 3, size))
-        for point, sign in ((answer.second, 1.0), (answer.first, -1.0)):
+        for point, sign in ((tangent.second, 1.0), (tangent.first, -1.0)):
             if point is not None:
                 value += sign * moved(point).value
                 rate += sign * moved(point).rate
         across = np.swapaxes(value, 1, 2)
-        stiffness += across @ (answer.stiffness @ value)
-        if answer.damping.any():
-            damping += across @ (answer.damping @ value)
-            turning += across @ (answer.damping @ rate)
-    return ConnectedMatrices(stiffness, damping, turning, is_conservative)
+        stiffness += across @ (tangent.stiffness @ value)
+        if tangent.damping.any():
+            damping += across @ (tangent.damping @ value)
+            rate_stiffness += across @ (tangent.damping @ rate)
+    return ConnectedMatrices(stiffness, damping, rate_stiffness, is_conservative)

@@ -6,8 +6,8 @@ its ends move by d against each other, in ground axes, its force changes by
     ``[n (k n + c (1 - n n') v / L)' + (T / L) (1 - n n')] d + c n n' d'``
 
 with the velocity v of the ends in the rigid motion. With ``d = D(t) z`` that is stiffness
-``D' K D + D' C D'`` (the last with a dot) and damping ``D' C D``. A force that turns with its link
-follows the rotation phi of the section: ``F + phi J F``. A joint's torsional spring lies between
+``D' K D + D' C D'`` (the last with a dot) and damping ``D' C D``. A follower force
+rotates with its section by phi: ``F + phi J F``. A joint's torsional spring lies between
 the rotations of two links, a radial one between the displacements of their ends.
 """
 
@@ -25,10 +25,10 @@ from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linear_system.loads.attached_points import AttachedPoint
 from flexmech.linear_system.loads.connector_forces import (
-    Answer,
     ConnectedMatrices,
+    ConnectorTangent,
     PointForce,
-    acts_still,
+    acts_at_rest,
     connected_matrices,
 )
 from flexmech.linkages import (
@@ -68,33 +68,33 @@ class Connectors:
 
     @property
     def any(self) -> bool:
-        """Whether there is one."""
-        return acts_still(self._mechanism)
+        """Whether there is a load or a spring."""
+        return acts_at_rest(self._mechanism)
 
     @property
-    def holds_shaft(self) -> bool:
-        """Whether springs answer a turn of a free shaft."""
+    def restrains_shaft(self) -> bool:
+        """Whether springs restrain the rotation of a free shaft."""
         springs = any(spring.stiffness for spring in self._mechanism.springs)
         return springs or any(own.torsional_stiffness for own in self._mechanism.joint_springs)
 
     @property
     def depend_on_displacement(self) -> bool:
-        """Whether forces change as the links move."""
+        """Whether forces depend on the displacements of the links."""
         turning = any(load.axes == "link" for load in self.loads)
         return bool(turning or self._mechanism.springs or self._mechanism.joint_springs)
 
     @property
-    def follows(self) -> bool:
-        """Whether forces depend on displacements as those of no potential do."""
+    def circulates(self) -> bool:
+        """Whether there are circulatory forces: follower forces, or dampers of springs."""
         turning = any(load.axes == "link" for load in self.loads)
         return turning or any(spring.damping for spring in self._mechanism.springs)
 
     @property
     def is_conservative(self) -> bool:
-        """Whether the forces have a potential at each crank angle: nothing damps or follows."""
+        """Whether the forces have a potential at each crank angle."""
         joints = self._mechanism.joint_springs
         damped = any(own.torsional_damping or own.radial_damping for own in joints)
-        return not (damped or self.follows)
+        return not (damped or self.circulates)
 
     def forces(
         self,
@@ -102,7 +102,7 @@ class Connectors:
         displacement: Sequence[FloatArray] | None = None,
         time: FloatArray | None = None,
     ) -> list[FloatArray]:
-        """Forces on the links in their frames.
+        """Generalized forces on the links in their frames.
 
         Parameters
         ----------
@@ -125,13 +125,13 @@ class Connectors:
         return total
 
     def applied(self, motion: RigidMotion) -> tuple[ForceOnLink, ...]:
-        """The same forces on straight links, each by itself, for a batch of shape (B,)."""
+        """Forces on straight links, one by one, for a batch of shape (B,)."""
         return tuple(self._applied(motion, None, None))
 
     def virial(
         self, motion: RigidMotion, displacement: Sequence[FloatArray] | None = None
     ) -> FloatArray:
-        """Products of forces on rigid links with their places from the links' starts.
+        """Virial of the forces on rigid links about the links' starts.
 
         As :meth:`forces`, in N m by link (B, n_links); zero of flexible ones. See
         :class:`flexmech.linear_system.links.dead_moments.DeadMoments`.
@@ -155,7 +155,7 @@ class Connectors:
         displacement: Sequence[FloatArray] | None = None,
         time: FloatArray | None = None,
     ) -> SystemMatrices:
-        """Matrices of the linkage with those of the connectors.
+        """Matrices of the linkage with those of the connectors added.
 
         Parameters
         ----------
@@ -167,9 +167,9 @@ class Connectors:
             Of the links.
         terms : RotationTerms
         prestress : {"none", "axial", "equilibrium"}
-            ``none`` leaves out what comes from forces that connectors carry.
+            ``none`` leaves out the geometric stiffness by forces in connectors.
         displacement : sequence of ndarray, shape (B, n_link), optional
-            Of the state that the system is about.
+            Of the state about which the system is linearized.
         time : ndarray, shape (B,), optional
             In s; loads over time are left out without it.
 
@@ -182,7 +182,7 @@ class Connectors:
         own = self.matrices(frames, motion, prestress, displacement, time)
         stiffness = matrices.stiffness + own.stiffness
         if terms.coriolis:
-            stiffness = stiffness + own.turning
+            stiffness = stiffness + own.rate_stiffness
         return SystemMatrices(matrices.mass, matrices.damping + own.damping, stiffness)
 
     def matrices(
@@ -202,9 +202,9 @@ class Connectors:
         motion : RigidMotion
             Batch of shape (B,); its rigid links may be displaced.
         prestress : {"none", "axial", "equilibrium"}
-            ``none`` leaves out what comes from forces that connectors carry.
+            ``none`` leaves out the geometric stiffness by forces in connectors.
         displacement : sequence of ndarray, shape (B, n_link), optional
-            Of the unreduced links in the state that the matrices are about.
+            Of the unreduced links in the state about which to linearize.
         time : ndarray, shape (B,), optional
             In s; loads over time are left out without it.
 
@@ -214,8 +214,8 @@ class Connectors:
             In the coordinates of ``frames``.
         """
         drawn = motion.undisplaced if isinstance(motion, DisplacedMotion) else motion
-        answers = self.answers(drawn, displacement, time, stressed=prestress != "none")
-        return connected_matrices(frames, motion, answers, is_conservative=self.is_conservative)
+        tangents = self.tangents(drawn, displacement, time, stressed=prestress != "none")
+        return connected_matrices(frames, motion, tangents, is_conservative=self.is_conservative)
 
     def point_forces(
         self,
@@ -267,12 +267,12 @@ class Connectors:
     def _moved(
         self, motion: RigidMotion, displacement: Sequence[FloatArray] | None
     ) -> Moved | None:
-        """Where points of links are displaced; at rest in the frames of these."""
+        """Displacements of points of links, which are constant in the link frames."""
         if displacement is None:
             return None
 
         def moved(link: int, x: float) -> tuple[FloatArray, FloatArray]:
-            found = self.at(link, x).moved(motion, displacement[link])
+            found = self.at(link, x).finite_displacement(motion, displacement[link])
             return found, np.zeros_like(found)
 
         return moved
@@ -310,47 +310,47 @@ class Connectors:
                     own_way = gap[:, way], own.radial_damping, rate[:, way]
                     yield own.radial_stiffness, *own_way
 
-    def answers(
+    def tangents(
         self,
         motion: RigidMotion,
         displacement: Sequence[FloatArray] | None = None,
         time: FloatArray | None = None,
         *,
         stressed: bool = True,
-    ) -> list[Answer]:
-        """How the forces change with displacements of their points.
+    ) -> list[ConnectorTangent]:
+        """Tangent stiffness and damping of each connector.
 
         Parameters
         ----------
         motion : RigidMotion
             Batch of shape (B,).
         displacement : sequence of ndarray, shape (B, n_link), optional
-            Of the links in the state that this is about.
+            Of the links in the state about which to linearize.
         time : ndarray, shape (B,), optional
             In s; loads over time are left out without it.
         stressed : bool
-            Whether what comes from forces that connectors carry counts.
+            Whether the geometric stiffness by forces in connectors is included.
 
         Returns
         -------
-        list of Answer
+        list of ConnectorTangent
             Empty where loads in ground axes alone act.
         """
         topology, moved = self._topology, self._moved(motion, displacement)
         turning = [load for load in self._acting(time) if stressed and load.axes == "link"]
         instant = 0.0 if time is None else time
-        answers = [
-            Answer.of_turning_force(self.at(own.link, float(own.x)), own.force)
+        tangents = [
+            ConnectorTangent.of_follower_force(self.at(own.link, float(own.x)), own.force)
             for own in forces_of_loads(topology, motion, turning, instant, moved)
         ]
         for spring in self._mechanism.springs:
             line = SpringLine.of(spring, topology, motion, moved)
             ends = self.point(spring.first), self.point(spring.second)
-            answers.append(Answer.of_spring(*ends, spring, line, stressed=stressed))
+            tangents.append(ConnectorTangent.of_spring(*ends, spring, line, stressed=stressed))
         for own in self._mechanism.joint_springs:
             second, first = self.joint_points(own)
-            answers.append(Answer.of_joint(first, second, own, len(motion.crank_angle)))
-        return answers
+            tangents.append(ConnectorTangent.of_joint(first, second, own, len(motion.crank_angle)))
+        return tangents
 
     def _acting(self, time: FloatArray | None) -> tuple[Load, ...]:
         return self.loads if time is None else self._mechanism.loads
@@ -369,5 +369,5 @@ class Connectors:
         return self._points[link, x]
 
     def point(self, point: AttachmentPoint) -> AttachedPoint | None:
-        """Where a point of a link is attached; None on the ground."""
+        """Attachment point of a load or spring on its link; None on the ground."""
         return None if point.is_ground else self.at(self._topology.index(point.link), point.x)

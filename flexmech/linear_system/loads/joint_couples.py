@@ -1,4 +1,4 @@
-"""What springs in joints do to the links there, besides holding them."""
+"""Couples and forces of springs on links, for component modes."""
 
 from __future__ import annotations
 

@@ -1,30 +1,28 @@
 """Component-mode reduction of each link (Craig & Bampton 1968, with inertia relief).
 
-A link keeps the displacement of its joined ends, and the rotation of welded ones, with the
-static shapes that they impose;
-the static answer to the inertia of those shapes, which stands for the modes left out
-(quasi-static compensation, MacNeal 1971; Rubin 1975); and its lowest vibration modes with
-the joined ends held. Bending and stretching are reduced apart; where the neutral axis is
-off the pins' axis, bending brings along the stretch that leaves no axial force. Axial modes
-are far above the frequencies asked for, but a bowed link stretches when it bends: some are
-kept in the basis and condensed statically in each position, unless the crank is so fast
-that Coriolis forces excite them.
+The basis of a link has the constraint modes of its joined ends, displacements and of welded ones
+rotations; inertia-relief modes, which compensate the truncated modes quasi-statically (MacNeal
+1971; Rubin 1975); and its lowest fixed-interface modes. Bending and stretching are reduced
+separately; where the neutral axis is off the pins' axis, bending contains the stretch without axial
+force. Axial modes are far above the requested frequencies, but a bowed link stretches when it
+bends: some are kept in the basis and condensed statically in each position, unless the crank is so
+fast that Coriolis forces excite them.
 
-Where links are damped (Kelvin-Voigt) the basis also answers the damping forces. Of static
-shapes and modes these are in equilibrium only if all deformations have one damping time. A
-following end's displacement turns against its link while the rest of the link does not: in
-the frozen equations that is a velocity of the end alone, and the link's static answer to its
-damping is the end's static shape without the end itself. Damping resists that answer, which is
-``1 + lambda tau`` times smaller than the static one: what is condensed statically would be wrong
-by that. More detail than the usual one gives the answer of what is condensed, in each
-position, coordinates of its own. With ``lambda tau`` of one, frequencies are then right to 1e-7
-where they were off by 4e-4 with any number of modes.
+Where links are damped (Kelvin-Voigt) the basis also contains the static responses to damping
+forces. Those of constraint modes and fixed-interface modes are in equilibrium only if all
+deformations have one damping time. The displacement of a dependent end rotates against its link
+while the rest of the link does not: in the frozen equations that is a velocity of the end alone,
+and the link's static response to its damping is the end's constraint mode without the end itself.
+Damping resists that response, which is ``1 + lambda tau`` times smaller than the static one: static
+condensation would be wrong by that. More detail than the usual one gives the response of the
+condensed coordinates, in each position, coordinates of its own. With ``lambda tau`` of one,
+frequencies are then right to 1e-7 where they were off by 4e-4 with any number of modes.
 
-A deep bow and strong damping ask for more. Where a link has turned by theta, its axis tilts with
-``cos(theta) w' - sin(theta) u'``, and sections that keep turning with ``w'`` would be bent against
+A deep bow and strong damping ask for more. At a section rotated by theta, the axis tilts with
+``cos(theta) w' - sin(theta) u'``, and sections that rotate with ``w'`` would be bent against
 it within every element: spurious stiffness that grows with the square of the number of elements.
 Where it is stretched by epsilon, its axis tilts less by that part, and sections that shear resist.
-A reduction in great detail lets sections turn while the axis rests, in a few smooth ways that are
+A reduction in great detail lets sections rotate without the axis, in a few smooth shapes that are
 condensed like the axial modes.
 
 A link that is bowed by w0 bends on by w without stretch where its axis moves along itself by the
@@ -76,7 +74,7 @@ NODES_A_WAVE = 2
 
 @dataclass(frozen=True)
 class ReducedLink:
-    """A link in component modes.
+    """One link reduced to component modes.
 
     Parameters
     ----------
@@ -86,8 +84,8 @@ class ReducedLink:
     condensed : ndarray of bool, shape (n_reduced,)
         Coordinates that are condensed statically.
     damped_ends : ndarray, shape (n_reduced, r)
-        Ways of joined ends to move. The answer of what is condensed to the damping of an end
-        that moves alone has coordinates of its own: as many as there are ways.
+        Motions of joined ends. The response of the condensed coordinates to the damping of each
+        such motion is a coordinate of its own.
     """
 
     model: LinkModel
@@ -98,19 +96,19 @@ class ReducedLink:
 
 @dataclass(frozen=True)
 class ComponentModes:
-    """All links of a linkage in component modes.
+    """All links of a linkage reduced to component modes.
 
     Parameters
     ----------
     topology : Topology
     links : tuple of ReducedLink
-    parts_mass : bool
-        Whether the mass couples no end with a mode.
+    decouples_mass : bool
+        Whether the constraint modes are mass-orthogonal to the other modes.
     """
 
     topology: Topology
     links: tuple[ReducedLink, ...]
-    parts_mass: bool
+    decouples_mass: bool
 
     @property
     def models(self) -> tuple[LinkModel, ...]:
@@ -119,7 +117,7 @@ class ComponentModes:
 
     @cached_property
     def frames(self) -> LinkFrames:
-        """How the reduced links hang together; coordinates that are condensed stand last."""
+        """Link frames of the reduced links; condensed coordinates come last."""
         return LinkFrames(self.topology, self.models, [link.condensed for link in self.links])
 
 
@@ -133,9 +131,9 @@ def component_modes(
     detail: float = 1.0,
     axial_modes: int | None = None,
     turning_sections: bool = True,
-    answers_damping: bool = False,
+    with_damping_shapes: bool = False,
     couples: Sequence[FloatArray] | None = None,
-    parts_mass: bool = False,
+    decouples_mass: bool = False,
 ) -> ComponentModes:
     """Choose and build the component modes of every link.
 
@@ -161,14 +159,14 @@ def component_modes(
     turning_sections : bool
         False where nothing tilts the axis of a link that bows, so that its sections need not
         turn against it.
-    answers_damping : bool
-        Keep the static answers to damping forces, on which frozen damping ratios rest.
+    with_damping_shapes : bool
+        Keep the static responses to damping forces, which frozen damping ratios need.
     couples : sequence of ndarray, shape (n_link, k), optional
-        Forces of springs in joints that turn the links' ends: static answers to them are kept.
-    parts_mass : bool
-        Take from the static shapes what the modes have in them, so that the mass couples no end
-        with a mode. Frozen matrices are then of simpler form; moving modes, which are sought
-        near a fixed basis, are smoother beside shapes that are static.
+        Couples of springs on the links' ends, whose attachment modes are kept.
+    decouples_mass : bool
+        Make the constraint modes orthogonal to the other modes by the mass, so that it couples no
+        end with a mode. Frozen matrices are then of simpler form; moving modes, which are sought
+        near a fixed basis, are smoother with constraint modes that are static.
 
     Returns
     -------
@@ -187,7 +185,7 @@ def component_modes(
     if axial_modes is None:
         axial_modes = round(detail * CONDENSED_AXIAL_MODES)
     condensed = axial_modes if couples_axially else 0
-    answers = [answers_damping and bool(h.link.damping.any()) for h in fixed]
+    answers = [with_damping_shapes and bool(h.link.damping.any()) for h in fixed]
     turning = fastest != 0
     reduced = (
         _reduce(
@@ -201,16 +199,16 @@ def component_modes(
             fine=detail > 1,
             great_detail=detail >= GREAT_DETAIL,
             turning_sections=turning_sections,
-            parts_mass=parts_mass,
+            decouples_mass=decouples_mass,
         )
         for h, damped in zip(fixed, answers, strict=True)
     )
-    own = (_as_it_is(link) if link.rigid else next(reduced) for link in links)
-    return ComponentModes(topology, tuple(own), parts_mass)
+    own = (_unreduced(link) if link.rigid else next(reduced) for link in links)
+    return ComponentModes(topology, tuple(own), decouples_mass)
 
 
-def _as_it_is(link: LinkModel) -> ReducedLink:
-    """A rigid link: nothing of it is reduced."""
+def _unreduced(link: LinkModel) -> ReducedLink:
+    """A rigid link, which is not reduced."""
     none = np.zeros(link.size, dtype=bool)
     return ReducedLink(link, np.eye(link.size), none, np.zeros((link.size, 0)))
 
@@ -227,7 +225,7 @@ def _reduce(
     fine: bool,
     great_detail: bool,
     turning_sections: bool,
-    parts_mass: bool,
+    decouples_mass: bool,
 ) -> ReducedLink:
     bending = fixed.bending.shapes(0, fixed.bending.below(bending_cutoff))
     n_axial = fixed.axial.below(axial_cutoff)
@@ -238,17 +236,17 @@ def _reduce(
     along = fixed.axial_relief if stretches else fixed.floating_relief
     relief = np.concatenate([fixed.bending_relief, along], axis=1)
     if damped:
-        shapes = np.concatenate([fixed.static, dynamic], axis=1)
-        relief = np.concatenate([relief, _answers_to_damping(fixed, shapes)], axis=1)
+        shapes = np.concatenate([fixed.constraint_modes, dynamic], axis=1)
+        relief = np.concatenate([relief, _damping_shapes(fixed, shapes)], axis=1)
     dynamic = np.concatenate([dynamic, _complement(relief, dynamic, mass)], axis=1)
     candidates = fixed.axial.shapes(n_axial, max(n_axial, condensed_modes))
     if condensed_modes and great_detail and turning_sections:
         candidates = np.concatenate([candidates, _turning_sections(fixed)], axis=1)
     if damped and turning:
-        candidates = np.concatenate([candidates, fixed.layers], axis=1)
+        candidates = np.concatenate([candidates, fixed.interior_shapes], axis=1)
     condensed = _complement(candidates, dynamic, mass)
-    static = fixed.static
-    if parts_mass:
+    static = fixed.constraint_modes
+    if decouples_mass:
         static = static - dynamic @ (dynamic.T @ (mass @ static))
     basis = np.concatenate([static, dynamic, condensed], axis=1)
     is_condensed = np.arange(basis.shape[1]) >= basis.shape[1] - condensed.shape[1]
@@ -262,10 +260,10 @@ def _reduce(
 
 
 def _damped_ends(fixed: FixedInterfaceLink, basis: FloatArray, condensed: FloatArray) -> FloatArray:
-    """Ways (n_reduced, r) of dependent ends to move whose damping deforms what is condensed."""
+    """Motions (n_reduced, r) of dependent ends whose damping deforms condensed shapes."""
     link, inner, dependent = fixed.link, fixed.inner, fixed.boundary.dependent
     force = link.damping @ fixed.boundary.unit[:, dependent]
-    whole = (force[inner] * fixed.flexibility.answers(force[inner])).sum(axis=0)
+    whole = (force[inner] * fixed.flexibility.displacements(force[inner])).sum(axis=0)
     scale = 1 / np.sqrt(np.where(whole > 0, whole, np.inf))
     part = condensed.T @ force * scale
     energy = part.T @ np.linalg.solve(condensed.T @ (link.stiffness @ condensed), part)
@@ -277,7 +275,7 @@ def _damped_ends(fixed: FixedInterfaceLink, basis: FloatArray, condensed: FloatA
 
 
 def _turning_sections(fixed: FixedInterfaceLink) -> FloatArray:
-    """Shapes (n, m) whose sections turn and warp in waves along the link while its axis rests."""
+    """Shapes (n, m) whose sections rotate and warp in waves without displacement of the axis."""
     link = fixed.link
     of_sections = np.flatnonzero(~link.is_axial & (link.fields.across == 0))
     nodes = int(np.count_nonzero(link.fields.across))
@@ -290,10 +288,10 @@ def _turning_sections(fixed: FixedInterfaceLink) -> FloatArray:
     return shapes.reshape(link.size, -1)
 
 
-def _answers_to_damping(fixed: FixedInterfaceLink, shapes: FloatArray) -> FloatArray:
-    """Static answers (n, m) to what damps shapes (n, k) otherwise than one time for all would.
+def _damping_shapes(fixed: FixedInterfaceLink, shapes: FloatArray) -> FloatArray:
+    """Static responses (n, m) to the damping forces of shapes (n, k) beyond one damping time.
 
-    Of one damping time the forces on a static shape vanish, and those on a mode leave it a mode.
+    With one damping time the forces vanish on a constraint mode, and leave a mode a mode.
     """
     link, inner = fixed.link, fixed.inner
     if not len(inner):
@@ -301,13 +299,13 @@ def _answers_to_damping(fixed: FixedInterfaceLink, shapes: FloatArray) -> FloatA
     time = fixed.flexibility.trace_with(link.damping) / len(inner)
     answers = np.zeros_like(shapes)
     unlike = (link.damping @ shapes) / time - link.stiffness @ shapes
-    answers[inner] = fixed.flexibility.answers(unlike[inner])
+    answers[inner] = fixed.flexibility.displacements(unlike[inner])
     answer, shape = ((x * (link.mass @ x)).sum(axis=0) for x in (answers, shapes))
     return answers[:, answer > ROUND_OFF_SHAPE**2 * shape]
 
 
 def _complement(vectors: FloatArray, others: FloatArray, mass: LinkMatrix) -> FloatArray:
-    """What ``vectors`` add to mass-orthonormal ``others``, itself mass-orthonormal."""
+    """Mass-orthonormal complement of ``vectors`` to mass-orthonormal ``others``."""
     if not vectors.shape[1]:
         return vectors
     scale = np.sqrt((vectors * (mass @ vectors)).sum(axis=0))

@@ -1,9 +1,8 @@
-"""Fixed-interface modes of a link: its vibration with its joined ends fixed.
+"""Fixed-interface modes and constraint modes of a link (Craig & Bampton, *AIAA Journal* 6, 1968).
 
-Component modes are these and static shapes (Craig & Bampton, *AIAA Journal* 6, 1968). Of few
-elements all modes are found at once. Of many the lowest are found alone, by Lanczos' method on the
-inverse of the stiffness (shift-invert, ARPACK), so that nothing grows with the square of the number
-of elements.
+Of few elements all modes are found at once. Of many the lowest are found alone, by Lanczos' method
+on the inverse of the stiffness (shift-invert, ARPACK), so that nothing grows with the square of the
+number of elements.
 """
 
 from __future__ import annotations
@@ -22,36 +21,37 @@ from flexmech.linear_system.reduction.link_boundary import JoinedEnds, LinkBound
 
 @dataclass(frozen=True)
 class FixedInterfaceLink:
-    """A link with its joined ends fixed: static shapes and vibration modes.
+    """Constraint modes and fixed-interface modes of a link.
 
     Parameters
     ----------
     link : LinkModel
         Of n coordinates.
     boundary : LinkBoundary
-    static : ndarray, shape (n, b)
-        What each coordinate that the link keeps at its joints moves statically.
+    constraint_modes : ndarray, shape (n, b)
+        Static displacement by a unit of each boundary coordinate.
     bending, axial : FixedInterfaceModes
-        Vibration modes, normalized by the mass.
+        Fixed-interface modes, normalized by the mass.
     bending_relief, axial_relief : ndarray, shape (n, r)
-        Static answers to the inertia of the static shapes, and to couples at free ends.
+        Inertia-relief modes, static responses to the inertia of the constraint modes, and
+        attachment modes of couples at free ends.
     floating_relief : ndarray, shape (n, r)
-        That to a motion along the link as a whole.
-    layers : ndarray, shape (n, k)
-        Static shapes of dependent ends, without the ends: they vanish at the joints.
+        Inertia-relief mode of a rigid motion along the link.
+    interior_shapes : ndarray, shape (n, k)
+        Constraint modes of dependent ends without the ends: they vanish at the joints.
     flexibility : Flexibility
         Of the coordinates that no joint fixes or moves.
     """
 
     link: LinkModel
     boundary: LinkBoundary
-    static: FloatArray
+    constraint_modes: FloatArray
     bending: FixedInterfaceModes
     axial: FixedInterfaceModes
     bending_relief: FloatArray
     axial_relief: FloatArray
     floating_relief: FloatArray
-    layers: FloatArray
+    interior_shapes: FloatArray
     flexibility: Flexibility
 
     @property
@@ -61,7 +61,7 @@ class FixedInterfaceLink:
 
 
 def fix_interface(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> FixedInterfaceLink:
-    """Static shapes and vibration modes of a flexible link.
+    """Constraint modes and fixed-interface modes of a flexible link.
 
     Parameters
     ----------
@@ -79,11 +79,11 @@ def fix_interface(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> Fix
     boundary = link_boundary(ends, link)
     inner = np.flatnonzero(~(boundary.fixed | boundary.joined))
     flexibility = Flexibility(link.stiffness, inner)
-    static = boundary.unit.copy()
-    static[inner] = -flexibility.answers((link.stiffness @ boundary.unit)[inner])
-    layers = (static - boundary.unit)[:, boundary.dependent]
-    relief = np.zeros_like(static)
-    relief[inner] = flexibility.answers((link.mass @ static)[inner])
+    constraint_modes = boundary.unit.copy()
+    constraint_modes[inner] = -flexibility.displacements((link.stiffness @ boundary.unit)[inner])
+    interior_shapes = (constraint_modes - boundary.unit)[:, boundary.dependent]
+    relief = np.zeros_like(constraint_modes)
+    relief[inner] = flexibility.displacements((link.mass @ constraint_modes)[inner])
     axial_boundary = boundary.unit[link.is_axial].any(axis=0)
     # A link that no end ties to the ground moves along itself as a whole: one axial shape.
     # One with fixed ends only stretches: of a slender one far too little for inertia to matter.
@@ -91,30 +91,30 @@ def fix_interface(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> Fix
     axial_relief = relief[:, axial_boundary]
     floating_relief = axial_relief.sum(axis=1, keepdims=True)
     stretching, turning = inner[link.is_axial[inner]], inner[~link.is_axial[inner]]
-    answers = [relief[:, ~axial_boundary], _turning_of_arms(link, flexibility)]
+    answers = [relief[:, ~axial_boundary], _attachment_modes(link, flexibility)]
     # Modes of a link whose ends turn freely converge slowly to a spring against that.
     turned = np.zeros_like(couples)
-    turned[inner] = flexibility.answers(couples[inner])
+    turned[inner] = flexibility.displacements(couples[inner])
     return FixedInterfaceLink(
         link=link,
         boundary=boundary,
-        static=static,
+        constraint_modes=constraint_modes,
         # Where an axis off the pins couples both, bending goes along without axial force.
         bending=FixedInterfaceModes(link, turning, stretching),
         axial=FixedInterfaceModes(link, stretching),
         bending_relief=np.concatenate([*answers, turned], axis=1),
         axial_relief=axial_relief,
         floating_relief=floating_relief if floats else relief[:, :0],
-        layers=layers,
+        interior_shapes=interior_shapes,
         flexibility=flexibility,
     )
 
 
-def _turning_of_arms(link: LinkModel, flexibility: Flexibility) -> FloatArray:
-    """Static answer (n, m) of a link off its pins to couples at its free ends.
+def _attachment_modes(link: LinkModel, flexibility: Flexibility) -> FloatArray:
+    """Attachment modes (n, m) of an eccentric link: response to couples at its free ends.
 
-    The force of a pin on an arm that turns is a spring against the end's rotation, and modes
-    of the link with its ends free to turn converge slowly to that.
+    The force of a pin on an arm is a spring against the end's rotation, to which modes of the link
+    with free rotations at its ends converge slowly.
     """
     if not (couples(link.stiffness, link.is_axial, ~link.is_axial) or link.first_moment.any()):
         return np.zeros((link.size, 0))
@@ -122,7 +122,7 @@ def _turning_of_arms(link: LinkModel, flexibility: Flexibility) -> FloatArray:
     turned = ends[np.isin(ends, inner)]
     shapes = np.zeros((link.size, len(turned)))
     shapes[turned, np.arange(len(turned))] = 1.0
-    shapes[inner] = flexibility.answers(shapes[inner])
+    shapes[inner] = flexibility.displacements(shapes[inner])
     return shapes
 
 
@@ -134,7 +134,7 @@ LARGE_PART = 1 / 4
 
 
 class FixedInterfaceModes:
-    """Mass-normalized vibration modes in a space of shapes, as many as are asked for.
+    """Mass-normalized vibration modes of a link with its interface fixed, found as needed.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ class FixedInterfaceModes:
         self._frequency, self._shapes = np.zeros(0), np.zeros((link.size, 0))
 
     def lowest(self, count: int) -> FloatArray:
-        """Angular frequencies in rad/s of so many modes, or of all if there are fewer."""
+        """Lowest angular frequencies in rad/s, (count,), or all if there are fewer."""
         self._find(count)
         return self._frequency[:count]
 
@@ -171,7 +171,7 @@ class FixedInterfaceModes:
         return self._shapes[:, first:last]
 
     def _find(self, count: int) -> None:
-        """Find so many modes at least, if there are so many."""
+        """Find at least ``count`` modes, if there are so many."""
         size = len(self._which)
         if min(count, size) <= len(self._frequency):
             return
@@ -197,7 +197,7 @@ class FixedInterfaceModes:
         def inverse(load: FloatArray) -> FloatArray:
             forces = np.zeros((len(free), 1))
             forces[place, 0] = load.ravel()
-            return np.asarray(flexibility.answers(forces)[place, 0])
+            return np.asarray(flexibility.displacements(forces)[place, 0])
 
         def inertia(amplitude: FloatArray) -> FloatArray:
             return self._load(link.mass @ self._moved(amplitude.reshape(size, -1)))[:, 0]
@@ -216,19 +216,21 @@ class FixedInterfaceModes:
         return np.sqrt(np.abs(squares[order])), self._moved(vectors[:, order])
 
     def _moved(self, amplitudes: FloatArray) -> FloatArray:
-        """Coordinates (n, k) of the link by amplitudes (m, k) of the shapes."""
+        """Coordinates (n, k) of the link at amplitudes (m, k) of the shapes."""
         moved = _scattered(self._link.size, self._which, amplitudes)
         if self._couples:
             force = (self._link.stiffness @ moved)[self._condensed]
-            moved[self._condensed] = -self._condensing.answers(force)
+            moved[self._condensed] = -self._condensing.displacements(force)
         return moved
 
     def _load(self, forces: FloatArray) -> FloatArray:
-        """Loads (m, k) on the shapes of forces (n, k) on the coordinates."""
+        """Generalized forces (m, k) on the shapes by forces (n, k) on the coordinates."""
         load = forces[self._which]
         if self._couples:
             answer = _scattered(
-                self._link.size, self._condensed, self._condensing.answers(forces[self._condensed])
+                self._link.size,
+                self._condensed,
+                self._condensing.displacements(forces[self._condensed]),
             )
             load = load - (self._link.stiffness @ answer)[self._which]
         return load
@@ -251,9 +253,9 @@ AT_A_TIME = 64
 
 
 class Flexibility:
-    """Inverse of a stiffness matrix with some coordinates fixed.
+    """Flexibility matrix: inverse of a stiffness matrix with some coordinates fixed.
 
-    Of a chain of elements it is never made: its factors are as narrow as the matrix itself.
+    Of a chain of elements only its sparse factors are computed.
 
     Parameters
     ----------
@@ -270,7 +272,7 @@ class Flexibility:
         else:
             self._inverse = np.linalg.inv(whole(stiffness)[free[:, None], free])
 
-    def answers(self, forces: FloatArray) -> FloatArray:
+    def displacements(self, forces: FloatArray) -> FloatArray:
         """Displacements (i, k) by forces (i, k) on the free coordinates."""
         if self._factors is not None:
             return np.asarray(self._factors.solve(np.ascontiguousarray(forces)))
@@ -283,6 +285,6 @@ class Flexibility:
         for first in range(0, len(free), AT_A_TIME):
             unit = np.zeros((len(matrix), len(free[first : first + AT_A_TIME])))
             unit[free[first : first + AT_A_TIME], np.arange(unit.shape[1])] = 1.0
-            moved = self.answers((matrix @ unit)[free])
+            moved = self.displacements((matrix @ unit)[free])
             total += float(np.trace(moved[first : first + AT_A_TIME]))
         return total

@@ -1,4 +1,4 @@
-"""Which coordinates of a link its joints fix, and which of them it keeps when it is reduced."""
+"""Boundary of a link: coordinates that joints fix, and those kept in a reduction."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ ENDS: tuple[End, ...] = ("start", "end")
 
 @dataclass(frozen=True)
 class LinkBoundary:
-    """A link's coordinates at its joints.
+    """Fixed and boundary coordinates of a link at its joints.
 
     Parameters
     ----------
     fixed : ndarray of bool, shape (n,)
-        Held by the ground, the shaft or the fitting of a joint.
+        Fixed by the ground, the shaft or the fitting of a joint.
     unit : ndarray, shape (n, b)
-        What each kept coordinate moves at the joints themselves: one coordinate of the link, or
-        all that the rotation of a welded end turns.
+        Unit displacement of each boundary coordinate: of one coordinate of the link, or of all
+        that rotate with a welded end.
     kept : dict of str to ndarray of int
         Which of them are displacements of ``start`` and ``end``, and ``start_rotation`` and
         ``end_rotation``.
@@ -42,19 +42,19 @@ class LinkBoundary:
 
     @property
     def joined(self) -> NDArray[np.bool_]:
-        """Coordinates that the kept ones move at the joints, (n,)."""
+        """Coordinates of the link that boundary coordinates move, (n,)."""
         return np.asarray(self.unit.any(axis=1), dtype=bool)
 
 
 @dataclass(frozen=True)
 class JoinedEnds:
-    """Link ends of a linkage by what joins them.
+    """Link ends of a linkage by their joints.
 
     Parameters
     ----------
     topology : Topology
     tied : set of LinkEnd
-        Tied to other links or guided, or held by springs.
+        Joined to other links, on a line, or on springs.
     welded : set of LinkEnd
         Tied by welds, or clamped to a free shaft.
     dependent : sequence of LinkEnd
@@ -69,7 +69,9 @@ class JoinedEnds:
     @classmethod
     def of(cls, topology: Topology) -> JoinedEnds:
         """Ends of a linkage."""
-        return cls(topology, _tied_ends(topology), _welded_ends(topology), _led_ends(topology))
+        return cls(
+            topology, _tied_ends(topology), _welded_ends(topology), _dependent_ends(topology)
+        )
 
 
 def link_boundary(ends: JoinedEnds, link: LinkModel) -> LinkBoundary:
@@ -119,7 +121,7 @@ def link_boundary(ends: JoinedEnds, link: LinkModel) -> LinkBoundary:
 
 
 def _fixed_by_joints(topology: Topology, link: LinkModel) -> Iterator[IntArray]:
-    """Coordinates that the ground, the shaft or a fitting fixes."""
+    """Coordinates that the ground, the shaft or a fitting fixes, end by end."""
     for clamp in topology.clamps:
         if clamp.link_end.link == link.name:
             if not (clamp.free and clamp.hub):
@@ -146,7 +148,7 @@ def _welded_ends(topology: Topology) -> set[LinkEnd]:
     return welded | {clamp.link_end for clamp in topology.clamps if clamp.free}
 
 
-def _led_ends(topology: Topology) -> list[LinkEnd]:
+def _dependent_ends(topology: Topology) -> list[LinkEnd]:
     rigid = {link.name for link in topology.links if link.rigid}
     dependent: list[LinkEnd] = []
     for point in joint_points(topology):

@@ -13,7 +13,7 @@ from flexmech.linkages.body_motion import BodyMotion
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, bodies_of
 from flexmech.linkages.planar.drawing import Drawing
-from flexmech.linkages.planar.newton import FollowedPath, NewtonGroup
+from flexmech.linkages.planar.newton import ContinuationPath, NewtonGroup
 from flexmech.linkages.planar.plan import assembly_order
 
 
@@ -32,7 +32,7 @@ class Assembly:
         self.drawn_at = drawn_at
         self.bodies = bodies_of(drawing)
         self.steps = assembly_order(drawing, self.bodies, drawn_at)
-        self._paths: dict[int, FollowedPath] = {}
+        self._paths: dict[int, ContinuationPath] = {}
 
     def check_as_drawn(self) -> None:
         """Refuse a drawing that locks where it is drawn."""
@@ -122,9 +122,9 @@ class Assembly:
                 known |= step.motion(known, angle)
         return known
 
-    def _path(self, number: int, group: NewtonGroup) -> FollowedPath:
+    def _path(self, number: int, group: NewtonGroup) -> ContinuationPath:
         if number not in self._paths:
-            self._paths[number] = group.follow(lambda angle: self.body_motion(angle, number))
+            self._paths[number] = group.trace_path(lambda angle: self.body_motion(angle, number))
         return self._paths[number]
 
     def _driven(self, angle: FloatArray) -> dict[int, BodyMotion]:

@@ -48,7 +48,7 @@ SAME_POSTURE = 1e-8
 
 
 @dataclass(frozen=True)
-class FollowedPath:
+class ContinuationPath:
     """Postures of a group along the turn, from the drawn one.
 
     Parameters
@@ -114,7 +114,7 @@ class NewtonGroup:
         return ", ".join(self.bodies.name(body) for body in self.unknown)
 
     def motion(
-        self, known: Mapping[int, BodyMotion], angle: FloatArray, path: FollowedPath
+        self, known: Mapping[int, BodyMotion], angle: FloatArray, path: ContinuationPath
     ) -> dict[int, BodyMotion]:
         """Motion of the group's bodies.
 
@@ -124,7 +124,7 @@ class NewtonGroup:
             At the crank angles.
         angle : ndarray, shape (B,)
             Crank angle less that of the drawing in rad.
-        path : FollowedPath
+        path : ContinuationPath
 
         Returns
         -------
@@ -151,7 +151,7 @@ class NewtonGroup:
             )
         return self._with_rates(known, found, matrix)
 
-    def follow(self, known: Known) -> FollowedPath:
+    def trace_path(self, known: Known) -> ContinuationPath:
         """Follow the drawn posture half a turn both ways.
 
         Parameters
@@ -162,7 +162,7 @@ class NewtonGroup:
 
         Returns
         -------
-        FollowedPath
+        ContinuationPath
 
         Raises
         ------
@@ -178,7 +178,7 @@ class NewtonGroup:
         locks = (back[1], ahead[1])
         if not any(locks):
             self._check_period(unknowns)
-        return FollowedPath(angle, unknowns, slope, sign, locks)
+        return ContinuationPath(angle, unknowns, slope, sign, locks)
 
     def refuse_locking(self, known: Mapping[int, BodyMotion]) -> None:
         """Refuse a drawing in a dead point.
@@ -205,7 +205,7 @@ class NewtonGroup:
         start = np.zeros((1, len(self._scale)))
         return self._with_rates(known, start, self._scaled_jacobian(known, start))
 
-    def _refuse_beyond(self, angle: FloatArray, path: FollowedPath) -> None:
+    def _refuse_beyond(self, angle: FloatArray, path: ContinuationPath) -> None:
         ends = ((angle < path.angle[0], 0), (angle > path.angle[-1], -1))
         for beyond, end in ends:
             if np.any(beyond):

@@ -185,7 +185,7 @@ class LineGap:
 
     Parameters
     ----------
-    held : JoinedEnd
+    end : JoinedEnd
     guide : JoinedEnd or None
         A point of the line on the link that guides it.
     place : tuple of float
@@ -194,7 +194,7 @@ class LineGap:
         Angle of the line in rad, in the axes of the ground or of the link.
     """
 
-    held: JoinedEnd
+    end: JoinedEnd
     guide: JoinedEnd | None
     place: tuple[float, float]
     direction: float
@@ -216,9 +216,9 @@ class LineGap:
             angle += self.guide.angle(position)
             x, y = self.guide.place(position)
         cosine, sine = math.cos(angle), math.sin(angle)
-        own = self.held.place(position)
+        own = self.end.place(position)
         gap[0] = cosine * (own[1] - y) - sine * (own[0] - x)
-        self.held.place_row(position, rows[0], -sine, cosine)
+        self.end.place_row(position, rows[0], -sine, cosine)
         if self.guide is not None:
             self.guide.place_row(position, rows[0], sine, -cosine)
             along = cosine * (own[0] - x) + sine * (own[1] - y)
@@ -243,7 +243,7 @@ class ClosedJoints:
     gaps: list[PlaceGap | AngleGap | LineGap]
     rows: int
 
-    def put_in_place(self, position: Any, t: float) -> None:
+    def correct_coordinates(self, position: Any, t: float) -> None:
         """Correct the system's coordinates, in place; the hub's angle comes last."""
         turn = self.shaft.hub_angle(position, t)
         position[-1] = turn
@@ -261,6 +261,6 @@ class ClosedJoints:
     def after_step(self, mbs: Any, t: float) -> bool:
         """User function of the system after every step."""
         position = mbs.systemData.GetODE2Coordinates()
-        self.put_in_place(position, t)
+        self.correct_coordinates(position, t)
         mbs.systemData.SetODE2Coordinates(position)
         return True

@@ -118,7 +118,9 @@ class RunningConnectors:
     ) -> Moved:
         def own(link: int, x: float) -> tuple[FloatArray, FloatArray]:
             point, q = self._all.at(link, x), displacement[link]
-            return point.moved(motion, q), point.moved_rate(motion, q, rate[link])
+            return point.finite_displacement(motion, q), point.finite_displacement_rate(
+                motion, q, rate[link]
+            )
 
         def moved(link: int, x: float) -> tuple[FloatArray, FloatArray]:
             found, place = own(link, x), own(*self._carried_by.get((link, x), (link, x)))
@@ -159,7 +161,7 @@ class RunningConnectors:
         for joint in self._items.joints:
             own = joint.spring
             if joint.turning is not None:
-                jumped = self._topology.opening(own.joint, start.angle - angles)
+                jumped = self._topology.joint_angle(own.joint, start.angle - angles)
                 assembly.items.change(joint.turning, "offset", float(jumped) + own.free_angle)
             if joint.ground is not None:
                 link, x = self._topology.end_place(joint.follower)

@@ -17,7 +17,7 @@ from flexmech.multibody.running.closure import AngleGap, ClosedJoints, JoinedEnd
 from flexmech.multibody.running.user_functions import AxisPoint, HubClamp, Joints, Shaft
 
 
-def place_at_start(assembly: LinkAssembly, start: RigidMotion, held: LinkEnd) -> FloatArray:
+def place_at_start(assembly: LinkAssembly, start: RigidMotion, end: LinkEnd) -> FloatArray:
     """Where a link end of the rigid linkage is at time zero in m, shape (2,).
 
     Parameters
@@ -25,16 +25,16 @@ def place_at_start(assembly: LinkAssembly, start: RigidMotion, held: LinkEnd) ->
     assembly : LinkAssembly
     start : RigidMotion
         At time zero, of shape ().
-    held : LinkEnd
+    end : LinkEnd
 
     Returns
     -------
     ndarray, shape (2,)
     """
-    return start.position(*assembly.topology.end_place(held))
+    return start.position(*assembly.topology.end_place(end))
 
 
-def place_on_hub(assembly: LinkAssembly, start: RigidMotion, held: LinkEnd) -> tuple[float, float]:
+def place_on_hub(assembly: LinkAssembly, start: RigidMotion, end: LinkEnd) -> tuple[float, float]:
     """Where a clamped end is on the hub in m; the hub turns with the first clamped link.
 
     Parameters
@@ -42,7 +42,7 @@ def place_on_hub(assembly: LinkAssembly, start: RigidMotion, held: LinkEnd) -> t
     assembly : LinkAssembly
     start : RigidMotion
         At time zero, of shape ().
-    held : LinkEnd
+    end : LinkEnd
 
     Returns
     -------
@@ -50,7 +50,7 @@ def place_on_hub(assembly: LinkAssembly, start: RigidMotion, held: LinkEnd) -> t
     """
     turn = -float(start.angle[assembly.base])
     cosine, sine = math.cos(turn), math.sin(turn)
-    x, y = map(float, place_at_start(assembly, start, held))
+    x, y = map(float, place_at_start(assembly, start, end))
     return cosine * x - sine * y, sine * x + cosine * y
 
 
@@ -75,9 +75,9 @@ def greatest_gap(assembly: LinkAssembly, start: RigidMotion, position: FloatArra
     def place(end: LinkEnd) -> FloatArray:
         return assembly.part_of(end).end_place(end.end, position)
 
-    held = [clamp.link_end for clamp in topology.clamps]
-    held += [pivot.link_end for pivot in topology.pivots if not pivot.sprung]
-    gaps = [place(end) - place_at_start(assembly, start, end) for end in held]
+    fixed = [clamp.link_end for clamp in topology.clamps]
+    fixed += [pivot.link_end for pivot in topology.pivots if not pivot.sprung]
+    gaps = [place(end) - place_at_start(assembly, start, end) for end in fixed]
     gaps += [place(tie.leader) - place(tie.follower) for tie in topology.rigid_ties]
     closed = drifting_joints(assembly, Shaft(float(start.angle[assembly.base]), 0.0, 0.0), start)
     others = [0.0]

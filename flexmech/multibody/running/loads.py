@@ -84,13 +84,13 @@ class LinkEnergies:
                 own = self._own(body)
                 added += _kinetic(body.inertia, position[:, own], velocity[:, own])
         if part.bodies is None:
-            rate = velocity if part.polar is None else part.polar.moved_rate(position, velocity)
+            rate = velocity if part.polar is None else part.polar.rate_to_nodes(position, velocity)
             return np.asarray(added + np.sum(rate @ mass * rate, axis=1) / 2)
         # By the nodes only the first moments of the bodies there turn with the sections.
         rate = velocity
         if part.arms is not None:
-            rate = part.arms.moved_rate(position, velocity)
-            mass = part.arms.back.matrix(np.zeros(len(mass)), mass)
+            rate = part.arms.rate_to_nodes(position, velocity)
+            mass = part.arms.inverse.matrix(np.zeros(len(mass)), mass)
         angles = np.arange(2, len(mass), self._assembly.kind.per_node)
         x, y = rate[:, angles - 2], rate[:, angles - 1]
         turn, spin = position[:, angles], rate[:, angles]
@@ -122,9 +122,9 @@ class LinkEnergies:
             if body.link == link:
                 added -= _moment(body.inertia, position[:, self._own(body)]) @ pull
         if part.bodies is None:
-            nodes = position if part.polar is None else part.polar.moved(position)
+            nodes = position if part.polar is None else part.polar.to_nodes(position)
             return np.asarray(added - nodes @ self.weight(link))
-        nodes = position if part.arms is None else part.arms.moved(position)
+        nodes = position if part.arms is None else part.arms.to_nodes(position)
         nodes = nodes.reshape(len(position), -1, self._assembly.kind.per_node)
         (along, across), turn = part.bodies.centre.T, nodes[..., 2]
         cosine, sine = np.cos(turn), np.sin(turn)

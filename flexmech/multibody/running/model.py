@@ -23,7 +23,7 @@ from flexmech.multibody.connectors import ConnectorItems
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.joints import add_sliders, add_ties
 from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.node_directions import hanging_on
+from flexmech.multibody.node_directions import dependent_joints
 from flexmech.multibody.running.connectors import RunningConnectors
 from flexmech.multibody.running.joints import (
     drifting_joints,
@@ -113,11 +113,12 @@ class RunningModel:
         self.constraints = {clamp.joint: [self._add_clamp(hub, clamp)] for clamp in clamps}
         self.constraints |= self._add_pivots(fixed)
         ties = {tie.tie.joint: tie for tie in add_ties(assembly, self._start.angle)}
-        self._hanging = {
-            joint: hanging_on(assembly.topology, tie.tie.follower) for joint, tie in ties.items()
+        self._dependent_joints = {
+            joint: dependent_joints(assembly.topology, tie.tie.follower)
+            for joint, tie in ties.items()
         }
         for joint, tie in ties.items():
-            others = [ties[name].position for name in self._hanging[joint] if name in ties]
+            others = [ties[name].position for name in self._dependent_joints[joint] if name in ties]
             self.constraints[joint] = [tie.position, *others]
         self.sliders = {line.slider.joint: line for line in add_sliders(assembly)}
         self.constraints |= {joint: [line.constraint] for joint, line in self.sliders.items()}
@@ -164,8 +165,8 @@ class RunningModel:
                 guide = self.assembly.topology.index(slider.guide)
                 angle += position[:, self.assembly.parts[guide].coordinates][:, 2]
             force[:, number] = multiplier[:, rows[:1]] * normal(angle)
-        for joint, hanging in self._hanging.items():
-            for name in sprung.keys() & hanging:
+        for joint, dependent in self._dependent_joints.items():
+            for name in sprung.keys() & dependent:
                 force[:, names.index(joint)] += sprung[name]
         return force
 

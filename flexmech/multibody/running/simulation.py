@@ -170,7 +170,7 @@ class Simulation:
         for number, beam in assembly.beams:
             moved, speed = displacement[number], rate[number]
             if (mapped := beam.node_map) is not None:
-                moved, speed = mapped.moved(moved), mapped.moved_rate(moved, speed)
+                moved, speed = mapped.to_nodes(moved), mapped.rate_to_nodes(moved, speed)
             for part_of in beam.kind.strains(moved, speed, np.diff(beam.positions), beam.section):
                 strain += part_of.energy
                 dissipation += part_of.dissipation
@@ -327,7 +327,7 @@ class _Steps:
         row = self._count
         position = data.GetODE2Coordinates()
         if self._simulation.drifts:
-            self._simulation.model.joints.put_in_place(position, time)
+            self._simulation.model.joints.correct_coordinates(position, time)
             data.SetODE2Coordinates(position)
         self._time[row] = time
         self._position[row] = position

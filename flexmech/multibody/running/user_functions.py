@@ -173,7 +173,7 @@ class Joints:
     pivots: list[tuple[AxisPoint, tuple[float, float]]]
     pins: list[tuple[AxisPoint, AxisPoint]]
 
-    def put_in_place(self, position: Any, t: float) -> None:
+    def correct_coordinates(self, position: Any, t: float) -> None:
         """Correct the system's coordinates, in place; those of the hub come last."""
         angle = self.shaft.hub_angle(position, t)
         self.clamp.turn_to(position, angle)
@@ -186,7 +186,7 @@ class Joints:
     def after_step(self, mbs: Any, t: float) -> bool:
         """User function of the system after every step."""
         position = mbs.systemData.GetODE2Coordinates()
-        self.put_in_place(position, t)
+        self.correct_coordinates(position, t)
         mbs.systemData.SetODE2Coordinates(position)
         return True
 

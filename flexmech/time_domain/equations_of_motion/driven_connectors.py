@@ -94,7 +94,7 @@ class DrivenConnectors:
     frames : LinkFrames
         Of the reduced links.
     drive : CrankDrive
-    torque_follows : bool
+    follower_torque : bool
         Whether the torque that balances them turns with a free shaft.
     """
 
@@ -104,7 +104,7 @@ class DrivenConnectors:
         frames: LinkFrames,
         drive: CrankDrive,
         *,
-        torque_follows: bool = False,
+        follower_torque: bool = False,
     ) -> None:
         mechanism = engine.mechanism
         self._mechanism, self._frames, self._drive = mechanism, frames, drive
@@ -113,7 +113,7 @@ class DrivenConnectors:
         self.winds = _winds(engine)
         # A follower load or torque that varies changes the stiffness; a spring that is wound up
         # never comes back: nothing of them is interpolated.
-        turns = any(load.axes == "link" or torque_follows for load in tables)
+        turns = any(load.axes == "link" or follower_torque for load in tables)
         self.is_interpolated = not (self.winds or turns)
         self._tables: tuple[tuple[Load, int], ...] = ()
         self._smooth = self._all
@@ -256,11 +256,11 @@ class DrivenConnectors:
         shapes = [np.zeros((len(time), link.size)) for link in links]
         fields = [np.zeros((len(time), 4)) for _ in links]
         virtual = np.zeros(len(time))
-        for push, carried in self._point_forces(time, motion, elastic):
+        for push, in_joint in self._point_forces(time, motion, elastic):
             point, number = push.point, push.point.link
             moved = _moved(point, unit_motion, unit_elastic)
             virtual += np.sum(push.force * moved[:, :2], axis=1) + push.torque * moved[:, 2]
-            if carried:
+            if in_joint:
                 continue
             shapes[number] += point.force(motion, push.force, push.torque)
             fields[number] += _on_fields(push, motion)
@@ -285,21 +285,23 @@ class DrivenConnectors:
     ) -> list[tuple[PointForce, bool]]:
         """Forces one by one, and whether a joint with a radial spring carries them."""
         found = [(push, False) for push in self._all.point_forces(motion, None, time)]
-        for answer in self._all.answers(motion, None, time):
-            ends = ((answer.second, 1.0), (answer.first, -1.0))
-            apart, drift = np.zeros((2, len(time), 3, 1))
+        for tangent in self._all.tangents(motion, None, time):
+            ends = ((tangent.second, 1.0), (tangent.first, -1.0))
+            deformation, rate_of_deformation = np.zeros((2, len(time), 3, 1))
             for point, sign in ends:
                 if point is not None:
                     q, rate, _ = elastic[point.link]
-                    apart += sign * point.displacement(motion, q)[..., None]
-                    drift += sign * point.displacement_rate(motion, q, rate)[..., None]
-            back = (answer.stiffness @ apart + answer.damping @ drift)[..., 0]
+                    deformation += sign * point.displacement(motion, q)[..., None]
+                    rate_of_deformation += (
+                        sign * point.displacement_rate(motion, q, rate)[..., None]
+                    )
+            back = (tangent.stiffness @ deformation + tangent.damping @ rate_of_deformation)[..., 0]
             nothing = np.zeros_like(back)
             for point, sign in ends:
                 if point is None:
                     continue
                 force, torque = -sign * back[:, :2], -sign * back[:, 2]
-                if answer.in_joint:
+                if tangent.in_joint:
                     found.append((PointForce(point, force, nothing[:, 2]), True))
                     found.append((PointForce(point, nothing[:, :2], torque), False))
                 else:
@@ -351,4 +353,4 @@ def _winds(engine: Engine) -> bool:
     linkage, topology = mechanism.linkage, mechanism.linkage.topology
     angles = continuous_angles(linkage, linkage.motion(np.array([0.0, 2 * np.pi])))
     gained = angles[1] - angles[0]
-    return any(abs(topology.opening(own.joint, gained)) > 1.0 for own in stiff)
+    return any(abs(topology.joint_angle(own.joint, gained)) > 1.0 for own in stiff)

@@ -80,7 +80,7 @@ class DrivenLinkage:
     unreduced : tuple of LinkModel
         As the run has them: those of the engine, or in natural coordinates what turns far; see
         :mod:`flexmech.time_domain.equations_of_motion.natural_coordinates`.
-    bases, own_bases : tuple of ndarray, shape (n_full, n)
+    bases, run_bases : tuple of ndarray, shape (n_full, n)
         From each reduced link's coordinates to the engine's, and to those of ``unreduced``.
     frames : LinkFrames
     connectors : DrivenConnectors
@@ -112,30 +112,30 @@ class DrivenLinkage:
             if stretches
             else prestressed_links(engine, drive, prestress, modes, detail)
         )
-        self.links, self.own_bases = reduced.models, reduced.bases
+        self.links, self.run_bases = reduced.models, reduced.bases
         self.unreduced = tuple(link.model for link in reduced.unreduced)
         self._from_engine = [link.from_engine for link in reduced.unreduced]
         self.bases = reduced.engine_bases
         self.frames = LinkFrames(reduced.topology, self.links)
         self.stretch = LinkageStretch(self.frames, reduced.stretches) if stretches else None
-        self.shaft = DrivenShaft.of(engine, drive, self.frames, reduced.unreduced, self.own_bases)
+        self.shaft = DrivenShaft.of(engine, drive, self.frames, reduced.unreduced, self.run_bases)
         turns_far = self.shaft is not None and self.shaft.is_natural
-        self.connectors = DrivenConnectors(engine, self.frames, drive, torque_follows=turns_far)
+        self.connectors = DrivenConnectors(engine, self.frames, drive, follower_torque=turns_far)
         self._condensed = np.zeros(self.frames.size, dtype=bool)
         for target, condensed in zip(self.frames.targets, reduced.condensed, strict=True):
             self._condensed[target[condensed]] = True
-        guided = stretches and reduced.topology.has_turning_lines
+        has_guides = stretches and reduced.topology.has_turning_lines
         level: Prestress = prestress
         if stretches and not turns_far:
-            level = "axial" if guided else "none"
+            level = "axial" if has_guides else "none"
         self.stress = StressHistory(
             engine,
             self.unreduced,
-            self.own_bases,
+            self.run_bases,
             drive,
             level,
             with_energy=with_energy,
-            rigid_links_only=guided,
+            rigid_links_only=has_guides,
             equilibrium_of=self.bases if turns_far else None,
         )
 
@@ -165,17 +165,19 @@ class DrivenLinkage:
     def loads(self, motion: RigidMotion) -> list[FloatArray]:
         """Inertia forces of the rigid motion and weight on each reduced link, (m, n)."""
         full = inertia_loads(self.unreduced, motion, self.engine.mechanism.gravity)
-        return [load @ basis for load, basis in zip(full, self.own_bases, strict=True)]
+        return [load @ basis for load, basis in zip(full, self.run_bases, strict=True)]
 
-    def equations(self, time: FloatArray, *, still: bool = False, tables: bool = True) -> Equations:
+    def equations(
+        self, time: FloatArray, *, frozen: bool = False, tables: bool = True
+    ) -> Equations:
         """Equations of motion.
 
         Parameters
         ----------
         time : ndarray, shape (m,)
             In s.
-        still : bool
-            Leave out the rotation terms: what the loads would do if nothing moved.
+        frozen : bool
+            Leave out the rotation terms, as in the frozen inertial form.
         tables : bool
             Whether the tables of loads count; see :meth:`DrivenConnectors.unit_forces`.
 
@@ -185,7 +187,7 @@ class DrivenLinkage:
         """
         motion, stress = self.motion(time), self.stress.at(time)
         force, torque = np.zeros((len(time), self.frames.size)), None
-        if self.stress.tells_forces:
+        if self.stress.has_internal_forces:
             force += self.frames.gather(motion, self.loads(motion))
         if self.connectors.any:
             force += self.connectors.force(motion, time, tables=tables)
@@ -193,13 +195,13 @@ class DrivenLinkage:
             torque = self.shaft.torque(motion, force)
             force += self.shaft.force(motion, torque)
         force += self.frames.gather(motion, [-s.prestress for s in stress])
-        matrices = self._matrices(time, motion, stress, still=still, torque=torque)
+        matrices = self._matrices(time, motion, stress, frozen=frozen, torque=torque)
         return Equations.condensed(motion, matrices, force, self._condensed)
 
     def unit_equations(
         self, time: FloatArray, load: Sequence[FloatArray] | None = None
     ) -> list[Equations]:
-        """Equations of motion under a unit of each load with a table in place of all forces.
+        """Equations of motion under a unit of each load with a table instead of all forces.
 
         Parameters
         ----------
@@ -242,11 +244,11 @@ class DrivenLinkage:
         motion: RigidMotion,
         stress: list[LinkStress],
         *,
-        still: bool = False,
+        frozen: bool = False,
         torque: FloatArray | None = None,
     ) -> SystemMatrices:
         """Matrices of all coordinates of the frames, under the torque (m,) of a free shaft."""
-        terms = RotationTerms.all_or_none(not still)
+        terms = RotationTerms.all_or_none(not frozen)
         tangents = [s.stiffness for s in stress]
         if self.shaft is not None and torque is not None:
             tangents[self.shaft.link] = tangents[self.shaft.link] + self.shaft.stiffness(torque)
@@ -255,19 +257,18 @@ class DrivenLinkage:
             tangents,
             terms,
             [LinkDamping(s.damping, s.damping) for s in stress],
-            self.stress.guiding(time),
+            self.stress.guide_stiffness(time),
         )
         if self.connectors.any:
             return self.connectors.added(motion, matrices, terms, time)
         return matrices
 
     def quasi_static_equations(self, time: FloatArray) -> Equations:
-        """Equations at times of shape (m,) of which the quasi-static state is wanted.
+        """Equations of the quasi-static state at times of shape (m,): without rotation terms.
 
-        Without the rotation terms, but of links that turn as one body: their displacement is
-        constant in the frame, and its inertia forces are then among the terms.
+        Links that rotate as one body keep them, as inertia forces of a constant displacement.
         """
-        return self.equations(time, still=not self.engine.turns_as_one_body)
+        return self.equations(time, frozen=not self.engine.turns_as_one_body)
 
     def link_motion(
         self, equations: Equations, vibration: VibrationState
@@ -297,10 +298,9 @@ class DrivenLinkage:
         )
 
     def coordinates(self, state: LinkState, time: float = 0.0) -> tuple[FloatArray, FloatArray]:
-        """Independent coordinates nearest to a state of the engine's links.
+        """Independent coordinates of a state of the engine's links, projected by the mass.
 
-        Nearest by the mass matrix: what component modes cannot show is left out. The
-        inverse of :meth:`link_state` for states that they can.
+        The inverse of :meth:`link_state` for states in the span of the component modes.
 
         Parameters
         ----------
@@ -316,7 +316,7 @@ class DrivenLinkage:
             Velocity z'.
         """
         nearest = []
-        for number, (full, basis) in enumerate(zip(self.unreduced, self.own_bases, strict=True)):
+        for number, (full, basis) in enumerate(zip(self.unreduced, self.run_bases, strict=True)):
             both = np.stack([state.displacement[number], state.rate[number]], axis=1)
             both = self._from_engine[number] @ both
             if not full.rigid:
@@ -326,9 +326,9 @@ class DrivenLinkage:
         motion = self.motion(np.array([time]))
         values = self.frames.independent(motion, nearest)[0].T
         if self.frames.topology.sliders:
-            # What the frames' turning alone makes of the position is no rate of a slide.
-            still = np.zeros_like(values[:1])
-            moving = self.frames.link_motion(motion, values[:1], still, still)
+            # The part of the rates by the rotation of the frames is no rate of a slide.
+            zero = np.zeros_like(values[:1])
+            moving = self.frames.link_motion(motion, values[:1], zero, zero)
             rates = [
                 both[..., 1:] - rate[..., None]
                 for both, (_, rate, _) in zip(nearest, moving, strict=True)
@@ -344,13 +344,13 @@ class DrivenLinkage:
         longer by the square of the bow, which would start it with a stress that it does not
         have.
         """
-        equations = self.equations(np.zeros(1), still=True)
+        equations = self.equations(np.zeros(1), frozen=True)
         parts = [-s.prestress for s in self.stress.at(np.zeros(1))]
         inner = self.frames.gather(equations.motion, parts)[0]
         position = np.zeros(self.size)
         along = np.zeros(self.frames.size, dtype=bool)
         for number, (link, target) in enumerate(zip(self.links, self.frames.targets, strict=True)):
-            own = self.frames.own(number)
+            own = self.frames.independent_coordinates(number)
             along[target[own[link.is_axial[own]]]] = True
         axial = np.flatnonzero(along[~self._condensed])
         if len(axial):
@@ -380,14 +380,14 @@ class DrivenLinkage:
         """
         assert self.stretch is not None
         equations = self.quasi_static_equations(np.array([time]))
-        turns = self.stretch.pin_turns(equations.motion)
-        held, shaft = np.zeros((0, self.size)), self.shaft
-        held = held if shaft is None else shaft.force(equations.motion, np.ones(1))
+        turns = self.stretch.pin_rotations(equations.motion)
+        row, shaft = np.zeros((0, self.size)), self.shaft
+        row = row if shaft is None else shaft.force(equations.motion, np.ones(1))
         stiffness, force, z = equations.stiffness[0], equations.force[0], np.array(position)
         for _ in range(MOST_PASSES):
-            pulled, tangent = self.stretch.still(turns, z)
-            gap = np.concatenate([force - stiffness @ z - pulled, -held @ z])
-            bordered = np.block([[stiffness + tangent, held.T], [held, np.zeros(2 * [len(held)])]])
+            pulled, tangent = self.stretch.static_force(turns, z)
+            gap = np.concatenate([force - stiffness @ z - pulled, -row @ z])
+            bordered = np.block([[stiffness + tangent, row.T], [row, np.zeros(2 * [len(row)])]])
             change = np.linalg.solve(bordered, gap)[: self.size]
             z += change
             if np.abs(change).max() <= CONVERGED * np.abs(z).max():

@@ -34,7 +34,7 @@ class LinkageDynamics:
         self._inertias = [
             LinkInertia.of(model, full, basis)
             for model, full, basis in zip(
-                linkage.links, linkage.unreduced, linkage.own_bases, strict=True
+                linkage.links, linkage.unreduced, linkage.run_bases, strict=True
             )
         ]
 
@@ -81,7 +81,7 @@ class LinkageDynamics:
             inner, strain, prestress = stress.of(link.displacement)
             if linkage.stretch is not None:
                 second = linkage.stretch.links[number]
-                pulled, damped = second.remainder(link.displacement, link.rate)
+                pulled, damped = second.nonlinear_forces(link.displacement, link.rate)
                 inner, damping = inner + pulled, damping + damped
                 strain = strain + second.energy(link.displacement)
             shapes = inertia.shape_forces(link) + inner + damping
@@ -154,9 +154,9 @@ class LinkageDynamics:
             needed[link] = needed[link] - force
             leader = topology.index(pin.leader.link)
             needed[leader] = needed[leader] + force
-        held = [(clamp.joint, clamp.link_end) for clamp in topology.clamps]
-        held += [(pivot.joint, pivot.link_end) for pivot in topology.pivots]
-        for joint, end in held:
+        grounded = [(clamp.joint, clamp.link_end) for clamp in topology.clamps]
+        grounded += [(pivot.joint, pivot.link_end) for pivot in topology.pivots]
+        for joint, end in grounded:
             forces[joint] = needed[topology.index(end.link)]
         return np.stack([forces[name] for name in topology.joint_names], axis=1)
 

@@ -14,7 +14,7 @@ from flexmech.linkages import RigidMotion
 
 
 @dataclass(frozen=True)
-class PinTurns:
+class PinRotations:
     """How the followers' ends turn from their leaders' at m instants.
 
     Parameters
@@ -57,7 +57,7 @@ class LinkageStretch:
         self._places = [np.array(target) for target in frames.targets]
         self.size = frames.size
         for number, places in enumerate(self._places):
-            own = frames.following(number)
+            own = frames.dependent_coordinates(number)
             places[own] = np.arange(self.size, self.size + len(own))
             self.size += len(own)
         self.gradient, self.slopes = self._spread("gradient"), self._spread("slopes")
@@ -69,7 +69,7 @@ class LinkageStretch:
         """Whether stretching is damped in any link."""
         return bool(self.damping_time.any())
 
-    def pin_turns(self, motion: RigidMotion) -> PinTurns:
+    def pin_rotations(self, motion: RigidMotion) -> PinRotations:
         """Turns of the following ends; ``motion`` is a batch of shape (m,)."""
         count, first = len(motion.crank_angle), self._frames.size
         turn, rate = np.zeros((2, count, self.size - first, self._frames.end_count))
@@ -78,58 +78,62 @@ class LinkageStretch:
                 rows = places[end.rows] - first
                 turn[:, rows[:, None], end.columns] = end.turn
                 rate[:, rows[:, None], end.columns] = end.rate
-        return PinTurns(turn, rate)
+        return PinRotations(turn, rate)
 
-    def spread(self, turn: FloatArray, columns: FloatArray) -> FloatArray:
+    def augmented(self, turn: FloatArray, columns: FloatArray) -> FloatArray:
         """Columns of z (..., n, r) with the followers' ends below them, (..., p, r).
 
         Parameters
         ----------
         turn : ndarray, shape (..., f, k)
-            Of :class:`PinTurns`.
+            Of :class:`PinRotations`.
         columns : ndarray, shape (..., n, r)
         """
         followers = turn @ columns[..., : self.end_count, :]
         return np.concatenate([columns, followers], axis=-2)
 
-    def remainder(self, turns: PinTurns, position: FloatArray, velocity: FloatArray) -> FloatArray:
+    def nonlinear_forces(
+        self, turns: PinRotations, position: FloatArray, velocity: FloatArray
+    ) -> FloatArray:
         """Forces on z beyond the linear ones, elastic and of damping, (m, n).
 
         Parameters
         ----------
-        turns : PinTurns
+        turns : PinRotations
             At m instants.
         position, velocity : ndarray, shape (m, n)
         """
         size, ends = position.shape[1], slice(self.end_count)
         forces = StretchForces(self, len(position), 1.0)
-        forces.place[:] = self.spread(turns.turn, position[..., None])[..., 0]
-        forces.rate[:] = self.spread(turns.turn, velocity[..., None])[..., 0]
+        forces.place[:] = self.augmented(turns.turn, position[..., None])[..., 0]
+        forces.rate[:] = self.augmented(turns.turn, velocity[..., None])[..., 0]
         forces.rate[:, size:] += (turns.rate @ position[:, ends, None])[..., 0]
         force = forces.evaluate()
         own = force[:, :size].copy()
         own[:, ends] += (force[:, None, size:] @ turns.turn)[:, 0]
         return own
 
-    def still(self, turns: PinTurns, position: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def static_force(
+        self, turns: PinRotations, position: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """Force on z of links at rest beyond the linear one, (n,), and its derivative (n, n).
 
         Parameters
         ----------
-        turns : PinTurns
+        turns : PinRotations
             At one instant.
         position : ndarray, shape (n,)
         """
-        forces, spreading = StretchForces(self, 1, 1.0), self.spreading(turns.turn)[0]
-        forces.place[0], forces.rate[:] = spreading @ position, 0.0
+        forces, augmentation = StretchForces(self, 1, 1.0), self.augmentation(turns.turn)[0]
+        forces.place[0], forces.rate[:] = augmentation @ position, 0.0
         force = forces.evaluate()[0]
         elastic, _ = forces.tangents()
-        return force @ spreading, spreading.T @ elastic[0] @ spreading
+        return force @ augmentation, augmentation.T @ elastic[0] @ augmentation
 
-    def spreading(self, turn: FloatArray) -> FloatArray:
-        """From z to spread coordinates, (m, p, n); ``turn`` (m, f, k) of :class:`PinTurns`."""
+    def augmentation(self, turn: FloatArray) -> FloatArray:
+        """From z to spread coordinates, (m, p, n); ``turn`` (m, f, k) of :class:`PinRotations`."""
         size = self._frames.size
-        return self.spread(turn, np.broadcast_to(np.eye(size), (len(turn), size, size)))
+        return self.augmented(turn, np.broadcast_to(np.eye(size), (len(turn), size, size)))
 
     def _spread(self, name: str) -> FloatArray:
         blocks = []
@@ -177,22 +181,22 @@ class StretchForces:
         self._linear_rate = self._pulled_rate[:, :strains]
         self._slope_rates = self._pulled_rate[:, strains:]
         self.second, self._tension, self._tension_rate = np.empty((3, count, strains))
-        self._change, self._yielded = np.empty((2, count * strains))
-        self._changes, self._yieldings = (
-            flat.reshape(count, strains) for flat in (self._change, self._yielded)
+        self._change, self._relaxed = np.empty((2, count * strains))
+        self._changes, self._relaxations = (
+            flat.reshape(count, strains) for flat in (self._change, self._relaxed)
         )
         self._square, self._spread_tension = np.empty((2, count, slopes))
         self._along, self._across = self._load[:, :strains], self._load[:, strains:]
         self._force = np.empty((count, stretch.size))
 
     def evaluate(
-        self, yielding: FloatArray | None = None, second: FloatArray | None = None
+        self, relaxation: FloatArray | None = None, second: FloatArray | None = None
     ) -> FloatArray:
         """Force on the spread coordinates, (m, p); overwritten next time.
 
         Parameters
         ----------
-        yielding : ndarray, shape (m s, m s), optional
+        relaxation : ndarray, shape (m s, m s), optional
             Let the links yield to the change of their second-order tension at once.
         second : ndarray, shape (m, s), optional
             The second-order tension to which position and rate have yielded.
@@ -207,10 +211,10 @@ class StretchForces:
         np.add(self._linear, self.second, self._tension)
         if self._times is not None:
             self._add_damping(self._times)
-        if yielding is not None and second is not None:
+        if relaxation is not None and second is not None:
             np.subtract(self.second, second, self._changes)
-            yielding.dot(self._change, self._yielded)
-            np.subtract(self._tension, self._yieldings, self._tension)
+            relaxation.dot(self._change, self._relaxed)
+            np.subtract(self._tension, self._relaxations, self._tension)
         self._tension.dot(self._spread, self._spread_tension)
         self._along[:] = self.second
         np.multiply(self._spread_tension, self._slopes, self._across)

@@ -171,7 +171,7 @@ def _on_shaft(
     own, size = engine.links[shaft.link], link.model.size
     place = np.append(own.end_displacement(shaft.clamp.link_end.end), shaft.rotation(own))
     arm = shaft.clamp.hub or float(own.readings.nodes[-1])
-    matter = RigidBody(0.0, (0.0, 0.0), shaft.inertia, spin=0.0)
+    matter = RigidBody(0.0, (0.0, 0.0), shaft.inertia, central_inertia=0.0)
     stiffness, time = _stiffness(engine, arm, shaft.inertia), float(link.stretch.damping_time[0])
     link = _link_with_body(link, place, matter, stiffness)
     reduced = _with_body(reduced, basis[place], matter, stiffness, time)
@@ -234,7 +234,7 @@ def _bar(
     inertia has that of a free shaft in it, none of which is on the rotation.
     """
     mass = whole(rigid.mass)
-    matter = RigidBody(mass[0, 0], (mass[1, 2], -mass[0, 2]), mass[2, 2], spin=0.0)
+    matter = RigidBody(mass[0, 0], (mass[1, 2], -mass[0, 2]), mass[2, 2], central_inertia=0.0)
     at_start, stretch, turn = np.eye(4)[:2], np.eye(4)[2], np.eye(4)[3]
     if joined:
         at_end = at_start + length * np.eye(4)[2:]

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
-    CarriedInertia,
+    DisplacedInertia,
     Engine,
     LinkModel,
     Prestress,
@@ -59,7 +59,7 @@ class StressHistory:
 
     Attributes
     ----------
-    tells_forces : bool
+    has_internal_forces : bool
         Whether ``prestress`` contains the internal forces of the stressed state. If not it
         is ``-stiffness @ displacement`` and the inertia forces of that displacement alone, and
         the loads that they balance must be left out with them.
@@ -90,7 +90,7 @@ class StressHistory:
         self._drive = drive
         self._prestress = prestress
         self._with_energy = with_energy
-        self.tells_forces = True
+        self.has_internal_forces = True
         self._sizes = [basis.shape[1] for basis in bases]
         # Damping changes with the stress only where links are bowed.
         damped = any(link.damping.any() for link in links)
@@ -98,7 +98,7 @@ class StressHistory:
         self._damping = [
             basis.T @ link.damping @ basis for link, basis in zip(links, bases, strict=True)
         ]
-        self._guides: FloatArray | None = None
+        self._guide_stiffness: FloatArray | None = None
         self._turn: CubicSpline | None = None
         self._rise: CubicSpline | None = None
         if prestress == "none" and not engine.mechanism.is_free_strained:
@@ -117,9 +117,9 @@ class StressHistory:
             speed, acceleration = drive.crank_speed(rise_time), drive.crank_acceleration(rise_time)
             sampled.append(self._sampled(rise_time, angle, speed, acceleration))
         values = np.concatenate(sampled)
-        share, shapes = _few_shapes(values, self._scale(values))
+        share, shapes = _low_rank_factors(values, self._scale(values))
         stops = np.cumsum([sum(self._widths(size)) for size in self._sizes])
-        *parts, self._guides = np.split(shapes, stops, axis=1)
+        *parts, self._guide_stiffness = np.split(shapes, stops, axis=1)
         self._shapes = [
             StressShapes.unpacked(part, size, damping)
             for part, size, damping in zip(parts, self._sizes, self._damping, strict=True)
@@ -136,11 +136,11 @@ class StressHistory:
         share, rate = self._shares(time)
         return [LinkStress(shapes, share, rate) for shapes in self._shapes]
 
-    def guiding(self, time: FloatArray) -> FloatArray | None:
+    def guide_stiffness(self, time: FloatArray) -> FloatArray | None:
         """Stiffness between rotations of guides and slides at times of shape (m,); (m, sliders)."""
-        if self._guides is None or not self._guides.any():
+        if self._guide_stiffness is None or not self._guide_stiffness.any():
             return None
-        return np.asarray(self._shares(time)[0] @ self._guides)
+        return np.asarray(self._shares(time)[0] @ self._guide_stiffness)
 
     def _shares(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Shares of the distributions of stress, and their rates, (m, r)."""
@@ -184,7 +184,7 @@ class StressHistory:
             motion = linkage.motion(*(v[batch] for v in motion_of))
             stressed = self._engine.stressed_links(motion, self._prestress)
             if self._equilibrium_of is not None:
-                packed.append(self._lacking(stressed, self._equilibrium_of))
+                packed.append(self._equilibrium_correction(stressed, self._equilibrium_of))
                 continue
             # Runs in time have the inertia of straight links.
             stressed = with_straight_inertia(self._engine.links, motion, stressed)
@@ -192,10 +192,10 @@ class StressHistory:
                 pairs = zip(stressed.tangent, self._links, strict=True)
                 own = [tangent if link.rigid else link.stiffness for tangent, link in pairs]
                 stressed = replace(stressed, tangent=own)
-            stressed = self._told(motion, stressed)
+            stressed = self._with_internal_forces(motion, stressed)
             packed.append(self._packed(stressed, motion))
             if stressed.displacement is not None and stressed.internal_force is None:
-                self.tells_forces = False
+                self.has_internal_forces = False
             if self._with_energy and stressed.internal_force is not None:
                 forces.append(np.concatenate(stressed.internal_force, axis=1))
                 places.append(np.concatenate(stressed.displacement or [], axis=1))
@@ -204,7 +204,7 @@ class StressHistory:
             self._add_bending_work(values, where, np.concatenate(forces), np.concatenate(places))
         return values
 
-    def _told(self, motion: RigidMotion, stressed: StressedLinks) -> StressedLinks:
+    def _with_internal_forces(self, motion: RigidMotion, stressed: StressedLinks) -> StressedLinks:
         """With internal forces where loads and springs act and the engine tells none.
 
         They are what inertia, weight, loads and springs are in balance with, but for the forces
@@ -216,18 +216,22 @@ class StressHistory:
         inertia = inertia_loads(self._engine.links, motion, self._engine.mechanism.gravity)
         acting = connectors.forces(motion, place)
         forces = [a + b for a, b in zip(inertia, acting, strict=True)]
-        beside = self._carried(motion, place)
-        if beside is not None:
-            forces = [a + b for a, b in zip(forces, beside, strict=True)]
+        by_displacement = self._displaced_inertia_forces(motion, place)
+        if by_displacement is not None:
+            forces = [a + b for a, b in zip(forces, by_displacement, strict=True)]
         return replace(stressed, internal_force=forces)
 
-    def _carried(self, motion: RigidMotion, place: list[FloatArray]) -> list[FloatArray] | None:
+    def _displaced_inertia_forces(
+        self, motion: RigidMotion, place: list[FloatArray]
+    ) -> list[FloatArray] | None:
         """Inertia forces of displacements in the equilibrium of links that turn as one body."""
         topology = self._engine.mechanism.linkage.topology
-        carried = CarriedInertia.of(topology, self._engine.links, motion)
-        return None if carried is None else carried.forces(place)
+        inertia = DisplacedInertia.of(topology, self._engine.links, motion)
+        return None if inertia is None else inertia.forces(place)
 
-    def _lacking(self, stressed: StressedLinks, bases: Sequence[FloatArray]) -> FloatArray:
+    def _equilibrium_correction(
+        self, stressed: StressedLinks, bases: Sequence[FloatArray]
+    ) -> FloatArray:
         """As :meth:`_packed`, of straight links with what the forces of stretching ones lack.
 
         Bodies off the axis turn with their sections, and rigid links, in natural coordinates.
@@ -240,24 +244,24 @@ class StressHistory:
         for number, link in enumerate(self._engine.links):
             own, batch = self._bases[number], len(places[number])
             stiffness = own.T @ self._links[number].stiffness @ own
-            lacking = np.zeros((batch, own.shape[1]))
+            correction = np.zeros((batch, own.shape[1]))
             if not link.rigid and not any(body.is_off_axis for body in link.bodies):
                 q = places[number].copy()
                 sections = np.setdiff1d(np.flatnonzero(link.fields.tangential), link.vectors)
                 q[:, sections] = np.sin(q[:, sections])
-                found, _ = stretches[number].remainder(q, np.zeros_like(q))
+                found, _ = stretches[number].nonlinear_forces(q, np.zeros_like(q))
                 found += (link.stiffness @ q.T).T
-                lacking = (forces[number] - found) @ bases[number]
+                correction = (forces[number] - found) @ bases[number]
             stiff = np.broadcast_to(stiffness.ravel(), (batch, stiffness.size))
-            columns += [stiff, lacking, np.zeros((batch, 1))]
+            columns += [stiff, correction, np.zeros((batch, 1))]
         return np.concatenate(columns, axis=1)
 
     def _packed(self, stressed: StressedLinks, motion: RigidMotion) -> FloatArray:
         """Stiffness, prestress and offset of all links side by side, (B, total)."""
         columns, batch = [], len(motion.crank_angle)
-        beside = None
+        inertia = None
         if stressed.displacement is not None and stressed.internal_force is None:
-            beside = self._carried(motion, stressed.displacement)
+            inertia = self._displaced_inertia_forces(motion, stressed.displacement)
         for number, basis in enumerate(self._bases):
             tangent = stressed.tangent[number]
             prestress, offset = np.zeros((batch, basis.shape[1])), np.zeros((batch, 1))
@@ -265,8 +269,8 @@ class StressHistory:
                 q = stressed.displacement[number]
                 elastic = (tangent @ q[..., None])[..., 0]
                 force = stressed.internal_force
-                told = beside if force is None else force
-                prestress = ((0.0 if told is None else told[number]) - elastic) @ basis
+                internal = inertia if force is None else force
+                prestress = ((0.0 if internal is None else internal[number]) - elastic) @ basis
                 offset = np.sum(q * elastic, axis=1, keepdims=True) / 2
                 if force is not None:
                     offset -= np.sum(q * force[number], axis=1, keepdims=True)
@@ -277,8 +281,8 @@ class StressHistory:
                 if stressed.damping is not None:
                     damping = basis.T @ stressed.damping[number] @ basis
                 columns.append(np.broadcast_to(damping, stiffness.shape).reshape(batch, -1))
-        if stressed.guiding is not None:
-            columns.append(stressed.guiding)
+        if stressed.guide_stiffness is not None:
+            columns.append(stressed.guide_stiffness)
         return np.concatenate(columns, axis=1)
 
     def _add_bending_work(
@@ -296,7 +300,7 @@ class StressHistory:
             first = own.stop
 
 
-def _few_shapes(values: FloatArray, scale: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _low_rank_factors(values: FloatArray, scale: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Write rows (k, total) as shares (k, r) of as few shapes (r, total) as round-off allows.
 
     Gram-Schmidt orthogonalization that takes the greatest remainder first; ``scale`` (total,)

@@ -114,7 +114,7 @@ class LinearMarch:
     def restart(self) -> None:
         """Forget the run before; there is nothing to forget."""
 
-    def on(
+    def advance(
         self, time: FloatArray, state: VibrationState, force: FloatArray | None = None
     ) -> tuple[VibrationState, StaticExpansion]:
         """March from the first of some times to the others, in parts that stay in the cache.

@@ -154,8 +154,8 @@ def _blocks(
     """
     equations = linkage.equations(np.zeros(1))
     if linkage.stretch is not None:
-        turns = linkage.stretch.pin_turns(equations.motion)
-        pulled = linkage.stretch.remainder(turns, *(part[None] for part in start))
+        turns = linkage.stretch.pin_rotations(equations.motion)
+        pulled = linkage.stretch.nonlinear_forces(turns, *(part[None] for part in start))
         equations = replace(equations, force=equations.force - pulled)
     state = initial_state(equations, *start)
     for first in range(0, steps, BLOCK_STEPS):
@@ -165,7 +165,7 @@ def _blocks(
         if pulses is not None:
             force = np.zeros(len(time)) + sum(pulse.force(time) for pulse in pulses)
         with np.errstate(over="ignore", invalid="ignore"):
-            history, expansion = march.on(time, state, force)
+            history, expansion = march.advance(time, state, force)
         _refuse_divergence(linkage, time, history)
         yield done, time, history, expansion
         state = history[-1]

@@ -9,7 +9,7 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems.lobatto import POSITION, RATE, RATE_BY_POSITION, STAGES
 from flexmech.time_domain.equations_of_motion.equations import Equations
-from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStretch, PinTurns
+from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStretch, PinRotations
 
 
 @dataclass(frozen=True)
@@ -21,19 +21,19 @@ class StageOperators:
     resistance : ndarray, shape (m, 2, n, 2 n)
         Stiffness and, beside it, damping over H, at each stage.
     force : ndarray, shape (m, 2, n)
-    answer : ndarray, shape (m, 2 p, 2 p)
+    compliance : ndarray, shape (m, 2 p, 2 p)
         By how much unit forces on spread coordinates at the stages move these there.
-    yielding : ndarray, shape (m, 2 s, 2 s)
+    relaxation : ndarray, shape (m, 2 s, 2 s)
         By how much tensions at the stages fall as links yield to them.
-    turns : PinTurns
+    turns : PinRotations
         Arrays of shape (m, 2, f, k).
     """
 
     resistance: FloatArray
     force: FloatArray
-    answer: FloatArray
-    yielding: FloatArray
-    turns: PinTurns
+    compliance: FloatArray
+    relaxation: FloatArray
+    turns: PinRotations
 
 
 def stage_operators(equations: Equations, stretch: LinkageStretch, step: float) -> StageOperators:
@@ -60,27 +60,27 @@ def stage_operators(equations: Equations, stretch: LinkageStretch, step: float) 
     effective = _coupled(step * RATE, damping) + _coupled(step**2 * POSITION, stiffness)
     for stage in range(STAGES):
         effective[:, stage, :, stage] += mass[:, stage]
-    flat = stretch.pin_turns(equations.motion)
-    turns = PinTurns(*(t.reshape(count, STAGES, *t.shape[1:]) for t in (flat.turn, flat.rate)))
+    flat = stretch.pin_rotations(equations.motion)
+    turns = PinRotations(*(t.reshape(count, STAGES, *t.shape[1:]) for t in (flat.turn, flat.rate)))
     gathered = np.zeros((count, STAGES, size, STAGES, stretch.size))
     for stage in range(STAGES):
-        gathered[:, stage, :, stage] = np.swapaxes(stretch.spreading(turns.turn[:, stage]), 1, 2)
+        gathered[:, stage, :, stage] = np.swapaxes(stretch.augmentation(turns.turn[:, stage]), 1, 2)
     total = STAGES * stretch.size
     solved = np.linalg.solve(
         effective.reshape(count, STAGES * size, -1), gathered.reshape(count, STAGES * size, -1)
     ).reshape(count, STAGES, -1)
     moved = (step**2 * POSITION @ solved).reshape(count, STAGES, size, total)
-    answer = stretch.spread(turns.turn, moved)
+    compliance = stretch.augmented(turns.turn, moved)
     # Strains by unit tensions, which act and are seen by the linear part of the strain.
-    pulled = (stretch.gradient @ answer).reshape(count, STAGES, strains, STAGES, -1)
+    pulled = (stretch.gradient @ compliance).reshape(count, STAGES, strains, STAGES, -1)
     strain = pulled @ stretch.gradient.T
     by_rate = np.einsum("ik,mksjt->misjt", RATE_BY_POSITION, strain)
-    yielding = strain + (stretch.damping_time / step)[:, None, None] * by_rate
+    relaxation = strain + (stretch.damping_time / step)[:, None, None] * by_rate
     return StageOperators(
         np.concatenate([stiffness, damping / step], axis=-1),
         equations.force.reshape(count, STAGES, size),
-        answer.reshape(count, total, total),
-        yielding.reshape(count, STAGES * strains, -1),
+        compliance.reshape(count, total, total),
+        relaxation.reshape(count, STAGES * strains, -1),
         turns,
     )
 

@@ -24,7 +24,7 @@ from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkag
 from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
 from flexmech.time_domain.equations_of_motion.linkage_stretch import (
     LinkageStretch,
-    PinTurns,
+    PinRotations,
     StretchForces,
 )
 from flexmech.time_domain.integrators.position_table import PositionTable
@@ -97,7 +97,7 @@ class StretchMarch:
         self._passes = 0
         self._last: FloatArray | None = None
 
-    def on(
+    def advance(
         self, time: FloatArray, state: VibrationState, force: FloatArray | None = None
     ) -> tuple[VibrationState, StaticExpansion]:
         """March from the first of some times to the others.
@@ -146,15 +146,15 @@ class StretchMarch:
         for number, one in enumerate(loaded):
             units[:, :, number] = one.force.reshape(count, STAGES, -1)
         turns = (rows.turns.turn, rows.turns.rate)
-        return [rows.resistance, rows.force, rows.answer, rows.yielding, *turns, units]
+        return [rows.resistance, rows.force, rows.compliance, rows.relaxation, *turns, units]
 
     def _rows(self, time: FloatArray, force: FloatArray | None) -> StageOperators:
         """Operators at middles and ends, (2 m,); valid until the next call."""
-        resistance, own, answer, yielding, turn, rate, units = self._table.at(time[1::STAGES])
+        resistance, own, compliance, relaxation, turn, rate, units = self._table.at(time[1::STAGES])
         if units.shape[2]:
             acting = self._linkage.histories(time, force).reshape(len(own), STAGES, 1, -1)
             own = own + (acting @ units)[:, :, 0]
-        return StageOperators(resistance, own, answer, yielding, PinTurns(turn, rate))
+        return StageOperators(resistance, own, compliance, relaxation, PinRotations(turn, rate))
 
     def _block(self, rows: StageOperators, start: FloatArray) -> FloatArray:
         """Positions, rates and their rates, times H, of all stages from those at the start.
@@ -187,7 +187,7 @@ class StretchMarch:
         self, rows: StageOperators, start: FloatArray, passes: int
     ) -> tuple[FloatArray, float]:
         """History of :meth:`_block`, and by how much the last pass changed positions at most."""
-        forces, size, spread = self._forces, start.shape[1], self._stretch.size
+        forces, size, width = self._forces, start.shape[1], self._stretch.size
         turns, rates = rows.turns.turn, 2 * self._step * rows.turns.rate
         steps, ends = len(turns), slice(self._stretch.end_count)
         # z, H z' and H^2 z'' at the start of each double step, and z at both its stages.
@@ -195,7 +195,7 @@ class StretchMarch:
         known[0, :3] = start
         before, after = np.empty((2, steps, STAGES, size))
         # Forces and second-order tensions at all stages, those of the step before first.
-        taken = np.empty((STAGES * (1 + steps), spread + len(self._stretch.gradient)))
+        taken = np.empty((STAGES * (1 + steps), width + len(self._stretch.gradient)))
         taken[:STAGES] = self._at_start(rows, start) if self._last is None else self._last
         place, rate = forces.place, forces.rate
         position, own_rate = place[:, :size], rate[:, :size]
@@ -203,13 +203,21 @@ class StretchMarch:
         ahead, ahead_rate = predicted[::2], predicted[1::2]
         stages = predicted.reshape(STAGES, -1)
         resisted, by_position = np.empty((2, STAGES, size))
-        balance, placed = np.zeros((2, STAGES, spread))
-        load, moved = np.empty((2, STAGES, spread))
+        balance, placed = np.zeros((2, STAGES, width))
+        load, moved = np.empty((2, STAGES, width))
         flat_load, flat_moved = load.reshape(-1), moved.reshape(-1)
         is_damped, march_on = self._stretch.is_damped, MARCH_ON[-1]
         add, subtract, evaluate = np.add, np.subtract, forces.evaluate
-        for number, (resistance, own, answer, yielding, turn, turning) in enumerate(
-            zip(rows.resistance, rows.force, rows.answer, rows.yielding, turns, rates, strict=True)
+        for number, (resistance, own, compliance, relaxation, turn, turning) in enumerate(
+            zip(
+                rows.resistance,
+                rows.force,
+                rows.compliance,
+                rows.relaxation,
+                turns,
+                rates,
+                strict=True,
+            )
         ):
             now = known[number]
             PREDICTION.dot(now[:3], predicted)
@@ -221,13 +229,13 @@ class StretchMarch:
             turn[1].dot(placed[1, ends], placed[1, size:])
             last, guess = taken[STAGES * number :][: 2 * STAGES].reshape(2, STAGES, -1)
             EXTRAPOLATE.dot(last, guess)
-            force, second = guess[:, :spread], guess[:, spread:]
+            force, second = guess[:, :width], guess[:, width:]
             if is_damped:
                 RATE_BY_POSITION.dot(ahead, by_position)
                 subtract(ahead_rate, by_position, ahead_rate)
             for left in range(passes, -1, -1):
                 subtract(balance, force, load)
-                answer.dot(flat_load, flat_moved)
+                compliance.dot(flat_load, flat_moved)
                 add(moved, placed, place)
                 if not left:
                     break
@@ -239,9 +247,9 @@ class StretchMarch:
                     for stage in range(STAGES):
                         turning[stage].dot(place[stage, ends], rate[stage, size:])
                         rate[stage, size:] += turn[stage].dot(rate[stage, ends])
-                force = evaluate(yielding, second)
+                force = evaluate(relaxation, second)
                 second[:] = forces.second
-            guess[:, :spread] = force
+            guess[:, :width] = force
             after[number] = now[3:] = position
             march_on.dot(now, known[number + 1, :3])
         self._last = taken[-STAGES:]
@@ -250,8 +258,8 @@ class StretchMarch:
     def _at_start(self, rows: StageOperators, start: FloatArray) -> FloatArray:
         """Forces and second-order tensions at the start, (p + s,)."""
         forces, turn = self._forces, rows.turns.turn[0, 0]
-        forces.place[:] = self._stretch.spread(turn, start[0][:, None])[:, 0]
-        forces.rate[:] = self._stretch.spread(turn, start[1][:, None])[:, 0]
+        forces.place[:] = self._stretch.augmented(turn, start[0][:, None])[:, 0]
+        forces.rate[:] = self._stretch.augmented(turn, start[1][:, None])[:, 0]
         force = forces.evaluate()[0]
         return np.concatenate([force, forces.second[0]])
 
@@ -282,39 +290,39 @@ def _newton(
     double: float,
 ) -> FloatArray:
     """Newton's method in every double step; shapes as of :meth:`StretchMarch._block`."""
-    steps, size, spread = len(rows.force), start.shape[1], stretch.size
+    steps, size, width = len(rows.force), start.shape[1], stretch.size
     known = np.empty((steps + 1, 3 + STAGES, size))
     known[0, :3] = start
     for number, turn in enumerate(rows.turns.turn):
-        now, spreading = known[number], stretch.spreading(turn)
+        now, augmentation = known[number], stretch.augmentation(turn)
         # Rates of spread coordinates by the positions of both stages, but for their prediction.
-        turned = np.zeros((STAGES, spread, size))
+        turned = np.zeros((STAGES, width, size))
         turned[:, size:, : stretch.end_count] = double * rows.turns.rate[number]
-        rate = np.einsum("ij,iqn->iqjn", RATE_BY_POSITION, spreading)
+        rate = np.einsum("ij,iqn->iqjn", RATE_BY_POSITION, augmentation)
         for stage in range(STAGES):
             rate[stage, :, stage] += turned[stage]
         predicted = (PREDICTION @ now[:3]).reshape(STAGES, 2, size)
         ahead, ahead_rate = predicted[:, 0], predicted[:, 1]
         ahead_rate = ahead_rate - RATE_BY_POSITION @ ahead
         resisted = rows.resistance[number] @ predicted.reshape(STAGES, -1, 1)
-        balance = np.zeros((STAGES, spread))
+        balance = np.zeros((STAGES, width))
         balance[:, :size] = rows.force[number] - resisted[..., 0]
         # By how much forces on the spread coordinates of both stages move z of both.
-        answer = (
-            rows.answer[number].reshape(STAGES, spread, -1)[:, :size].reshape(STAGES * size, -1)
+        compliance = (
+            rows.compliance[number].reshape(STAGES, width, -1)[:, :size].reshape(STAGES * size, -1)
         )
         now[3:] = TAYLOR @ now[:3]
         for _ in range(NEWTON_PASSES):
-            forces.place[:] = (spreading @ now[3:, :, None])[..., 0]
+            forces.place[:] = (augmentation @ now[3:, :, None])[..., 0]
             forces.rate[:] = np.einsum("iqjn,jn->iq", rate, now[3:])
-            forces.rate += (spreading @ ahead_rate[..., None])[..., 0]
+            forces.rate += (augmentation @ ahead_rate[..., None])[..., 0]
             pulled = (balance - forces.evaluate()).reshape(-1)
-            gap = now[3:] - ahead - (answer @ pulled).reshape(STAGES, size)
+            gap = now[3:] - ahead - (compliance @ pulled).reshape(STAGES, size)
             elastic, damped = forces.tangents()
             tangent = np.einsum("iqp,ipjn->iqjn", damped, rate)
             for stage in range(STAGES):
-                tangent[stage, :, stage] += elastic[stage] @ spreading[stage]
-            whole = np.eye(STAGES * size) + answer @ tangent.reshape(STAGES * spread, -1)
+                tangent[stage, :, stage] += elastic[stage] @ augmentation[stage]
+            whole = np.eye(STAGES * size) + compliance @ tangent.reshape(STAGES * width, -1)
             change = np.linalg.solve(whole, gap.reshape(-1)).reshape(STAGES, size)
             now[3:] -= change
             bent = np.abs(now[4] - 2 * now[3] + now[0]).max()

@@ -67,11 +67,11 @@ def forced_linkage(
     root = np.sqrt(moving.scale)
     force[:, size:] = into / root
     reading[:, :size] = out / root
-    remainder = static_remainder(moving, stressed, hit, seen, direction, connected)
+    remainder = residual_flexibility(moving, stressed, hit, seen, direction, connected)
     return ForcedPeriodicSystem(moving.system(), *map(turn.series, (force, reading, remainder)))
 
 
-def static_remainder(
+def residual_flexibility(
     moving: MovingModes,
     stressed: StressedLinks,
     hit: LinkPoint,

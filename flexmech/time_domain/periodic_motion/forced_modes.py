@@ -18,7 +18,7 @@ from scipy.interpolate import CubicSpline
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem, transition_matrices
 from flexmech.linear_system import (
-    CarriedInertia,
+    DisplacedInertia,
     Engine,
     Prestress,
     RotationTerms,
@@ -282,11 +282,11 @@ def _loads(engine: Engine, turn: SampledTurn, stressed: StressedLinks) -> list[F
         if inner is None:
             # Such an engine's links are in balance with the loads, and with what they carry along.
             topology = engine.mechanism.linkage.topology
-            carried = CarriedInertia.of(topology, engine.links, turn.motion)
+            inertia = DisplacedInertia.of(topology, engine.links, turn.motion)
             inner = forces
-            if carried is not None:
-                beside = carried.forces(displacement)
-                inner = [force + more for force, more in zip(forces, beside, strict=True)]
+            if inertia is not None:
+                by_displacement = inertia.forces(displacement)
+                inner = [force + more for force, more in zip(forces, by_displacement, strict=True)]
         forces = [
             (tangent @ q[..., None])[..., 0] + (load - own)
             for tangent, q, load, own in zip(

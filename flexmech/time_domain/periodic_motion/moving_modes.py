@@ -241,8 +241,8 @@ def _of_connectors(turn: SampledTurn, basis: FloatArray) -> _Forces:
         nothing = np.zeros_like(across @ basis)
         return _Forces(nothing, nothing)
     forces = across @ connected.damping
-    answers = across @ ((connected.turning + connected.circulatory) @ basis)
-    return _Forces(forces @ basis, forces @ turn.rate(basis) + answers)
+    rate_forces = across @ ((connected.rate_stiffness + connected.circulatory) @ basis)
+    return _Forces(forces @ basis, forces @ turn.rate(basis) + rate_forces)
 
 
 def _projected(

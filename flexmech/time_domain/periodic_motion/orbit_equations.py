@@ -195,7 +195,7 @@ class OrbitEquations:
         for number, (link, moved) in enumerate(zip(self.engine.links, moving, strict=True)):
             for body in link.bodies:
                 q, rate, faster = (each @ body.rows.T for each in moved)
-                beyond = body.beyond_linear(self.motion, number, gravity, q, rate, faster)
+                beyond = body.nonlinear_inertia(self.motion, number, gravity, q, rate, faster)
                 forces[number] += beyond @ body.rows
         own = self._inertia
         residual = (

@@ -18,12 +18,12 @@ from flexmech.linear_system import (
     Prestress,
     RotationTerms,
     StressedLinks,
+    all_constant,
     body_turns,
+    has_constant_tangents,
     inverse_mass_root,
     is_constant_turn,
-    same_answers,
     turns_or_slides,
-    unchanged,
 )
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.equations_of_motion.reduced_links import ReducedLinks, prestressed_links
@@ -144,12 +144,12 @@ class SampledTurn:
         damping = stressed.damping or [link.damping for link in engine.links]
         displaced = engine.frames.displaced(motion, stressed.displacement)
         connected = engine.connected_matrices(frames, displaced, prestress, stressed.displacement)
-        if stressed.guiding is not None and stressed.guiding.any():
-            guided = frames.guided(displaced, stressed.guiding)
+        if stressed.guide_stiffness is not None and stressed.guide_stiffness.any():
+            guide_matrix = frames.guide_matrix(displaced, stressed.guide_stiffness)
             connected = (
-                ConnectedMatrices.of_stiffness(guided)
+                ConnectedMatrices.of_stiffness(guide_matrix)
                 if connected is None
-                else connected.plus_stiffness(guided)
+                else connected.plus_stiffness(guide_matrix)
             )
         return cls(
             motion=motion,
@@ -182,9 +182,9 @@ class SampledTurn:
         """
         if self.turns_pins:
             return False
-        if not unchanged(m for m in (*self.tangent, *self.damping) if m.ndim == 3):
+        if not all_constant(m for m in (*self.tangent, *self.damping) if m.ndim == 3):
             return False
-        return self.connected is None or same_answers(self.connected, self.motion)
+        return self.connected is None or has_constant_tangents(self.connected, self.motion)
 
     @property
     def period(self) -> float:

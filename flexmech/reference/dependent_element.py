@@ -20,12 +20,12 @@ class Ties:
     ----------
     turns : list of list of ndarray, shape (r, c, B)
         Of each link: derivative of the rows of each tie by what they follow.
-    posed : DisplacedTies, optional
+    displaced : DisplacedTies, optional
         Where rigid links and lines are, if there are any.
     """
 
     turns: list[list[FloatArray]]
-    posed: DisplacedTies | None
+    displaced: DisplacedTies | None
 
     def at(self, which: NDArray[np.bool_] | IntArray) -> Ties:
         """Those of some positions, of ties that do not move."""
@@ -33,7 +33,7 @@ class Ties:
 
 
 @dataclass(frozen=True)
-class TurningElement:
+class DependentElement:
     """An element some of whose coordinates follow.
 
     Parameters
@@ -45,7 +45,7 @@ class TurningElement:
         Coordinates of z that move the element; -1 where it is held.
     places : list of ndarray of int
         Where the columns of each tie are among these.
-    resting : tuple of ndarray of int, shape (k,)
+    independent : tuple of ndarray of int, shape (k,)
         The element's other free coordinates, and where they are among the columns.
     in_place : bool
         Whether each row that follows has a column in its own place.
@@ -58,7 +58,7 @@ class TurningElement:
     ties: list[tuple[int, IntArray]]
     columns: IntArray
     places: list[IntArray]
-    resting: tuple[IntArray, IntArray]
+    independent: tuple[IntArray, IntArray]
     in_place: bool
     first: int
 
@@ -69,9 +69,9 @@ class TurningElement:
         element: int,
         ties: list[tuple[int, IntArray]],
         target: IntArray,
-        following: Sequence[IntArray],
+        leading: Sequence[IntArray],
         first: int,
-    ) -> TurningElement:
+    ) -> DependentElement:
         """Tell which coordinates of z move an element.
 
         Parameters
@@ -80,16 +80,16 @@ class TurningElement:
         ties : list of tuple of int and ndarray of int, shape (r,)
         target : ndarray of int, shape (2 p,)
             Coordinate of z of each of the element; -1 where held.
-        following : sequence of ndarray of int, shape (c,)
+        leading : sequence of ndarray of int, shape (c,)
             Coordinates of z that each tie follows.
 
         Returns
         -------
-        TurningElement
+        DependentElement
         """
         in_place = all(
             len(rows) == len(columns) and (target[rows] == columns).all()
-            for (_, rows), columns in zip(ties, following, strict=True)
+            for (_, rows), columns in zip(ties, leading, strict=True)
         )
         if in_place:
             nothing = np.zeros(0, dtype=np.intp)
@@ -98,10 +98,10 @@ class TurningElement:
         free = target >= 0
         for _, rows in ties:
             free[rows] = False
-        resting = np.flatnonzero(free)
-        columns = np.unique(np.concatenate([target[resting], *following]))
-        found = [np.searchsorted(columns, each) for each in (target[resting], *following)]
-        return cls(link, element, ties, columns, found[1:], (resting, found[0]), False, first)
+        independent = np.flatnonzero(free)
+        columns = np.unique(np.concatenate([target[independent], *leading]))
+        found = [np.searchsorted(columns, each) for each in (target[independent], *leading)]
+        return cls(link, element, ties, columns, found[1:], (independent, found[0]), False, first)
 
     def turned(self, matrix: FloatArray, turns: Sequence[FloatArray]) -> FloatArray:
         """Matrix by the columns from that by the element's nodes.
@@ -122,9 +122,9 @@ class TurningElement:
                 matrix[:, rows] = (matrix[:, rows, None] * turn).sum(axis=1)
                 matrix[rows] = (turn[:, :, None] * matrix[rows][:, None]).sum(axis=0)
             return matrix
-        led = np.zeros((matrix.shape[2], len(matrix), len(self.columns)))
-        led[:, self.resting[0], self.resting[1]] = 1.0
+        dependence = np.zeros((matrix.shape[2], len(matrix), len(self.columns)))
+        dependence[:, self.independent[0], self.independent[1]] = 1.0
         for (_, rows), places, turn in zip(self.ties, self.places, turns, strict=True):
-            led[:, rows[:, None], places] = np.moveaxis(turn, -1, 0)
-        product = np.swapaxes(led, 1, 2) @ np.moveaxis(matrix, -1, 0) @ led
+            dependence[:, rows[:, None], places] = np.moveaxis(turn, -1, 0)
+        product = np.swapaxes(dependence, 1, 2) @ np.moveaxis(matrix, -1, 0) @ dependence
         return np.moveaxis(product, 0, -1)

@@ -1,12 +1,12 @@
-"""Inertia forces of links that turn as one body, at the places to which they are displaced.
+"""Inertia forces at the displaced places of links that rotate as one body.
 
-All links of such a body stand still in their frames once it turns steadily. Their matter is then at
+All links of such a body are at rest in their frames at constant speed, with their matter at
 ``x + u`` and not at ``x``. Its inertia force in the frame is, by mass, ``omega^2 (x + u)``, and
 ``-alpha J (x + u)`` while the crank's speed changes. The part by u is
-``(omega^2 M_t - alpha S) q``: the terms that the linear equations about the steady state have. Of a
-linkage whose links turn against each other no such state exists: there displacements change as fast
-as the links turn, and the velocities and accelerations by this would give forces as great. Bodies
-and rigid links, which may turn far, are where they are then.
+``(omega^2 M_t - alpha S) q``: the terms of the linear equations about the steady state. A linkage
+whose links rotate against each other has no such state: there displacements change as fast as the
+links rotate, and the forces by their velocities and accelerations are as great. Bodies and rigid
+links rotate by finite angles.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _OnBodies = list[list[tuple[FloatArray, FloatArray]]]
 
 
 def turns_as_one_body(topology: Topology) -> bool:
-    """Whether all links turn with the shaft and nothing else holds them.
+    """Whether all links rotate with the shaft and are joined to nothing else.
 
     Parameters
     ----------
@@ -38,10 +38,10 @@ def turns_as_one_body(topology: Topology) -> bool:
 
 
 @dataclass(frozen=True)
-class CarriedInertia:
-    """Inertia forces by displacements that stand still in the links' frames.
+class DisplacedInertia:
+    """Inertia forces by displacements that are constant in the rotating link frames.
 
-    Bodies and rigid links turn by finite angles.
+    Bodies and rigid links rotate by finite angles.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class CarriedInertia:
         Parameters
         ----------
         topology : Topology
-            With the shaft held.
+            With a prescribed shaft.
         links : sequence of LinkModel
             Unreduced.
         motion : RigidMotion
@@ -69,8 +69,8 @@ class CarriedInertia:
 
         Returns
         -------
-        CarriedInertia or None
-            None of linkages whose loads are those of the undisplaced links, and of links at rest.
+        DisplacedInertia or None
+            None where links rotate against each other, and at rest.
         """
         speed, change = motion.angular_velocity.T, motion.angular_acceleration.T
         if not turns_as_one_body(topology) or not (speed.any() or change.any()):
@@ -79,7 +79,7 @@ class CarriedInertia:
 
     @cached_property
     def linear(self) -> list[FloatArray]:
-        """Forces (B, n_link, n_link) by small displacements of straight links."""
+        """Derivatives (B, n_link, n_link) of the forces by small displacements."""
         rates = zip(
             self.links, self.speed[..., None, None], self.change[..., None, None], strict=True
         )
@@ -91,7 +91,7 @@ class CarriedInertia:
     def of_body(
         self, number: int, body: RigidBody, displacement: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Force on a body of a link and its derivative; see :meth:`RigidBody.carried`.
+        """Force on a body of a link and its derivative; see :meth:`RigidBody.displaced_inertia`.
 
         Parameters
         ----------
@@ -107,21 +107,21 @@ class CarriedInertia:
         ndarray, shape (B, 3, 3)
         """
         moved = displacement @ body.rows.T
-        return body.carried(self.speed[number], self.change[number], moved)
+        return body.displaced_inertia(self.speed[number], self.change[number], moved)
 
     def forces(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
         """Forces (B, n_link) by displacements (B, n_link)."""
-        return self._answers(displacement, self._on_bodies(displacement))[0]
+        return self._forces_and_matrices(displacement, self._on_bodies(displacement))[0]
 
     def matrices(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
         """Derivatives (B, n_link, n_link) of these forces."""
-        return self._answers(displacement, self._on_bodies(displacement))[1]
+        return self._forces_and_matrices(displacement, self._on_bodies(displacement))[1]
 
     def moments(self, displacement: Sequence[FloatArray]) -> list[list[FloatArray]]:
-        """The couples on bodies and rigid links as those of forces that keep their direction.
+        """Couples on bodies and rigid links as virial and moment of dead loads.
 
-        A couple that is the same however far its point has turned has on the straight link the
-        moment ``couple cos(phi)`` and the virial ``-couple sin(phi)``.
+        A couple that does not depend on the rotation phi of its point has the moment
+        ``couple cos(phi)`` and the virial ``-couple sin(phi)`` on the straight link.
 
         Parameters
         ----------
@@ -134,17 +134,17 @@ class CarriedInertia:
         """
         return self._moments(displacement, self._on_bodies(displacement))
 
-    def on_drawn(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
-        """The forces with the couples of bodies by their :meth:`moments`."""
-        answers = self._on_bodies(displacement)
+    def on_undeformed(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
+        """Forces (B, n_link) with the couples of bodies referred to the undeformed links."""
+        on_bodies = self._on_bodies(displacement)
         forces, moments = (
-            self._answers(displacement, answers)[0],
-            self._moments(displacement, answers),
+            self._forces_and_matrices(displacement, on_bodies)[0],
+            self._moments(displacement, on_bodies),
         )
         for number, link in enumerate(self.links):
-            of_bodies = zip(link.bodies, answers[number], moments[number], strict=True)
-            for body, (pushed, _), (_, moment) in of_bodies:
-                forces[number] += np.outer(moment - pushed[:, 2], body.rows[2])
+            of_bodies = zip(link.bodies, on_bodies[number], moments[number], strict=True)
+            for body, (force_on_body, _), (_, moment) in of_bodies:
+                forces[number] += np.outer(moment - force_on_body[:, 2], body.rows[2])
         return forces
 
     def _on_bodies(self, displacement: Sequence[FloatArray]) -> _OnBodies:
@@ -155,30 +155,31 @@ class CarriedInertia:
         ]
 
     def _moments(
-        self, displacement: Sequence[FloatArray], answers: _OnBodies
+        self, displacement: Sequence[FloatArray], on_bodies: _OnBodies
     ) -> list[list[FloatArray]]:
         """See :meth:`moments`."""
         return [
             [
-                pushed[:, 2] * np.stack([-np.sin(q @ body.rows[2]), np.cos(q @ body.rows[2])])
-                for body, (pushed, _) in zip(link.bodies, own, strict=True)
+                force_on_body[:, 2]
+                * np.stack([-np.sin(q @ body.rows[2]), np.cos(q @ body.rows[2])])
+                for body, (force_on_body, _) in zip(link.bodies, own, strict=True)
             ]
-            for link, q, own in zip(self.links, displacement, answers, strict=True)
+            for link, q, own in zip(self.links, displacement, on_bodies, strict=True)
         ]
 
-    def _answers(
-        self, displacement: Sequence[FloatArray], answers: _OnBodies
+    def _forces_and_matrices(
+        self, displacement: Sequence[FloatArray], on_bodies: _OnBodies
     ) -> tuple[list[FloatArray], list[FloatArray]]:
         """Forces and their derivatives."""
         forces, matrices = [], []
         for number, (link, q) in enumerate(zip(self.links, displacement, strict=True)):
             force, matrix = (self.linear[number] @ q[..., None])[..., 0], self.linear[number]
             speed, change = self.speed[number, :, None, None], self.change[number, :, None, None]
-            for body, (pushed, by_place) in zip(link.bodies, answers[number], strict=True):
+            for body, (force_on_body, by_place) in zip(link.bodies, on_bodies[number], strict=True):
                 _, gyroscopic, centrifugal = body.matrices(np.zeros(()), on_axis=True)
                 linear = speed**2 * centrifugal - change * gyroscopic
-                beyond = pushed - (linear @ (body.rows @ q.T).T[..., None])[..., 0]
-                force = force + beyond @ body.rows
+                nonlinear = force_on_body - (linear @ (body.rows @ q.T).T[..., None])[..., 0]
+                force = force + nonlinear @ body.rows
                 matrix = matrix + body.rows.T @ (by_place - linear) @ body.rows
             forces.append(force)
             matrices.append(matrix)
