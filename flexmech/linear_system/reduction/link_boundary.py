@@ -100,7 +100,7 @@ def link_boundary(ends: JoinedEnds, link: LinkModel) -> LinkBoundary:
         columns += [rows[n : n + 1] for n in range(2 if keeps else 0)]
     for end in ENDS:
         rows = link.end_rotation_of(end)
-        keeps = len(rows) and LinkEnd(link.name, end) in ends.welded and not fixed[rows].any()
+        keeps = bool(len(rows)) and LinkEnd(link.name, end) in ends.welded and not fixed[rows].any()
         # Both ends of a bar have one rotation.
         before = [n for n, own in enumerate(columns) if np.array_equal(own, rows)]
         numbers = (before or [len(columns)]) if keeps else []
