@@ -232,7 +232,8 @@ def test_a_rigid_link_that_is_welded_at_both_ends_turns_once(tmp_path, models):
     first, second = drawn.index("[links.short]"), drawn.index("[joints.O2]")
     short, point = drawn[first:second], 'B = ["2000 mm", "400 mm"]'
     beyond = short.replace("links.short", "links.beyond").replace('["A", "B"]', '["B", "C"]')
-    rigid = (
+    rigid = '[links.short]\npoints = ["A", "B"]\nrigid = true\nmass = "0.2 kg"\n'
+    rigid += 'centre = "0.2 m"\n\n'
         '[links.short]\npoints = ["A", "B"]\nrigid = true\nmass = "0.2 kg"\ncentre = "0.2 m"\n\n'
     )
     drawn = drawn.replace(short, rigid + beyond)
