@@ -115,16 +115,16 @@ def _left_out(engine: Engine, comparison: TheoryComparison) -> str:
     if found.value <= NEGLIGIBLE:
         return ""
     left_out = [LEFT_OUT[engine.theory]] if engine.theory in LEFT_OUT else []
-    held, rest = f"{_percent(found)} from zigzag beams", "what those leave out"
+    compared, rest = f"{_percent(found)} from zigzag beams", "what those leave out"
     if finest == ELASTICITY:
         left_out.append("how soft layers are compressed")
-        held, rest = f"{_percent(found)} from two-dimensional elasticity", "other crank angles"
+        compared, rest = f"{_percent(found)} from two-dimensional elasticity", "other crank angles"
         if found.noticed_from < found.mode:
-            held += f", more than {100 * NEGLIGIBLE:g} % from mode {found.noticed_from} on"
+            compared += f", more than {100 * NEGLIGIBLE:g} % from mode {found.noticed_from} on"
     bound = 100 * (found.value + NEGLIGIBLE)
     return (
         f"element {engine.element} ({engine.name}) leaves out {' and '.join(left_out)}: its "
-        f"frequencies may be off by {bound:.3g} % (at rest {held}, "
+        f"frequencies may be off by {bound:.3g} % (at rest {compared}, "
         f"and {100 * NEGLIGIBLE:g} % for {rest})"
     )
 
@@ -135,9 +135,12 @@ def _off_axis(engine: Engine) -> list[str]:
     warnings, joined = [], mechanism.linkage.topology.joined_ends
     for name, section in mechanism.sections.items():
         length = mechanism.link_mass(name).length
-        if engine.restrains_ends and (held := restrained_beam(mechanism, name)[1]) is not None:
-            warnings.append(_held(name, engine, section, held))
-            rest = "" if held.solid else _short(name, section, length)
+        if (
+            engine.restrains_ends
+            and (restrained := restrained_beam(mechanism, name)[1]) is not None
+        ):
+            warnings.append(_restrained_line(name, engine, section, restrained))
+            rest = "" if restrained.solid else _short(name, section, length)
             warnings += [f"{rest} ({engine.name})"] if rest else []
             continue
         own = [_twist(name, section)]
@@ -147,14 +150,16 @@ def _off_axis(engine: Engine) -> list[str]:
     return warnings
 
 
-def _held(link: str, engine: Engine, section: BeamSection, held: RestrainedEnds) -> str:
+def _restrained_line(
+    link: str, engine: Engine, section: BeamSection, restrained: RestrainedEnds
+) -> str:
     """What a link that bends and twists as in three dimensions is taken to be held by."""
     assert section.layers is not None
     free = replace(section.layers, twist="free")
-    gain = float(np.sqrt(1 + held.of_half_sine / free.bending_stiffness)) - 1
+    gain = float(np.sqrt(1 + restrained.of_half_sine / free.bending_stiffness)) - 1
     if gain <= NEGLIGIBLE:
         return ""
-    by = "in three dimensions" if held.solid else "as a beam whose ends hold its twist"
+    by = "in three dimensions" if restrained.solid else "as a beam whose ends hold its twist"
     return (
         f"{link}: its off-axis plies bend and twist {by} between end faces that its joints hold "
         f"flat over the whole width; with these free to twist and warp, its first bending "
@@ -247,8 +252,8 @@ def _short(link: str, section: BeamSection, length: float) -> str:
 
 def _gain_by_twist(layers: LaminateSection) -> float:
     """By which part holding the twist raises the first bending frequency."""
-    free, held = (replace(layers, twist=twist).bending_stiffness for twist in TWISTS)
-    return float(np.sqrt(held / free)) - 1
+    free, restrained = (replace(layers, twist=twist).bending_stiffness for twist in TWISTS)
+    return float(np.sqrt(restrained / free)) - 1
 
 
 def _twist(link: str, section: BeamSection) -> str:
@@ -256,11 +261,13 @@ def _twist(link: str, section: BeamSection) -> str:
     layers = section.layers
     if layers is None or not layers.twists:
         return ""
-    free, held = (replace(layers, twist=twist).bending_stiffness for twist in TWISTS)
+    free, restrained = (replace(layers, twist=twist).bending_stiffness for twist in TWISTS)
     gain = _gain_by_twist(layers)
     if gain <= NEGLIGIBLE:
         return ""
-    between = f"{free:.4g} N m^2 with its twist free and {held:.4g} with it held by both joints"
+    between = (
+        f"{free:.4g} N m^2 with its twist free and {restrained:.4g} with it held by both joints"
+    )
     if layers.twist == "held":
         return (
             f"{link}: off-axis plies twist as they bend; of EI between {between}, the latter is "

@@ -38,9 +38,6 @@ from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_number
 
 # Complex numbers in memory at a time: 32 MB, a few times of which the solution takes.
 AT_ONCE = 2_000_000
-# Of the frequencies, by which a mode without stiffness is scaled: the root of double precision, as
-# the rounding of the others leaves of its square.
-SOFTEST = 1e-8
 # Where numerator and denominator of the spectrum vanish together, f T = 1/2: so near to it their
 # ratio is the limit to six digits, and rounding leaves no more of it.
 NEAR_HALF = 1e-6
@@ -211,7 +208,7 @@ def state_modes(mass: FloatArray, damping: FloatArray, stiffness: FloatArray) ->
     size = len(mass)
     symmetric = (stiffness + stiffness.T) / 2
     squares, basis = scipy.linalg.eigh(symmetric, mass)
-    natural = np.sqrt(np.maximum(np.abs(squares), (SOFTEST**2) * np.abs(squares).max()))
+    natural = np.sqrt(np.abs(squares))
     state = np.zeros((2 * size, 2 * size))
     state[:size, size:] = np.diag(natural)
     state[size:, :size] = -(basis.T @ stiffness @ basis) / natural

@@ -15,9 +15,9 @@ from flexmech.linear_system.assembly.batches import check_elastic, checked_mecha
 from flexmech.linear_system.assembly.constant_turn import (
     all_constant,
     has_constant_tangents,
+    has_relative_motion,
     is_constant_turn,
     stressed_along_turn,
-    turns_or_slides,
 )
 from flexmech.linear_system.assembly.element_kinds import (
     ELASTICITY,
@@ -149,6 +149,7 @@ __all__ = [
     "forces_of_links",
     "has_constant_tangents",
     "has_dampers",
+    "has_relative_motion",
     "in_positions",
     "inertia_loads",
     "inverse_mass_root",
@@ -164,7 +165,6 @@ __all__ = [
     "summed",
     "swelling_force",
     "ties_beyond_pins",
-    "turns_or_slides",
     "whole",
     "with_rigid_links",
     "with_straight_inertia",

@@ -90,11 +90,11 @@ class LinkForces:
         """
         motion, place = self.motion, np.asarray(x, dtype=float)
         angle, pull = motion.angle[..., link], self._pull(link)
-        _, first, beside, second = _mass_before(self.masses[link], place)
+        _, first, moment_across, second = _mass_before(self.masses[link], place)
         # About the link's start; the force across the cut is what moves it to the cut.
         moment = (
             np.multiply.outer(np.sum(pull * normal(angle), axis=-1), first)
-            - np.multiply.outer(np.sum(pull * direction(angle), axis=-1), beside)
+            - np.multiply.outer(np.sum(pull * direction(angle), axis=-1), moment_across)
             + np.multiply.outer(motion.angular_acceleration[..., link], second)
             - _spread(self.start_moment[..., link], place)
         )
@@ -108,7 +108,7 @@ class LinkForces:
         """Force along an axis of the link that the part beyond a cut exerts on that before it."""
         motion = self.motion
         axis = axis_at(motion.angle[..., link])
-        mass, first, beside, _ = _mass_before(self.masses[link], place)
+        mass, first, moment_across, _ = _mass_before(self.masses[link], place)
         centripetal = -(motion.angular_velocity[..., link] ** 2)
         tangential = motion.angular_acceleration[..., link]
         # A point (x, y) of the link accelerates by centripetal x - tangential y along the link,
@@ -117,7 +117,7 @@ class LinkForces:
         force = (
             np.multiply.outer(np.sum(self._pull(link) * axis, axis=-1), mass)
             + np.multiply.outer(by_x, first)
-            + np.multiply.outer(by_y, beside)
+            + np.multiply.outer(by_y, moment_across)
             - _spread(np.sum(self.start_force[..., link, :] * axis, axis=-1), place)
         )
         for one, passed in self._forces_before(link, place):

@@ -96,7 +96,7 @@ class Linkage(Protocol):
 
 
 # In degrees; the first at which the linkage can be assembled shows it best. Then every degree.
-SHOWN = (60.0, 0.0, 30.0, 90.0, 120.0, 180.0, 240.0, 300.0, *range(1, 360))
+PICTURE_ANGLES = (60.0, 0.0, 30.0, 90.0, 120.0, 180.0, 240.0, 300.0, *range(1, 360))
 
 
 def linkage_positions(linkage: Linkage, crank_angle: float) -> xr.Dataset:
@@ -164,7 +164,7 @@ def picture_crank_angle(linkage: Linkage) -> float:
     InputError
         If the linkage can be assembled at no crank angle of whole degrees.
     """
-    for degrees in SHOWN:
+    for degrees in PICTURE_ANGLES:
         if _is_assemblable(linkage, np.radians(degrees)):
             return float(np.radians(degrees))
     raise InputError("the linkage can stand at no crank angle of whole degrees; check its lengths")

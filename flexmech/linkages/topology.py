@@ -239,7 +239,7 @@ class Topology:
         return link, 0.0 if end.end == "start" else self.links[link].length
 
     @property
-    def has_turning_lines(self) -> bool:
+    def has_moving_guides(self) -> bool:
         """Whether links guide others: the lines on which these slide turn."""
         return any(slider.guide for slider in self.sliders)
 

@@ -214,11 +214,9 @@ def _add_rigid(items: SystemItems, mechanism: Mechanism, name: str, start: int) 
     return RigidPart(name, mechanism.link_mass(name).length, [node], body, inertia, own)
 
 
-def _polar_slopes(
-    kind: BeamKind, positions: FloatArray, gripped: list[float]
-) -> PolarSlopes | None:
+def _polar_slopes(kind: BeamKind, positions: FloatArray, places: list[float]) -> PolarSlopes | None:
     """Nodes of a link of cables at which something holds or asks for the angle."""
-    if kind.turns_arms or not gripped:
+    if kind.turns_arms or not places:
         return None
-    nodes = np.unique(np.abs(positions - np.array(gripped)[:, None]).argmin(axis=1))
+    nodes = np.unique(np.abs(positions - np.array(places)[:, None]).argmin(axis=1))
     return PolarSlopes(kind.per_node * nodes + 2)

@@ -156,7 +156,7 @@ class LinkArms:
         Where each link's coordinates are.
     size : int, optional
         Number of coordinates of all links; where bodies follow them.
-    followers : sequence of int
+    body_coordinates : sequence of int
         Coordinates of links that those of attached bodies are, in order: they come after those
         of all links among Exudyn's.
     """
@@ -166,11 +166,11 @@ class LinkArms:
         maps: Sequence[_NodeMap | None],
         coordinates: Sequence[slice],
         size: int | None = None,
-        followers: Sequence[int] = (),
+        body_coordinates: Sequence[int] = (),
     ) -> None:
         self._links = [(m, own) for m, own in zip(maps, coordinates, strict=True) if m is not None]
         self._size = size
-        self._followers = list(followers)
+        self._body_coordinates = list(body_coordinates)
 
     def to_nodes(self, axis: FloatArray) -> FloatArray:
         """Exudyn's coordinates, less the reference ones, of points on the pins' axis.
@@ -238,6 +238,6 @@ class LinkArms:
         nodes = values.copy() if self._links else values
         for arms, own in self._links:
             nodes[..., own] = mapped(arms, own)
-        if not self._followers:
+        if not self._body_coordinates:
             return nodes
-        return np.concatenate([nodes, values[..., self._followers]], axis=-1)
+        return np.concatenate([nodes, values[..., self._body_coordinates]], axis=-1)

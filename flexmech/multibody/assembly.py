@@ -77,18 +77,18 @@ class LinkAssembly:
                 self.items, link, part, self._bodies(part), bodies_have_mass
             )
         ]
-        followers = [
+        body_coordinates = [
             coordinate
             for body in self.attached
             for coordinate in (body.place, body.place + 1, body.angle)
             if body.own_node is not None
         ]
-        self.system_size = self.size + len(followers)
+        self.system_size = self.size + len(body_coordinates)
         self.arms = LinkArms(
             [part.node_map for _, part in self.beams],
             [part.coordinates for _, part in self.beams],
             self.size,
-            followers,
+            body_coordinates,
         )
 
     @property

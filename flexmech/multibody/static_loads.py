@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ROUND_OFF, FloatArray
 from flexmech.linkages import RigidMotion, continuous_angles
 from flexmech.linkages.applied_forces import SpringLine, joint_gap
 from flexmech.linkages.motion import direction, normal
@@ -84,11 +84,11 @@ class StaticLoads:
             _set_load(mbs, load, at_nodes[first : first + 2])
             at_nodes[first : first + 2] = 0.0
         for turned, couple in zip(self.turning, couples, strict=True):
-            part, carried = self._assembly.parts[turned.link], np.zeros(2)
+            part, start_force = self._assembly.parts[turned.link], np.zeros(2)
             if isinstance(part, RigidPart):
-                carried = forces[part.coordinates][:2]
+                start_force = forces[part.coordinates][:2]
                 at_nodes[part.coordinates] = 0.0
-            _set_load(mbs, turned.at_start, carried - couple)
+            _set_load(mbs, turned.at_start, start_force - couple)
             _set_load(mbs, turned.at_end, couple)
         if self._nodal is not None:
             mbs.SetObjectParameter(self._nodal, "forceVector", at_nodes[self._elastic])
@@ -159,11 +159,6 @@ def _set_load(mbs: Any, load: ItemNumber, force: FloatArray) -> None:
     mbs.SetLoadParameter(load, "loadVector", [float(force[0]), float(force[1]), 0.0])
 
 
-# Change of a damper's force, relative to it, at which it has converged: the round-off of a length
-# between points of displaced links.
-CONVERGED = 1e-12
-
-
 class StaticConnectors:
     """Connectors whose forces are those of one position after the other.
 
@@ -225,7 +220,7 @@ class StaticConnectors:
                 before = mbs.GetObjectParameter(item.number, "force")
                 force = item.spring.damping * float(along @ self._approach[item.spring.name])
                 mbs.SetObjectParameter(item.number, "force", force)
-                changed = changed or abs(force - before) > CONVERGED * (abs(force) + abs(before))
+                changed = changed or abs(force - before) > ROUND_OFF * (abs(force) + abs(before))
         return changed
 
     def _along(self, item: SpringItem) -> FloatArray:

@@ -88,10 +88,10 @@ class ReferenceEngine(Engine):
     def _chain(self, number: int, name: str) -> Chain:
         """One flexible link."""
         mass, at = self._masses[number], self.mechanism.acting_at(name)
-        section, held = restrained_beam(self.mechanism, name)
+        section, restraint = restrained_beam(self.mechanism, name)
         shapes = BEAM_SHAPES[self.element]
         chain = build_chain(name, section, mass, self.elements, shapes, at)
-        return chain if held is None else held.restrain(chain, mass.mass_per_length)
+        return chain if restraint is None else restraint.restrain(chain, mass.mass_per_length)
 
     @cached_property
     def _lumped(self) -> tuple[int, ...] | None:

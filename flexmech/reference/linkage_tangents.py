@@ -87,7 +87,7 @@ class LinkageTangents:
         }
         # Independent coordinates of rigid links and sliders are the first ones.
         self._rigid_count = len(frames.rigid.independent_coordinates)
-        self._turning = self._turning_elements()
+        self._dependent = self._dependent_elements()
         entries = self._entries()
         self.order, self._width = _narrow_band(frames.size, entries)
         self._scatter = _band_scatter(entries, self.order, self._width, self._count)
@@ -192,15 +192,15 @@ class LinkageTangents:
         -------
         ndarray, shape (size, width + 1, B)
         """
-        for turning in self._turning:
-            own = entries.of_link(turning.link)[turning.element : turning.element + 1]
-            matrix = self._links[turning.link].of_nodes(own)[0]
-            turns = [ties.turns[turning.link][number] for number, _ in turning.ties]
-            entries.block(turning.first, len(turning.columns))[:] = turning.turned(matrix, turns)
+        for tied in self._dependent:
+            own = entries.of_link(tied.link)[tied.element : tied.element + 1]
+            matrix = self._links[tied.link].of_nodes(own)[0]
+            turns = [ties.turns[tied.link][number] for number, _ in tied.ties]
+            entries.block(tied.first, len(tied.columns))[:] = tied.turned(matrix, turns)
         if self._rigid_count:
-            block = entries.block(self._inner_count + self._turning_count, self._rigid_count)
+            block = entries.block(self._inner_count + self._dependent_count, self._rigid_count)
             block[:] = 0.0 if rigid is None else np.moveaxis(rigid, 0, -1)
-        first = self._inner_count + self._turning_count + self._rigid_count**2
+        first = self._inner_count + self._dependent_count + self._rigid_count**2
         for columns, stiffness in zip(self._springs, springs, strict=True):
             entries.block(first, len(columns))[:] = stiffness
             first += len(columns) ** 2
@@ -212,17 +212,17 @@ class LinkageTangents:
         return sum(int(np.prod(shape)) for shape in self._shapes.values())
 
     @property
-    def _turning_count(self) -> int:
-        return sum(len(element.columns) ** 2 for element in self._turning)
+    def _dependent_count(self) -> int:
+        return sum(len(element.columns) ** 2 for element in self._dependent)
 
     @property
     def _count(self) -> int:
         springs = sum(len(columns) ** 2 for columns in self._springs)
-        return self._inner_count + self._turning_count + self._rigid_count**2 + springs
+        return self._inner_count + self._dependent_count + self._rigid_count**2 + springs
 
-    def _turning_elements(self) -> list[DependentElement]:
+    def _dependent_elements(self) -> list[DependentElement]:
         """Elements of which a row follows, in the order of their entries."""
-        turning, first, size = [], self._inner_count, 2 * self._per_node
+        tied, first, size = [], self._inner_count, 2 * self._per_node
         for link, elements in self._links.items():
             of_element: dict[int, list[tuple[int, IntArray]]] = {}
             count = len(elements.elements.length)
@@ -234,28 +234,28 @@ class LinkageTangents:
             for element, ties in sorted(of_element.items()):
                 target = self._frames.targets[link][self._per_node * element + np.arange(size)]
                 dependent = [self._frames.dependencies(link)[number][1] for number, _ in ties]
-                turning.append(DependentElement.of(link, element, ties, target, dependent, first))
-                first += len(turning[-1].columns) ** 2
-        return turning
+                tied.append(DependentElement.of(link, element, ties, target, dependent, first))
+                first += len(tied[-1].columns) ** 2
+        return tied
 
     def _entries(self) -> _Entries:
         size = 2 * self._per_node
         parts, first = [], 0
-        turning = {(each.link, each.element): each for each in self._turning}
+        tied = {(each.link, each.element): each for each in self._dependent}
         for link, elements in self._links.items():
             count, relative, _ = self._shapes[link]
             places, signs = elements.relative_places, elements.node_signs
-            number = np.array([n for n in range(count) if (link, n) not in turning], dtype=np.intp)
+            number = np.array([n for n in range(count) if (link, n) not in tied], dtype=np.intp)
             own = self._frames.targets[link][self._per_node * number[:, None] + np.arange(size)]
             within = (places[:, None] * relative + places).ravel()
             source = first + relative**2 * number[:, None] + within
             parts.append(_entries_of(own, source, np.outer(signs, signs).ravel()))
             first += count * relative**2
-        for each in self._turning:
+        for each in self._dependent:
             inside = np.arange(len(each.columns) ** 2)
             parts.append(_entries_of(each.columns, each.first + inside, np.ones(len(inside))))
         rigid = self._rigid_count
-        first = self._inner_count + self._turning_count
+        first = self._inner_count + self._dependent_count
         for columns in (np.arange(rigid), *self._springs):
             size = len(columns) ** 2
             parts.append(_entries_of(columns, first + np.arange(size), np.ones(size)))

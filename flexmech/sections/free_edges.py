@@ -66,11 +66,6 @@ ALIKE = 0.2
 # Part of the joined plies' stiffness that free ones lack, below which both are the same. Of equal
 # plies rounding leaves 2e-14, and what lacks a millionth changes no frequency that is told.
 NEGLIGIBLE = 1e-6
-# Part of stretching and bending that edges take away, below which they do not couple these. Of
-# symmetric stacks rounding leaves 1e-12, and 1e-9 where little is taken away.
-UNCOUPLED = 1e-6
-# Part of the bending stiffness below which twist takes nothing: rounding of the warping's solution.
-ROUNDING = 1e-8
 
 
 @dataclass(frozen=True)
@@ -149,12 +144,9 @@ def _free_edges(laminate: Laminate, ratio: float) -> FreeEdges:
     bending, resisted, none = (
         _about_neutral_axis(m) for m in (free, untwisted, _by_strains_along(plate, UNTWISTED))
     )
-    twists = resisted - bending > ROUNDING * bending and none > bending
+    twists = resisted > bending and none > bending
     torsion = min(1.0, (resisted - bending) / (none - bending)) if twists else 0.0
     lacking = _by_strains_along(plate, OTHERS) - free
-    # What rounding leaves of a symmetric stack's coupling would move its axis off the pins.
-    if abs(lacking[0, 1]) < UNCOUPLED * np.sqrt(abs(lacking[0, 0] * lacking[1, 1])):
-        lacking[0, 1] = lacking[1, 0] = 0.0
     return FreeEdges(_relaxation(laminate, lacking), torsion)
 
 

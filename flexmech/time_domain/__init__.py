@@ -11,7 +11,12 @@ from flexmech.time_domain.equations_of_motion.reduced_links import (
     is_reduced,
     stretches_in_runs,
 )
-from flexmech.time_domain.integrators.runs import StruckLinkage, linear_run, simulator, step_lag
+from flexmech.time_domain.integrators.runs import (
+    LinkageUnderImpact,
+    linear_run,
+    simulator,
+    step_lag,
+)
 from flexmech.time_domain.integrators.stretch_march import UnbalancedStepError
 from flexmech.time_domain.periodic_motion.forced_linkage import forced_linkage
 from flexmech.time_domain.periodic_motion.forced_modes import (
@@ -42,13 +47,13 @@ __all__ = [
     "FreeAndForced",
     "Impact",
     "LinkState",
+    "LinkageUnderImpact",
     "MovingModes",
     "NonlinearOrbit",
     "Recorder",
     "SampledTurn",
     "ShaftMotion",
     "StepBlock",
-    "StruckLinkage",
     "Trajectory",
     "UnbalancedStepError",
     "counts_of_modes",

@@ -234,8 +234,6 @@ def test_a_rigid_link_that_is_welded_at_both_ends_turns_once(tmp_path, models):
     beyond = short.replace("links.short", "links.beyond").replace('["A", "B"]', '["B", "C"]')
     rigid = '[links.short]\npoints = ["A", "B"]\nrigid = true\nmass = "0.2 kg"\n'
     rigid += 'centre = "0.2 m"\n\n'
-        '[links.short]\npoints = ["A", "B"]\nrigid = true\nmass = "0.2 kg"\ncentre = "0.2 m"\n\n'
-    )
     drawn = drawn.replace(short, rigid + beyond)
     drawn = drawn.replace(point, f'{point}\nC = ["2400 mm", "400 mm"]')
     path = tmp_path / "welded.toml"

@@ -12,7 +12,7 @@ from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.dynamical_systems import HalfSinePulse, VibrationState, harmonic_response
 from flexmech.linear_system import Prestress
-from flexmech.time_domain import DrivenLinkage, StruckLinkage, forced_linkage
+from flexmech.time_domain import DrivenLinkage, LinkageUnderImpact, forced_linkage
 
 SPEED, TURNS = 20.0, 4
 TURN = 2 * np.pi / SPEED
@@ -31,7 +31,7 @@ def engine() -> ReferenceEngine:
 def run(linkage: DrivenLinkage, steps: int, *pulses: HalfSinePulse) -> FloatArray:
     nothing = np.zeros(linkage.size)
     still = VibrationState(nothing, nothing, nothing)
-    struck = StruckLinkage(linkage, TURN / steps, HIT, SEEN, "transverse")
+    struck = LinkageUnderImpact(linkage, TURN / steps, HIT, SEEN, "transverse")
     return struck.run(still, TURNS * steps, pulses)
 
 

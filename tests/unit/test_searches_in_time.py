@@ -150,7 +150,46 @@ def test_a_motion_that_a_turn_returns_to_itself_is_refused():
     unit = SimpleNamespace(stiffness=np.eye(1)[None], mass=np.eye(1)[None])
     linkage = SimpleNamespace(equations=lambda time: unit, drive=SimpleNamespace(speed=3.0), size=1)
     forced = np.array([1e-3, 0.0])
-    found = shooting._fixed_point(linkage, np.diag([1 - 1e-9, 0.0]), forced)
-    assert found == pytest.approx([1e6, 0.0])
+    found = shooting._fixed_point(linkage, np.diag([1 - 1e-6, 0.0]), forced)
+    assert found == pytest.approx([1e3, 0.0])
     with pytest.raises(ComputationError, match="is critical: a free vibration fits one turn"):
-        shooting._fixed_point(linkage, np.diag([1 - 1e-12, 0.0]), forced)
+        shooting._fixed_point(linkage, np.diag([1 - 1e-8, 0.0]), forced)
+
+
+@pytest.mark.parametrize("steps", [360, 1440])
+def test_an_arm_at_its_critical_speed_is_refused(unit_arm, steps):
+    """Twice its weight's turn fits a period of the arm, with the lag of the steps to all digits."""
+    engine = ReferenceEngine(unit_arm(70.0), elements=2)
+
+    def linkage(speed):
+        return DrivenLinkage(engine, CrankDrive(speed), "none", modes=1)
+
+    def off(speed):
+        """Angle by which a turn misses a whole number of periods of the slowest vibration."""
+        multipliers = np.linalg.eigvals(shooting.turn_map(linkage(speed), steps)[0])
+        slow = np.abs(multipliers - 1).argmin()
+        return abs(np.angle(multipliers[slow]))
+
+    low, high = 2.47, 2.49
+    for _ in range(6):
+        # The angle is a straight line to zero and up again.
+        left, right = off(low), off(high)
+        critical = (low * right + high * left) / (left + right)
+        width = (high - low) / 100
+        low, high = critical - width, critical + width
+    with pytest.raises(ComputationError, match="is critical"):
+        shooting.periodic_state(linkage(critical), steps)
+    shooting.periodic_state(linkage(critical * (1 + 1e-6)), steps)
+
+
+def test_an_orbit_about_which_a_vibration_fits_the_turn_is_refused(monkeypatch):
+    equations = SimpleNamespace(crank_speed=10.0)
+    state = SimpleNamespace(error=1.0)
+    for detuning, refused in ((1e-6, False), (1e-8, True)):
+        run = orbits.NewtonRun(state, True, 1, detuning)
+        monkeypatch.setattr(orbits, "newton", lambda *of, run=run: run)
+        if refused:
+            with pytest.raises(ComputationError, match="is critical"):
+                orbits._found(equations, None)
+        else:
+            assert orbits._found(equations, None) == (run, 1)

@@ -13,7 +13,7 @@ from flexmech.analyses.campbell.crossings import CriticalSpeed, critical_speeds,
 from flexmech.analyses.campbell.edges import exact_edges
 from flexmech.analyses.campbell.projection import ProjectedSystems, projected_systems
 from flexmech.analyses.campbell.request import CampbellRequest
-from flexmech.analyses.campbell.sampling import SampledBands, sampled_bands
+from flexmech.analyses.campbell.sampling import FIT_TOLERANCE, SampledBands, sampled_bands
 from flexmech.analyses.frequencies.discretisation import check_angle_indices, mesh_error
 from flexmech.analyses.frequencies.engine_map import MOST_ELEMENTS
 from flexmech.analyses.frequencies.formulation import Systems
@@ -23,9 +23,6 @@ from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
 
 logger = logging.getLogger(__name__)
-
-# Extremes are refined to a tenth of this before the error of the mesh is known.
-ASSUMED_ERROR = 3e-4
 
 
 @dataclass(frozen=True)
@@ -114,7 +111,8 @@ def engine_diagram(
     # Before the long work, and where links are bent least: the error of far bent links is told.
     meshed = _on_a_fine_mesh(engine, request, checks, tolerance)
     systems = meshed.systems
-    error = np.full(request.formulation.modes, ASSUMED_ERROR)
+    # Extremes are refined to a tenth of this before the error of the mesh is known.
+    error = np.full(request.formulation.modes, FIT_TOLERANCE)
     solver = BandSolver(systems, turn, request.full_turn, error, report)
     sampled, places = sampled_bands(solver, speeds)
     there = np.flatnonzero(sampled.exists[places])

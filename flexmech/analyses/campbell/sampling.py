@@ -27,9 +27,12 @@ from flexmech.arrays import FloatArray, IntArray, unbroken_runs
 
 # A cubic through them is of fourth order; more nodes would run over the bend of a band's end.
 NODES_OF_A_CUBIC = 4
+# Relative difference of a predicted and a solved frequency up to which a fit is accepted: as much
+# as a usual mesh is off by.
+FIT_TOLERANCE = 3e-4
 # Relative distance by which curves continued from both sides miss the node beyond a bend: a tenth
 # of the tolerance of the fit, below which a bend does not matter.
-BEND = 3e-5
+BEND = 0.1 * FIT_TOLERANCE
 # The sense in which the lowest, the mean and the highest frequency bend; the mean does not.
 SENSE = np.array([1.0, 0.0, -1.0])[:, None]
 
@@ -104,9 +107,6 @@ def _through(
     return np.asarray(value, dtype=float), np.abs(rough)
 
 
-# Relative difference of a predicted and a solved frequency up to which a fit is accepted: as much
-# as is assumed of the error of the mesh.
-FIT_TOLERANCE = 3e-4
 # So few speeds are all solved, for they cost little.
 ALL_SOLVED = 13
 # Eight intervals, each of which is divided once at least: 17 of the speeds are solved.

@@ -19,7 +19,8 @@ CHECK_ANGLES = 12
 # as many. Of four times as many the distance is nearly the error itself (15/16 of it in second
 # order), and a check is not to cost more than 64 elements do.
 FINE_MESH = 64
-# Component modes of the two meshes: the difference must be of the meshes alone.
+# Component modes of the two meshes: the difference must be of the meshes alone. Speed alone: where
+# they have a part in it all the same, unreduced matrices are compared.
 DETAIL = 4.0
 # What component modes may move an eigenvalue by: of the difference by the meshes, whose first digit
 # that leaves right, or relative, where nobody asks for a smaller error.

@@ -15,8 +15,9 @@ from scipy.sparse.linalg import splu
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import LinearSystem, SparseMatrices
 
-# Relative change of an eigenvalue below which further steps change it by round-off alone.
-STILL = 1e-10
+# Relative difference of eigenvalues below which they are one: the root of round-off. A step of
+# Newton's method that changes an eigenvalue by less has found it, since the next one squares that.
+SAME = 1e-8
 
 
 @dataclass(frozen=True)
@@ -178,6 +179,6 @@ def _newton(pencil: Pencil, value: complex, x: NDArray[np.complex128], steps: in
         better = factors.solve(2 * value * inertia + damping @ x)
         change = np.vdot(inertia, x) / np.vdot(inertia, better)
         value, x = value - change, better / np.abs(better).max()
-        if np.abs(change) <= STILL * np.abs(value):
+        if np.abs(change) <= SAME * np.abs(value):
             break
     return value

@@ -8,9 +8,11 @@ import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
 
-# Abscissae between the second and the fourth node at which quartics are looked at.
+# Abscissae between the second and the fourth node at which quartics are looked at: the parabola
+# through three of them is the quartic to a ten-thousandth of the step.
 SAMPLES = 65
-# Nearest distance of a trial to the middle node, over the width between its neighbours.
+# Nearest distance of a trial to the middle node, over the width between its neighbours: nearer, the
+# solution there tells nothing of the slope; farther, nothing of the minimum.
 NEAREST = 1 / 32
 # Greatest difference of the quartic from the cubics through four of its nodes, over its rise. More
 # shows a bend that the nodes do not resolve: there a quartic may be right at a trial by accident.

@@ -12,7 +12,12 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies.eigenproblem import Modes, solve_eigenvalues, solve_modes
 from flexmech.analyses.frequencies.formulation import Systems
-from flexmech.analyses.frequencies.inverse_iteration import Pencil, newton_values, ritz_values
+from flexmech.analyses.frequencies.inverse_iteration import (
+    SAME,
+    Pencil,
+    newton_values,
+    ritz_values,
+)
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
     GREAT_DETAIL,
@@ -37,9 +42,7 @@ RATIO_FLOOR = 1e-7
 DETAILS = (1.0, 1.25, 2.0, GREAT_DETAIL, 2 * GREAT_DETAIL, 4 * GREAT_DETAIL)
 # Steps of Newton's method to an unreduced eigenvalue: it converges in three or four.
 MOST_STEPS = 8
-# Relative difference of eigenvalues by which two modes have led to the same one.
-SAME = 1e-8
-# Of dense unreduced matrices of one kind in memory at a time.
+# Of dense unreduced matrices of one kind in memory at a time. Memory alone.
 MATRIX_BYTES = 4_000_000
 
 
@@ -273,6 +276,7 @@ def unreduced_eigenvalues(
         pencil = next(exact.pencils())
         values = newton_values(pencil, modes.eigenvalues[0], shapes, steps=MOST_STEPS)
         values = values[np.argsort(np.abs(values))]
+        # Two modes may have led to the same eigenvalue.
         alike = np.abs(np.diff(values)) <= SAME * np.abs(values[1:])
         if np.any(alike) or not np.all(np.isfinite(values)):
             values = solve_eigenvalues(unreduced.at(angle, crank_speed, stressed), count)[0]

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import SAME_PLACE, FloatArray, IntArray
 from flexmech.errors import FlexmechError
 
 
@@ -99,17 +99,18 @@ logger = logging.getLogger(__name__)
 
 Mask = NDArray[np.bool_]
 
-# A mode that keeps this part of its kinetic energy in one shape is that shape.
+# A mode that keeps this part of its kinetic energy in one shape is that shape: what is left for any
+# other one is a fifth.
 UNAMBIGUOUS_MAC = 0.8
-# Of the angles over which two modes exchange shapes: where that takes less, they cross.
+# Of the angles over which two modes exchange shapes: where that takes less, they cross, since the
+# crank passes it in a small part of a period at any speed below the first frequency.
 CROSSING_WIDTH = np.radians(0.25)
 # Steps are divided at whole degrees, so that coarse maps track the modes along the positions of
 # the map of one degree; and below where modes exchange over about as much, to the least step.
 USUAL_STEP, LEAST_STEP = np.radians(1.0), np.radians(1 / 16)
-# A shape of which no mode of the other position has more than this was not there.
+# A shape of which no mode of the other position has more than this was not there: of the modes that
+# stay, neighbouring positions have four fifths.
 NEW_SHAPE = 0.2
-# Of crank angles in rad or deg, which are sums of steps: far below the least step.
-ROUND_OFF = 1e-9
 
 
 class Positions(NamedTuple):
@@ -178,7 +179,7 @@ class Chain:
             Amplitudes from the position before to the one after, by the number of the position.
         """
         angle, shapes = self.positions.crank_angle, self.positions.shapes
-        narrow = self.step <= USUAL_STEP + ROUND_OFF
+        narrow = self.step <= USUAL_STEP + SAME_PLACE
         doubtful = unclear.any(axis=1) & narrow
         beside = doubtful[:-1].astype(int) + doubtful[1:]
         # First those that both steps leave unclear.
@@ -213,7 +214,7 @@ class Chain:
         )
         middle = (start + end) / 2
         whole = np.round(middle)
-        inside = (whole > start + ROUND_OFF) & (whole < end - ROUND_OFF)
+        inside = (whole > start + SAME_PLACE) & (whole < end - SAME_PLACE)
         return np.radians(np.where(inside, whole, middle))
 
 
@@ -277,14 +278,14 @@ def refined(chain: Chain, between: Between) -> Chain:
     while True:
         unclear, replaced = ambiguous_modes(chain.amplitude(), chain.step)
         possible = ~np.isin(chain.middles(), chain.unsolved)
-        wide = (chain.step > USUAL_STEP + ROUND_OFF) & possible
+        wide = (chain.step > USUAL_STEP + SAME_PLACE) & possible
         steps = wide & unclear.any(axis=1)
         if not steps.any():
             narrow = _narrow_to_divide(chain, unclear, replaced)
             # Beside them usual steps, lest one end lies inside a crossing.
             steps = wide & (np.append(narrow[1:], False) | np.append(False, narrow[:-1]))
             if not steps.any():
-                steps = narrow & possible & (chain.step > LEAST_STEP + ROUND_OFF)
+                steps = narrow & possible & (chain.step > LEAST_STEP + SAME_PLACE)
         if not steps.any():
             return chain
         chain = chain.divided(steps, between)
@@ -293,7 +294,7 @@ def refined(chain: Chain, between: Between) -> Chain:
 def _narrow_to_divide(chain: Chain, unclear: Mask, replaced: Mask) -> Mask:
     """Steps of the usual length and below that are unclear, and not by an end in a crossing."""
     doubtful: Mask = np.any(unclear & ~replaced, axis=1)
-    narrow: Mask = np.logical_and(doubtful, chain.step <= USUAL_STEP + ROUND_OFF)
+    narrow: Mask = np.logical_and(doubtful, chain.step <= USUAL_STEP + SAME_PLACE)
     for place in chain.passed_over(unclear):
         narrow[place - 1 : place + 1] = False
     return narrow

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from flexmech.arrays import ComplexArray, FloatArray
+from flexmech.arrays import ROUND_OFF, ComplexArray, FloatArray
 from flexmech.choices import LinkDirection, Prestress
 from flexmech.dynamical_systems import HalfSinePulse, StateModes, pulse_response, state_modes
 from flexmech.errors import InputError
@@ -21,8 +21,6 @@ _MOST_COORDINATES = 400
 _DETAIL = 8.0
 # A mode of a lesser damping ratio never decays: it is round-off.
 _LEAST_DAMPING = 1e-8
-# Greatest entry of a point's row below which a joint holds it: round-off of link frames.
-_FIXED = 1e-12
 
 
 @dataclass(frozen=True)
@@ -128,7 +126,7 @@ class LockedLinkage:
         """
         rows = np.stack([point_rows(self.system, point, direction)[0] for point in points])
         for point, row in zip(points, rows, strict=True):
-            if np.abs(row).max() <= _FIXED:
+            if np.abs(row).max() <= ROUND_OFF:
                 raise InputError(
                     f"the point {point} is held by a joint and does not move {direction}ly; give a "
                     "point inside the link, such as "

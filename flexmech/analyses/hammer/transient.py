@@ -120,9 +120,9 @@ def _simulated(
         engine = engine.with_(mechanism=replace(engine.mechanism, gravity=(0.0, 0.0)))
     else:
         motion = engine.mechanism.linkage.motion(np.array([locked.angle]))
-        resting = engine.stressed_links(motion, "equilibrium").displacement
-        if resting is not None:
-            start = LinkState([q[0] for q in resting], start.rate)
+        static = engine.stressed_links(motion, "equilibrium").displacement
+        if static is not None:
+            start = LinkState([q[0] for q in static], start.rate)
     found = simulator(engine).point_histories(
         LockedCrank(locked.angle),
         start,

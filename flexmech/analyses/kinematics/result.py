@@ -13,13 +13,12 @@ from flexmech.analyses.datasets import DEGREES, Columns, columns_along, table_of
 from flexmech.analyses.remarks import crank_speed_text
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
+from flexmech.arrays import ROUND_OFF
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# Relative difference up to which two values are the same.
-_SAME = 1e-12
 # Angles that some linkages have, in words.
 _TRANSMISSION = {
     "transmission_angle": "transmission angle",
@@ -199,7 +198,7 @@ def _size(vector: xr.DataArray) -> xr.DataArray:
 def _greatest(size: xr.DataArray) -> tuple[str, str]:
     """Greatest value, and the first crank angle where it is but for round-off."""
     values = size.values
-    place = int(np.argmax(values >= values.max() * (1 - _SAME)))
+    place = int(np.argmax(values >= values.max() * (1 - ROUND_OFF)))
     return f"{values[place]:.5g}", f"{DEGREES * float(size['crank_angle'][place]):.6g}"
 
 
@@ -215,7 +214,7 @@ def _extremes(what: str, quantity: xr.DataArray, unit: str, scale: float = 0.0) 
 
 
 def _number(value: float, scale: float) -> str:
-    return f"{0.0 if abs(value) <= _SAME * scale else value:.5g}"
+    return f"{0.0 if abs(value) <= ROUND_OFF * scale else value:.5g}"
 
 
 def _mean(values: xr.DataArray) -> float | None:

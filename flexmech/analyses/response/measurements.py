@@ -12,9 +12,6 @@ from flexmech.linkages import LinkEnd, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain import Trajectory
 
-# Part of the links' lengths below which deflections are the round-off of none at all.
-NO_DEFLECTION = 1e-12
-
 
 def probes(engine: Engine) -> list[str]:
     """Where each link's deflection is read: the ``tip`` of a clamped link, else the ``middle``."""

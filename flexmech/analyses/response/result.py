@@ -24,10 +24,9 @@ from flexmech.analyses.response.agreement import (
     within_errors,
 )
 from flexmech.analyses.response.dataset import needed
-from flexmech.analyses.response.measurements import NO_DEFLECTION
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
-from flexmech.arrays import LabelledProgress, silent
+from flexmech.arrays import ROUND_OFF, LabelledProgress, silent
 from flexmech.choices import STORES, PageWidth, PictureFormat, Store
 from flexmech.files import given_path, moved_into
 from flexmech.validation import check_choice
@@ -103,7 +102,7 @@ class Response(Result):
         deflection = deflection.sel(link=bent) if bent.any() else deflection
         first, second = (deflection.isel(engine=i, drop=True) for i in (0, 1))
         peak = abs(second).max("time")
-        nothing = NO_DEFLECTION * float(self.dataset["length"].sum())
+        nothing = ROUND_OFF * float(self.dataset["length"].sum())
         return (abs(first - second).max("time") / peak).where(peak > nothing, 0.0)
 
     def force_agreement(self) -> xr.Dataset | None:

@@ -9,11 +9,11 @@ from functools import partial
 
 import numpy as np
 
-from flexmech.analyses.response.measurements import NO_DEFLECTION, deflections, peaks_between
+from flexmech.analyses.response.measurements import deflections, peaks_between
 from flexmech.analyses.response.plan import RunPlan
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.start import linear_start, simulation_start
-from flexmech.arrays import FloatArray, LabelledProgress, StepProgress
+from flexmech.arrays import ROUND_OFF, FloatArray, LabelledProgress, StepProgress
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
 from flexmech.time_domain import (
@@ -216,7 +216,7 @@ def _difference(
     nothing = _NO_FORCE * max(float(second.peak_joint_force.max()), np.finfo(float).tiny)
     deflected = _sizes(after["deflection"][0]).max(axis=0)
     scales = {
-        "deflection": np.maximum(deflected, NO_DEFLECTION * extent),
+        "deflection": np.maximum(deflected, ROUND_OFF * extent),
         "force": np.maximum(second.peak_joint_force, nothing),
         "torque": np.maximum(second.peak_driving_torque, nothing * extent),
     }

@@ -22,8 +22,8 @@ from flexmech.modal_testing import HarmonicEstimate, estimate_harmonics, with_no
 from flexmech.time_domain import (
     DrivenLinkage,
     Impact,
+    LinkageUnderImpact,
     LinkState,
-    StruckLinkage,
     nonlinear_orbit,
     simulator,
     stretches_in_runs,
@@ -251,7 +251,7 @@ def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: 
     start = linear_start(linkage, asked, plan.step)
 
     points = (request.impact, request.response, request.direction)
-    linkage_hit = StruckLinkage(linkage, plan.step, *points)
+    linkage_hit = LinkageUnderImpact(linkage, plan.step, *points)
 
     def run(pulses: Sequence[HalfSinePulse]) -> FloatArray:
         return linkage_hit.run(start, plan.samples, pulses)

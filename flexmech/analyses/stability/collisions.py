@@ -27,7 +27,8 @@ from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError
 
-# After so many orders one after the other that are far from growing, a pair is left.
+# After so many orders one after the other that are far from growing, a pair is left: bands shrink
+# as the order grows, but orders that symmetry closes stand between others.
 HOPELESS = 3
 # Below this part of the growth that would count: a factor of three is beyond the error of the
 # guess.
@@ -35,17 +36,22 @@ FAR = 1 / 3
 # Growth is looked at beside a band at this multiple of its half width without damping, so that the
 # edges lie between.
 ASIDE = 1.5
-# Speeds about a meeting are at least this part of the step from it; it is refined so often.
+# Speeds about a meeting are at least this part of the step from it: nearer, the bow of the squares
+# drowns in their round-off. It is refined so often: the first three speeds tell the bow, the next
+# stand where it holds.
 LEAST_ASIDE = 0.02
 REFINED = 2
-# Of the slope of free modes: where it is less, the modes are together in a part of the step.
+# Of the slope of free modes: where it is less, the modes are together in half of the step or more.
 LEAST_SLOPE = 0.5
-# In a band the sum of the frequencies is this near to its order times that of the crank: the edge
-# beyond is found without looking for a meeting.
+# In a band the sum of the frequencies is this near to its order times that of the crank, which is
+# far less than the next order and more than a band's edge is off: the edge beyond is found without
+# looking for a meeting.
 LOCKED = 0.05
-# With damping two modes may stay together at a speed without growing there.
+# With damping two modes may stay together at a speed without growing there: then the sum is the
+# order but for round-off of the exponents, and no farther, for it goes on at the next speed.
 TOUCHES = 1e-6
-# Modes are told from each other by their angle and, where angles are alike, by frequency.
+# Modes are told from each other by their angle, which interpolation between the speeds of a map
+# gives within some tenths of a radian, and, where angles are alike, by frequency, within a tenth.
 ANGLE_SCALE, FREQUENCY_SCALE = 0.3, 0.1
 
 
@@ -170,7 +176,7 @@ def meetings(speeds: Sequence[TrackedSpeed], branches: int) -> list[MeetingPair]
                 if not (upper.is_unstable and abs(ends[1] - order) < LOCKED)
             ]
     return [
-        MeetingPair(pair, sorted(every, key=lambda each: -abs(each.upper) + 1e-9 * each.order))
+        MeetingPair(pair, sorted(every, key=lambda each: (-abs(each.upper), each.order)))
         for pair, every in found.items()
         if every
     ]

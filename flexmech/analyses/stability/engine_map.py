@@ -51,14 +51,16 @@ from flexmech.linear_system import Engine
 
 logger = logging.getLogger(__name__)
 
-# Branches are numbered at this part of the lowest natural frequency, and tracked in steps of it.
+# Branches are numbered at this part of the lowest natural frequency, where they are those of the
+# linkage at rest, and tracked in steps of it, in which frequencies change by far less than what
+# tells modes from each other.
 FOLLOWING_STEP = 1 / 40
 # Speeds beyond, 250 times the lowest frequency, come from wrong units.
 MOST_STEPS = 10_000
-# A band that this damping ratio closes is not worth a line.
+# A band that this damping ratio closes is not worth a line: no material has less than ten times it.
 LEAST_CLOSING_RATIO = 1e-5
 # Between growing speeds farther apart than this part of the lowest frequency, a band may end and
-# another begin.
+# another begin: bands that are narrower are found by the modes that meet in them.
 BETWEEN = 1 / 300
 
 # Modes at a speed, or why there are none.

@@ -12,15 +12,17 @@ from flexmech.analyses.stability.mode_tracking import TrackedModes, likeness
 from flexmech.analyses.stability.selected_modes import SelectedModes, wrapped
 from flexmech.arrays import FloatArray
 
-# Of a frequency that is zero, in Hz: a positive number whose logarithm can be taken.
-TINY = 1e-300
-# A branch that is a smaller part of the mode that grows has no part in the band.
+# A branch that is a smaller part of the mode that grows has no part in the band: two that meet
+# have about 0.7 each, and what others are like by chance is a twentieth.
 LEAST_PART = 0.15
-# Farther from a whole multiple, relative to the crank's frequency, there is no name.
+# Farther from a whole multiple, relative to the crank's frequency, there is no name: half-way to
+# the next one chance would name it as well.
 FARTHEST = 0.25
-# In a band frequencies are pulled to its order: by no more than its width tells, or by this.
+# In a band frequencies are pulled to its order: by no more than its width tells, or by this, which
+# interpolation between speeds a fortieth of the lowest frequency apart leaves in a narrow band.
 PULLED = 0.01
-# A smaller Krein signature is that of a multiplier beside the unit circle, or about to leave it.
+# A smaller Krein signature is that of a multiplier beside the unit circle, or about to leave it:
+# round-off tells its sign.
 LEAST_SIGNATURE = 0.01
 
 
@@ -84,7 +86,9 @@ def band_name(
     """
     found: list[tuple[float, BandName]] = []
     # Of too few steps a mode may not turn at all: its frequency is zero.
-    height, usual_height = (np.log(np.maximum(of, TINY)) for of in (frequency, usual))
+    height, usual_height = (
+        np.log(np.maximum(of, np.finfo(float).tiny)) for of in (frequency, usual)
+    )
     label = np.abs(height[:, None] - usual_height).argmin(axis=1) + 1
     count = len(frequency)
     for a in range(count):

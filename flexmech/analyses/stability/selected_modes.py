@@ -18,7 +18,8 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.dynamical_systems import SampledPeriodicSystem, floquet_modes, krein_signature
 from flexmech.errors import CRANK_SPEED, ComputationError
 
-# Logarithm of a multiplier's modulus that is growth, and not round-off.
+# Logarithm of a multiplier's modulus that is growth, and not round-off: multipliers that meet on
+# the unit circle are known to the root of it, 1e-8.
 GROWS = 1e-7
 
 
@@ -73,7 +74,7 @@ def wrapped(values: FloatArray, turn: float = 2 * np.pi) -> FloatArray:
     return np.asarray(values - turn * np.round(values / turn))
 
 
-# Harmonics to either side of the largest whose share is told.
+# Harmonics to either side of the largest whose share is told: more hold a thousandth.
 HARMONICS = 4
 
 

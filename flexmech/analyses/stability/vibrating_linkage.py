@@ -15,9 +15,11 @@ from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linear_system import whole
 from flexmech.time_domain import MovingModes
 
+# Of a turn; more do not fit into memory with the smallest of linkages.
 MOST_STEPS = 1_000_000
 SHAPE_ANGLES = 16
-"""Crank angles a turn at which the shapes of modes are compared."""
+"""Crank angles a turn at which the shapes of modes are compared: a shape changes as the linkage's
+position does, in the first few harmonics of the turn."""
 
 
 @dataclass(frozen=True)
@@ -136,10 +138,12 @@ class VibratingLinkage:
         return replace(self, attached=FourierSeries(np.zeros_like(self.attached.coefficients)))
 
 
-# Steps are this part of a period of the fastest moving mode over 2 pi, or shorter.
+# Steps are this part of a period of the fastest moving mode over 2 pi, or shorter: a propagator of
+# sixth order then leaves 1e-7 of the multipliers of the modes asked for, which are slower.
 RADIANS_A_STEP = 1.5
 # A free shaft moves far more slowly, and what the steps leave of the fastest modes shows there.
 RADIANS_BESIDE_A_FREE_SHAFT = 0.5
+# Of a turn at speeds above all modes: eight a crank angle at which shapes are compared.
 LEAST_STEPS = 128
 # Bytes that the steps of a turn may take, and what is kept of each step: matrices of the size of A,
 # and waves of each harmonic (measured).

@@ -20,7 +20,7 @@ from flexmech.linkages import RigidMotion, Topology
 UNCHANGED = 1e-13
 
 
-def turns_or_slides(topology: Topology) -> bool:
+def has_relative_motion(topology: Topology) -> bool:
     """Whether a link turns against another one or slides, so that the constraints vary.
 
     Parameters
@@ -89,7 +89,7 @@ def is_constant_turn(engine: Engine, motion: RigidMotion) -> bool:
     -------
     bool
     """
-    if turns_or_slides(engine.topology):
+    if has_relative_motion(engine.topology):
         return False
     links, connectors = engine.clamped_links, engine.connectors
     loads = inertia_loads(links, motion, engine.mechanism.gravity)

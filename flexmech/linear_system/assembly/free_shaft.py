@@ -96,7 +96,7 @@ class FreeShaft:
     @property
     def turns_far(self) -> bool:
         """Whether these may turn by finite angles in a run in time: no links guide others."""
-        return self.is_stiff and not self.topology.has_turning_lines
+        return self.is_stiff and not self.topology.has_moving_guides
 
     def rotation(self, link: LinkModel) -> int:
         """Which coordinate of the clamped link, reduced or not, is the shaft's rotation."""

@@ -165,41 +165,41 @@ def condense(
     ndarray, shape (B, size, n)
         Expansion from these to all coordinates.
     """
-    gone, kept = np.flatnonzero(condensed), np.flatnonzero(~condensed)
+    eliminated, kept = np.flatnonzero(condensed), np.flatnonzero(~condensed)
     count = len(kept)
-    order = np.concatenate([kept, gone])
+    order = np.concatenate([kept, eliminated])
     mass, damping, stiffness = (
         _reordered(m, order) for m in (matrices.mass, matrices.damping, matrices.stiffness)
     )
     flexibility = np.linalg.inv(stiffness[:, count:, count:])
-    follow = -flexibility @ stiffness[:, count:, :count]
-    lead = -stiffness[:, :count, count:] @ flexibility
+    dependence = -flexibility @ stiffness[:, count:, :count]
+    dual = -stiffness[:, :count, count:] @ flexibility
     if forces is not None:
-        answers = flexibility @ forces
-        answers /= np.linalg.norm(answers, axis=1, keepdims=True)
-        follow = np.concatenate([follow, answers], axis=2)
-        lead = np.concatenate([lead, np.swapaxes(answers, 1, 2)], axis=1)
-    size = follow.shape[2]
+        responses = flexibility @ forces
+        responses /= np.linalg.norm(responses, axis=1, keepdims=True)
+        dependence = np.concatenate([dependence, responses], axis=2)
+        dual = np.concatenate([dual, np.swapaxes(responses, 1, 2)], axis=1)
+    size = dependence.shape[2]
 
     def condensed_part(matrix: FloatArray) -> FloatArray:
-        columns = matrix[:, :, count:] @ follow
+        columns = matrix[:, :, count:] @ dependence
         columns[:, :, :count] += matrix[:, :, :count]
-        part = lead @ columns[:, count:]
+        part = dual @ columns[:, count:]
         part[:, :count] += columns[:, :count]
         return np.asarray(part)
 
     expansion = np.zeros((len(stiffness), len(condensed), size))
     expansion[:, kept, np.arange(count)] = 1.0
-    expansion[:, gone] = follow
+    expansion[:, eliminated] = dependence
     none = np.broadcast_to(0.0, (len(stiffness), size, size))
     condensed_damping = condensed_part(damping) if damping.any() else none
     # ``V' K W`` without what is zero in it.
     left = np.zeros((len(stiffness), size, size))
-    left[:, :count, :count] = stiffness[:, :count, count:] @ follow[:, :, :count]
+    left[:, :count, :count] = stiffness[:, :count, count:] @ dependence[:, :, :count]
     left[:, :count, :count] += stiffness[:, :count, :count]
     if forces is not None:
         left[:, count:, count:] = (
-            np.swapaxes(answers, 1, 2) @ stiffness[:, count:, count:] @ answers
+            np.swapaxes(responses, 1, 2) @ stiffness[:, count:, count:] @ responses
         )
     return SystemMatrices(condensed_part(mass), condensed_damping, left), expansion
 

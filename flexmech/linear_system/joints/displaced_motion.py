@@ -83,7 +83,7 @@ def link_bodies(motion: RigidMotion, topology: Topology) -> tuple[BodyMotion, Co
     lines = [slider_line(topology, slider) for slider in topology.sliders]
     if isinstance(motion, DisplacedMotion) and lines:
         slid[0] = motion.slide * np.array([line.along for line in lines])
-        if topology.has_turning_lines:
+        if topology.has_moving_guides:
             drawn = BodyMotion.of_links(motion.undisplaced)
     for number, (slider, line) in enumerate(zip(topology.sliders, lines, strict=True)):
         if slider.guide:
@@ -120,8 +120,8 @@ def general_position(topology: Topology) -> RigidMotion:
     """
     random = np.random.default_rng(0)
     count = len(topology.links)
-    angle, still = random.uniform(-np.pi, np.pi, (1, count)), np.zeros((1, count))
+    angle, zero = random.uniform(-np.pi, np.pi, (1, count)), np.zeros((1, count))
     length = max(link.length for link in topology.links)
     origin = length * random.uniform(-1.0, 1.0, (1, count, 2))
     nowhere = np.zeros((1, count, 2))
-    return RigidMotion(still[:, 0], still[:, 0], angle, still, still, origin, nowhere, nowhere)
+    return RigidMotion(zero[:, 0], zero[:, 0], angle, zero, zero, origin, nowhere, nowhere)

@@ -232,9 +232,9 @@ class LinkTies:
 
     def guide_matrix(self, motion: RigidMotion, guide_stiffness: FloatArray) -> FloatArray:
         """Geometric stiffness between guides' rotations and slides, by independent coordinates."""
-        still = np.zeros((len(guide_stiffness), len(self.topology.links)))
+        zero = np.zeros((len(guide_stiffness), len(self.topology.links)))
         dependence = self.rigid.dependence(motion).value
-        return self.rigid.projected(RigidGeometricStiffness(still, guide_stiffness), dependence)
+        return self.rigid.projected(RigidGeometricStiffness(zero, guide_stiffness), dependence)
 
     def slides(self, motion: RigidMotion, displacement: Sequence[NDArray[Any]]) -> NDArray[Any]:
         """Slide coordinates of displacements (B, n_link, m) of all links, at their places in w."""
@@ -261,14 +261,14 @@ class LinkTies:
 
     def pose_of(self, motion: RigidMotion, displacement: Sequence[FloatArray]) -> RigidPose:
         """Finite displacements of rigid links and sliders at displacements (B, n_link) of links."""
-        held = {}
+        sliding = {}
         for number, slider in enumerate(self.topology.sliders):
             if not self.rigid.is_rigid(slider.link_end):
                 link = self.topology.index(slider.link_end.link)
                 q = displacement[link][:, self._rows(slider.link_end)]
                 angle = motion.angle[:, link]
-                held[number] = q[:, :1] * direction(angle) + q[:, 1:] * normal(angle)
-        return RigidPose.displaced_by(self.rigid, motion, displacement, held)
+                sliding[number] = q[:, :1] * direction(angle) + q[:, 1:] * normal(angle)
+        return RigidPose.displaced_by(self.rigid, motion, displacement, sliding)
 
     def _tie_rows(self, moving: _MovingFrames, link: int, tie: _Tie) -> DependentRows:
         if isinstance(tie, _RotatedEnd):
@@ -326,15 +326,15 @@ class LinkTies:
             link = self.topology.index(end.link)
             self.targets[link][self._links[link].end_warping_of(end.end)] = -1
         for point in self._points:
-            leads = point.fixed or point.hub or self._is_on_rigid_link_or_line(point)
-            for end in point.ends if leads else point.ends[1:]:
+            elsewhere = point.fixed or point.hub or self._is_on_rigid_link_or_line(point)
+            for end in point.ends if elsewhere else point.ends[1:]:
                 if not self.rigid.is_rigid(end):
                     self.targets[self.topology.index(end.link)][self._rows(end)] = -1
         for turn in self._turns:
-            leads = turn.fixed or any(map(self.rigid.is_rigid, turn.ends))
+            on_rigid = turn.fixed or any(map(self.rigid.is_rigid, turn.ends))
             for number, end in enumerate(turn.ends):
                 if not self.rigid.is_rigid(end):
-                    dependent = self._rotations(end)[0 if leads or number else 1 :]
+                    dependent = self._rotations(end)[0 if on_rigid or number else 1 :]
                     self.targets[self.topology.index(end.link)][dependent] = -1
 
     def _is_on_rigid_link_or_line(self, point: JointPoint) -> bool:

@@ -125,8 +125,8 @@ class RigidCoordinates:
         """
         if point.slider is not None:
             return self.point_on_line(point.slider)
-        leads = [end for end in point.ends if self.is_rigid(end)]
-        return None if point.fixed or not leads else end_point(self.topology, leads[0])
+        leading = [end for end in point.ends if self.is_rigid(end)]
+        return None if point.fixed or not leading else end_point(self.topology, leading[0])
 
     def point_on_line(self, number: int) -> BodyPoint:
         """Point of a slider on its line."""
@@ -193,8 +193,8 @@ class RigidCoordinates:
         for point in joint_points(self.topology):
             rigid = [end for end in point.ends if self.is_rigid(end)]
             leader = self.leader(point)
-            leads = leader is not None and leader.slide is None
-            for end in rigid[1 if leads else 0 :]:
+            leading = leader is not None and leader.slide is None
+            for end in rigid[1 if leading else 0 :]:
                 other = BodyPoint(GROUND_AFTER_LINKS) if leader is None else leader
                 yield Coincidence(self._pinned(end), other)
             if point.hub and self.is_rigid(point.ends[0]):

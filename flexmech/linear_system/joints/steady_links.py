@@ -67,8 +67,8 @@ class SteadyLinks:
     def _sum(self, matrices: Mapping[int, FloatArray]) -> SteadySum:
         """Sum of ``N'XN`` over symmetric matrices (n, n), by link."""
         # Terms that vary have a row or a column of a leading end, and those come first.
-        led = [columns for n in matrices for _, columns in self._ties.dependencies(n)]
-        ends = 1 + max((int(pair.max()) for pair in led), default=-1)
+        leading = [columns for n in matrices for _, columns in self._ties.dependencies(n)]
+        ends = 1 + max((int(pair.max()) for pair in leading), default=-1)
         constant = np.zeros((self._ties.size, self._ties.size))
         for number, matrix in matrices.items():
             self._places[number].add_constant(constant, matrix)
@@ -157,12 +157,12 @@ class RotationFactors:
         """Factors of links with the leaders of each."""
         first, second = [np.zeros(1, dtype=np.intp)], [np.zeros(1, dtype=np.intp)]
         followers: list[int] = []
-        for link, led in enumerate(leaders):
-            own = np.concatenate([[0], 1 + 2 * len(followers) + np.arange(2 * len(led))])
+        for link, leading in enumerate(leaders):
+            own = np.concatenate([[0], 1 + 2 * len(followers) + np.arange(2 * len(leading))])
             for products, numbers in zip((first, second), _two_of(len(own)), strict=True):
                 products.append(own[numbers])
-            followers += [link] * len(led)
-        every = np.array([leader for led in leaders for leader in led], dtype=np.intp)
+            followers += [link] * len(leading)
+        every = np.array([leader for leading in leaders for leader in leading], dtype=np.intp)
         numbers = np.array(followers, dtype=np.intp)
         return cls(every, numbers, np.concatenate(first), np.concatenate(second))
 

@@ -150,8 +150,8 @@ class RigidBody:
 
     def inertia_change(self, angle: FloatArray) -> FloatArray:
         """Change of the matrices of the straight link by a rotation, (3, ..., 3, 3)."""
-        still = self.matrices(np.zeros_like(angle), on_axis=True)
-        return self.matrices(angle) - still
+        zero = self.matrices(np.zeros_like(angle), on_axis=True)
+        return self.matrices(angle) - zero
 
     @property
     def about_centre(self) -> Self:
@@ -288,12 +288,12 @@ class RigidBody:
             :meth:`matrices` of the straight link and of the load on it.
         """
         speed, change = motion.angular_velocity[:, link], motion.angular_acceleration[:, link]
-        given, still = (
+        given, zero = (
             (speed, change, self.net_acceleration(motion, link, gravity)),
             np.zeros_like(moved),
         )
         nonlinear = self.inertia(*given, moved, rate, acceleration)[0]
-        nonlinear -= self.inertia(*given, still, still, still)[0]
+        nonlinear -= self.inertia(*given, zero, zero, zero)[0]
         mass, gyroscopic, centrifugal = self.matrices(np.zeros(()), on_axis=True)
         turned = 2 * speed[:, None] * rate + change[:, None] * moved
         linear = (
@@ -320,9 +320,9 @@ class RigidBody:
         ndarray, shape (B, 3, 3)
             Derivative by q.
         """
-        still, no_acceleration, turn = np.zeros_like(q), np.zeros((len(q), 2)), q[:, 2]
-        displaced, by_q = self.inertia(speed, change, no_acceleration, q, still, still)
-        force = self.inertia(speed, change, no_acceleration, still, still, still)[0] - displaced
+        zero, no_acceleration, turn = np.zeros_like(q), np.zeros((len(q), 2)), q[:, 2]
+        displaced, by_q = self.inertia(speed, change, no_acceleration, q, zero, zero)
+        force = self.inertia(speed, change, no_acceleration, zero, zero, zero)[0] - displaced
         dead = speed**2 * np.sin(turn) - change * (1 - np.cos(turn))
         force[:, 2] += self.second_moment * dead
         by_q[:, 2, 2] -= self.second_moment * (speed**2 * np.cos(turn) - change * np.sin(turn))

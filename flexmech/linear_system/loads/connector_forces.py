@@ -125,10 +125,10 @@ class ConnectorTangent:
         -------
         ConnectorTangent
         """
-        holds, damps = np.zeros((2, batch, 3, 3))
-        holds[:] = np.diag([own.radial_stiffness or 0.0] * 2 + [own.torsional_stiffness])
-        damps[:] = np.diag([own.radial_damping] * 2 + [own.torsional_damping])
-        return cls(first, second, holds, damps, in_joint=True)
+        stiffness, damping = np.zeros((2, batch, 3, 3))
+        stiffness[:] = np.diag([own.radial_stiffness or 0.0] * 2 + [own.torsional_stiffness])
+        damping[:] = np.diag([own.radial_damping] * 2 + [own.torsional_damping])
+        return cls(first, second, stiffness, damping, in_joint=True)
 
 
 @dataclass(frozen=True)

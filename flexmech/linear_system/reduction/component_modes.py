@@ -185,7 +185,7 @@ def component_modes(
     if axial_modes is None:
         axial_modes = round(detail * CONDENSED_AXIAL_MODES)
     condensed = axial_modes if couples_axially else 0
-    answers = [with_damping_shapes and bool(h.link.damping.any()) for h in fixed]
+    responses = [with_damping_shapes and bool(h.link.damping.any()) for h in fixed]
     turning = fastest != 0
     reduced = (
         _reduce(
@@ -201,7 +201,7 @@ def component_modes(
             turning_sections=turning_sections,
             decouples_mass=decouples_mass,
         )
-        for h, damped in zip(fixed, answers, strict=True)
+        for h, damped in zip(fixed, responses, strict=True)
     )
     own = (_unreduced(link) if link.rigid else next(reduced) for link in links)
     return ComponentModes(topology, tuple(own), decouples_mass)
@@ -297,11 +297,11 @@ def _damping_shapes(fixed: FixedInterfaceLink, shapes: FloatArray) -> FloatArray
     if not len(inner):
         return shapes[:, :0]
     time = fixed.flexibility.trace_with(link.damping) / len(inner)
-    answers = np.zeros_like(shapes)
+    responses = np.zeros_like(shapes)
     unlike = (link.damping @ shapes) / time - link.stiffness @ shapes
-    answers[inner] = fixed.flexibility.displacements(unlike[inner])
-    answer, shape = ((x * (link.mass @ x)).sum(axis=0) for x in (answers, shapes))
-    return answers[:, answer > ROUND_OFF_SHAPE**2 * shape]
+    responses[inner] = fixed.flexibility.displacements(unlike[inner])
+    response, shape = ((x * (link.mass @ x)).sum(axis=0) for x in (responses, shapes))
+    return responses[:, response > ROUND_OFF_SHAPE**2 * shape]
 
 
 def _complement(vectors: FloatArray, others: FloatArray, mass: LinkMatrix) -> FloatArray:

@@ -91,7 +91,7 @@ def fix_interface(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> Fix
     axial_relief = relief[:, axial_boundary]
     floating_relief = axial_relief.sum(axis=1, keepdims=True)
     stretching, turning = inner[link.is_axial[inner]], inner[~link.is_axial[inner]]
-    answers = [relief[:, ~axial_boundary], _attachment_modes(link, flexibility)]
+    responses = [relief[:, ~axial_boundary], _attachment_modes(link, flexibility)]
     # Modes of a link whose ends turn freely converge slowly to a spring against that.
     turned = np.zeros_like(couples)
     turned[inner] = flexibility.displacements(couples[inner])
@@ -102,7 +102,7 @@ def fix_interface(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> Fix
         # Where an axis off the pins couples both, bending goes along without axial force.
         bending=FixedInterfaceModes(link, turning, stretching),
         axial=FixedInterfaceModes(link, stretching),
-        bending_relief=np.concatenate([*answers, turned], axis=1),
+        bending_relief=np.concatenate([*responses, turned], axis=1),
         axial_relief=axial_relief,
         floating_relief=floating_relief if floats else relief[:, :0],
         interior_shapes=interior_shapes,
@@ -205,13 +205,13 @@ class FixedInterfaceModes:
         def elastic(amplitude: FloatArray) -> FloatArray:
             return self._load(link.stiffness @ self._moved(amplitude.reshape(size, -1)))[:, 0]
 
-        stiffness, mass, answer = (
+        stiffness, mass, response = (
             LinearOperator((size, size), matvec=product, dtype=float)
             for product in (elastic, inertia, inverse)
         )
         # A start that has a part of every mode, and is the same in each run.
         start = np.random.default_rng(0).standard_normal(size)
-        squares, vectors = eigsh(stiffness, count, mass, sigma=0.0, OPinv=answer, v0=start)
+        squares, vectors = eigsh(stiffness, count, mass, sigma=0.0, OPinv=response, v0=start)
         order = np.argsort(squares)
         return np.sqrt(np.abs(squares[order])), self._moved(vectors[:, order])
 
@@ -227,12 +227,12 @@ class FixedInterfaceModes:
         """Generalized forces (m, k) on the shapes by forces (n, k) on the coordinates."""
         load = forces[self._which]
         if self._couples:
-            answer = _scattered(
+            response = _scattered(
                 self._link.size,
                 self._condensed,
                 self._condensing.displacements(forces[self._condensed]),
             )
-            load = load - (self._link.stiffness @ answer)[self._which]
+            load = load - (self._link.stiffness @ response)[self._which]
         return load
 
     @cached_property

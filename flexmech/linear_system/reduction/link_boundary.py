@@ -152,6 +152,6 @@ def _dependent_ends(topology: Topology) -> list[LinkEnd]:
     rigid = {link.name for link in topology.links if link.rigid}
     dependent: list[LinkEnd] = []
     for point in joint_points(topology):
-        leads = point.slider is not None or any(end.link in rigid for end in point.ends)
-        dependent += point.ends if leads else point.ends[1:]
+        on_rigid = point.slider is not None or any(end.link in rigid for end in point.ends)
+        dependent += point.ends if on_rigid else point.ends[1:]
     return dependent

@@ -216,8 +216,8 @@ class _Order:
             if set(here) & self.known:
                 continue
             found = [self._locus(body, point) for body in here if body in unknown]
-            led = [own for own in found if own is not None]
-            for (first, one), (second, other) in combinations(led, 2):
+            located = [own for own in found if own is not None]
+            for (first, one), (second, other) in combinations(located, 2):
                 if isinstance(first, Line):
                     first, one, second, other = second, other, first, one
                 yield self._loci(point, first, second, one, other)

@@ -47,7 +47,7 @@ class RunningConnectors:
         # By how much the clamped link is ahead of the crank.
         self._lead = shaft.start_angle - float(start.crank_angle)
         # A radial spring's marker is on the end that carries the place of the leading one.
-        self._carried_by = {
+        self._leading_places = {
             self._topology.end_place(item.leader): self._topology.end_place(
                 leading_end(item.leader, self._topology.rigid_ties)
             )
@@ -123,9 +123,9 @@ class RunningConnectors:
             )
 
         def moved(link: int, x: float) -> tuple[FloatArray, FloatArray]:
-            found, place = own(link, x), own(*self._carried_by.get((link, x), (link, x)))
-            for values, carried in zip(found, place, strict=True):
-                values[:, :2] = carried[:, :2]
+            found, place = own(link, x), own(*self._leading_places.get((link, x), (link, x)))
+            for values, leading in zip(found, place, strict=True):
+                values[:, :2] = leading[:, :2]
             return found
 
         return moved

@@ -154,7 +154,7 @@ class Simulation:
         """
         assembly, energies = self.model.assembly, self.model.energies
         shaft = self._shaft_motion(time, position, velocity)
-        motion = self._motion(time) if shaft is None else self._carried(time, shaft)
+        motion = self._motion(time) if shaft is None else self._displaced_motion(time, shaft)
         links = slice(0, assembly.size)
         position, velocity = position[:, links], velocity[:, links]
         position, velocity = (
@@ -206,7 +206,7 @@ class Simulation:
         rotation = position[:, -1] - [shaft.angle(t) for t in time]
         return ShaftMotion(rotation, velocity[:, -1] - [shaft.speed(t) for t in time])
 
-    def _carried(self, time: FloatArray, shaft: ShaftMotion) -> RigidMotion:
+    def _displaced_motion(self, time: FloatArray, shaft: ShaftMotion) -> RigidMotion:
         """Motion of the rigid linkage with a free shaft; a state needs no acceleration."""
         mean, linkage = self._motion(time), self.model.assembly.mechanism.linkage
         return linkage.motion(mean.crank_angle + shaft.rotation, mean.crank_speed + shaft.rate)

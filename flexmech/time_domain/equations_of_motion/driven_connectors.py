@@ -1,11 +1,11 @@
 """Loads and springs on the links of a driven linkage.
 
 Their forces are linear in the elastic displacement about the rigid motion, as the equations of
-the links are: a spring keeps to second order what it stores
-(:class:`flexmech.linear_system.Connectors`). What changes smoothly with the crank angle belongs
-to the matrices and forces that a time step interpolates between positions. Loads over a table of
-crank angles or of times have kinks there: they are unit forces with a history that every step
-knows exactly.
+the links are: the energy of a spring is exact to second order
+(:class:`flexmech.linear_system.Connectors`). Terms that are smooth in the crank angle are part of
+the matrices and forces that a time step interpolates between positions. Loads over a table of
+crank angles or of times have kinks: they are unit forces with an amplitude that is evaluated
+exactly at every step.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ LinkMotion = Sequence[tuple[FloatArray, FloatArray, FloatArray]]
 
 @dataclass(frozen=True)
 class ConnectorWork:
-    """Energy of springs in J, power that dampers take and loads give in W; each (m,)."""
+    """Energy of springs in J, dissipated power and power of loads in W; each (m,)."""
 
     stored: FloatArray
     dissipation: FloatArray
@@ -71,7 +71,7 @@ class ActingForces:
     Parameters
     ----------
     shapes : list of ndarray, shape (m, n_link)
-        On the coordinates of each link, without what joints with radial springs carry.
+        On the coordinates of each link, without radial forces of sprung joints.
     fields : list of ndarray, shape (m, 4)
         On the rigid fields of each link, likewise.
     virtual_power : ndarray, shape (m,)
@@ -112,7 +112,7 @@ class DrivenConnectors:
         tables = tuple(load for load in mechanism.loads if load.over != "constant")
         self.winds = _winds(engine)
         # A follower load or torque that varies changes the stiffness; a spring that is wound up
-        # never comes back: nothing of them is interpolated.
+        # is not periodic: neither is interpolated.
         turns = any(load.axes == "link" or follower_torque for load in tables)
         self.is_interpolated = not (self.winds or turns)
         self._tables: tuple[tuple[Load, int], ...] = ()
@@ -129,17 +129,17 @@ class DrivenConnectors:
 
     @property
     def any(self) -> bool:
-        """Whether there is one."""
+        """Whether there is a load or a spring."""
         mechanism = self._mechanism
         return bool(mechanism.loads or mechanism.springs or mechanism.joint_springs)
 
     @property
     def table_count(self) -> int:
-        """Number of unit forces whose histories come on top of the smooth forces."""
+        """Number of unit forces with histories, besides the smooth forces."""
         return len(self._tables)
 
     def require_periodic(self) -> None:
-        """Refuse what does not repeat itself with the turn.
+        """Refuse loads and springs that are not periodic with the turn.
 
         Raises
         ------
@@ -160,7 +160,7 @@ class DrivenConnectors:
     def added(
         self, motion: RigidMotion, matrices: SystemMatrices, terms: RotationTerms, time: FloatArray
     ) -> SystemMatrices:
-        """Matrices of the linkage with those of the connectors.
+        """Matrices of the linkage with those of the connectors added.
 
         Parameters
         ----------
@@ -174,11 +174,11 @@ class DrivenConnectors:
         -------
         SystemMatrices
         """
-        # A run tells forces in the directions that they have, whatever stiffens the links.
+        # Forces of a run have their true directions, whatever the prestress of the links.
         return self._all.added(self._frames, motion, matrices, terms, "equilibrium", None, time)
 
     def force(self, motion: RigidMotion, time: FloatArray, *, tables: bool = True) -> FloatArray:
-        """Force on the coordinates of the frames where the links are not displaced.
+        """Generalized force on the coordinates of the frames at zero displacement.
 
         Parameters
         ----------
@@ -196,7 +196,7 @@ class DrivenConnectors:
         return self._frames.gather(motion, acting.forces(motion, None, time))
 
     def unit_forces(self, motion: RigidMotion) -> list[FloatArray]:
-        """A unit of each force with a history, on the coordinates of the frames.
+        """Generalized force of a unit of each force with a history.
 
         Parameters
         ----------
@@ -219,7 +219,7 @@ class DrivenConnectors:
         return found
 
     def histories(self, time: FloatArray) -> FloatArray:
-        """How much of each unit force acts at times of shape (m,); (m, table_count)."""
+        """Amplitude of each unit force at times of shape (m,); (m, table_count)."""
         if not self._tables:
             return np.zeros((len(time), 0))
         angle = self._drive.crank_angle(time)
@@ -234,7 +234,7 @@ class DrivenConnectors:
         unit_motion: RigidMotion,
         unit_elastic: LinkMotion,
     ) -> ActingForces:
-        """Forces on the moving linkage.
+        """Generalized forces, virtual power and work on the moving linkage.
 
         Parameters
         ----------
@@ -283,7 +283,7 @@ class DrivenConnectors:
     def _point_forces(
         self, time: FloatArray, motion: RigidMotion, elastic: LinkMotion
     ) -> list[tuple[PointForce, bool]]:
-        """Forces one by one, and whether a joint with a radial spring carries them."""
+        """Forces one by one, and whether each is the radial force of a sprung joint."""
         found = [(push, False) for push in self._all.point_forces(motion, None, time)]
         for tangent in self._all.tangents(motion, None, time):
             ends = ((tangent.second, 1.0), (tangent.first, -1.0))
@@ -337,7 +337,7 @@ def _moved(point: AttachedPoint, motion: RigidMotion, elastic: LinkMotion) -> Fl
 
 
 def _on_fields(push: PointForce, motion: RigidMotion) -> FloatArray:
-    """A force on the rigid fields of its link: along, across, turning, and by the distance."""
+    """Generalized force on the rigid fields of its link: two translations, rotation, extension."""
     place = push.point
     unit = AttachedPoint(place.link, place.x, np.eye(3), np.eye(3))
     along, across, torque = unit.force(motion, push.force, push.torque).T

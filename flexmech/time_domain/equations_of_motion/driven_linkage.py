@@ -1,16 +1,15 @@
-"""The linkage driven by its shaft: a linear system in link frames that varies with time.
+"""Driven linkage: linear equations of motion in link frames with time-varying matrices.
 
 ``M(t) z'' + C(t) z' + K(t) z = f(t)``: the matrices of
 :mod:`flexmech.linear_system.joints.link_frames` with all rotation terms, the inertia forces of the
-rigid motion and weight as load. Links are reduced to component modes whose static shapes
-turn with the pins: here the whole shape moves (Galerkin), because a response in time does
-not depend on the frame in which it is written, as frozen eigenvalues do. Axial modes above
+rigid motion and weight as load. Links are reduced to component modes whose constraint
+modes rotate with the pins as a whole (Galerkin): a response in time does not depend on the frame in
+which it is written, as frozen eigenvalues do. Axial modes above
 the frequencies of interest are condensed: a bowed link stretches when it bends.
 
 The equations are linear about straight links, or about their quasi-static equilibrium. On
-request the links stretch by half the square of their slopes, whatever these are at the
-instant; that adds forces which are not linear (:class:`LinkageStretch`), and all axial modes
-move by themselves.
+request the links stretch by half the square of their slopes at the instant, which adds
+nonlinear forces (:class:`LinkageStretch`); then no axial mode is condensed.
 """
 
 from __future__ import annotations
@@ -64,11 +63,11 @@ class DrivenLinkage:
         ``equilibrium`` linearizes about the quasi-static equilibrium, whose displacement is
         then part of the response.
     modes : int
-        Number of natural frequencies that the reduction must get right.
+        Number of natural frequencies for which the reduction is accurate.
     detail : float
         Multiplies the frequency up to which component modes are kept.
     with_energy : bool
-        Whether energies and joint forces will be asked for.
+        Whether energies and joint forces are needed.
     stretches : bool
         Let straight links stretch by half the square of their slopes, in place of a
         prestress; see :func:`can_stretch`.
@@ -78,7 +77,7 @@ class DrivenLinkage:
     links : tuple of LinkModel
         Reduced.
     unreduced : tuple of LinkModel
-        As the run has them: those of the engine, or in natural coordinates what turns far; see
+        Links of the run: those of the engine, or in natural coordinates for large rotations; see
         :mod:`flexmech.time_domain.equations_of_motion.natural_coordinates`.
     bases, run_bases : tuple of ndarray, shape (n_full, n)
         From each reduced link's coordinates to the engine's, and to those of ``unreduced``.
@@ -86,7 +85,7 @@ class DrivenLinkage:
     connectors : DrivenConnectors
         Loads and springs.
     stretch : LinkageStretch or None
-        What comes on top of the linear equations.
+        Second-order stretch, besides the linear equations.
     shaft : DrivenShaft or None
         A shaft that is free.
     stress : StressHistory
@@ -124,7 +123,7 @@ class DrivenLinkage:
         self._condensed = np.zeros(self.frames.size, dtype=bool)
         for target, condensed in zip(self.frames.targets, reduced.condensed, strict=True):
             self._condensed[target[condensed]] = True
-        has_guides = stretches and reduced.topology.has_turning_lines
+        has_guides = stretches and reduced.topology.has_moving_guides
         level: Prestress = prestress
         if stretches and not turns_far:
             level = "axial" if has_guides else "none"
@@ -146,7 +145,7 @@ class DrivenLinkage:
 
     @property
     def shaft_coordinates(self) -> list[int]:
-        """Of linear equations that which is a free shaft's rotation; none where it is not."""
+        """Number of the coordinate that is a free shaft's rotation; empty without one."""
         if self.shaft is None:
             return []
         [column] = np.flatnonzero(self.shaft.rows[1])
@@ -226,14 +225,14 @@ class DrivenLinkage:
         return [Equations.condensed(motion, matrices, f, self._condensed) for f in units]
 
     def histories(self, time: FloatArray, force: FloatArray | None = None) -> FloatArray:
-        """How much of each of the k unit loads acts at times of shape (m,), (m, k).
+        """Amplitude of each of the k unit loads at times of shape (m,), (m, k).
 
         Parameters
         ----------
         time : ndarray, shape (m,)
             In s.
         force : ndarray, shape (m,), optional
-            That of one more load, the last.
+            Amplitude of one more load, the last.
         """
         tables = self.connectors.histories(time)
         return tables if force is None else np.column_stack([tables, force])
@@ -340,9 +339,8 @@ class DrivenLinkage:
     def unstressed(self) -> FloatArray:
         """Position z at time zero of straight links without axial stress, (n,).
 
-        Zero, except about a bowed equilibrium: there a straight link is, to first order,
-        longer by the square of the bow, which would start it with a stress that it does not
-        have.
+        Zero, except about a bowed equilibrium: to first order a straight link is longer there
+        by the square of the bow, which would be an initial stress that it does not have.
         """
         equations = self.equations(np.zeros(1), frozen=True)
         parts = [-s.prestress for s in self.stress.at(np.zeros(1))]

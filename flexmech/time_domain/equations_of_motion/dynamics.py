@@ -1,9 +1,9 @@
-"""Forces, torque and energies of a moving linkage whose links follow linear equations.
+"""Joint forces, torque and energies of a linkage by its linear equations of motion.
 
 Everything is that of the model whose equations are integrated: velocities and accelerations
-of the points of each link are exact for small displacements in turning frames, so that the
-work of the shaft's torque is the change of kinetic and strain energy and what damping
-takes, up to the error of the time step.
+of the points of each link are exact for small displacements in rotating frames, so that the
+work of the shaft's torque is the change of kinetic and strain energy plus the dissipated energy, up
+to the error of the time step.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from flexmech.time_domain.recorded_runs.recording import StepBlock
 
 
 class LinkageDynamics:
-    """What a driven linkage's motion asks of its joints and its shaft.
+    """Joint forces, driving torque and energies of a driven linkage.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class LinkageDynamics:
     def step_block(
         self, time: FloatArray, expansion: StaticExpansion, vibration: VibrationState
     ) -> StepBlock:
-        """What is recorded of consecutive steps.
+        """Records of consecutive time steps.
 
         Parameters
         ----------
@@ -135,11 +135,11 @@ class LinkageDynamics:
     def _joint_forces(
         self, motion: RigidMotion, ends: list[FloatArray], fields: list[FloatArray]
     ) -> FloatArray:
-        """Force on the held or following link at each joint in ground axes, (m, joints, 2).
+        """Force on the grounded or following link at each joint in ground axes, (m, joints, 2).
 
-        A pin carries what its follower's end is short of; a clamp or pivot carries the rest
-        of what its link needs as a whole. Where there are welds, lines or rigid links, all joints
-        together carry what all links need, at the places of the rigid motion.
+        The force of a pin balances its follower's end; that of a clamp or pivot balances its
+        link as a whole. Where there are welds, lines or rigid links, the forces of all joints
+        balance all links, at the places of the rigid motion.
         """
         topology = self.linkage.engine.mechanism.linkage.topology
         if topology.welds or topology.sliders or any(link.rigid for link in topology.links):
@@ -164,7 +164,7 @@ class LinkageDynamics:
 def _balanced_forces(
     topology: Topology, motion: RigidMotion, fields: list[FloatArray]
 ) -> FloatArray:
-    """Joint forces (m, joints, 2) that give each link its force and moment about its start."""
+    """Joint forces (m, joints, 2) from force and moment balance of all links."""
     needed = [
         np.column_stack([_to_ground(f[:, :2], motion.angle[:, i]), f[:, 2]])
         for i, f in enumerate(fields)

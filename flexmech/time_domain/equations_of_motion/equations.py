@@ -31,7 +31,7 @@ class StaticExpansion:
 
     @classmethod
     def of_all(cls, size: int) -> Self:
-        """None of ``size`` coordinates is condensed."""
+        """Expansion of ``size`` coordinates of which none is condensed."""
         return cls(np.eye(size)[None], np.zeros((1, size)))
 
     def expanded(self, vibration: VibrationState) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -78,9 +78,9 @@ class Equations(EquationsOfMotion):
         motion: RigidMotion,
         matrices: SystemMatrices,
         force: FloatArray,
-        gone: NDArray[np.bool_],
+        eliminated: NDArray[np.bool_],
     ) -> Self:
-        """Equations of the coordinates that are left by static condensation (Guyan, 1965).
+        """Equations after static condensation of some coordinates (Guyan, 1965).
 
         Parameters
         ----------
@@ -89,20 +89,20 @@ class Equations(EquationsOfMotion):
         matrices : SystemMatrices
             Of all coordinates of the frames.
         force : ndarray, shape (m, size)
-        gone : ndarray of bool, shape (size,)
+        eliminated : ndarray of bool, shape (size,)
             Coordinates that are condensed.
 
         Returns
         -------
         Equations
         """
-        inner, kept = np.flatnonzero(gone), np.flatnonzero(~gone)
-        expansion = StaticExpansion.of_all(len(gone))
+        inner, kept = np.flatnonzero(eliminated), np.flatnonzero(~eliminated)
+        expansion = StaticExpansion.of_all(len(eliminated))
         if len(inner):
             offset = np.zeros_like(force)
             stiffness = matrices.stiffness[:, inner[:, None], inner]
             offset[:, inner] = np.linalg.solve(stiffness, force[:, inner, None])[..., 0]
-            matrices, matrix = condense(matrices, gone)
+            matrices, matrix = condense(matrices, eliminated)
             force = force[:, kept] + np.einsum(
                 "mgk,mg->mk", matrix[:, inner[:, None], np.arange(len(kept))], force[:, inner]
             )

@@ -1,4 +1,4 @@
-"""Inertia of a link that moves with its frame and vibrates in it."""
+"""Inertia of a link that vibrates in its moving frame (floating frame of reference)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ FIELDS = ("along", "across", "tangential", "centripetal")
 
 
 def dot(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Products of vectors (m, n) with vectors (m, n), one a row."""
+    """Scalar products of vectors (m, n) row by row, (m,)."""
     return np.asarray(np.einsum("mi,mi->m", first, second))
 
 
@@ -58,7 +58,7 @@ class MovingLink:
         unit_motion: RigidMotion,
         gravity: FloatArray,
     ) -> Self:
-        """Take a link's rigid motion apart.
+        """Motion of a link by its rigid fields and elastic coordinates.
 
         Parameters
         ----------
@@ -102,7 +102,7 @@ def _fields(
 
 @dataclass(frozen=True)
 class LinkInertia:
-    """Integrals over a reduced link of its shapes and rigid fields.
+    """Inertia integrals of a reduced link's shapes and rigid fields.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ class LinkInertia:
 
     @classmethod
     def of(cls, model: LinkModel, full: LinkModel, basis: FloatArray) -> Self:
-        """Integrate.
+        """Inertia integrals of a link.
 
         Parameters
         ----------
@@ -168,7 +168,7 @@ class LinkInertia:
         )
 
     def turning_power(self, link: MovingLink) -> FloatArray:
-        """Mass times acceleration on the displacement as the frame turns at 1 rad/s, (m,)."""
+        """Virtual power of the inertia on the displacement at 1 rad/s of the frame, (m,)."""
         p = link.displacement
         turning = (
             2 * link.angular_velocity[:, None] * link.rate + link.angular_acceleration[:, None] * p
@@ -180,7 +180,7 @@ class LinkInertia:
         )
 
     def kinetic_energy(self, link: MovingLink) -> FloatArray:
-        """Of the rigid motion and the vibration together, (m,)."""
+        """Kinetic energy of the rigid motion with the vibration, (m,)."""
         p, rate, c, omega = link.displacement, link.rate, link.velocity, link.angular_velocity
         return np.asarray(
             dot(c, c @ self.rigid) / 2

@@ -1,4 +1,4 @@
-"""The stress of one reduced link: few distributions of it, each with a history in time."""
+"""Stress of one reduced link as a sum of few distributions with time histories."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ class StressShapes:
 
     @classmethod
     def straight(cls, stiffness: FloatArray, damping: FloatArray) -> Self:
-        """The one of a straight link without stress; matrices of shape (n, n)."""
+        """Single distribution of a straight, stress-free link; matrices of shape (n, n)."""
         return cls(stiffness[None], np.zeros((1, len(stiffness))), np.zeros(1), damping)
 
     @classmethod
     def unpacked(cls, values: FloatArray, size: int, damping: FloatArray) -> Self:
-        """From rows of stiffness, prestress, offset and, where it varies, damping.
+        """Distributions from rows of stiffness, prestress, offset and, where it varies, damping.
 
         Parameters
         ----------
@@ -57,7 +57,7 @@ class StressShapes:
 
 @dataclass(frozen=True)
 class LinkStress:
-    """Internal force ``prestress + stiffness @ p`` of one link at m instants, and its change.
+    """Internal force ``prestress + stiffness @ p`` of one link at m instants, and its rate.
 
     Its potential is ``offset + prestress . p + p . stiffness p / 2``.
 
@@ -65,7 +65,7 @@ class LinkStress:
     ----------
     shapes : StressShapes
     share, share_rate : ndarray, shape (m, r)
-        What each of the shapes counts, and the time derivative of that.
+        Amplitude of each distribution, and its time derivative.
     """
 
     shapes: StressShapes
@@ -74,22 +74,22 @@ class LinkStress:
 
     @property
     def stiffness(self) -> FloatArray:
-        """Shape (m, n, n)."""
+        """Stiffness matrix, (m, n, n)."""
         return np.tensordot(self.share, self.shapes.stiffness, 1)
 
     @property
     def prestress(self) -> FloatArray:
-        """Shape (m, n)."""
+        """Internal force at zero coordinates, (m, n)."""
         return np.asarray(self.share @ self.shapes.prestress)
 
     @property
     def damping(self) -> FloatArray:
-        """Shape (n, n), or (m, n, n) where it varies."""
+        """Damping matrix, (n, n), or (m, n, n) where it varies."""
         damping = self.shapes.damping
         return damping if damping.ndim == 2 else np.tensordot(self.share, damping, 1)
 
     def of(self, displacement: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Internal force, potential, and what the change of the stress alone adds to that a second.
+        """Internal force, potential, and power by the change of the stress alone.
 
         Parameters
         ----------

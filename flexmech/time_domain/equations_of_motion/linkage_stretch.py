@@ -1,4 +1,4 @@
-"""The second-order stretch of all links of a linkage, in its independent coordinates."""
+"""Second-order stretch of all links in the independent coordinates of a linkage."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from flexmech.linkages import RigidMotion
 
 @dataclass(frozen=True)
 class PinRotations:
-    """How the followers' ends turn from their leaders' at m instants.
+    """Rotation matrices of dependent ends at m instants.
 
     Parameters
     ----------
     turn, rate : ndarray, shape (m, f, k)
         From the first k independent coordinates, those of link ends, to the f displacements
-        of following ends, and the time derivative of that.
+        of dependent ends, and its time derivative.
     """
 
     turn: FloatArray
@@ -29,9 +29,9 @@ class PinRotations:
 
 
 class LinkageStretch:
-    """Strains of all links in spread coordinates: z, then the followers' ends.
+    """Strains of all links in augmented coordinates: z, then the dependent ends.
 
-    In these nothing depends on the position of the linkage: only the spreading does.
+    In these the strains do not depend on the position of the linkage; the augmentation does.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class LinkageStretch:
         Of all links together; see :class:`flexmech.linear_system.LinkStretch`.
     damping_time : ndarray, shape (s,)
     size : int
-        Number p of spread coordinates.
+        Number p of augmented coordinates.
     end_count : int
         How many independent coordinates, the first ones, are displacements of link ends.
     """
@@ -70,7 +70,7 @@ class LinkageStretch:
         return bool(self.damping_time.any())
 
     def pin_rotations(self, motion: RigidMotion) -> PinRotations:
-        """Turns of the following ends; ``motion`` is a batch of shape (m,)."""
+        """Rotation matrices of the dependent ends; ``motion`` is a batch of shape (m,)."""
         count, first = len(motion.crank_angle), self._frames.size
         turn, rate = np.zeros((2, count, self.size - first, self._frames.end_count))
         for places, ends in zip(self._places, self._frames.dependent_rows(motion), strict=True):
@@ -81,7 +81,7 @@ class LinkageStretch:
         return PinRotations(turn, rate)
 
     def augmented(self, turn: FloatArray, columns: FloatArray) -> FloatArray:
-        """Columns of z (..., n, r) with the followers' ends below them, (..., p, r).
+        """Columns of z (..., n, r) augmented by the dependent ends, (..., p, r).
 
         Parameters
         ----------
@@ -89,13 +89,13 @@ class LinkageStretch:
             Of :class:`PinRotations`.
         columns : ndarray, shape (..., n, r)
         """
-        followers = turn @ columns[..., : self.end_count, :]
-        return np.concatenate([columns, followers], axis=-2)
+        dependent = turn @ columns[..., : self.end_count, :]
+        return np.concatenate([columns, dependent], axis=-2)
 
     def nonlinear_forces(
         self, turns: PinRotations, position: FloatArray, velocity: FloatArray
     ) -> FloatArray:
-        """Forces on z beyond the linear ones, elastic and of damping, (m, n).
+        """Elastic and damping forces on z beyond the linear ones, (m, n).
 
         Parameters
         ----------
@@ -116,7 +116,7 @@ class LinkageStretch:
     def static_force(
         self, turns: PinRotations, position: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Force on z of links at rest beyond the linear one, (n,), and its derivative (n, n).
+        """Elastic force on z beyond the linear one, (n,), and its derivative (n, n).
 
         Parameters
         ----------
@@ -131,7 +131,7 @@ class LinkageStretch:
         return force @ augmentation, augmentation.T @ elastic[0] @ augmentation
 
     def augmentation(self, turn: FloatArray) -> FloatArray:
-        """From z to spread coordinates, (m, p, n); ``turn`` (m, f, k) of :class:`PinRotations`."""
+        """Map from z to augmented coordinates, (m, p, n), by ``turn`` of :class:`PinRotations`."""
         size = self._frames.size
         return self.augmented(turn, np.broadcast_to(np.eye(size), (len(turn), size, size)))
 
@@ -147,10 +147,10 @@ class LinkageStretch:
 
 
 class StretchForces:
-    """Forces beyond the linear ones, at some instants together.
+    """Nonlinear forces of the stretch at m instants together.
 
-    Everything that an evaluation needs is laid out before: what is left are some ten small
-    products. They are called as methods of arrays, which costs least.
+    Arrays are allocated before, so that an evaluation is some ten small products. They are called
+    as methods of arrays, which is fastest.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ class StretchForces:
     Attributes
     ----------
     place, rate : ndarray, shape (m, p)
-        Where spread coordinates of the instants and their rates times H are to be written.
+        Augmented coordinates of the instants and their rates times H, set by the caller.
     second : ndarray, shape (m, s)
         The last second-order tensions.
     """
@@ -192,14 +192,14 @@ class StretchForces:
     def evaluate(
         self, relaxation: FloatArray | None = None, second: FloatArray | None = None
     ) -> FloatArray:
-        """Force on the spread coordinates, (m, p); overwritten next time.
+        """Force on the augmented coordinates, (m, p); overwritten by the next call.
 
         Parameters
         ----------
         relaxation : ndarray, shape (m s, m s), optional
-            Let the links yield to the change of their second-order tension at once.
+            Relaxation of the links by the change of their second-order tension.
         second : ndarray, shape (m, s), optional
-            The second-order tension to which position and rate have yielded.
+            The second-order tension at which position and rate were found.
 
         Returns
         -------
@@ -222,7 +222,7 @@ class StretchForces:
         return self._force
 
     def tangents(self) -> tuple[FloatArray, FloatArray]:
-        """Derivatives of the last force by the spread coordinates and by their rates times H.
+        """Derivatives of the last force by the augmented coordinates and by their rates times H.
 
         Returns
         -------

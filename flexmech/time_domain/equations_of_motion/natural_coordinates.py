@@ -1,18 +1,18 @@
-"""Rigid bodies of a run in natural coordinates, in which turning far is linear.
+"""Rigid bodies in natural coordinates, in which finite rotations are linear.
 
-A body that is displaced by p and turned by phi moves matter at r from its reference point by
-``p + d_1 r + d_2 J r`` with ``d = (cos(phi) - 1, sin(phi))``: linear in p and d, so that its ties
-to other links, its mass matrix and its dead loads are constant and exact however far it turns
-(Garcia de Jalon & Bayo, *Kinematic and Dynamic Simulation of Multibody Systems*, 1994, ch. 2). One
-condition is left, that lengths stay::
+The point r of a body displaced by p and rotated by phi moves by ``p + d_1 r + d_2 J r`` with
+``d = (cos(phi) - 1, sin(phi))``: linear in p and d, so that its constraints, its mass matrix and
+its dead loads are constant and exact at any rotation (Garcia de Jalon & Bayo, *Kinematic and
+Dynamic Simulation of Multibody Systems*, 1994, ch. 2). One condition remains, that lengths are
+constant::
 
     d_1 + (d_1^2 + d_2^2) / 2 = 0
 
-It is a strain with the squares of two slopes, as that of a bar that bows
-(:class:`flexmech.linear_system.LinkStretch`), and a run in which links stretch has it as one: of a
-bar that is :data:`RIGIDITY` times as stiff along itself as the stiffest elastic link. Moving rigid
-links and bodies off the axis of elastic links are such bars, and so is a free shaft with its hub. A
-weld ties a section's rotation to ``d_2``, which is exact to the second order.
+It is a strain with the squares of two slopes, as that of a bowed bar
+(:class:`flexmech.linear_system.LinkStretch`), and is enforced as one: by a bar that is
+:data:`RIGIDITY` times as stiff along itself as the stiffest elastic link (penalty method). Moving
+rigid links and bodies off the axis of elastic links are such bars, and so is a free shaft with its
+hub. A weld ties a section's rotation to ``d_2``, which is exact to the second order.
 """
 
 from __future__ import annotations
@@ -79,12 +79,12 @@ class NaturalLink:
 def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
     """Links of a run whose moving rigid ones are bars.
 
-    Where lines turn, all links stay as they are.
+    With moving guides all links keep their coordinates.
 
     Parameters
     ----------
     engine : Engine
-        One that tells how its links stretch.
+        One that provides the second-order stretch of its links.
 
     Returns
     -------
@@ -97,7 +97,7 @@ def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
     pairs = zip(engine.links, stretches, strict=True)
     links = [NaturalLink.of(model, stretch) for model, stretch in pairs]
     topology = engine.topology
-    if topology.has_turning_lines:
+    if topology.has_moving_guides:
         # A line that turns is not linear in natural coordinates.
         return topology, links
     clamped = {clamp.link_end.link for clamp in topology.clamps if not clamp.free}
@@ -118,10 +118,10 @@ def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
 def with_turning_bodies(
     engine: Engine, number: int, link: NaturalLink, reduced: LinkModel, basis: FloatArray
 ) -> tuple[NaturalLink, LinkModel, FloatArray]:
-    """An elastic link whose bodies off the axis turn with their sections however far.
+    """An elastic link with its bodies off the axis in natural coordinates.
 
     Each such body adds its ``d_1`` to the link's coordinates; ``d_2`` is the section's rotation. A
-    free shaft that turns the link is a body on the section at its clamp.
+    free shaft of the link is a body on the section at its clamp.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def with_turning_bodies(
     ndarray, shape (n + k, m + k)
     """
     full, readings = engine.links[number], engine.links[number].readings
-    as_they_are = full.rigid or engine.topology.has_turning_lines
+    as_they_are = full.rigid or engine.topology.has_moving_guides
     bodies = () if as_they_are else engine.mechanism.link_masses_in_order[number].bodies
     for body, node in zip(bodies, body_nodes(readings.nodes, bodies), strict=True):
         matter = RigidBody.fixed(body)
@@ -194,7 +194,7 @@ def _weighted(body: RigidBody, turn: FloatArray) -> FloatArray:
 
 
 def _stiffness(engine: Engine, arm: float, inertia: float = 0.0) -> float:
-    """Of a rigid body's bar against ``d_1``, in N m.
+    """Penalty stiffness of a rigid body's bar against ``d_1``, in N m.
 
     Parameters
     ----------
@@ -213,7 +213,7 @@ def _stiffness(engine: Engine, arm: float, inertia: float = 0.0) -> float:
 
 
 def _turns(engine: Engine, name: str) -> bool:
-    """Whether a joint of a link holds or springs its rotation."""
+    """Whether a joint of a link fixes its rotation or has a torsional spring."""
     topology = engine.topology
     welded = any(name in (weld.leader.link, weld.follower.link) for weld in topology.welds)
     sprung = {spring.joint for spring in engine.mechanism.joint_springs}
@@ -227,7 +227,7 @@ def _turns(engine: Engine, name: str) -> bool:
 def _bar(
     rigid: LinkModel, length: float, axial: float, joined: bool, turned: bool, shaft: float
 ) -> NaturalLink:
-    """A rigid link as a bar.
+    """A rigid link as a stiff bar in natural coordinates.
 
     Its coordinates are the displacements of both ends, and its rotation where joints turn with it;
     of a link that nothing joins at its end that of the start, the rotation and the stretch. Its
@@ -341,7 +341,7 @@ def _with_body(
         column, row = by.T @ added[:, 2:3], added[2:3] @ by
         return np.block([[whole(matrix), column], [row, added[2:3, 2:3]]])
 
-    held = np.diag([0.0, 0.0, stiffness, 0.0])
+    bar = np.diag([0.0, 0.0, stiffness, 0.0])
     centrifugal = bordered(link.centrifugal_mass, mass)
     centrifugal[:-1, :-1] += matter.second_moment * np.outer(rows[2], rows[2])
     # What the field of centripetal accelerations says of the body's place from now on.
@@ -354,8 +354,8 @@ def _with_body(
         gyroscopic=bordered(link.gyroscopic, coriolis),
         centrifugal_mass=centrifugal,
         first_moment=_wider(link.first_moment - moved),
-        stiffness=bordered(link.stiffness, held),
-        damping=bordered(link.damping, damping_time * held),
+        stiffness=bordered(link.stiffness, bar),
+        damping=bordered(link.damping, damping_time * bar),
         is_axial=np.append(link.is_axial, True),
         readings=link.readings.projected(np.eye(link.size, link.size + 1)),
         fields=RigidFields(
@@ -369,5 +369,5 @@ def _with_body(
 
 
 def _wider(matrix: FloatArray) -> FloatArray:
-    """With a column of zeros at the end."""
+    """A matrix with a column of zeros appended."""
     return np.hstack([matrix, np.zeros((len(matrix), 1))])

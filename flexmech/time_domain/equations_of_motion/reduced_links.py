@@ -1,4 +1,4 @@
-"""Links of a driven linkage in component modes, and which of these are condensed statically."""
+"""Links of a driven linkage in component modes, some of them condensed statically."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class ReducedLinks:
     Parameters
     ----------
     topology : Topology
-        Where links stretch, moving rigid ones are elastic bars in it.
+        Where links stretch, moving rigid ones are elastic bars.
     unreduced : tuple of NaturalLink
     models : tuple of LinkModel
     bases : tuple of ndarray, shape (n_full, n)
@@ -58,7 +58,7 @@ class ReducedLinks:
 
     @classmethod
     def all_of(cls, engine: Engine) -> ReducedLinks:
-        """The engine's links as they are; without mass in places they cannot run in time."""
+        """The engine's links unreduced; links with massless nodes are refused."""
         engine.check_runs()
         return cls(
             engine.topology,
@@ -70,7 +70,7 @@ class ReducedLinks:
 
     @classmethod
     def of(cls, engine: Engine, reduction: ComponentModes) -> ReducedLinks:
-        """Links of an engine whose static shapes turn with the pins."""
+        """Links of an engine with constraint modes that rotate with the pins."""
         return cls(
             engine.topology,
             tuple(map(NaturalLink.of, engine.links)),
@@ -95,10 +95,10 @@ class ReducedLinks:
 def is_reduced(engine: Engine) -> bool:
     """Whether an engine's linear equations in time are reduced to component modes.
 
-    Those of links that are bent without load are not: modes of straight links do not show
-    the ends of a deep bow approach each other (2 % of the deflections of a coupler of
-    280 mm that is bowed by 8 mm, of which doubling the detail tells a tenth).
-    Nor are those that a free shaft turns as one body: see
+    Those of links that are bent without load are not: modes of straight links do not contain
+    the approach of the ends of a deep bow (2 % of the deflections of a coupler of
+    280 mm that is bowed by 8 mm, of which double the detail recovers a tenth).
+    Nor are links that rotate as one body on a free shaft: see
     :attr:`flexmech.linear_system.Engine.turns_as_one_body`.
 
     Parameters
@@ -115,12 +115,12 @@ def is_reduced(engine: Engine) -> bool:
 
 
 def can_stretch(engine: Engine) -> bool:
-    """Whether an engine tells how its links stretch by the square of their slopes."""
+    """Whether an engine provides the second-order stretch of its links."""
     return engine.stretches is not None
 
 
 def stretches_in_runs(engine: Engine, prestress: Prestress) -> bool:
-    """Whether links stretch by the square of their slopes when an engine's own equations run.
+    """Whether a run by an engine's linear equations includes the second-order stretch.
 
     Parameters
     ----------
@@ -136,9 +136,9 @@ def stretches_in_runs(engine: Engine, prestress: Prestress) -> bool:
 
 
 def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
-    """Links for a run in which they stretch: all axial modes move by themselves.
+    """Links for a run with second-order stretch, without condensed axial modes.
 
-    Slopes stretch a link along its chord, whose direction a bow does not tilt.
+    Slopes stretch a link along its chord, whose direction does not depend on a bow.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ def prestressed_links(
     drive : CrankDrive
     prestress : {"none", "axial", "equilibrium"}
     modes : int
-        Number of natural frequencies that the reduction must get right.
+        Number of natural frequencies for which the reduction is accurate.
     detail : float
         Multiplies the frequency up to which component modes are kept.
 

@@ -1,9 +1,9 @@
-"""The stress of the links along the motion, sampled and interpolated.
+"""Stress of the links along the motion, sampled and interpolated.
 
 Tangent stiffness and prestress forces are smooth functions of the crank angle. They are
-computed at a number of positions and interpolated by cubic splines: a step every few
-hundredths of a degree then costs no equilibrium of its own. They are sums of few
-distributions (:class:`LinkStress`), whose shares alone are interpolated.
+computed at a number of positions and interpolated by cubic splines: a time step every few
+hundredths of a degree then needs no equilibrium. They are sums of few distributions
+(:class:`LinkStress`), of which only the amplitudes are interpolated.
 """
 
 from __future__ import annotations
@@ -41,21 +41,21 @@ class StressHistory:
     ----------
     engine : Engine
     links : sequence of LinkModel
-        Unreduced, as the run has them.
+        Unreduced links of the run.
     bases : sequence of ndarray, shape (n_full, n)
         From each reduced link's coordinates to its full ones.
     drive : CrankDrive
     prestress : {"none", "axial", "equilibrium"}
     with_energy : bool
         Whether the potential's part that does not depend on the links' coordinates is
-        wanted; an engine must tell its internal forces for that.
+        needed, for which an engine must provide its internal forces.
     rigid_links_only : bool
-        Whether the stress counts in rigid links and sliders alone, and elastic links are
-        straight and without stress. They stretch by themselves, but a rigid link has no strain
-        that would tell what the forces of its joints are against a turn.
+        Whether stress is that of rigid links and sliders alone, with elastic links straight and
+        stress-free. These have their second-order stretch, but a rigid link has no strain from
+        which the geometric stiffness by its joint forces would follow.
     equilibrium_of : sequence of ndarray, shape (n_engine, n), optional
-        Basis of each link's coordinates in the engine's, of links that stretch by themselves: the
-        stress is what the forces by this lack in the equilibrium.
+        Basis of each link's coordinates in the engine's, of links with second-order stretch: the
+        stress is the internal force at the equilibrium less that of the stretch.
 
     Attributes
     ----------
@@ -137,13 +137,13 @@ class StressHistory:
         return [LinkStress(shapes, share, rate) for shapes in self._shapes]
 
     def guide_stiffness(self, time: FloatArray) -> FloatArray | None:
-        """Stiffness between rotations of guides and slides at times of shape (m,); (m, sliders)."""
+        """Geometric stiffness between guides and slides at times of shape (m,), (m, n_sliders)."""
         if self._guide_stiffness is None or not self._guide_stiffness.any():
             return None
         return np.asarray(self._shares(time)[0] @ self._guide_stiffness)
 
     def _shares(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Shares of the distributions of stress, and their rates, (m, r)."""
+        """Amplitudes of the distributions of stress, and their rates, (m, r)."""
         drive = self._drive
         if self._turn is None:
             share, rate = np.ones((len(time), 1)), np.zeros((len(time), 1))
@@ -205,10 +205,9 @@ class StressHistory:
         return values
 
     def _with_internal_forces(self, motion: RigidMotion, stressed: StressedLinks) -> StressedLinks:
-        """With internal forces where loads and springs act and the engine tells none.
+        """Stressed links with internal forces, where an engine does not provide them.
 
-        They are what inertia, weight, loads and springs are in balance with, but for the forces
-        in joints.
+        They balance inertia, weight, loads and springs, up to the joint forces.
         """
         connectors, place = self._engine.connectors, stressed.displacement
         if not connectors.any or place is None or stressed.internal_force is not None:
@@ -224,7 +223,7 @@ class StressHistory:
     def _displaced_inertia_forces(
         self, motion: RigidMotion, place: list[FloatArray]
     ) -> list[FloatArray] | None:
-        """Inertia forces of displacements in the equilibrium of links that turn as one body."""
+        """Inertia forces by displacements of links that rotate as one body."""
         topology = self._engine.mechanism.linkage.topology
         inertia = DisplacedInertia.of(topology, self._engine.links, motion)
         return None if inertia is None else inertia.forces(place)
@@ -232,9 +231,9 @@ class StressHistory:
     def _equilibrium_correction(
         self, stressed: StressedLinks, bases: Sequence[FloatArray]
     ) -> FloatArray:
-        """As :meth:`_packed`, of straight links with what the forces of stretching ones lack.
+        """As :meth:`_packed`: equilibrium forces less those of straight, stretching links.
 
-        Bodies off the axis turn with their sections, and rigid links, in natural coordinates.
+        Bodies off the axis and rigid links are in natural coordinates.
         """
         places, forces = stressed.displacement, stressed.internal_force
         stretches, columns = self._engine.stretches, []
@@ -257,7 +256,7 @@ class StressHistory:
         return np.concatenate(columns, axis=1)
 
     def _packed(self, stressed: StressedLinks, motion: RigidMotion) -> FloatArray:
-        """Stiffness, prestress and offset of all links side by side, (B, total)."""
+        """Stiffness, prestress and offset of all links in one row each position, (B, total)."""
         columns, batch = [], len(motion.crank_angle)
         inertia = None
         if stressed.displacement is not None and stressed.internal_force is None:
@@ -301,7 +300,7 @@ class StressHistory:
 
 
 def _low_rank_factors(values: FloatArray, scale: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Write rows (k, total) as shares (k, r) of as few shapes (r, total) as round-off allows.
+    """Low-rank factors of rows (k, total): amplitudes (k, r) and distributions (r, total).
 
     Gram-Schmidt orthogonalization that takes the greatest remainder first; ``scale`` (total,)
     says what each column is measured by.

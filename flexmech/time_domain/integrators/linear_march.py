@@ -1,4 +1,4 @@
-"""The trapezoidal rule along a driven linkage whose equations are linear."""
+"""Trapezoidal rule for a driven linkage with linear equations."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ class StepTable:
     def rows(
         self, time: FloatArray, force: FloatArray | None = None
     ) -> tuple[StepOperators, StaticExpansion]:
-        """Of the steps that end at some times; the operators until the next call.
+        """Operators of the steps that end at some times, valid until the next call.
 
         Parameters
         ----------
         time : ndarray, shape (m,)
             In s.
         force : ndarray, shape (m,), optional
-            How much of the table's load acts at these times; needed where it has one.
+            Amplitude of the table's load at these times; needed where it has one.
 
         Returns
         -------
@@ -77,17 +77,17 @@ class StepTable:
 
 
 def _side_by_side(units: list[FloatArray], like: FloatArray) -> FloatArray:
-    """What a unit of each load gives, (m, k, n), from k arrays of the shape (m, n) of another."""
+    """Responses to unit loads, (m, k, n), stacked from k arrays (m, n)."""
     return np.swapaxes(np.reshape(units, (len(units), *like.shape)), 0, 1)
 
 
 def _under(force: FloatArray, units: FloatArray) -> FloatArray:
-    """What so much of each load gives, (m, n), by a unit of each."""
+    """Response to loads of amplitudes (m, k), (m, n), from those to unit loads."""
     return np.asarray(np.einsum("mk,mkn->mn", force, units))
 
 
 class LinearMarch:
-    """Marches a linkage with linear equations from state to state.
+    """Time stepping of a linkage with linear equations.
 
     Parameters
     ----------
@@ -112,12 +112,12 @@ class LinearMarch:
         self._table = StepTable(linkage, step, load)
 
     def restart(self) -> None:
-        """Forget the run before; there is nothing to forget."""
+        """Prepare for another run; nothing is kept between runs."""
 
     def advance(
         self, time: FloatArray, state: VibrationState, force: FloatArray | None = None
     ) -> tuple[VibrationState, StaticExpansion]:
-        """March from the first of some times to the others, in parts that stay in the cache.
+        """Advance from the first of some times to the others, in parts that fit the cache.
 
         Parameters
         ----------
@@ -126,7 +126,7 @@ class LinearMarch:
         state : VibrationState
             At the first of them, arrays of shape (n,).
         force : ndarray, shape (m + 1,), optional
-            How much of the table's load acts at these times; needed where it has one.
+            Amplitude of the table's load at these times; needed where it has one.
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""Functions of the linkage's position, interpolated between positions of a turn.
+"""Functions of the crank angle, interpolated between positions of a turn.
 
 The matrices of a driven linkage are smooth functions of the crank angle. At a constant speed
 what a step makes of them is solved at some hundred positions of a turn and interpolated from
@@ -69,7 +69,7 @@ class PositionTable:
         self._shapes: list[tuple[int, ...]] = []
 
     def at(self, time: FloatArray) -> list[FloatArray]:
-        """Arrays of shape (m, ...) at increasing times of shape (m,), until the next call."""
+        """Arrays of shape (m, ...) at increasing times of shape (m,), valid until the next call."""
         values = self._packed(time)
         stops = np.cumsum([int(np.prod(shape)) for shape in self._shapes])[:-1]
         pieces = np.split(values, stops, axis=1)
@@ -105,7 +105,7 @@ class PositionTable:
         return values
 
     def _ensure(self, needed: IntArray) -> None:
-        """Solve the positions that are asked for the first time, and those of their batch."""
+        """Solve positions on first use, with the others of their batch."""
         for batch in np.unique(needed[~self._solved[needed]] // BATCH):
             some = np.arange(batch * BATCH, min((batch + 1) * BATCH, self._count))
             turned = some / self._count * self._drive.revolution_time

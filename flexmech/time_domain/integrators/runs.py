@@ -1,4 +1,4 @@
-"""Runs of a driven linkage from a given start, undisturbed or struck on the way.
+"""Runs of a driven linkage in time from a given start, with or without an impact.
 
 Linear equations are integrated by the trapezoidal rule, those of links that stretch by the
 square of their slopes by Lobatto's method of fourth order: what a step of them costs is spent
@@ -38,7 +38,7 @@ DIVERGED = 1e6
 def marching(
     linkage: DrivenLinkage, step: float, load: Sequence[FloatArray] | None = None
 ) -> LinearMarch | StretchMarch:
-    """The method for a linkage.
+    """Time integration method for a linkage.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def marching(
 
 
 def step_lag(angle: float, *, stretches: bool) -> float:
-    """By what part of itself steps lower the frequency of a free vibration, to leading order.
+    """Relative period error: lowering of a free vibration's frequency, to leading order.
 
     Parameters
     ----------
@@ -186,8 +186,8 @@ def _refuse_divergence(linkage: DrivenLinkage, time: FloatArray, history: Vibrat
     )
 
 
-class StruckLinkage:
-    """A driven linkage with a hammer on one of its points and an eye on another.
+class LinkageUnderImpact:
+    """A driven linkage with an impact at one point and a response at another.
 
     What the time steps of a turn need is solved once, for all runs.
 
@@ -339,7 +339,7 @@ class Simulator(Protocol):
 
 
 def simulator(engine: Engine) -> Simulator:
-    """Take an engine as one that simulates; refuse one that does not."""
+    """An engine that simulates; others are refused."""
     if not engine.simulates:
         raise InputError(
             f"the {engine.name} engine does not simulate the running linkage with large "

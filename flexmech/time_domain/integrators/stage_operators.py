@@ -22,9 +22,9 @@ class StageOperators:
         Stiffness and, beside it, damping over H, at each stage.
     force : ndarray, shape (m, 2, n)
     compliance : ndarray, shape (m, 2 p, 2 p)
-        By how much unit forces on spread coordinates at the stages move these there.
+        Displacements of augmented coordinates at the stages by unit forces on them.
     relaxation : ndarray, shape (m, 2 s, 2 s)
-        By how much tensions at the stages fall as links yield to them.
+        Decrease of the tensions at the stages by unit tensions.
     turns : PinRotations
         Arrays of shape (m, 2, f, k).
     """

@@ -1,12 +1,11 @@
 """Lobatto's fourth-order method for links that stretch by the square of their slopes.
 
 The linear part of a double step is solved as in
-:mod:`flexmech.time_domain.integrators.stage_operators`. The forces that are left act through what
-the same step makes of a force: a modified Newton's method whose tangent is that of the straight
-links. Within a pass the links yield first to what their slopes stretch them by, which is most of
-the answer; the tension that is left then pulls at the slopes (block Gauss-Seidel). Slopes are
-small, so that a pass gains about two digits; where it does not, Newton's method takes the tangent
-of the bowed links.
+:mod:`flexmech.time_domain.integrators.stage_operators`. The nonlinear forces are
+iterated by a modified Newton's method with the tangent of the straight links. Within a pass the
+links first relax the stretch by their slopes, which is most of the solution; the remaining tension
+then acts on the slopes (block Gauss-Seidel). Slopes are small, so that a pass gains about two
+digits; where it does not, Newton's method takes the tangent of the bowed links.
 """
 
 from __future__ import annotations
@@ -59,11 +58,11 @@ EXTRAPOLATE = np.array([[-1.0, 2.0], [-2.0, 3.0]])
 
 
 class UnbalancedStepError(ComputationError):
-    """No balance is found in a step of this length; there may be one in a shorter step."""
+    """Newton's method fails in a step of this length; a shorter step may converge."""
 
 
 class StretchMarch:
-    """Marches a linkage whose links stretch from state to state.
+    """Time stepping of a linkage with second-order stretch.
 
     Parameters
     ----------
@@ -93,14 +92,14 @@ class StretchMarch:
         self.restart()
 
     def restart(self) -> None:
-        """Forget the run before."""
+        """Prepare for another run: discard the state of the last one."""
         self._passes = 0
         self._last: FloatArray | None = None
 
     def advance(
         self, time: FloatArray, state: VibrationState, force: FloatArray | None = None
     ) -> tuple[VibrationState, StaticExpansion]:
-        """March from the first of some times to the others.
+        """Advance from the first of some times to the others.
 
         Parameters
         ----------
@@ -109,7 +108,7 @@ class StretchMarch:
         state : VibrationState
             At the first of them, arrays of shape (n,).
         force : ndarray, shape (2 m + 1,), optional
-            How much of the load acts at these times; needed where there is one.
+            Amplitude of the load at these times; needed where there is one.
 
         Returns
         -------
@@ -136,7 +135,7 @@ class StretchMarch:
         return whole, StaticExpansion.of_all(self._linkage.size)
 
     def _solve(self, end: FloatArray) -> list[FloatArray]:
-        """What the double steps need that end at times of shape (m,)."""
+        """Arrays of the double steps that end at times of shape (m,)."""
         linkage, count = self._linkage, len(end)
         time = np.column_stack([end - self._step, end]).reshape(-1)
         equations = linkage.equations(time, tables=False)
@@ -186,7 +185,7 @@ class StretchMarch:
     def _fixed_passes(
         self, rows: StageOperators, start: FloatArray, passes: int
     ) -> tuple[FloatArray, float]:
-        """History of :meth:`_block`, and by how much the last pass changed positions at most."""
+        """History of :meth:`_block`, and greatest change of positions by the last pass."""
         forces, size, width = self._forces, start.shape[1], self._stretch.size
         turns, rates = rows.turns.turn, 2 * self._step * rows.turns.rate
         steps, ends = len(turns), slice(self._stretch.end_count)
@@ -295,7 +294,7 @@ def _newton(
     known[0, :3] = start
     for number, turn in enumerate(rows.turns.turn):
         now, augmentation = known[number], stretch.augmentation(turn)
-        # Rates of spread coordinates by the positions of both stages, but for their prediction.
+        # Rates of augmented coordinates by the positions of both stages, but for their prediction.
         turned = np.zeros((STAGES, width, size))
         turned[:, size:, : stretch.end_count] = double * rows.turns.rate[number]
         rate = np.einsum("ij,iqn->iqjn", RATE_BY_POSITION, augmentation)
@@ -307,7 +306,7 @@ def _newton(
         resisted = rows.resistance[number] @ predicted.reshape(STAGES, -1, 1)
         balance = np.zeros((STAGES, width))
         balance[:, :size] = rows.force[number] - resisted[..., 0]
-        # By how much forces on the spread coordinates of both stages move z of both.
+        # Displacement z of both stages by forces on the augmented coordinates of both.
         compliance = (
             rows.compliance[number].reshape(STAGES, width, -1)[:, :size].reshape(STAGES * size, -1)
         )

@@ -1,8 +1,8 @@
-"""The running linkage under a force on one point and read at another, in its moving modes.
+"""Transfer of the running linkage from a force at one point to a displacement at another.
 
-Force and displacement are in the axes of their links' rigid frames. What the moving modes leave
-out, all faster than they are, answers statically: by the flexibility of the links at each crank
-angle less that of the moving modes alone.
+Force and displacement are in the axes of their links' rigid frames. The truncated modes, all
+faster than the moving modes, respond statically (residual flexibility): by the flexibility of the
+links at each crank angle less that of the moving modes.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def forced_linkage(
     direction: LinkDirection = "transverse",
     connected: FloatArray | None = None,
 ) -> ForcedPeriodicSystem:
-    """The linkage's periodic system with a force on it.
+    """Periodic system of the linkage with a force as input and a displacement as output.
 
     Parameters
     ----------
@@ -79,10 +79,10 @@ def residual_flexibility(
     direction: LinkDirection = "transverse",
     connected: FloatArray | None = None,
 ) -> FloatArray:
-    """Static answer of what the moving modes leave out, at each crank angle.
+    """Residual flexibility of the truncated modes at each crank angle.
 
-    ``g' K^-1 f - (P' g)' (P' K P)^-1 P' f``: of the two terms the first is the answer of the
-    unreduced links, the second that of the moving modes. Without rotation terms.
+    ``g' K^-1 f - (P' g)' (P' K P)^-1 P' f``: flexibility of the unreduced links less that of the
+    moving modes, without rotation terms.
 
     Parameters
     ----------
@@ -110,13 +110,13 @@ def residual_flexibility(
         displacement_row(turn.unreduced[place], point.fraction, direction)
         for place, point in zip(places, (hit, seen), strict=True)
     ]
-    answer = np.empty(count)
+    flexibility = np.empty(count)
     for first in range(0, count, BATCH):
         some = slice(first, first + BATCH)
         motion = turn.displaced.at(some)
         tangent = [in_positions(t, some) for t in stressed.tangent]
-        still = RotationTerms.all_or_none(False)
-        stiffness = frames.assemble(motion, tangent, still).stiffness
+        frozen = RotationTerms.all_or_none(False)
+        stiffness = frames.assemble(motion, tangent, frozen).stiffness
         if connected is not None:
             stiffness = stiffness + connected[some]
         loads = [np.zeros((len(stiffness), link.size)) for link in turn.unreduced]
@@ -124,8 +124,8 @@ def residual_flexibility(
         moved = np.linalg.solve(stiffness, frames.gather(motion, loads)[..., None])
         whole = frames.link_coordinates(motion, moved)[places[1]][..., 0] @ rows[1]
         own = np.linalg.solve(_stiffness(moving, tangent, some), into[some, :, None])[..., 0]
-        answer[some] = whole - (out[some] * own).sum(axis=1)
-    return answer
+        flexibility[some] = whole - (out[some] * own).sum(axis=1)
+    return flexibility
 
 
 def _stiffness(moving: MovingModes, tangent: Sequence[LinkMatrix], some: slice) -> FloatArray:

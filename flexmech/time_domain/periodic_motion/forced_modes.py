@@ -1,9 +1,9 @@
-"""The running linkage in its moving modes under its own inertia: a small forced periodic system.
+"""Forced periodic system of the running linkage in its moving modes.
 
 The linear equations of :mod:`flexmech.time_domain.equations_of_motion.driven_linkage` are sought in
 the moving modes of :mod:`flexmech.time_domain.periodic_motion.moving_modes`. The loads are the
-inertia forces of the rigid motion and the weight; what they bend beyond the moving modes follows
-statically. Damping enters link by link in proportion to the damping of the model, so that other
+inertia forces of the rigid motion and the weight; the response beyond the moving modes is
+static. Damping enters link by link in proportion to the damping of the model, so that other
 damping costs no new model.
 """
 
@@ -31,6 +31,7 @@ from flexmech.time_domain.periodic_motion.moving_modes import (
     moving_modes,
 )
 from flexmech.time_domain.periodic_motion.sampled_turn import SampledTurn
+from flexmech.time_domain.periodic_motion.shooting import CRITICAL
 
 Readings = Sequence[Sequence[FloatArray | None]]
 
@@ -46,9 +47,6 @@ STEPS_A_PERIOD = 12
 LEAST_STEPS = 720
 # A reading this near to a step, in steps, begins there: phases are told to round-off.
 ON_A_STEP = 1e-9
-# Motions that a turn returns to this part of themselves are not sought: without damping a critical
-# speed has no periodic motion, and the others are as good.
-RETURNED = 1e-12
 # Modes besides those asked for, where nothing turns and any number of them is smooth. What they
 # leave out follows statically.
 SPARE_MODES = 2
@@ -56,7 +54,7 @@ SPARE_MODES = 2
 
 @dataclass(frozen=True)
 class ForcedModes:
-    """A running linkage of n_links links in m moving modes, its loads and readings.
+    """A running linkage of n_links links in m moving modes, with its loads and outputs.
 
     Parameters
     ----------
@@ -175,7 +173,8 @@ class FreeAndForced:
             np.matmul(self.transitions[step], states[index], out=states[index + 1])
         row, n = self.rows[order, reading], size - 1
         turn = states[-1]
-        start = np.linalg.lstsq(np.eye(n) - turn[:n, :n], turn[:n, n], rcond=RETURNED)[0]
+        # Without damping a critical speed has no periodic motion, and any other motion is as good.
+        start = np.linalg.lstsq(np.eye(n) - turn[:n, :n], turn[:n, n], rcond=CRITICAL)[0]
         own = states[:, :n] @ np.append(start, 1.0)
         gap = own[-1] - own[0]
         free = np.einsum("kn,knj->kj", row, states[:, :n, :n])
@@ -204,7 +203,7 @@ def forced_modes(
     prestress: Prestress = "equilibrium",
     modes: int = 4,
 ) -> ForcedModes:
-    """Write a running linkage in its moving modes, with its loads.
+    """Project a running linkage and its loads onto its moving modes.
 
     Parameters
     ----------
@@ -238,7 +237,7 @@ def forced_modes(
     engine.require_no_connectors("forced motion in moving modes")
     turn = SampledTurn.of(engine, motion, stressed, prestress, modes)
     count = min(modes + SPARE_MODES, turn.frames.size)
-    if turn.turns_pins:
+    if turn.has_relative_motion:
         count = counts_of_modes(turn, modes, 1)[0]
     moving = moving_modes(turn, count)
     force = turn.frames.gather(turn.displaced, _loads(engine, turn, stressed))
@@ -260,7 +259,7 @@ def forced_modes(
 
 
 def _link_damping(moving: MovingModes) -> tuple[FourierSeries, ...]:
-    """What each link's damping alone adds to the system's matrix."""
+    """Contribution of each link's damping to the system's matrix."""
     turn = moving.turn
     nothing = [np.zeros_like(matrix) for matrix in turn.damping]
     series = []
@@ -271,10 +270,10 @@ def _link_damping(moving: MovingModes) -> tuple[FourierSeries, ...]:
 
 
 def _loads(engine: Engine, turn: SampledTurn, stressed: StressedLinks) -> list[FloatArray]:
-    """Forces on each reduced link (N, n_link) that a displacement from the straight link answers.
+    """Loads (N, n_link) on each reduced link for displacements from the straight link.
 
-    Near a stressed state the internal force is not the tangent times the displacement: what it is
-    more at that state counts as a load.
+    Near a stressed state the internal force is not the tangent times the displacement: the
+    difference at that state is part of the load.
     """
     forces = inertia_loads(engine.links, turn.motion, engine.mechanism.gravity)
     displacement, inner = stressed.displacement, stressed.internal_force
@@ -297,10 +296,10 @@ def _loads(engine: Engine, turn: SampledTurn, stressed: StressedLinks) -> list[F
 
 
 def _rest(moving: MovingModes, force: FloatArray, modal: FloatArray) -> FloatArray:
-    """What the loads bend statically beyond the moving modes, (N, n, 1)."""
+    """Static response to the loads beyond the moving modes, (N, n, 1)."""
     turn, across = moving.turn, np.swapaxes(moving.basis, 1, 2)
-    still = RotationTerms.all_or_none(False)
-    stiffness = turn.frames.assemble(turn.displaced, turn.tangent, still).stiffness
+    frozen = RotationTerms.all_or_none(False)
+    stiffness = turn.frames.assemble(turn.displaced, turn.tangent, frozen).stiffness
     own = np.linalg.solve(across @ stiffness @ moving.basis, modal[..., None])
     return np.asarray(np.linalg.solve(stiffness, force[..., None]) - moving.basis @ own)
 

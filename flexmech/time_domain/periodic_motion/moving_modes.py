@@ -1,9 +1,9 @@
-"""The running linkage in its moving modes: a small periodic system in canonical form.
+"""Running linkage in its moving modes: a small periodic Hamiltonian system with damping.
 
-The lowest natural modes at every crank angle, without rotation terms, span a subspace that turns
-with the crank. The motion is sought there (Galerkin), with the rates of the turning shapes. What
-is stiff, such as stretching, follows statically in each mode. The coordinates of all links are
-``q = P(t) y`` with ``P' M P = 1``; a dot is a rate. The Lagrange function of links in turning
+The lowest frozen natural modes at every crank angle span a subspace that varies with the crank
+angle. The motion is sought there (Galerkin), with the rates of the varying shapes. Stiff
+coordinates, such as stretching, are condensed statically in each mode. The coordinates of all links
+are ``q = P(t) y`` with ``P' M P = 1``; a dot is a rate. The Lagrange function of links in turning
 frames gives::
 
     B = P' M P. + P' omega S P                                                 (skew)
@@ -13,10 +13,10 @@ and with the momentum ``p = y. + B y`` the equations of motion are those of the 
 ``H = |p - B y|^2 / 2 + y' Q y / 2`` and of the damping forces ``-P' D (P y. + P. y)``.
 
 Connectors move by ``d = E(t) W(t) y`` with the basis W in the linkage's coordinates. Their
-stiffness ``E' K E`` stands in Q by its symmetric part; what has no potential, the skew part and
-the dampers, gives the forces ``-W' (E' K E - (E' K E)') W y / 2 - (E W)' C (E W y.+ (E W). y)``.
+stiffness ``E' K E`` is in Q by its symmetric part; the skew part and the dampers, which have no
+potential, give the forces ``-W' (E' K E - (E' K E)') W y / 2 - (E W)' C (E W y.+ (E W). y)``.
 
-The subspace is smooth where its highest mode stays apart from the next one; modes may cross within
+The subspace is smooth where its highest mode does not cross the next one; modes may cross within
 it. At each crank angle its basis is the one nearest to a fixed basis, so that it returns after a
 turn.
 """
@@ -60,10 +60,10 @@ class MovingModes:
         ``w`` in rad/s: natural frequencies of the stiffness averaged over the turn. The scaled
         states are canonical too.
     conservative, dissipative : FourierSeries
-        Of the system's matrix (2 m, 2 m): without damping, and what damping adds to it, which is
-        proportional to the damping.
+        Of the system's matrix (2 m, 2 m): without damping, and the part by the links' damping,
+        to which it is proportional.
     attached : FourierSeries
-        What dampers of springs and joints and forces that follow add to the system's matrix.
+        Part of the system's matrix by dampers of springs and joints and by follower forces.
     stiffness : ndarray, shape (N, m, m)
         Q in (rad/s)^2, as sampled.
     fixed : ndarray, shape (n, m)
@@ -113,7 +113,7 @@ class MovingModes:
 
 
 def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
-    """Numbers of moving modes whose subspace is smooth, and which are more than are asked for.
+    """Numbers of moving modes above the requested one whose subspace is smooth.
 
     Parameters
     ----------
@@ -155,7 +155,7 @@ def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
 def moving_modes(
     turn: SampledTurn, count: int, like: MovingModes | None = None, frame: MovingFrame = "link"
 ) -> MovingModes:
-    """Write the running linkage in its moving modes.
+    """Project the running linkage onto its moving modes.
 
     Parameters
     ----------
@@ -235,7 +235,7 @@ class _Forces:
 
 
 def _of_connectors(turn: SampledTurn, basis: FloatArray) -> _Forces:
-    """Forces of dampers of springs and joints, and of forces that follow."""
+    """Forces of dampers of springs and joints, and follower forces."""
     connected, across = turn.connected, np.swapaxes(basis, 1, 2)
     if connected is None or connected.is_conservative:
         nothing = np.zeros_like(across @ basis)
@@ -277,7 +277,7 @@ def _inertia(
     shapes: FloatArray,
     rates: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
-    """What a link's ``M``, ``S`` and ``M_t`` give to B and Q.
+    """Contributions of a link's ``M``, ``S`` and ``M_t`` to B and Q.
 
     Of ``|P y. + P. y|_M^2 / 2 + omega (P y. + P. y)' S P y + omega^2 y' P' M_t P y / 2``.
     """
@@ -293,7 +293,7 @@ def _inertia(
 def _turned_bodies(
     turn: SampledTurn, number: int, shapes: FloatArray
 ) -> Iterator[tuple[float, tuple[FloatArray, FloatArray]]]:
-    """Inertia of bodies on a link where its sections turn them, less that on the straight link."""
+    """Inertia of bodies on a link rotated with its sections, less that on the straight link."""
     speed = turn.frame_speed[:, number, None, None]
     angles = [] if turn.turns is None else turn.turns[number]
     for body, angle in zip(turn.models[number].bodies, angles, strict=bool(angles)):

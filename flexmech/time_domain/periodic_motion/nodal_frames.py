@@ -1,4 +1,4 @@
-"""Links whose nodes' displacements are written in ground axes, with the rates of their turning.
+"""Links with nodal displacements in ground axes, and the rates of these.
 
 Each vector of a link, the displacement of a node or its slope vector, is turned by the link's
 angle: ``d = R q``. With J the quarter turn of all vectors, the rate seen in the link's axes is
@@ -63,7 +63,7 @@ def ground_rates(
 
 
 def quarter_turn(link: LinkModel) -> FloatArray:
-    """Matrix that turns all vectors of a link by a quarter and drops other coordinates.
+    """Matrix that rotates all vectors of a link by 90 deg and drops other coordinates.
 
     Parameters
     ----------

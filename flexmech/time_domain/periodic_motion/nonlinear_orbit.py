@@ -21,6 +21,7 @@ from flexmech.linkages import CrankDrive
 from flexmech.threads import one_thread
 from flexmech.time_domain.periodic_motion.orbit_equations import OrbitEquations, at_angles
 from flexmech.time_domain.periodic_motion.orbit_newton import NewtonRun, newton
+from flexmech.time_domain.periodic_motion.shooting import CRITICAL
 from flexmech.validation import check_count
 
 logger = logging.getLogger(__name__)
@@ -32,9 +33,6 @@ SAMPLES = (128, 256)
 # more samples are taken above the first, and the orbit is not resolved above the second.
 TAIL = 1e-4
 GREATEST_TAIL = 1e-3
-# A free vibration fits a turn to this part: what it is excited to is made of round-off, or of the
-# steps' errors.
-CRITICAL = 1e-7
 # Damping of the continuation: at first over the crank speed, and the part of it that stays from one
 # motion to the next; that part is brought nearer to one where a motion is not found, at most
 # to the last. Below the least the motion is undamped. Where all are found these are three motions;
@@ -154,7 +152,7 @@ def _orbit(engine: Engine, crank_speed: float, samples: int) -> NonlinearOrbit:
 
 
 def _found(equations: OrbitEquations, start: FloatArray) -> tuple[NewtonRun, int]:
-    """The periodic motion directly, or else by way of damped ones; and all passes."""
+    """Periodic motion, directly or by continuation in damping, with the number of passes."""
     run = newton(equations, start)
     passes, detuning = run.passes, run.detuning
     if not run.converged:
@@ -180,7 +178,7 @@ def _found(equations: OrbitEquations, start: FloatArray) -> tuple[NewtonRun, int
 
 
 def _by_continuation(equations: OrbitEquations, start: FloatArray) -> tuple[NewtonRun, int]:
-    """The periodic motion by continuation in a damping that falls to zero; and all passes."""
+    """Periodic motion by continuation in a decreasing damping, with the number of passes."""
     speed = abs(equations.crank_speed)
     damping_rate, last_found, less, passes = FIRST_DAMPING * speed, np.inf, LESS, 0
     run = newton(equations, start, damping_rate)

@@ -38,7 +38,7 @@ from flexmech.linkages import RigidMotion
 
 @dataclass(frozen=True)
 class OrbitState:
-    """A periodic motion and how far it is from fulfilling the equations of motion.
+    """A periodic motion and its residual in the equations of motion.
 
     Parameters
     ----------

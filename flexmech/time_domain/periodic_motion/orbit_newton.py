@@ -61,7 +61,7 @@ INVERSE_STEPS = 3
 
 @dataclass(frozen=True)
 class NewtonRun:
-    """What an iteration has come to.
+    """Result of an iteration.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class NewtonRun:
 
 
 def newton(equations: OrbitEquations, z: FloatArray, damping_rate: float = 0.0) -> NewtonRun:
-    """Look for a periodic motion near another one.
+    """Solve for a periodic motion near another one.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def _length(equations: OrbitEquations, z: FloatArray) -> float:
 def _in_static_balance(
     equations: OrbitEquations, modal: _ModalPreconditioner, state: OrbitState, damping_rate: float
 ) -> OrbitState:
-    """The state once the modes that answer statically are in balance."""
+    """The state with the quasi-static modes in equilibrium."""
     rows = np.swapaxes(modal.modes[:, :, modal.moving :], 1, 2)
     enough = BALANCED * float(np.linalg.norm(times(rows, equations.load)))
     for _ in range(MOST_BALANCING):
@@ -150,7 +150,7 @@ def _in_static_balance(
 
 
 class _ModalPreconditioner:
-    """Frozen modes of each sample: those that move, and those that answer statically.
+    """Frozen modes of each sample: dynamic and quasi-static ones.
 
     Parameters
     ----------
@@ -205,7 +205,7 @@ class _ModalPreconditioner:
         return np.asfortranarray(block.reshape(samples * m, samples * m))
 
     def solve(self, matrices: SystemMatrices, force: FloatArray) -> tuple[FloatArray, int]:
-        """Periodic motion that answers forces linearly.
+        """Linear periodic response to forces.
 
         Parameters
         ----------

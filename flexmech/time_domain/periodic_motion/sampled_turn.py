@@ -1,4 +1,4 @@
-"""The links of a running linkage at evenly spaced crank angles of a turn, at their stress."""
+"""Stressed links of a running linkage at evenly spaced crank angles of a turn."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from flexmech.linear_system import (
     all_constant,
     body_turns,
     has_constant_tangents,
+    has_relative_motion,
     inverse_mass_root,
     is_constant_turn,
-    turns_or_slides,
 )
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.equations_of_motion.reduced_links import ReducedLinks, prestressed_links
@@ -35,7 +35,7 @@ DETAIL = 2.0
 
 @dataclass(frozen=True)
 class FrozenSubspace:
-    """The subspaces of the lowest m natural modes at N crank angles beside a fixed one.
+    """Subspaces of the lowest m natural modes at N crank angles, aligned to a fixed one.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class SampledTurn:
     motion : RigidMotion
         Batch of shape (N,): a turn of the crank in the order of time.
     models : tuple of LinkModel
-        Links in component modes whose static shapes turn with the pins.
+        Links in component modes whose constraint modes rotate with the pins.
     bases : tuple of ndarray, shape (n_full, n_link)
         From each reduced link's coordinates to the engine's.
     unreduced : tuple of LinkModel
@@ -170,17 +170,17 @@ class SampledTurn:
         )
 
     @property
-    def turns_pins(self) -> bool:
-        """Whether a link turns against another one, so that shapes change along the turn."""
-        return turns_or_slides(self.frames.topology)
+    def has_relative_motion(self) -> bool:
+        """Whether links rotate or slide against each other, so that shapes vary."""
+        return has_relative_motion(self.frames.topology)
 
     @cached_property
     def is_constant(self) -> bool:
-        """Whether nothing changes along the turn: no link turns against another, nor its stress.
+        """Whether all matrices are constant over the turn.
 
-        Nor what springs, loads and guides answer.
+        Those of links, springs, loads and guides.
         """
-        if self.turns_pins:
+        if self.has_relative_motion:
             return False
         if not all_constant(m for m in (*self.tangent, *self.damping) if m.ndim == 3):
             return False
@@ -193,18 +193,18 @@ class SampledTurn:
 
     @cached_property
     def frame_speed(self) -> FloatArray:
-        """Angular velocities of the links' frames, which turn with rigid links, (N, n_links)."""
+        """Angular velocities of the link frames, displaced rigid links included, (N, n_links)."""
         turned = self.displaced.angle - self.motion.angle
         if not turned.any():
             return self.motion.angular_velocity
         return self.motion.angular_velocity + self.rate(turned)
 
     def rate(self, samples: FloatArray) -> FloatArray:
-        """Time derivative of what is periodic along the turn, (N, ...)."""
+        """Time derivative of a periodic function sampled over the turn, (N, ...)."""
         return FourierSeries.through(samples).rate().samples(len(samples)) / self.period
 
     def series(self, samples: FloatArray) -> FourierSeries:
-        """Series through samples (N, ...); of their mean where nothing changes along the turn."""
+        """Fourier series through samples (N, ...); constant where all is constant over the turn."""
         if self.is_constant:
             return FourierSeries.constant(samples.mean(axis=0))
         return FourierSeries.through(samples)
@@ -247,7 +247,7 @@ class SampledTurn:
         return self._frozen[2]
 
     def subspace(self, count: int) -> FrozenSubspace:
-        """What the lowest natural modes at all crank angles have in common with a fixed basis.
+        """Alignment of the lowest natural modes at all crank angles to a fixed basis.
 
         Parameters
         ----------
@@ -294,8 +294,8 @@ class SampledTurn:
 
     @cached_property
     def _frozen(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        still = RotationTerms.all_or_none(False)
-        matrices = self.frames.assemble(self.displaced, self.tangent, still, turns=self.turns)
+        frozen = RotationTerms.all_or_none(False)
+        matrices = self.frames.assemble(self.displaced, self.tangent, frozen, turns=self.turns)
         if self.connected is not None:
             potential = self.connected.potential
             matrices = replace(matrices, stiffness=matrices.stiffness + potential)

@@ -1,4 +1,4 @@
-"""The periodic steady state at constant crank speed by shooting, without running a transient out.
+"""Periodic steady state at constant crank speed by shooting, without a transient.
 
 A turn of the crank maps the state at its start to that at its end. Of linear equations the map is
 affine, ``x -> monodromy @ x + forced``: it is taken along with the trapezoidal rule for all
@@ -30,10 +30,11 @@ from flexmech.time_domain.recorded_runs.states import LinkState
 # Steps whose matrices are solved at once. Memory alone: fewer than in a single run, because a
 # motion from a unit of each coordinate is kept for all of them.
 BLOCK_STEPS = 256
-# Reciprocal condition number below which a turn returns some motion so exactly to itself that the
-# fixed point is made of round-off. At the critical speed of an arm, found to all digits, steps of
-# the trapezoidal rule leave 1.0e-11; what is free to drift has 1e-16.
-RESONANT = 1e-11
+# A turn returns some motion to itself but for this part: what it is excited to is made of
+# round-off, or of the steps' errors. At the critical speed of an arm, found to all digits, each
+# step of the trapezoidal rule leaves 6e-14, so that a turn of some million of them leaves this; a
+# speed that is off by a millionth of itself is periodic within 1e-5.
+CRITICAL = 1e-7
 logger = logging.getLogger(__name__)
 
 # The iteration ends when a turn closes to this part of its greatest displacement. Without
@@ -47,7 +48,7 @@ MOST_TURNS = 12
 
 
 def periodic_state(linkage: DrivenLinkage, steps: int) -> VibrationState:
-    """State at time zero of the motion that repeats itself every turn.
+    """State at time zero of the periodic motion.
 
     Parameters
     ----------
@@ -146,7 +147,7 @@ def _all_motions(
 
 
 def turn_map(linkage: DrivenLinkage, steps: int) -> tuple[FloatArray, FloatArray]:
-    """How a turn of the crank changes the state ``(z, z')``, by the trapezoidal rule.
+    """Map of the state ``(z, z')`` over a turn of the crank, by the trapezoidal rule.
 
     Parameters
     ----------
@@ -175,20 +176,19 @@ def turn_map(linkage: DrivenLinkage, steps: int) -> tuple[FloatArray, FloatArray
 
 
 def _affine_map(end: VibrationState) -> tuple[FloatArray, FloatArray]:
-    """As :func:`turn_map`, from the ends of all motions."""
+    """Map of :func:`turn_map` from the end states of all motions."""
     ends = np.concatenate([end.position, end.velocity])
     return ends[:, 1:] - ends[:, :1], ends[:, 0]
 
 
 def _fixed_point(linkage: DrivenLinkage, monodromy: FloatArray, forced: FloatArray) -> FloatArray:
-    """Position and velocity at time zero that a turn returns to, (2 n,)."""
+    """Fixed point of the map: position and velocity at time zero, (2 n,)."""
     equations = linkage.equations(np.zeros(1))
-    # Positions by their stiffness and velocities by their mass: both count as energies, and
-    # the condition number is none of units.
+    # Positions by their stiffness and velocities by their mass: both count as energies.
     energies = (np.diagonal(equations.stiffness[0]), np.diagonal(equations.mass[0]))
     scale = np.sqrt(np.abs(np.concatenate(energies)))
     gap = scale[:, None] * (np.eye(len(forced)) - monodromy) / scale
-    if 1 / np.linalg.cond(gap) < RESONANT:
+    if np.linalg.svd(gap, compute_uv=False)[-1] < CRITICAL:
         raise ComputationError(
             f"crank speed {CRANK_SPEED} is critical: a free vibration fits one turn of the crank "
             "exactly, and without damping no motion is periodic; change the speed a little, or "
@@ -200,7 +200,7 @@ def _fixed_point(linkage: DrivenLinkage, monodromy: FloatArray, forced: FloatArr
 
 @dataclass(frozen=True)
 class PeriodicOrbit:
-    """A simulated turn that ends where it started.
+    """A simulated turn of the periodic motion.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Records of runs in time: samples, energies, forces in a band, and what runs are told by."""
+"""Records of runs in time: samples, energies, filtered forces, initial states and impacts."""

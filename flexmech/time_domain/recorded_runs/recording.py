@@ -141,7 +141,7 @@ class Trajectory:
 
 
 class Recorder:
-    """Takes blocks of steps and keeps the samples.
+    """Collects the samples of a run from blocks of time steps.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ class Recorder:
         return self._forces.steps
 
     def add(self, block: StepBlock) -> None:
-        """Take the next steps."""
+        """Add the next steps."""
         powers = np.stack(
             [
                 block.dissipation_power,
@@ -265,7 +265,7 @@ def _cumulative(time: FloatArray, power: FloatArray) -> FloatArray:
 
 
 class ForceRecord:
-    """Takes joint forces and torque step by step; keeps their samples and their peaks.
+    """Collects samples and peaks of joint forces and torque, step by step.
 
     Parameters
     ----------
@@ -299,7 +299,7 @@ class ForceRecord:
 
     @property
     def steps(self) -> int:
-        """Time steps of a run from zero until all that is kept is known."""
+        """Number of time steps of a run until all samples are known."""
         return self._steps + (0 if self._filter is None else self._filter.half)
 
     def add(self, joint_force: FloatArray, driving_torque: FloatArray) -> None:
@@ -316,29 +316,29 @@ class ForceRecord:
         self._take(values if self._filter is None else self._filter.add(values))
 
     def finish(self) -> None:
-        """There are no more steps."""
+        """End the record after the last step."""
         if self._filter is not None:
             self._take(self._filter.finish())
 
     @property
     def joint_force(self) -> FloatArray:
-        """At the samples, (N, n_joints, 2)."""
+        """Joint forces at the samples in N, (N, n_joints, 2)."""
         values = np.concatenate(self._samples)[:, :-1]
         return values.reshape(len(values), -1, 2)
 
     @property
     def driving_torque(self) -> FloatArray:
-        """At the samples, (N,)."""
+        """Driving torque at the samples in N m, (N,)."""
         return np.concatenate(self._samples)[:, -1]
 
     @property
     def peak_joint_force(self) -> FloatArray:
-        """Greatest size at any step until the last sample, (n_joints,)."""
+        """Greatest joint force at any step until the last sample in N, (n_joints,)."""
         return self._peak[:-1]
 
     @property
     def peak_driving_torque(self) -> float:
-        """Greatest size at any step until the last sample."""
+        """Greatest driving torque at any step until the last sample in N m."""
         return float(self._peak[-1])
 
     def _take(self, values: FloatArray) -> None:

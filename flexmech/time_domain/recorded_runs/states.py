@@ -1,4 +1,4 @@
-"""What runs in time are told by: states of links, impacts, and the motion of a free shaft."""
+"""Initial states, impacts and shaft motion of runs in time."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class Impact:
 
 @dataclass(frozen=True)
 class ShaftMotion:
-    """Rotation of a free shaft at m instants, away from its prescribed angle.
+    """Rotation of a free shaft against its prescribed angle at m instants.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class ShaftMotion:
     rate: FloatArray
 
     def __getitem__(self, where: slice) -> ShaftMotion:
-        """The same at some of the instants."""
+        """Motion at some of the instants."""
         return ShaftMotion(self.rotation[where], self.rate[where])
 
     def refuse_runaway(self, drive: CrankDrive | LockedCrank, time: FloatArray) -> None:
@@ -121,7 +121,7 @@ class ShaftMotion:
 
 
 def rigid_torque(mechanism: Mechanism, drive: CrankDrive, time: FloatArray) -> FloatArray:
-    """Torque on the shaft with which the rigid linkage and the shaft move as prescribed.
+    """Torque on the shaft for the prescribed motion of the rigid linkage and the shaft.
 
     Inverse dynamics under everything that acts on the linkage, and the shaft's own inertia times
     its acceleration in a run-up.
