@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -30,93 +29,19 @@ from flexmech.linear_system.joints.rigid_pose import (
     PointRows,
     RigidPose,
 )
+from flexmech.linear_system.joints.ties import (
+    HubEnd,
+    MovingFrames,
+    PointEnd,
+    RigidRows,
+    RotatedEnd,
+    Tie,
+)
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import LinkEnd, RigidMotion, Topology
-from flexmech.linkages.body_motion import BodyPoint
 from flexmech.linkages.connection_forces import RANK_TOLERANCE, end_point
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
 from flexmech.linkages.motion import direction, normal
-
-
-@dataclass(frozen=True)
-class _RotatedEnd:
-    """An end whose displacement is that of a flexible link's end, rotated."""
-
-    rows: IntArray
-    columns: IntArray
-    leader: int
-
-
-@dataclass(frozen=True)
-class _EqualRows:
-    """Rows equal to one column: further rotations of a welded section."""
-
-    rows: IntArray
-    columns: IntArray
-
-
-@dataclass(frozen=True)
-class _HubEnd:
-    """An end on the hub of a free shaft.
-
-    Its displacement in the frame of the clamped link is ``arm`` (2, c) times the columns.
-    """
-
-    rows: IntArray
-    columns: IntArray
-    clamped: int
-    arm: FloatArray
-
-
-@dataclass(frozen=True)
-class _PointEnd:
-    """An end whose displacement is that of a rigid link's point or of a point on a line."""
-
-    rows: IntArray
-    columns: IntArray
-    point: BodyPoint
-
-
-@dataclass(frozen=True)
-class _RigidRows:
-    """Rows that are coordinates ``among`` y of the rigid links."""
-
-    rows: IntArray
-    columns: IntArray
-    among: IntArray
-
-
-_Tie = _RotatedEnd | _EqualRows | _HubEnd | _PointEnd | _RigidRows
-
-
-class _MovingFrames:
-    """Link frames and points of rigid links or lines over a batch of positions."""
-
-    def __init__(self, rigid: RigidCoordinates, motion: RigidMotion) -> None:
-        self.rigid, self.motion = rigid, motion
-        self._points: dict[BodyPoint, MatrixWithRates] = {}
-
-    @cached_property
-    def coordinates(self) -> MatrixWithRates:
-        """All coordinates of rigid links and sliders from the independent ones, (B, size, n)."""
-        return self.rigid.dependence(self.motion)
-
-    def point(self, point: BodyPoint) -> MatrixWithRates:
-        """Displacement of a point in ground axes, (B, 2, n)."""
-        if point not in self._points:
-            rows = self.rigid.displacement_rows(self.motion, [point])
-            self._points[point] = rows @ self.coordinates
-        return self._points[point]
-
-    def rotation(self, link: int, leader: int | None = None) -> MatrixWithRates:
-        """To the frame of a link from that of another, or from ground axes, (B, 2, 2)."""
-        m = self.motion
-        of_link = [own[:, link] for own in (m.angle, m.angular_velocity, m.angular_acceleration)]
-        if leader is None:
-            return MatrixWithRates.rotation(*(-own for own in of_link))
-        others = (m.angle, m.angular_velocity, m.angular_acceleration)
-        pairs = zip(others, of_link, strict=True)
-        return MatrixWithRates.rotation(*(other[:, leader] - own for other, own in pairs))
 
 
 class LinkTies:
@@ -150,7 +75,7 @@ class LinkTies:
         self.topology = topology
         self.rigid = RigidCoordinates(topology)
         self._links = links
-        self._ties: list[list[_Tie]] = [[] for _ in links]
+        self._ties: list[list[Tie]] = [[] for _ in links]
         self._at_rest: list[PointRows] = []  # ends on rigid links that do not move
         self.hubs = list(self._flexible_hubs())
         self.targets = [np.full(link.size, -2, dtype=np.intp) for link in links]
@@ -166,11 +91,11 @@ class LinkTies:
 
     def leaders(self, link: int) -> list[int]:
         """Leaders of the pinned ends of a link; of a link without other dependent rows."""
-        return [tie.leader for tie in self._ties[link] if isinstance(tie, _RotatedEnd)]
+        return [tie.leader for tie in self._ties[link] if isinstance(tie, RotatedEnd)]
 
     def is_general(self, link: int) -> bool:
         """Whether a link has other dependent rows than pinned ends."""
-        return not all(isinstance(tie, _RotatedEnd) for tie in self._ties[link])
+        return not all(isinstance(tie, RotatedEnd) for tie in self._ties[link])
 
     def independent_coordinates(self, link: int) -> IntArray:
         """Coordinates of a link that are independent coordinates of the linkage, (k,)."""
@@ -181,7 +106,7 @@ class LinkTies:
 
     def dependent_rows(self, motion: RigidMotion) -> list[list[DependentRows]]:
         """Dependent rows of each link over a batch of shape (B,)."""
-        moving = _MovingFrames(self.rigid, motion)
+        moving = MovingFrames(self.rigid, motion)
         return [
             [self._tie_rows(moving, link, tie) for tie in ties]
             for link, ties in enumerate(self._ties)
@@ -200,19 +125,19 @@ class LinkTies:
         -------
         DisplacedTies
         """
-        moving = _MovingFrames(self.rigid, motion)
+        moving = MovingFrames(self.rigid, motion)
         rows: list[list[DisplacedRows]] = []
         at_points, at_coordinates = list(self._at_rest), []
         for link, ties in enumerate(self._ties):
             rows.append([])
             for tie in ties:
                 place = None
-                if isinstance(tie, _PointEnd):
+                if isinstance(tie, PointEnd):
                     back = moving.rotation(link).value
                     turn = (back @ pose.rows([tie.point]) @ pose.coordinates)[:, :, tie.columns]
                     place = (back @ pose.displacement([tie.point])[:, 0, :, None])[..., 0]
                     at_points.append(PointRows(link, tie.rows, tie.point))
-                elif isinstance(tie, _RigidRows):
+                elif isinstance(tie, RigidRows):
                     turn = pose.coordinates[:, tie.among][:, :, tie.columns]
                     place = pose.y[:, tie.among]
                     if link not in self.rigid.links:
@@ -253,7 +178,7 @@ class LinkTies:
             if rigid.is_rigid(end):
                 moved = rows[:, 2:] @ y
             else:
-                to_ground = np.swapaxes(_MovingFrames(rigid, motion).rotation(link).value, 1, 2)
+                to_ground = np.swapaxes(MovingFrames(rigid, motion).rotation(link).value, 1, 2)
                 moved = to_ground @ displacement[link][:, self._rows(end)]
             along = rows[:, :2, slide]
             found[:, slide] = np.einsum("bc,bcm->bm", along, moved - rows[:, :2] @ y)
@@ -270,19 +195,8 @@ class LinkTies:
                 sliding[number] = q[:, :1] * direction(angle) + q[:, 1:] * normal(angle)
         return RigidPose.displaced_by(self.rigid, motion, displacement, sliding)
 
-    def _tie_rows(self, moving: _MovingFrames, link: int, tie: _Tie) -> DependentRows:
-        if isinstance(tie, _RotatedEnd):
-            matrix = moving.rotation(link, tie.leader)
-        elif isinstance(tie, _EqualRows):
-            matrix = MatrixWithRates.constant(np.ones((len(tie.rows), 1)), len(moving.motion.angle))
-        elif isinstance(tie, _HubEnd):
-            arm = MatrixWithRates.constant(tie.arm, len(moving.motion.angle))
-            matrix = moving.rotation(link, tie.clamped) @ arm
-        elif isinstance(tie, _PointEnd):
-            matrix = (moving.rotation(link) @ moving.point(tie.point)).columns(tie.columns)
-        else:
-            matrix = moving.coordinates.rows(tie.among).columns(tie.columns)
-        return DependentRows.of(tie.rows, tie.columns, matrix)
+    def _tie_rows(self, moving: MovingFrames, link: int, tie: Tie) -> DependentRows:
+        return DependentRows.of(tie.rows, tie.columns, tie.matrix(moving, link))
 
     def _rows(self, end: LinkEnd) -> IntArray:
         return self._links[self.topology.index(end.link)].end_displacement(end.end)
@@ -291,9 +205,9 @@ class LinkTies:
         return self._links[self.topology.index(end.link)].end_rotation_of(end.end)
 
     @cached_property
-    def _general(self) -> _MovingFrames:
+    def _general(self) -> MovingFrames:
         """Matrices in a general position, whose zeros show which coordinates do not depend."""
-        return _MovingFrames(self.rigid, self.rigid.general_position)
+        return MovingFrames(self.rigid, self.rigid.general_position)
 
     def _flexible_hubs(self) -> Iterator[HubRow]:
         for clamp in self.topology.clamps:
@@ -318,7 +232,7 @@ class LinkTies:
         rows, among = rows[chosen], among[chosen]
         columns = _depends_on(self._general.coordinates.rows(among))
         if len(columns):
-            self._ties[link].append(_RigidRows(rows, columns, among))
+            self._ties[link].append(RigidRows(rows, columns, among))
 
     def _mark(self) -> None:
         """Mark fixed and dependent coordinates, which are not independent."""
@@ -383,7 +297,7 @@ class LinkTies:
                     assert leader is not None
                     columns = _depends_on(self._general.point(leader))
                     if len(columns):
-                        self._ties[link].append(_PointEnd(rows, columns, leader))
+                        self._ties[link].append(PointEnd(rows, columns, leader))
                     else:
                         self._at_rest.append(PointRows(link, rows, leader))
                 elif point.hub:
@@ -399,14 +313,14 @@ class LinkTies:
         columns = self.targets[leader][self._rows(leading)]
         self.targets[link][rows] = columns
         if (columns >= 0).any():
-            self._ties[link].append(_RotatedEnd(rows, columns, leader))
+            self._ties[link].append(RotatedEnd(rows, columns, leader))
 
     def _add_hub(self, link: int, rows: IntArray, point: JointPoint) -> None:
         """Displacement of a hub's end: across by its rotation, along in natural coordinates."""
         clamped = self.topology.index(point.ends[0].link)
         own = [*self._links[clamped].receding, *self._rotations(point.ends[0])[:1]]
         arm = point.hub * np.eye(2)[:, 2 - len(own) :]
-        self._ties[link].append(_HubEnd(rows, self.targets[clamped][own], clamped, arm))
+        self._ties[link].append(HubEnd(rows, self.targets[clamped][own], clamped, arm))
 
     def _add_rotation(self, turn: JointRotation) -> None:
         rigid = [end for end in turn.ends if self.rigid.is_rigid(end)]
@@ -425,7 +339,7 @@ class LinkTies:
             if number:
                 self.targets[link][rows[:1]] = column
             if len(rows) > 1:
-                self._ties[link].append(_EqualRows(rows[1:], column))
+                self._ties[link].append(Tie(rows[1:], column))
 
 
 def _depends_on(matrix: MatrixWithRates) -> IntArray:
