@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+import functools
 import os
-
-# Many small matrices: more BLAS threads only slow the tests down.
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
+import sys
+import tempfile
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+# Many small matrices: more BLAS threads only slow the tests down.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# Where Python is told to write no compiled modules, each command that a test starts would compile
+# the whole package again: they are kept in the folder of temporary files.
+if os.environ.pop("PYTHONDONTWRITEBYTECODE", ""):
+    kept = str(Path(tempfile.gettempdir()) / f"flexmech-tests-{os.getuid()}")
+    sys.pycache_prefix = os.environ.setdefault("PYTHONPYCACHEPREFIX", kept)
+    sys.dont_write_bytecode = False
+
 import pytest
+import typer.testing
 from hypothesis import settings
 
 from flexmech import Mechanism, load_mechanism
@@ -28,6 +37,14 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
     """Benchmarks run alone: what runs beside them would be timed with them."""
     alone = any("benchmarks" in str(argument) for argument in config.args)
     return 0 if alone else None
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _one_tree_of_commands() -> Iterator[None]:
+    """A process builds the tree of commands once, and so do all tests of a worker."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(typer.testing, "_get_command", functools.cache(typer.testing._get_command))
+        yield
 
 
 @pytest.fixture

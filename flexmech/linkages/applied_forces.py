@@ -21,7 +21,7 @@ and y with the rotation of the section, (..., 3), and the rate of that."""
 
 @dataclass(frozen=True)
 class SpringLine:
-    """A spring at its length.
+    """Line, length and tension of a spring in given positions.
 
     Parameters
     ----------
@@ -63,10 +63,10 @@ class SpringLine:
         topology : Topology
         motion : RigidMotion
         moved : callable, optional
-            See :data:`Moved`; links are where the rigid motion has them without it.
+            See :data:`Moved`; undisplaced links by default.
         needs_direction : bool
-            Whether ends that meet are refused. The force alone of a spring without free
-            length and damping is nothing there.
+            Whether coincident ends are refused. The force of a spring without free length and
+            damping is zero there.
 
         Returns
         -------
@@ -121,11 +121,11 @@ class ForceOnLink:
     y: float | FloatArray = 0.0
 
     def moment(self, motion: RigidMotion) -> FloatArray:
-        """About the link's start in N m; shape (...)."""
+        """Moment about the link's start in N m; shape (...)."""
         return cross(motion.arm(self.link, self.x, self.y), self.force) + self.torque
 
     def power(self, motion: RigidMotion) -> FloatArray:
-        """What it does on the moving link in W; shape (...)."""
+        """Power on the moving link in W; shape (...)."""
         velocity = motion.velocity(self.link, self.x, self.y)
         turning = self.torque * motion.angular_velocity[..., self.link]
         return np.asarray(np.sum(self.force * velocity, axis=-1) + turning)
@@ -138,7 +138,7 @@ def forces_of_loads(
     time: ArrayLike = 0.0,
     moved: Moved | None = None,
 ) -> Iterator[ForceOnLink]:
-    """Each load as it acts in each position.
+    """Force of each load on its link in each position.
 
     Parameters
     ----------
@@ -181,13 +181,13 @@ def applied_forces(
     loads : sequence of Load
     springs : sequence of Spring
     joint_springs : sequence of JointSpring
-        In pins and pivots; of radial springs nothing is told, which carry what the joint does.
+        In pins and pivots; forces of radial springs are joint forces and not among these.
     angles : ndarray, shape (..., n_links)
         Of the links in rad, counted on continuously as the linkage turns.
     time : array_like, shape (...)
         Of each position in s, for loads over time.
     moved : callable, optional
-        See :data:`Moved`; links are where the rigid motion has them without it.
+        See :data:`Moved`; undisplaced links by default.
 
     Yields
     ------
@@ -222,7 +222,7 @@ def joint_gap(
     angles: FloatArray,
     moved: Moved | None = None,
 ) -> tuple[FloatArray, FloatArray]:
-    """Where the following end of a sprung joint is against the leading one, and its rate.
+    """Deformation of the springs in a joint: follower's end against leader's, and its rate.
 
     Parameters
     ----------
@@ -250,7 +250,7 @@ def joint_gap(
 
 
 def _sides(topology: Topology, spring: JointSpring) -> list[tuple[float, int, float]]:
-    """Sign, link and place of the ends that meet in a joint, the following one first."""
+    """Sign, link and place of the ends at a joint, the follower first."""
     ends = topology.pinned_ends[spring.joint]
     pairs = zip((1.0, -1.0), ends, strict=True)
     return [(sign, *topology.end_place(end)) for sign, end in pairs if end is not None]

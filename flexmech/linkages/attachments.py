@@ -67,7 +67,7 @@ class AttachmentPoint:
 
     @property
     def is_ground(self) -> bool:
-        """Whether it does not move."""
+        """Whether the point is on the ground."""
         return self.link == GROUND
 
 
@@ -185,7 +185,7 @@ class Load:
 
 @dataclass(frozen=True)
 class Spring:
-    """A straight spring between two points, with a damper beside it.
+    """A straight spring between two points, with a damper in parallel.
 
     Parameters
     ----------

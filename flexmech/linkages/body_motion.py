@@ -1,4 +1,4 @@
-"""Motion of rigid bodies over a batch of positions, and points that are fixed in them or slide.
+"""Motion of rigid bodies over a batch of positions, and of points fixed in them or sliding.
 
 Vectors of the plane are complex numbers, x + i y. A body has a reference point at p and is turned
 by phi: its point at r is at ``p + exp(i phi) r``, and it has three coordinates, displacements of
@@ -29,7 +29,7 @@ def dot(first: ComplexArray | complex, second: ComplexArray | complex) -> FloatA
 
 @dataclass(frozen=True)
 class BodyMotion:
-    """Where a body is, or where several are, over a batch; rates by the time or crank angle.
+    """Position and rotation of bodies over a batch, with derivatives by time or crank angle.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class BodyMotion:
 
     @classmethod
     def of_links(cls, motion: RigidMotion) -> Self:
-        """Links, from their starts, and the ground after them; a batch of shape (B,)."""
+        """Motion of the links, referred to their starts, and of the ground, which comes last."""
         batch, links = motion.angle.shape
         place = np.zeros((3, batch, links + 1), dtype=complex)
         vectors = motion.origin, motion.origin_velocity, motion.origin_acceleration
@@ -75,16 +75,16 @@ class BodyMotion:
         return type(self)(*(getattr(self, own.name)[..., numbers] for own in fields(self)))
 
     def point(self, drawn: complex | ComplexArray) -> ComplexArray:
-        """Where a point of the body, or one of each, is."""
+        """Position of a point of the body, or of one point of each body."""
         return self.place + self.turn * (drawn - self.drawn)
 
     def point_1(self, drawn: complex | ComplexArray) -> ComplexArray:
-        """First derivative of a point's place."""
+        """First derivative of a point's position."""
         arm = self.turn * (drawn - self.drawn)
         return self.place_1 + 1j * self.turn_1 * arm
 
     def point_2(self, drawn: complex | ComplexArray) -> ComplexArray:
-        """Second derivative of a point's place."""
+        """Second derivative of a point's position."""
         arm = self.turn * (drawn - self.drawn)
         return self.place_2 + (1j * self.turn_2 - self.turn_1**2) * arm
 
@@ -95,7 +95,7 @@ class BodyMotion:
         place: ComplexArray,
         velocity: ComplexArray | complex = 0.0,
     ) -> tuple[FloatArray, FloatArray]:
-        """First and second derivative across a line of the body that a point on it needs.
+        """Normal rates of a line of the body: derivatives that a point on the line must have.
 
         Parameters
         ----------
@@ -125,7 +125,7 @@ class BodyPoint:
     ----------
     body : int
     place : complex
-        Of one that slides: where it is told by the positions.
+        Of one that slides it is given with the positions.
     slide : int, optional
         Number of its slide.
     along : complex
@@ -139,7 +139,7 @@ class BodyPoint:
 
 
 class BodyPoints:
-    """Points of bodies, and how they move with the coordinates of these.
+    """Points of bodies with their Jacobian by the bodies' coordinates.
 
     Parameters
     ----------
@@ -193,7 +193,7 @@ class BodyPoints:
         self._slide_places = row[self._sliding], own_slides
 
     def arms(self, bodies: BodyMotion, slid: ComplexArray | None = None) -> ComplexArray:
-        """From the bodies' reference points to the points in ground axes, (B, P).
+        """Arms from the bodies' reference points to the points in ground axes, (B, P).
 
         Parameters
         ----------
@@ -211,11 +211,11 @@ class BodyPoints:
         return arm
 
     def places(self, bodies: BodyMotion, slid: ComplexArray | None = None) -> ComplexArray:
-        """Places of the points in ground axes, (B, P); as :meth:`arms`."""
+        """Positions of the points in ground axes, (B, P); as :meth:`arms`."""
         return np.asarray(bodies.place[:, self.body] + self.arms(bodies, slid))
 
     def jacobian(self, bodies: BodyMotion, axes: ComplexArray, slid: ComplexArray) -> FloatArray:
-        """Derivative of places by the coordinates of the bodies, and by the slides.
+        """Jacobian of the points by the coordinates of the bodies and by the slides.
 
         Parameters
         ----------
@@ -236,7 +236,7 @@ class BodyPoints:
         return np.ascontiguousarray(matrix.transpose(2, 0, 1))
 
     def jacobian_with_rates(self, bodies: BodyMotion, slid: ComplexArray) -> MatrixWithRates:
-        """The Jacobian by coordinates in the bodies' own axes, and its rates as these turn.
+        """Jacobian by coordinates in the bodies' rotating axes, with its time derivatives.
 
         Parameters
         ----------
@@ -318,7 +318,7 @@ class BodyPoints:
     def geometric_stiffness(
         self, bodies: BodyMotion, slid: ComplexArray, forces: ComplexArray
     ) -> tuple[FloatArray, FloatArray]:
-        """What forces that keep their direction add to the stiffness, as their arms turn.
+        """Geometric stiffness by dead loads on the points, whose arms rotate.
 
         Parameters
         ----------
@@ -332,7 +332,7 @@ class BodyPoints:
         Returns
         -------
         tuple of ndarray, shape (B, n), (B, n_slides)
-            Against the rotation of bodies, and between that of a guide and the slide on it.
+            By the rotation of bodies, and between the rotation of a guide and the slide on it.
         """
         rotation_stiffness, guide_stiffness = np.zeros(bodies.place.shape), np.zeros(slid.shape)
         by_arm = dot(forces, self.arms(bodies, slid))
@@ -346,5 +346,5 @@ class BodyPoints:
 
 
 def parts_of(matrix: FloatArray) -> MatrixWithRates:
-    """Matrix with rates of its four parts (rows, columns, B, 4)."""
+    """Matrix with rates from its four parts (rows, columns, B, 4)."""
     return MatrixWithRates(*np.ascontiguousarray(matrix.transpose(3, 2, 0, 1)))

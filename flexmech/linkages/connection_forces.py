@@ -76,7 +76,7 @@ def end_point(topology: Topology, end: LinkEnd) -> BodyPoint:
 
 
 def slider_line(topology: Topology, slider: Slider) -> PointOnLine:
-    """Condition of a slider; links are numbered as in the topology."""
+    """Constraint of a slider; links are numbered as in the topology."""
     guide = topology.index(slider.guide) if slider.guide else GROUND_AFTER_LINKS
     along = cmath.rect(1.0, slider.direction)
     line = BodyPoint(guide, 1j * slider.offset * along)
@@ -85,7 +85,7 @@ def slider_line(topology: Topology, slider: Slider) -> PointOnLine:
 
 @lru_cache(maxsize=64)
 def _constraints(topology: Topology) -> Constraints:
-    """Conditions of all joints, a row for each of the connections."""
+    """Constraints of all joints, a row for each of the connections."""
     found: list[Condition] = []
     for one in connections(topology):
         if one.slider is not None:
@@ -103,7 +103,7 @@ def _constraints(topology: Topology) -> Constraints:
 def guide_place(
     topology: Topology, motion: RigidMotion, slider: Slider
 ) -> tuple[FloatArray, FloatArray]:
-    """Where a sliding point is in the frame of the link that guides it.
+    """Position of a sliding point in the frame of its guide.
 
     Parameters
     ----------
@@ -140,9 +140,9 @@ def line_normal(topology: Topology, motion: RigidMotion, slider: Slider) -> Floa
 
 
 def connection_matrix(topology: Topology, motion: RigidMotion) -> FloatArray:
-    """Force and moment about its start that each unknown of unit size gives each link.
+    """Transposed constraint Jacobian: forces and moments on the links by unit connection forces.
 
-    It is the Jacobian of the joints' conditions, transposed.
+    A moment is about the link's start.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def connection_matrix(topology: Topology, motion: RigidMotion) -> FloatArray:
 
 
 def solve_connections(topology: Topology, motion: RigidMotion, load: FloatArray) -> FloatArray:
-    """Connection forces that balance what acts on the links.
+    """Connection forces from the force and moment balance of the links.
 
     Parameters
     ----------
@@ -214,15 +214,15 @@ def _what_is_wrong(topology: Topology, motion: RigidMotion, matrix: FloatArray) 
         if rank < unknowns:
             joint = _first_dependent(topology, case)
             faults.append(
-                f"joint {joint} holds what the other joints hold already; make it a pin, a "
+                f"joint {joint} constrains what the other joints already do; make it a pin, a "
                 "slider or a free end"
             )
         if rank < equations:
             link = int(np.argmax(np.abs(left[:, rank:]).max(axis=-1).reshape(-1, 3).max(axis=-1)))
             joints = ", ".join(_joints_of(topology, topology.links[link].name)) or "none"
             faults.append(
-                f"the {topology.links[link].name} can move although the shaft is held; hold it "
-                f"at one of its joints (it has {joints})"
+                f"the {topology.links[link].name} can move although the shaft is fixed; constrain "
+                f"it at one of its joints (it has {joints})"
             )
         return (
             f"{unknowns} connection forces for {equations} equations of motion: the linkage is "
@@ -233,7 +233,7 @@ def _what_is_wrong(topology: Topology, motion: RigidMotion, matrix: FloatArray) 
 
 
 def _first_dependent(topology: Topology, matrix: FloatArray) -> str:
-    """Joint of the first unknown that those before it can take over."""
+    """Joint of the first unknown that depends linearly on those before it."""
     unknowns = connections(topology)
     for count in range(1, len(unknowns)):
         values = np.linalg.svd(matrix[:, :count], compute_uv=False)

@@ -1,8 +1,8 @@
-"""Conditions of joints between bodies: gap, Jacobian and rates, over a batch of positions.
+"""Constraint equations of joints: gap, Jacobian and rates, over a batch of positions.
 
-Three conditions make all joints: two points are one, two bodies keep their angle, a point is on a
-line (Shabana, *Computational Dynamics*, ch. 3). The Jacobian transposed gives the joint forces; by
-coordinates in frames that turn, its rates give the ties of these.
+Three constraints make all joints: two points coincide, two bodies keep their angle, a point is on a
+line (Shabana, *Computational Dynamics*, ch. 3). The Jacobian transposed gives the joint forces; its
+rates in rotating frames give the linear constraints between elastic coordinates.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from flexmech.linkages.matrix_with_rates import MatrixWithRates
 
 @dataclass(frozen=True)
 class Coincidence:
-    """Two points are one: a condition along each ground axis."""
+    """Two points coincide: an equation along each ground axis."""
 
     first: BodyPoint
     second: BodyPoint
@@ -62,7 +62,7 @@ Condition = Coincidence | EqualAngle | PointOnLine
 
 
 class Constraints:
-    """Conditions between bodies.
+    """Constraint equations between bodies.
 
     Parameters
     ----------
@@ -107,14 +107,14 @@ class Constraints:
                         self._rotation[row, self._columns[body] + 2] = sign
 
     def points(self, points: Sequence[BodyPoint]) -> BodyPoints:
-        """Points whose Jacobian is by the coordinates of the constraints."""
+        """Points with their Jacobian by the coordinates of the constraints."""
         own = tuple(points)
         if own not in self._points:
             self._points[own] = BodyPoints(own, self._columns, self._slides, self._size)
         return self._points[own]
 
     def gap(self, bodies: BodyMotion, slid: ComplexArray | None = None) -> FloatArray:
-        """What is left of conditions of points in m; shape (B, count), zero of equal angles.
+        """Violation of the constraints of points in m; shape (B, count), zero of equal angles.
 
         Parameters
         ----------
@@ -152,7 +152,7 @@ class Constraints:
         axes: ComplexArray | None = None,
         slid: ComplexArray | None = None,
     ) -> FloatArray:
-        """Derivative of the gaps by the coordinates; shape (B, count, 3 n + slides).
+        """Constraint Jacobian by the coordinates; shape (B, count, 3 n + slides).
 
         Parameters
         ----------
@@ -178,14 +178,14 @@ class Constraints:
         return np.ascontiguousarray(matrix.transpose(2, 0, 1))
 
     def jacobian_with_rates(self, bodies: BodyMotion, slid: ComplexArray) -> MatrixWithRates:
-        """The Jacobian by coordinates in the bodies' own axes, which turn.
+        """Constraint Jacobian by coordinates in the bodies' rotating axes, with time derivatives.
 
         Parameters
         ----------
         bodies : BodyMotion
             Batch of shape (B, n).
         slid : ndarray of complex, shape (3, B, n_slides)
-            As of :meth:`gap`, and its first and second time derivative.
+            As of :meth:`gap`, with first and second time derivative.
 
         Returns
         -------
@@ -205,7 +205,7 @@ class Constraints:
     def geometric_stiffness(
         self, bodies: BodyMotion, slid: ComplexArray, forces: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """What the forces of the conditions add to the stiffness, as their arms turn.
+        """Geometric stiffness by the constraint forces: derivative of ``G' lambda``.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""How the shaft turns the crank: a constant speed, reached at once or by a smooth run-up."""
+"""Prescribed crank motion: constant speed, at once or after a smooth run-up."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ class CrankDrive:
         return np.asarray(self.speed / total * (1 - np.cos(2 * np.pi * part)))
 
     def motion(self, linkage: Linkage, time: ArrayLike) -> RigidMotion:
-        """Rigid motion of a linkage that is driven so, at times in s of shape (m,)."""
+        """Rigid motion of a linkage with this drive, at times in s of shape (m,)."""
         return linkage.motion(
             self.crank_angle(time), self.crank_speed(time), self.crank_acceleration(time)
         )

@@ -15,7 +15,7 @@ from flexmech.linkages.motion import RigidMotion, direction, normal
 
 @dataclass(frozen=True)
 class LinkForces:
-    """What acts on the links of a moving linkage, and what they carry inside.
+    """Forces on the links of a moving linkage, and internal forces at cuts.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ class LinkForces:
     applied : tuple of ForceOnLink
         Loads and forces of springs.
     on_guides : tuple of ForceOnLink
-        What sliders press on the links that guide them.
+        Forces of sliders on their guides.
     """
 
     motion: RigidMotion
@@ -154,5 +154,5 @@ def _mass_before(mass: LinkMass, place: FloatArray) -> FloatArray:
 
 
 def _spread(values: FloatArray, place: FloatArray) -> FloatArray:
-    """Values of shape (...) beside those of cuts: shape (...) or (..., 1)."""
+    """Values (...) with dimensions for the cuts: shape (...) or (..., 1)."""
     return np.asarray(values[(..., *[None] * place.ndim)])

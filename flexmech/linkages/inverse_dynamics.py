@@ -30,7 +30,7 @@ from flexmech.model_text import shapes, short_repr
 
 @dataclass(frozen=True)
 class InverseDynamics(LinkForces):
-    """Forces in the rigid linkage that its motion asks for.
+    """Joint and internal forces of the rigid linkage in its motion.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class InverseDynamics(LinkForces):
     applied : tuple of ForceOnLink
         Loads and forces of springs.
     on_guides : tuple of ForceOnLink
-        What sliders press on the links that guide them.
+        Forces of sliders on their guides.
     inertia_force : ndarray, shape (..., n_links, 2)
         Resultant of inertia and weight on each link, ground axes, N.
     inertia_moment : ndarray, shape (..., n_links)
@@ -212,7 +212,7 @@ def _driving_torque(
     joint_force: dict[str, FloatArray],
     joint_moment: dict[str, FloatArray],
 ) -> FloatArray:
-    """Of all clamps about the shaft's axis: a clamp on a hub has a lever besides its couple."""
+    """Torque of all clamps about the shaft's axis; that of a clamp on a hub has an arm."""
     torque = np.zeros(motion.crank_angle.shape)
     for clamp in topology.clamps:
         torque = torque + joint_moment[clamp.joint]

@@ -1,4 +1,4 @@
-"""Mass of a link as the rigid linkage knows it: distributed, in points, in attached bodies."""
+"""Mass of a link: distributed, in points, and in attached bodies."""
 
 from __future__ import annotations
 
@@ -45,11 +45,11 @@ class LinkBody:
 
     @property
     def centre(self) -> tuple[float, float]:
-        """Its centre of mass along and across the link, from the link's start, in m."""
+        """Centre of mass along and across the link, from the link's start, in m."""
         return self.position + self.offset[0], self.offset[1]
 
     def fixed_at(self, position: float) -> LinkBody:
-        """The same body, fixed to another section of the link."""
+        """The body fixed to another section of the link."""
         along, across = self.offset
         return replace(self, position=position, offset=(along + self.position - position, across))
 
@@ -129,7 +129,7 @@ class LinkMass:
 
     @property
     def moment_across(self) -> float:
-        """Integral of the distance from the line between the ends over the mass in kg m."""
+        """First moment of mass about the line between the ends in kg m."""
         distributed = self.mass_per_length * self.length * self.offset
         return distributed + sum(body.mass * body.centre[1] for body in self.bodies)
 
@@ -188,7 +188,7 @@ class LinkMass:
         return [(self.length * n / elements, mass) for n, mass in enumerate(halves)]
 
     def lumped(self, elements: int) -> LinkMass:
-        """The same link with its distributed mass lumped in points.
+        """The link with its distributed mass lumped in points.
 
         Kumar & Chandrakar, Figure 1.5: one element of the crank and four of the coupler and of
         the rocker give twelve lumped masses. Mass and first moments stay; the second moment
@@ -240,7 +240,7 @@ def lumped_elements(topology: Topology) -> tuple[int, ...]:
 def _away_from_ends(
     points: Sequence[tuple[float, float]], length: float, least: float
 ) -> Iterator[tuple[float, float]]:
-    """Points, of which those near an end act at the end and at the least distance from it."""
+    """Points, those near an end split between the end and the least distance from it."""
     for position, mass in points:
         for end, inner in ((0.0, least), (length, length - least)):
             share = (position - end) / (inner - end)

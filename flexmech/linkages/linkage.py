@@ -1,4 +1,4 @@
-"""What every linkage offers, whatever its kind, and its positions at crank angles."""
+"""Interface of all linkages, and their positions at crank angles."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Linkage(Protocol):
         ...
 
     def described(self) -> list[str]:
-        """Lines that say what was understood: kind, lengths, range of motion."""
+        """Description in lines: kind, lengths, range of motion."""
         ...
 
     def to_table(self) -> TomlTable:
@@ -149,7 +149,7 @@ def linkage_positions(linkage: Linkage, crank_angle: float) -> xr.Dataset:
 
 
 def picture_crank_angle(linkage: Linkage) -> float:
-    """Crank angle in rad at which a picture shows a linkage.
+    """Crank angle in rad for pictures of a linkage: the first usual one that it can take.
 
     Parameters
     ----------
@@ -167,7 +167,9 @@ def picture_crank_angle(linkage: Linkage) -> float:
     for degrees in PICTURE_ANGLES:
         if _is_assemblable(linkage, np.radians(degrees)):
             return float(np.radians(degrees))
-    raise InputError("the linkage can stand at no crank angle of whole degrees; check its lengths")
+    raise InputError(
+        "the linkage can be assembled at no crank angle of whole degrees; check its lengths"
+    )
 
 
 def assemblable(linkage: Linkage, crank_angles: FloatArray) -> NDArray[np.bool_]:
@@ -200,7 +202,7 @@ def _is_assemblable(linkage: Linkage, crank_angle: ArrayLike) -> bool:
 
 
 def drawn_joints(topology: Topology) -> dict[str, Any]:
-    """Links and joints as a picture shows them, in numbers and words that JSON can hold.
+    """Data of links and joints for pictures, in values that JSON can store.
 
     Parameters
     ----------
@@ -242,10 +244,10 @@ TURN = 2 * np.pi
 def continuous_angles(linkage: Linkage, motion: RigidMotion) -> FloatArray:
     """Angles of the links without jumps of whole turns.
 
-    A linkage gives each angle within one turn. Here every angle is followed from crank angle
-    zero, where it keeps its value, and it counts on with every further turn of the crank. Of a
-    crank that does not turn fully, each range of crank angles is followed on its own, the one
-    around zero from there and any other from its start; a whole turn more is the same posture.
+    A linkage gives each angle within one turn. Here every angle is unwrapped from crank angle
+    zero, where it keeps its value, and continued over further turns of the crank. Of a crank that
+    does not turn fully, each range of crank angles is unwrapped separately, the one around zero
+    from there and any other from its start; a whole turn more is the same posture.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Matrices that change with time, and their first and second derivatives."""
+"""Time-varying matrices with their first and second derivatives."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class MatrixWithRates:
 
     @classmethod
     def constant(cls, matrix: FloatArray, batch: int) -> Self:
-        """One matrix that does not change.
+        """A constant matrix.
 
         Parameters
         ----------
@@ -74,7 +74,7 @@ class MatrixWithRates:
 
     @property
     def transposed(self) -> Self:
-        """Rows and columns exchanged."""
+        """The transposed matrix."""
         return type(self)(*(np.swapaxes(part, 1, 2) for part in self.parts))
 
     @property
@@ -130,7 +130,7 @@ class MatrixWithRates:
 
     @classmethod
     def stacked(cls, parts: list[MatrixWithRates]) -> MatrixWithRates:
-        """Rows of several matrices below each other."""
+        """Several matrices stacked by rows."""
         every = zip(*(part.parts for part in parts), strict=True)
         return cls(*(np.concatenate(one, axis=1) for one in every))
 

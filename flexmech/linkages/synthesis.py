@@ -1,4 +1,4 @@
-"""Link proportions of crank-rockers from the transmission angle that is wanted, and back.
+"""Synthesis of crank-rockers by their transmission angle, and its inverse.
 
 Elamy et al. 2023, eqs. 11-17: the transmission angle deviates from 90 degrees by the same
 angle either way (Gupta's mini-max), and the rocker's angle at the least transmission angle,
@@ -78,7 +78,7 @@ class CrankRockerProportions:
 
 @dataclass(frozen=True)
 class TransmissionDesign:
-    """What a crank-rocker's proportions were, or could have been, designed for.
+    """Design data of a crank-rocker: deviation and rocker angle.
 
     Parameters
     ----------
@@ -289,7 +289,7 @@ def _refuse_rocker_angle(delta: FloatArray, theta: FloatArray, inside: NDArray[n
 
 
 def _refuse_change_points(found: CrankRockerProportions) -> None:
-    """Refuse what Grashof's criterion cannot tell from a change point."""
+    """Refuse proportions too near a change point by Grashof's criterion."""
     ratios = np.stack([np.ones_like(found.crank), found.crank, found.coupler, found.rocker])
     shortest, second, third, longest = np.sort(ratios, axis=0)
     # Twice: the criterion is asked again with the round-off of lengths in m.

@@ -1,4 +1,4 @@
-"""Links and the joints between them and to the ground: plain data that every engine reads."""
+"""Topology of a linkage: links and the joints between them and to the ground."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class Clamp:
 
 @dataclass(frozen=True)
 class Pivot:
-    """A link end pinned to the ground: does not move, may turn.
+    """A link end pinned to the ground: no displacement, free rotation.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class Pivot:
 
 @dataclass(frozen=True)
 class Pin:
-    """Two link ends that share their position; the leader's frame carries the displacement.
+    """Two coincident link ends; the displacement is a coordinate of the leader.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ class Pin:
 
 @dataclass(frozen=True)
 class Weld:
-    """Two link ends that share their position and keep the angle between their links."""
+    """Two coincident link ends with a constant angle between their links."""
 
     joint: str
     leader: LinkEnd
@@ -140,7 +140,7 @@ class Topology:
     ----------
     links : tuple of Link
     clamps, pivots, pins, welds, sliders : tuple
-        Connections. A link end is fixed, slides or follows at most once.
+        Connections. A link end is fixed, slides or is a follower at most once.
 
     Raises
     ------
@@ -165,7 +165,7 @@ class Topology:
             if place.link not in names:
                 raise InputError(f"a connection names link {place.link!r}; links are {names}")
         if len(set(bound)) != len(bound):
-            raise InputError("a link end is held or led twice; make one connection the leader")
+            raise InputError("a link end depends on two joints; make it the leader in one")
         rigid = [link.name for link in self.links if link.rigid]
         for slider in self.sliders:
             if slider.guide and slider.guide not in rigid:
@@ -185,7 +185,7 @@ class Topology:
 
     @property
     def joints(self) -> dict[str, LinkEnd]:
-        """Name of each joint and the link end that carries it: on the ground or leading."""
+        """Name of each joint and its link end: the one on the ground, or the leader."""
         places = {clamp.joint: clamp.link_end for clamp in self.clamps}
         places |= {tie.joint: tie.leader for tie in self.ties}
         places |= {slider.joint: slider.link_end for slider in self.sliders}
@@ -240,15 +240,15 @@ class Topology:
 
     @property
     def has_moving_guides(self) -> bool:
-        """Whether links guide others: the lines on which these slide turn."""
+        """Whether lines of sliders are on links, and so rotate."""
         return any(slider.guide for slider in self.sliders)
 
     def leader_of(self, place: LinkEnd) -> LinkEnd:
-        """Follow pins and welds from a link end to the end that carries its displacement."""
+        """Leader of a link end through pins and welds."""
         return leading_end(place, self.ties)
 
     def with_rigid_joints(self) -> Topology:
-        """The same with rigid pins and pivots in place of springs."""
+        """The topology with rigid pins and pivots in place of springs."""
         pins = tuple(replace(pin, sprung=False) for pin in self.pins)
         pivots = tuple(replace(pivot, sprung=False) for pivot in self.pivots)
         return replace(self, pins=pins, pivots=pivots)
@@ -258,25 +258,25 @@ class Topology:
         return replace(self, clamps=tuple(replace(clamp, free=True) for clamp in self.clamps))
 
     def with_elastic(self, names: Collection[str]) -> Topology:
-        """The same, with some rigid links as elastic ones."""
+        """The topology with some rigid links as elastic ones."""
         links = (replace(k, rigid=k.rigid and k.name not in names) for k in self.links)
         return replace(self, links=tuple(links))
 
     @property
     def rigid_ties(self) -> tuple[Pin | Weld, ...]:
-        """Ties but for pins that springs alone hold together."""
+        """Pins and welds without sprung pins."""
         return tuple(tie for tie in self.ties if not (isinstance(tie, Pin) and tie.sprung))
 
     @property
     def pinned_ends(self) -> dict[str, tuple[LinkEnd, LinkEnd | None]]:
-        """Following and leading end of each pin, by joint; of each pivot its end, and None."""
+        """Follower and leader of each pin, by joint; of each pivot its end, and None."""
         ends: dict[str, tuple[LinkEnd, LinkEnd | None]] = {
             pin.joint: (pin.follower, pin.leader) for pin in self.pins
         }
         return ends | {pivot.joint: (pivot.link_end, None) for pivot in self.pivots}
 
     def joint_angle(self, joint: str, angles: FloatArray) -> FloatArray:
-        """Angle by which a pin or pivot is open, or its rate from angular velocities.
+        """Angle of a pin or pivot, or its rate from angular velocities.
 
         Parameters
         ----------
@@ -295,7 +295,7 @@ class Topology:
 
 
 def leading_end(place: LinkEnd, ties: Iterable[Pin | Weld]) -> LinkEnd:
-    """Follow ties from a link end to the end that carries its displacement.
+    """Leader of a link end through a sequence of ties.
 
     Parameters
     ----------
@@ -305,7 +305,7 @@ def leading_end(place: LinkEnd, ties: Iterable[Pin | Weld]) -> LinkEnd:
     Returns
     -------
     LinkEnd
-        The place itself where it follows no other.
+        The place itself where it is no follower.
 
     Raises
     ------

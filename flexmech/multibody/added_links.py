@@ -57,7 +57,7 @@ class AttachedPart:
 
     @property
     def inertia(self) -> RigidBody:
-        """Its inertia about the axis."""
+        """Inertia of the body about the link's axis."""
         return RigidBody.fixed(self.body)
 
 
@@ -133,7 +133,7 @@ def _fix(items: SystemItems, part: BeamPart, attached: AttachedPart, name: str) 
 def add_links(
     items: SystemItems, mechanism: Mechanism, kind: BeamKind, elements: int
 ) -> list[LinkPart]:
-    """Add nodes, beams and bodies of all links, along the global x axis, one upon the other.
+    """Add nodes, beams and bodies of all links, each along the global x axis.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ def _add_rigid(items: SystemItems, mechanism: Mechanism, name: str, start: int) 
 
 
 def _polar_slopes(kind: BeamKind, positions: FloatArray, places: list[float]) -> PolarSlopes | None:
-    """Nodes of a link of cables at which something holds or asks for the angle."""
+    """Nodes of a link of cables with stretch and angle as coordinates."""
     if kind.turns_arms or not places:
         return None
     nodes = np.unique(np.abs(positions - np.array(places)[:, None]).argmin(axis=1))

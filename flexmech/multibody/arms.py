@@ -23,7 +23,7 @@ PER_NODE = 3
 
 @dataclass(frozen=True)
 class Arms:
-    """Arms of one link, from axis points to nodes, each turned by its node's rotation.
+    """Rigid arms of one link from axis points to nodes, which rotate with the nodes.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class Arms:
 
     @property
     def inverse(self) -> Arms:
-        """From the nodes to the axis points."""
+        """Inverse map, from the nodes to the axis points."""
         return Arms(-self.length)
 
     def to_nodes(self, axis: FloatArray) -> FloatArray:
@@ -135,7 +135,7 @@ class Arms:
 
 
 class _NodeMap(Protocol):
-    """From a link's coordinates to those of its nodes, less the reference ones."""
+    """Map from a link's coordinates to those of its nodes, less the reference ones."""
 
     @property
     def inverse(self) -> _NodeMap: ...
@@ -186,7 +186,7 @@ class LinkArms:
         return self._mapped(axis, lambda arms, own: arms.to_nodes(axis[..., own]))
 
     def to_axis(self, nodes: FloatArray) -> FloatArray:
-        """Undo :meth:`to_nodes`.
+        """Inverse of :meth:`to_nodes`.
 
         Parameters
         ----------
@@ -214,7 +214,7 @@ class LinkArms:
         )
 
     def rate_to_axis(self, nodes: FloatArray, rate: FloatArray) -> FloatArray:
-        """Undo :meth:`rate_to_nodes`.
+        """Inverse of :meth:`rate_to_nodes`.
 
         Parameters
         ----------
@@ -228,13 +228,13 @@ class LinkArms:
 
     @cached_property
     def _inverse(self) -> LinkArms:
-        """From the nodes to the axis points, without bodies."""
+        """Inverse map from the nodes to the axis points, without bodies."""
         return LinkArms([arms.inverse for arms, _ in self._links], [own for _, own in self._links])
 
     def _mapped(
         self, values: FloatArray, mapped: Callable[[_NodeMap, slice], FloatArray]
     ) -> FloatArray:
-        """Values with each link's own as ``mapped`` says, and those of bodies that follow."""
+        """Values mapped link by link, with those of attached bodies appended."""
         nodes = values.copy() if self._links else values
         for arms, own in self._links:
             nodes[..., own] = mapped(arms, own)

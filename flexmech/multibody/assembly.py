@@ -26,7 +26,7 @@ from flexmech.multibody.running.user_functions import turned_frame
 
 
 class LinkAssembly:
-    """Links along the global x axis, one upon the other, until a state is given to them.
+    """Links in an Exudyn system, in the reference configuration along the global x axis.
 
     Coordinates are those of the pins' axis, less the reference ones, unless Exudyn's own are
     spoken of: these are the nodes', and :attr:`arms` leads from the one to the other.
@@ -99,7 +99,7 @@ class LinkAssembly:
                 yield number, part
 
     def _bodies(self, part: BeamPart) -> list[LinkBody]:
-        """Bodies on a link, and those without mass that give a cable's end an angle."""
+        """Bodies on a link, and massless ones that give a cable's end an angle."""
         mass = self.mechanism.link_mass(part.name)
         if self.kind.turns_arms:
             return list(mass.bodies)
@@ -107,7 +107,7 @@ class LinkAssembly:
 
     @property
     def nodal_force_scale(self) -> float:
-        """Force between neighbouring nodes if one stood still and the other at the origin."""
+        """Scale of nodal forces: that between neighbouring nodes displaced by a position."""
         extent = sum(link.length for link in self.topology.links)
         scales = []
         for _, part in self.beams:
@@ -122,7 +122,7 @@ class LinkAssembly:
         return point_masses_at(self.mechanism, part.name, part.positions)
 
     def part_of(self, place: LinkEnd) -> LinkPart:
-        """The link that an end belongs to."""
+        """Part of the link of an end."""
         return self.parts[self.topology.index(place.link)]
 
     def end_node(self, place: LinkEnd) -> ItemNumber:
@@ -130,7 +130,7 @@ class LinkAssembly:
         return self.part_of(place).nodes[0 if place.end == "start" else -1]
 
     def turning_coordinate(self, place: LinkEnd) -> int | None:
-        """Which coordinate of that node is its angle; None where it has a slope vector."""
+        """Coordinate of that node that is its angle; None where it has a slope vector."""
         part = self.part_of(place)
         is_angle = isinstance(part, RigidPart) or self.kind.turns_arms
         return RIGID_SIZE - 1 if is_angle else None
@@ -149,7 +149,7 @@ class LinkAssembly:
         return int(own.start if is_first else own.stop - self.kind.per_node)
 
     def reference_place(self, place: LinkEnd) -> FloatArray:
-        """Where the node at a link end is along the link in the reference configuration, (2,)."""
+        """Reference position of the node at a link end, (2,)."""
         part = self.part_of(place)
         if isinstance(part, RigidPart) or place.end == "start":
             return np.zeros(2)
@@ -163,14 +163,14 @@ class LinkAssembly:
         return part.arms is None
 
     def turned(self, vector: FloatArray, angles: FloatArray) -> FloatArray:
-        """All links' coordinates (size,), the vectors of each link turned by its angle."""
+        """Coordinates (size,) of all links with the vectors of each link rotated by its angle."""
         turned = vector.copy()
         for part, angle in zip(self.parts, angles, strict=True):
             turn_vectors(turned[None, part.coordinates], part.vectors, angle[None])
         return turned
 
     def deformation(self, state: FloatArray, pose: FloatArray) -> FloatArray:
-        """How far coordinates (size,) are from others; angles within half a turn."""
+        """Difference of coordinates (size,), with angles within half a turn."""
         change = state - pose
         for part in self.parts:
             own, angles = change[part.coordinates], np.flatnonzero(part.rotation)

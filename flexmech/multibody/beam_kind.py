@@ -1,4 +1,4 @@
-"""What the program asks of a kind of beam element of Exudyn."""
+"""Interface of a kind of beam element of Exudyn."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from flexmech.sections import BeamSection
 
 
 class BeamKind(ABC):
-    """How a chain of beam elements is built and read.
+    """Interface to build a chain of beam elements and to read its coordinates.
 
     Attributes
     ----------
@@ -194,7 +194,7 @@ class BeamKind(ABC):
         return np.asarray(sum(strain.power for strain in strains)).reshape(displacement.shape)
 
     def is_axial(self, count: int) -> NDArray[np.bool_]:
-        """Which coordinates of a chain of ``count`` nodes move it along its axis."""
+        """Whether coordinates of a chain of ``count`` nodes are displacements along its axis."""
         axial = np.zeros(self.per_node, dtype=bool)
         axial[[x for x, _ in self.vectors]] = True
         return np.tile(axial, count)

@@ -1,4 +1,4 @@
-"""Loads, springs and sprung joints of a mechanism, and what they act on, as items of a system.
+"""Loads, springs and sprung joints of a mechanism as items of an Exudyn system.
 
 Each is one load or one connector: a spring between two points, a spring on the angle between two
 nodes, or one in both directions between two link ends. Their stiffness is taken off when Exudyn
@@ -115,7 +115,7 @@ class SpringItem:
 
 @dataclass(frozen=True)
 class JointSpringItem:
-    """A spring in a joint: against turning, and in a sprung joint against displacement.
+    """Springs in a joint: torsional, and in a sprung joint radial.
 
     Parameters
     ----------
@@ -169,11 +169,11 @@ class ConnectorItems:
 
     @property
     def any(self) -> bool:
-        """Whether there is one."""
+        """Whether there is a load or a spring."""
         return bool(self.loads or self.springs or self.joints)
 
     def activate(self, active: bool) -> None:
-        """Let springs act, or not."""
+        """Activate or deactivate the springs."""
         numbers = [item.number for item in self.springs]
         for item in self.joints:
             numbers += [number for number in (item.turning, item.radial) if number is not None]

@@ -90,7 +90,7 @@ class ExudynEngine(Engine):
 
     @property
     def axial_modes_of_bows(self) -> int:
-        """Axial modes of a link without which its elements stretch where a bowed link bends.
+        """Number of axial modes that a bowed link needs to bend without stretch.
 
         Cables stretch by the slopes of their cubic shapes: nothing less than all of their axial
         coordinates, two for each element, makes up for that.
@@ -313,7 +313,7 @@ class ExudynEngine(Engine):
         integrator: Integrator = "trapezoidal",
         stride: int = 1,
     ) -> ExudynSystem:
-        """Hand over the system that :meth:`simulate` runs, with named items and sensors.
+        """The system that :meth:`simulate` runs, with named items and sensors.
 
         Parameters
         ----------
@@ -368,7 +368,7 @@ class ExudynEngine(Engine):
         return straight_forces(self.mechanism, frames, motion, loads, connectors=connectors)
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:
-        """Straight links in tension."""
+        """Straight links with the geometric stiffness of their tension."""
         straight = self._straight(motion)
         loads, nodes = straight.loads, [link.readings.nodes for link in self.clamped_links]
         tensions = element_tensions(self.mechanism, nodes, motion, straight.links)

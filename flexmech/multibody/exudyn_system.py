@@ -1,4 +1,4 @@
-"""A running mechanism as an Exudyn system in the user's hands, with its sensors, and as a script.
+"""A running mechanism as an Exudyn system for the user, with sensors, and as a script.
 
 Sensors of a running Exudyn system: deflections, forces of the joints, driving torque.
 """
@@ -95,7 +95,7 @@ def add_sensors(model: RunningModel) -> None:
 
 
 class _LinkPoints:
-    """Sensors of where points on the pins' axis of a link are."""
+    """Position sensors of points on the pins' axis of a link."""
 
     def __init__(self, assembly: LinkAssembly, part: BeamPart, link: Link) -> None:
         self._items = assembly.items
@@ -238,7 +238,7 @@ class ExudynSystem:
     def of(
         cls, simulation: Simulation, drive: CrankDrive, start: LinkState, stride: int
     ) -> ExudynSystem:
-        """Add sensors to the model of a simulation and hand it over.
+        """System of a simulation's model, with sensors added.
 
         Parameters
         ----------
@@ -312,7 +312,7 @@ class ExudynSystem:
         return self._numbers("sensor")
 
     def history(self, sensor: str) -> FloatArray:
-        """What a sensor has recorded, after the system is solved.
+        """History of a sensor, after the system is solved.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""An Exudyn system and the list of what it is made of.
+"""An Exudyn system with a list of its items.
 
 Every item is described once, by its type, its name and its values: the system gets it, and the
 list keeps it, from which a script can be written that makes the same system.
@@ -26,7 +26,7 @@ _KINDS: dict[str, ItemKind] = {
 
 
 class ItemNumber(int):
-    """Exudyn's number of an item, which knows what it is the number of.
+    """Exudyn's number of an item, with the item's kind and name.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class ItemNumber(int):
 
 @dataclass(frozen=True)
 class Choice:
-    """One of Exudyn's own words, such as ``OutputVariableType.Position``.
+    """A value of an enumeration of Exudyn, such as ``OutputVariableType.Position``.
 
     Parameters
     ----------
@@ -58,13 +58,13 @@ class Choice:
     name: str
 
     def chosen(self) -> Any:
-        """The word as Exudyn takes it."""
+        """The enumeration's value in Exudyn."""
         return getattr(getattr(load_exudyn(), self.enumeration), self.name)
 
 
 @dataclass(frozen=True)
 class Made:
-    """A value that a function makes of plain numbers, and that a script makes so too.
+    """Result of a function of plain numbers, which a script calls as well.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ class SystemItems:
         self._subject = ""
 
     def begin(self, subject: str) -> None:
-        """Say what the items that follow belong to."""
+        """Set the subject of the next items."""
         self._subject = subject
 
     def add(self, type_: str, name: str, **values: Any) -> ItemNumber:
@@ -147,7 +147,7 @@ class SystemItems:
         return ItemNumber(number, kind, name)
 
     def change(self, number: ItemNumber, key: str, value: Any) -> None:
-        """Give an item that is not assembled yet another value.
+        """Change a value of an item before the system is assembled.
 
         Parameters
         ----------

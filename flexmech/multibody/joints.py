@@ -1,4 +1,4 @@
-"""Joints of links in an Exudyn system: pins, welds and sliders, one constraint each and kind.
+"""Joints of links in an Exudyn system: pins, welds and sliders.
 
 Where it is exact, a joint is a condition whose Jacobian is constant: that on the places of two
 nodes, on the difference of two angles, or on the distance of a node from a line of the ground.
@@ -142,7 +142,7 @@ def _tie(assembly: LinkAssembly, tie: Pin | Weld, angle: FloatArray) -> TieJoint
 
 
 def add_sliders(assembly: LinkAssembly) -> list[SliderJoint]:
-    """Put link ends on lines of the ground or of rigid links.
+    """Add the sliders: link ends on lines of the ground or of rigid links.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""From Exudyn's absolute coordinates to link frames, and the static equilibrium."""
+"""Linearization in link frames from Exudyn's absolute coordinates, and static equilibrium."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ DAMPER_TURNS = 8
 def linearized(
     assembly: LinkAssembly, settings: Any, state: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Mass, stiffness and damping by Exudyn's coordinates.
+    """Mass, stiffness and damping matrix in Exudyn's coordinates.
 
     Exudyn linearizes about the initial state, whatever was solved before.
 
@@ -139,7 +139,7 @@ def static_equilibrium(
 
 @dataclass(frozen=True)
 class _Applied:
-    """What :meth:`flexmech.multibody.static_loads.StaticLoads.set` takes, over a batch."""
+    """Arguments of :meth:`flexmech.multibody.static_loads.StaticLoads.set` over a batch."""
 
     forces: FloatArray
     couples: FloatArray
@@ -152,7 +152,7 @@ class _Applied:
         loads: list[FloatArray],
         dead: DeadMoments,
     ) -> _Applied:
-        """Forces (B, n_link) in link frames as those in the crank's frame."""
+        """Forces (B, n_link) transformed from link frames to the crank's frame."""
         assembly = model.assembly
         relative = motion.angle - motion.angle[:, assembly.base, None]
         forces = np.concatenate(loads, axis=1)
@@ -277,7 +277,7 @@ class _Tangents:
             self._damping[link][number] = damping[own]
 
     def in_link_frames(self, angle: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
-        """Both in frames turned by ``angle`` (B, n_links) against the model's."""
+        """Both in frames rotated by ``angle`` (B, n_links) against the model's."""
         assembly = self._assembly
         for link, part in assembly.beams:
             if (mapped := part.node_map) is not None:
@@ -309,7 +309,7 @@ def _solve_in_steps(
     motion: RigidMotion,
     number: int,
 ) -> None:
-    """Try again from the undeformed links, in steps if need be; say so if that fails as well."""
+    """Solve from the undeformed links, in load steps if necessary, or raise an error."""
     assembly = model.assembly
     nodes = assembly.arms.to_nodes(pose)
     for steps in LOAD_STEPS:

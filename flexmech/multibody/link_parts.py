@@ -1,4 +1,4 @@
-"""What the system has of each link: its items, and how its coordinates turn with it.
+"""Parts of an Exudyn system for each link: items and coordinates.
 
 Coordinates of a beam are those of points on the pins' axis, less the reference ones; see
 :mod:`flexmech.multibody.arms` and :mod:`flexmech.multibody.node_directions` for what leads from
@@ -69,12 +69,12 @@ class BeamPart:
 
     @property
     def length(self) -> float:
-        """In m."""
+        """Length of the link in m."""
         return float(self.positions[-1])
 
     @property
     def node_map(self) -> Arms | PolarSlopes | None:
-        """From the link's coordinates to those of its nodes; None where they are the same."""
+        """Map from the link's coordinates to those of its nodes; None where they are the same."""
         return self.arms or self.polar
 
     @cached_property
@@ -84,12 +84,12 @@ class BeamPart:
 
     @cached_property
     def along(self) -> FloatArray:
-        """Change of the coordinates when the link moves by one along x, (n,)."""
+        """Rigid field of a unit translation along x, (n,)."""
         return self.kind.rigid_fields(self.positions).along
 
     @cached_property
     def across(self) -> FloatArray:
-        """Change of the coordinates when the link moves by one along y, (n,)."""
+        """Rigid field of a unit translation along y, (n,)."""
         return self.kind.rigid_fields(self.positions).across
 
     @cached_property
@@ -101,7 +101,7 @@ class BeamPart:
 
     @cached_property
     def vectors(self) -> tuple[IntArray, IntArray]:
-        """X and y coordinates of all vectors that turn with the link, (k,) each."""
+        """X and y coordinates of all vectors in the link frame, (k,) each."""
         x, y = self.force_vectors
         if self.polar is None:
             return x, y
@@ -110,7 +110,7 @@ class BeamPart:
 
     @cached_property
     def force_vectors(self) -> tuple[IntArray, IntArray]:
-        """The same of the forces on Exudyn's coordinates."""
+        """X and y coordinates of all vectors among the forces on Exudyn's coordinates."""
         return self.kind.vector_pairs(len(self.nodes))
 
     def pose(self, origin: FloatArray, angle: float) -> FloatArray:
@@ -121,7 +121,7 @@ class BeamPart:
         return pose
 
     def end_place(self, end: End, position: FloatArray) -> FloatArray:
-        """Where an end is by the coordinates of all links (size,), shape (2,)."""
+        """Position of an end from the coordinates of all links (size,), shape (2,)."""
         own = position[self.coordinates]
         if end == "start":
             return np.asarray(own[:2])
@@ -170,12 +170,12 @@ class RigidPart:
 
     @property
     def along(self) -> FloatArray:
-        """Change of the coordinates when the link moves by one along x, (n,)."""
+        """Rigid field of a unit translation along x, (n,)."""
         return np.array([1.0, 0.0, 0.0])
 
     @property
     def across(self) -> FloatArray:
-        """Change of the coordinates when the link moves by one along y, (n,)."""
+        """Rigid field of a unit translation along y, (n,)."""
         return np.array([0.0, 1.0, 0.0])
 
     @property
@@ -185,12 +185,12 @@ class RigidPart:
 
     @property
     def vectors(self) -> tuple[IntArray, IntArray]:
-        """X and y coordinates of all vectors that turn with the link, (k,) each."""
+        """X and y coordinates of all vectors in the link frame, (k,) each."""
         return np.array([0]), np.array([1])
 
     @property
     def force_vectors(self) -> tuple[IntArray, IntArray]:
-        """The same of the forces on Exudyn's coordinates."""
+        """X and y coordinates of all vectors among the forces on Exudyn's coordinates."""
         return self.vectors
 
     def pose(self, origin: FloatArray, angle: float) -> FloatArray:
@@ -198,7 +198,7 @@ class RigidPart:
         return np.array([origin[0], origin[1], angle])
 
     def end_place(self, end: End, position: FloatArray) -> FloatArray:
-        """Where an end is by the coordinates of all links (size,), shape (2,)."""
+        """Position of an end from the coordinates of all links (size,), shape (2,)."""
         x, y, angle = position[self.coordinates]
         arm = 0.0 if end == "start" else self.length
         return np.array([x + arm * np.cos(angle), y + arm * np.sin(angle)])
@@ -209,7 +209,7 @@ LinkPart: TypeAlias = BeamPart | RigidPart
 
 
 def turn_vectors(values: FloatArray, pairs: tuple[IntArray, IntArray], angle: FloatArray) -> None:
-    """Turn vectors in place.
+    """Rotate vectors in place.
 
     Parameters
     ----------
@@ -298,7 +298,7 @@ class MovingFrames:
 
 
 def _rigid(part: LinkPart, motion: RigidMotion, link: int) -> tuple[FloatArray, FloatArray]:
-    """What the frame's place and angle add to coordinates, its motion to velocities."""
+    """Contribution of the frame's position to coordinates and of its velocity to rates."""
     added = []
     for point, angle in (
         (motion.origin, motion.angle),
@@ -310,14 +310,14 @@ def _rigid(part: LinkPart, motion: RigidMotion, link: int) -> tuple[FloatArray, 
 
 
 def _turned(part: LinkPart, values: FloatArray, angle: FloatArray) -> FloatArray:
-    """Coordinates (m, n_link) with every vector turned by an angle (m,); scalars stay."""
+    """Coordinates (m, n_link) with every vector rotated by an angle (m,); scalars stay."""
     turned = values.copy()
     turn_vectors(turned, part.vectors, angle)
     return turned
 
 
 def _quarter_turned(part: LinkPart, values: FloatArray) -> FloatArray:
-    """Vectors of (m, n_link) turned by a quarter; other coordinates give nothing."""
+    """Vectors of (m, n_link) rotated by 90 deg; zero for other coordinates."""
     x, y = part.vectors
     turned = np.zeros_like(values)
     turned[:, x], turned[:, y] = -values[:, y], values[:, x]

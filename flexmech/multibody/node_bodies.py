@@ -35,7 +35,7 @@ from flexmech.sections import BeamSection
 
 @dataclass(frozen=True)
 class NodalMass:
-    """Mass of one link as its nodes and the differences between them have it.
+    """Mass of one link at its nodes and in the differences between them.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ class NodalMass:
 
 @dataclass(frozen=True)
 class NodeBodies:
-    """Bodies at the nodes of one link, and what they weigh.
+    """Bodies at the nodes of one link, with their mass.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ class NodeBodies:
         section: BeamSection,
         point_masses: FloatArray,
     ) -> NodeBodies:
-        """Add the bodies to a system, and what goes with the differences between nodes.
+        """Add the bodies and the masses of the differences between nodes to a system.
 
         Parameters
         ----------
@@ -211,7 +211,7 @@ def _uniform_pieces(length: FloatArray, point_masses: FloatArray) -> list[tuple[
 
 
 def _kept(section: BeamSection, length: float) -> float:
-    """How much of the difference of velocities is taken off, from 0 to 1.
+    """Part of the difference of velocities that is subtracted, from 0 to 1.
 
     All of it, unless the centre of mass is so far off the neutral axis that the mass of nodes
     moving to and fro in turn would not be positive any more. It takes a third off that mass

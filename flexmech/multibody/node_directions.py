@@ -1,4 +1,4 @@
-"""Slopes of cable nodes by their stretch and their angle, where something holds their direction.
+"""Polar coordinates of cable nodes, stretch and angle of the slope, where the angle is needed.
 
 A cable's node has a slope vector ``(1 + s_x, s_y)``. A weld keeps the angle between two such
 vectors, and a body on a node turns with one; the stretch of each is the link's own. By stretch e
@@ -10,7 +10,7 @@ such a condition is linear: two angles differ by a constant. Its forces then add
 tangent stiffness but what this map adds, second derivatives of the slope times the forces on it.
 To first order about the straight link both pairs of coordinates are the same.
 
-Where links need a node, or a cable's node an angle, because something takes hold there.
+Places at which links need a node, or a cable's node an angle.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from flexmech.mechanism import Mechanism
 
 @dataclass(frozen=True, eq=False)
 class PolarSlopes:
-    """Nodes of one link whose slopes are told by stretch and angle.
+    """Nodes of one link with stretch and angle of the slope as coordinates.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class PolarSlopes:
 
     @property
     def inverse(self) -> _CartesianSlopes:
-        """From slope vectors to stretch and angle."""
+        """Inverse map, from slope vectors to stretch and angle."""
         return _CartesianSlopes(self.first)
 
     def to_nodes(self, polar: FloatArray) -> FloatArray:
@@ -153,13 +153,13 @@ class PolarSlopes:
 
 @dataclass(frozen=True, eq=False)
 class _CartesianSlopes:
-    """The map back; see :class:`PolarSlopes`."""
+    """Inverse map; see :class:`PolarSlopes`."""
 
     first: IntArray
 
     @property
     def inverse(self) -> PolarSlopes:
-        """From stretch and angle to slope vectors."""
+        """Map from stretch and angle to slope vectors."""
         return PolarSlopes(self.first)
 
     def to_nodes(self, nodes: FloatArray) -> FloatArray:
@@ -215,7 +215,7 @@ def required_nodes(mechanism: Mechanism, mass: LinkMass, link: str, exact: bool)
 
 
 def places_with_angles(mechanism: Mechanism, mass: LinkMass, link: str) -> list[float]:
-    """Places along a link of cables at which something holds or asks for the angle, in m.
+    """Places along a link of cables in m at which the angle is a coordinate.
 
     Parameters
     ----------
@@ -234,7 +234,7 @@ def places_with_angles(mechanism: Mechanism, mass: LinkMass, link: str) -> list[
 
 
 def turned_bodies(mechanism: Mechanism, mass: LinkMass, link: str) -> list[LinkBody]:
-    """Bodies without mass at the ends of a link of cables on which springs in joints turn.
+    """Massless bodies at ends of a link of cables on which torsional springs act.
 
     Parameters
     ----------
@@ -253,9 +253,9 @@ def turned_bodies(mechanism: Mechanism, mass: LinkMass, link: str) -> list[LinkB
 
 
 def dependent_joints(topology: Topology, end: LinkEnd) -> list[str]:
-    """Joints whose leading link ends in another joint's follower and is placed by its leader.
+    """Joints whose leader is, through other joints, a given follower.
 
-    What they put on the end that carries the leader's place, they put on the follower's link.
+    Their forces on the end of the leader act on the follower's link.
 
     Parameters
     ----------
@@ -279,7 +279,7 @@ def dependent_joints(topology: Topology, end: LinkEnd) -> list[str]:
 
 
 def _turned_loads(mechanism: Mechanism, link: str) -> Iterator[Load]:
-    """Loads on a link that turn with it, or have a torque."""
+    """Follower forces on a link, and loads with a torque."""
     for load in mechanism.loads:
         if load.point.link == link and (load.axes == "link" or any(load.torque)):
             yield load

@@ -1,9 +1,9 @@
-"""Stiffness of rigid links and hubs against turning, from the forces on them.
+"""Geometric stiffness of rigid links and hubs by the forces on them.
 
-A force F that keeps its direction at the place r of a rigid link, turned by phi, does the work
-``F . R(phi) r``; its second derivative gives the stiffness ``F . R(phi) r``. Where F is the force
-of a joint, this is the derivative of ``C_q' lambda`` by the link's angle, which Exudyn leaves out
-of its linearization.
+A dead load F at the point r of a rigid link rotated by phi does the work ``F . R(phi) r``; its
+second derivative gives the stiffness ``F . R(phi) r``. Where F is the force of a joint, this is
+the derivative of ``C_q' lambda`` by the link's angle, which Exudyn's linearization does not
+include.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ def joint_forces(model: StaticModel, state: FloatArray) -> Iterator[JointForce]:
 
 
 def geometric_stiffness(model: StaticModel, state: FloatArray, couples: FloatArray) -> FloatArray:
-    """Stiffness against turning of rigid links, hubs and bodies at nodes after a static solution.
+    """Geometric stiffness of rigid links, hubs and bodies at nodes after a static solution.
 
     Loads and springs on points of rigid links are not counted.
 
@@ -151,5 +151,5 @@ def line_forces(model: StaticModel) -> FloatArray:
 
 
 def _multipliers(model: StaticModel) -> FloatArray:
-    """Multipliers as those of a running system: Exudyn's static solver gives their opposite."""
+    """Lagrange multipliers with the sign of a running system, opposite to the static solver's."""
     return -np.array(model.assembly.mbs.systemData.GetAECoordinates())

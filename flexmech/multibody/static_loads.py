@@ -1,4 +1,4 @@
-"""Forces on the links of a model at standstill, which keep their direction.
+"""Dead loads on the links of a static model.
 
 A rigid link may turn under them. What distributed forces do to it then is told by their sum,
 their moment and their virial about the link's start, the sum of force times place: the sum acts
@@ -27,7 +27,7 @@ from flexmech.multibody.link_parts import BeamPart, RigidPart
 
 @dataclass(frozen=True)
 class TurningBody:
-    """A rigid link, or a body at a node, that forces of fixed direction turn.
+    """A rigid link, or a body at a node, on which dead loads have a moment.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ class StaticLoads:
         ]
 
     def set(self, forces: FloatArray, couples: FloatArray) -> None:
-        """Give the forces.
+        """Set the forces.
 
         Parameters
         ----------
@@ -94,7 +94,7 @@ class StaticLoads:
             mbs.SetObjectParameter(self._nodal, "forceVector", at_nodes[self._elastic])
 
     def _add_nodal_forces(self) -> ItemNumber | None:
-        """One object that carries forces on every coordinate and the point masses."""
+        """Object with generalized forces on every coordinate and with the point masses."""
         assembly = self._assembly
         elastic = np.zeros(assembly.size, dtype=bool)
         mass = np.zeros((assembly.size, assembly.size))
@@ -125,7 +125,7 @@ class StaticLoads:
             self._at_points.append((self._add_load(name, marker), coordinate))
 
     def _turning_bodies(self, link: int, part: BeamPart | RigidPart) -> dict[int, ItemNumber]:
-        """Bodies of a link that forces turn, by their angle among the coordinates of all links."""
+        """Bodies of a link on which dead loads have moments, by their angle coordinate."""
         if isinstance(part, RigidPart):
             return {part.coordinates.stop - 1: part.body}
         found: dict[int, ItemNumber] = {}
@@ -160,7 +160,7 @@ def _set_load(mbs: Any, load: ItemNumber, force: FloatArray) -> None:
 
 
 class StaticConnectors:
-    """Connectors whose forces are those of one position after the other.
+    """Connectors with the forces of a chosen position.
 
     Dampers carry what the rigid motion puts on them. Loads over time are not among them.
 
@@ -201,7 +201,7 @@ class StaticConnectors:
             self._set_joint(joint, motion, number, pose)
 
     def scale(self, part: float) -> None:
-        """Let a part of the loads act."""
+        """Apply a part of the loads."""
         mbs, base = self._all.assembly.mbs, self._turn
         for item, (x, y, torque) in zip(self._all.loads, self._values, strict=True):
             if item.load.axes == "ground":
@@ -212,7 +212,7 @@ class StaticConnectors:
                 mbs.SetLoadParameter(item.torque, "loadVector", [0.0, 0.0, part * torque])
 
     def converge(self) -> bool:
-        """Let dampers act along their lines as they are now; whether that changes their forces."""
+        """Update the directions of damper forces; returns whether the forces change."""
         mbs, changed = self._all.assembly.mbs, False
         for item in self._all.springs:
             if item.spring.damping:
@@ -234,7 +234,7 @@ class StaticConnectors:
 
     @property
     def scale_of_forces(self) -> float:
-        """Sum of what the loads push with, in N and N m."""
+        """Sum of the absolute loads, in N and N m."""
         return float(sum(np.abs(value).sum() for value in self._values))
 
     def _set_spring(self, item: SpringItem, motion: RigidMotion, number: int) -> None:
@@ -275,7 +275,7 @@ class StaticConnectors:
         return self._angles
 
     def _put(self, ground: ItemNumber, place: FloatArray) -> None:
-        """Put a ground where it is in the model's axes."""
+        """Set a ground point in the model's axes."""
         x, y = _turned(place, -self._turn)
         position = [float(x), float(y), 0.0]
         self._all.assembly.mbs.SetObjectParameter(ground, "referencePosition", position)

@@ -1,4 +1,4 @@
-"""A mechanism as an Exudyn system at standstill: built once, moved through the crank angles.
+"""Static Exudyn system of a mechanism: built once, moved through the crank angles.
 
 The model stands in the crank's frame: the shaft's clamp is then a condition on single
 coordinates with a constant constraint Jacobian, whatever the crank angle. What changes
@@ -30,7 +30,7 @@ from flexmech.multibody.static_loads import StaticConnectors, StaticLoads
 
 
 class StaticModel:
-    """Exudyn system of a mechanism whose crank is held.
+    """Exudyn system of a mechanism with the crank fixed.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ class StaticModel:
 
     @property
     def swelling_force(self) -> float:
-        """Force by which swelling that is held back pulls and bends an element, at most."""
+        """Greatest force of an element whose free strain and curvature are restrained."""
         loads = (
             swelling_force(part.section, np.diff(part.positions).min())
             for _, part in self.assembly.beams
@@ -94,7 +94,7 @@ class StaticModel:
         return max(loads, default=0.0)
 
     def move_to(self, motion: RigidMotion, number: int) -> FloatArray:
-        """Put the supports where position ``number`` of a batch has them.
+        """Move the supports to position ``number`` of a batch.
 
         Parameters
         ----------
@@ -141,7 +141,7 @@ class StaticModel:
 
     @contextlib.contextmanager
     def links_alone(self) -> Iterator[None]:
-        """Without the springs between links, as for a linearization of these."""
+        """Context without the springs between links, for a linearization of the links."""
         if self.connectors is None:
             yield
             return
@@ -157,7 +157,7 @@ class StaticModel:
                 assembly.kind.swell(assembly.mbs, element, link.section, part)
 
     def _add_supports(self, fixed: ItemNumber, sprung_alone: bool) -> list[tuple[ItemNumber, int]]:
-        """Hold clamped and pivoted coordinates; returns constraints and what they hold."""
+        """Fix clamped and pivoted coordinates; returns constraints and their coordinates."""
         assembly = self.assembly
         fixed_ends: list[tuple[LinkEnd, tuple[int, ...]]] = []
         for number, clamp in enumerate(assembly.topology.clamps):
@@ -212,7 +212,7 @@ class StaticModel:
 
 
 def simulation_settings(absolute_tolerance: float = 1e-8, *, of_steps: bool = False) -> Any:
-    """Settings for one quiet static step and for linearization.
+    """Settings for one static step without output, and for linearization.
 
     Parameters
     ----------
@@ -242,7 +242,7 @@ def simulation_settings(absolute_tolerance: float = 1e-8, *, of_steps: bool = Fa
 
 
 class StaticSettings:
-    """When Exudyn's static solver is content.
+    """Convergence criteria of Exudyn's static solver.
 
     Forces out of balance are no measure beside a stiff link: what its round-off hides may bend a
     soft one that is pinned to it. So Newton's method goes on until its step is small, and is
@@ -254,7 +254,7 @@ class StaticSettings:
         self._round_off = round_off
 
     def under(self, loaded: float) -> tuple[Any, Any]:
-        """Settings to be tried one after the other under loads of a size in N."""
+        """Settings to try in turn under loads of a size in N."""
         by_forces = simulation_settings(max(RELATIVE_RESIDUAL * loaded, self._round_off))
         return self._by_steps, by_forces
 

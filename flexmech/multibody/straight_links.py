@@ -107,7 +107,7 @@ def unit_tension_stiffness(assembly: LinkAssembly) -> list[FloatArray]:
 
 @dataclass(frozen=True)
 class _Inertia:
-    """Integrals over a link besides its mass; see :class:`LinkModel`."""
+    """Inertia integrals of a link besides its mass matrix; see :class:`LinkModel`."""
 
     gyroscopic: FloatArray
     centrifugal_mass: FloatArray
@@ -134,7 +134,7 @@ def _inertia(mass: FloatArray, quarter: FloatArray, across: IntArray) -> _Inerti
 
 
 def _quarter_turn(size: int, x: IntArray, y: IntArray) -> FloatArray:
-    """Matrix that turns every vector coordinate by a quarter and drops the others."""
+    """Matrix that rotates every vector by 90 deg and drops the other coordinates."""
     quarter = np.zeros((size, size))
     quarter[x, y], quarter[y, x] = -1.0, 1.0
     return quarter

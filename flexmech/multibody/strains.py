@@ -1,4 +1,4 @@
-"""The strains by which Exudyn's beam elements store energy, for whole runs at once.
+"""Strains of Exudyn's beam elements in their strain energy, for whole runs at once.
 
 By displacements from the straight link, not by places: strains of 1e-9 keep their digits, which the
 difference of two lengths would lose to round-off.
@@ -65,7 +65,7 @@ def element_shear_damping_time(section: BeamSection, length: FloatArray) -> Floa
 
 
 def _flexibilities(section: BeamSection, length: FloatArray) -> tuple[float, FloatArray]:
-    """Angle by unit shear force, from shear and from bending, in rad/N."""
+    """Shear flexibilities: angle by unit shear force, from shear and bending, in rad/N."""
     bending = np.asarray(length**2 / (12 * section.bending_stiffness))
     return 1 / section.shear_stiffness, bending
 
@@ -105,12 +105,12 @@ class Strain:
 
     @property
     def power(self) -> FloatArray:
-        """Power in W that the elastic stress takes, the rate of :attr:`energy`; (m,)."""
+        """Power of the elastic stress in W, the rate of :attr:`energy`; (m,)."""
         return np.asarray(np.einsum("meg,meg,eg->m", self.value, self.rate, self.weight))
 
     @property
     def dissipation(self) -> FloatArray:
-        """Power in W that Kelvin-Voigt damping takes, shape (m,)."""
+        """Dissipated power of Kelvin-Voigt damping in W, shape (m,)."""
         power = np.einsum("meg,meg,eg->me", self.rate, self.rate, self.weight)
         return np.asarray((self.damping_time * power).sum(axis=1))
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import scipy.linalg
 
@@ -53,7 +55,11 @@ def chain_stretch(chain: Chain, *, turns_far: bool = False) -> LinkStretch:
     for column, (number, weight) in enumerate(weights):
         spread[number, column] = weight
     axial = LinkStretch(
-        gradient, np.stack(slopes), spread, np.full(count, elements.section.damping.axial)
+        gradient,
+        np.stack(slopes),
+        spread,
+        np.full(count, elements.section.damping.axial),
+        neutral_axis=sum(elements.shapes.arms(elements.section)),
     )
     return _with_bending(chain, axial) if turns_far else axial
 
@@ -86,9 +92,10 @@ def _with_bending(chain: Chain, axial: LinkStretch) -> LinkStretch:
             weights.append(root / 2 * np.array([[-1.0, 1.0]]))
     # Of the second order alone is the damping of all bending that of curvature.
     time = np.full(len(gradient), elements.section.damping.bending)
-    return LinkStretch(
-        np.concatenate([axial.gradient, gradient]),
-        np.concatenate([axial.slopes, slopes]),
-        scipy.linalg.block_diag(axial.weights, *weights),
-        np.append(axial.damping_time, time),
+    return replace(
+        axial,
+        gradient=np.concatenate([axial.gradient, gradient]),
+        slopes=np.concatenate([axial.slopes, slopes]),
+        weights=scipy.linalg.block_diag(axial.weights, *weights),
+        damping_time=np.append(axial.damping_time, time),
     )

@@ -130,7 +130,7 @@ def _assemblable_angles(mechanism: Mechanism) -> FloatArray:
     degrees = np.arange(0.0, 361.0)
     stands = assemblable(mechanism.linkage, np.radians(degrees))
     if not stands.any():
-        raise InputError("the linkage can stand at no crank angle of whole degrees")
+        raise InputError("the linkage can be assembled at no crank angle of whole degrees")
     return degrees[max(unbroken_runs(stands), key=len)]
 
 

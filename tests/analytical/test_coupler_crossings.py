@@ -49,6 +49,7 @@ def crunodes(linkage, point, crank_angle=None):
     return sum(double.kind == "crunode" for double in found)
 
 
+@pytest.mark.thorough
 def test_ten_thousand_grashof_linkages() -> None:
     generator = np.random.default_rng(1)
     lengths = random_lengths(generator, 10_000, grashof=True)

@@ -147,6 +147,7 @@ CONNECTED: dict[str, object] = {
 }
 
 
+@pytest.mark.thorough
 def test_multipliers_of_the_unreduced_equations_with_connectors(mechanisms) -> None:
     """Against the second-order equations of the frozen system, in time by another method."""
     made = replace(soft(mechanisms["aluminium"]), **CONNECTED)

@@ -146,7 +146,9 @@ def integrated_monodromy(
     return run.y[:, -1].reshape(2 * size, -1)
 
 
-@pytest.mark.parametrize("prestress", LOADED)
+@pytest.mark.parametrize(
+    "prestress", ["equilibrium", pytest.param("axial", marks=pytest.mark.thorough)]
+)
 @pytest.mark.parametrize("time", [0.0, pytest.param(1e-3, marks=pytest.mark.thorough)])
 def test_multipliers_of_the_unreduced_equations(mechanisms, prestress, time):
     # Nothing is reduced here: canonical form, rates by Fourier series and Magnus expansion
@@ -238,7 +240,7 @@ def in_both_frames(engine: Engine, speed: float, prestress: Prestress) -> list[F
 
 @pytest.mark.parametrize("prestress", LOADED)
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("time", [0.0, 2e-5])
+@pytest.mark.parametrize("time", [pytest.param(0.0, marks=pytest.mark.thorough), 2e-5])
 def test_multipliers_do_not_depend_on_the_frame(mechanisms, name, prestress, time):
     mechanism = damped(mechanisms[name], time) if time else mechanisms[name]
     for speed in (20.0, -60.0):

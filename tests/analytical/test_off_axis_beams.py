@@ -142,6 +142,7 @@ def test_joints_at_both_ends_hold_the_twist_of_a_link() -> None:
         section_of((30,), 4.0, "loose")
 
 
+@pytest.mark.thorough
 def test_what_the_twist_leaves_open_is_said() -> None:
     def warned(section: BeamSection) -> str:
         engine = ExudynEngine(linkage_of(section, only="coupler"), 2, "geometrically-exact")
@@ -154,6 +155,7 @@ def test_what_the_twist_leaves_open_is_said() -> None:
     assert "twist" not in warned(section_of((0, 90, 90, 0), 4.0))
 
 
+@pytest.mark.thorough
 def test_elements_in_three_dimensions_are_those_of_another_code() -> None:
     """Pinned beams of scikit-fem's hexahedra, between rigid end faces."""
     known = {((30,), 8): 628.0, (ANGLE_PLY, 1): 534.2}
@@ -163,6 +165,7 @@ def test_elements_in_three_dimensions_are_those_of_another_code() -> None:
         assert bending_between_pins(layers, LENGTH)[0] == pytest.approx(exact, rel=4e-3)
 
 
+@pytest.mark.thorough
 def test_errors_of_beams_between_joints_are_computed_and_told() -> None:
     def warned(angles: tuple[float, ...], width: float, twist: str | None = None) -> str:
         mechanism = linkage_of(section_of(angles, width, twist), 0.5, only="crank")

@@ -72,7 +72,12 @@ def test_both_modes_of_wide_strips_are_those_of_three_dimensions(theory: str) ->
 
 @pytest.mark.parametrize(
     ("angles", "width", "first"),
-    [((30,), 1, 446.5), ((30,), 4, 554.1), (ANGLE_PLY, 4, 622.5), (ANGLE_PLY, 8, 684.5)],
+    [
+        pytest.param((30,), 1, 446.5, marks=pytest.mark.thorough),
+        ((30,), 4, 554.1),
+        (ANGLE_PLY, 4, 622.5),
+        pytest.param(ANGLE_PLY, 8, 684.5, marks=pytest.mark.thorough),
+    ],
 )
 def test_strips_of_any_width_are_those_of_another_code(
     angles: tuple[float, ...], width: float, first: float
@@ -149,6 +154,7 @@ def linkage_of(section: BeamSection) -> Mechanism:
     return Mechanism(FourBar(0.18, 0.06, 0.18, 0.15), dict.fromkeys(names, section))
 
 
+@pytest.mark.thorough
 def test_links_between_joints_are_held_in_the_reference_engine() -> None:
     section = BeamSection.of_laminate(layers_of((30,), 4)).with_damping_time(1e-5)
     engine = ReferenceEngine(linkage_of(section), 4, "timoshenko")
@@ -231,6 +237,7 @@ def test_the_equilibrium_of_a_slow_linkage_is_that_of_straight_links(
     assert slow == pytest.approx(still, rel=1e-5)
 
 
+@pytest.mark.thorough
 def test_what_is_taken_is_told_and_why_engines_differ() -> None:
     mechanism = linkage_of(BeamSection.of_laminate(layers_of((30,), 8)))
     reference = ReferenceEngine(mechanism, 2, "timoshenko")

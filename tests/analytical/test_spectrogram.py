@@ -112,7 +112,9 @@ def free_vibration(engine, speed, steps):
     return time, deflections(engine, run)[:-1] - periodic
 
 
-@pytest.mark.parametrize("kind", [ReferenceEngine, ExudynEngine])
+@pytest.mark.parametrize(
+    "kind", [ReferenceEngine, pytest.param(ExudynEngine, marks=pytest.mark.thorough)]
+)
 def test_ridge_of_an_undamped_run_is_the_first_moving_frequency(steel, kind):
     """From 58 to 110 Hz and back within a turn of 3.1 s; every window within one bin."""
     engine, speed = kind(steel), 2.0

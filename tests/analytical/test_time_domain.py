@@ -181,7 +181,9 @@ def test_reduction_keeps_the_response(aluminium):
     assert np.abs(middle(engine, reduced) - exact).max() < 5e-4 * np.abs(exact).max()
 
 
-@pytest.mark.parametrize("engine", [ReferenceEngine, ExudynEngine])
+@pytest.mark.parametrize(
+    "engine", [ReferenceEngine, pytest.param(ExudynEngine, marks=pytest.mark.thorough)]
+)
 def test_reduction_keeps_the_stiffness_of_bowed_bell_cranks(engine):
     """The other arm's couple bows an arm: elements that stretch as it bends on are too stiff."""
     full = engine(load_mechanism(example_model("watt_six_bar")), elements=8)

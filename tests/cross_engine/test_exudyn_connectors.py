@@ -43,6 +43,14 @@ FloatArray = NDArray[np.float64]
 KINDS = ("ancf", "geometrically-exact")
 
 
+def thorough_but(*by_default: str) -> list[Any]:
+    """Names of all mechanisms; without a thorough run only some."""
+    return [
+        pytest.param(name, marks=[pytest.mark.thorough] * (name not in by_default))
+        for name in MECHANISMS
+    ]
+
+
 def strips(linkage: Any, **options: Any) -> Mechanism:
     """Aluminium strips under their weight."""
     section = BeamSection.rectangle(Material(68.9e9, 2923.0), 3e-3, 25.4e-3)
@@ -257,7 +265,7 @@ def test_the_equilibrium_is_one(name: str, kind: str, degrees: float) -> None:
     assert np.abs(ties.basis.T @ np.concatenate(residual)).max() < 1e-8 * size
 
 
-@pytest.mark.parametrize("name", MECHANISMS)
+@pytest.mark.parametrize("name", thorough_but("springs in joints", "rigid"))
 @pytest.mark.parametrize(
     "kind", ["ancf", pytest.param("geometrically-exact", marks=pytest.mark.thorough)]
 )
@@ -276,7 +284,7 @@ def test_a_run_accounts_for_all_energy(name: str, kind: str) -> None:
         assert np.abs(run.energy.prestress_work).max() > 1e-3
 
 
-@pytest.mark.parametrize("name", MECHANISMS)
+@pytest.mark.parametrize("name", thorough_but("springs", "sprung joints"))
 def test_sensors_and_scripts_have_connectors(name: str, tmp_path: Path) -> None:
     mechanism, drive = MECHANISMS[name], CrankDrive(20.0)
     engine = ExudynEngine(mechanism, 3, "ancf")
@@ -301,7 +309,7 @@ def test_sensors_and_scripts_have_connectors(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", MECHANISMS)
-@pytest.mark.parametrize("rotation_terms", [True, False])
+@pytest.mark.parametrize("rotation_terms", [True, pytest.param(False, marks=pytest.mark.thorough)])
 def test_both_engines_agree(name: str, rotation_terms: bool) -> None:
     """Springs bend these strips by up to a tenth of their length: the mesh is fine."""
     mechanism = MECHANISMS[name]

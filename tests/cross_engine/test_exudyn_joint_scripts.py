@@ -51,7 +51,13 @@ def test_sensors_measure_what_the_engine_does(name: str, kind: str) -> None:
     assert not any(f"{name}_deflection" in system.sensors for name in rigid)
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.thorough] * (number > 1))
+        for number, name in enumerate(CASES)
+    ],
+)
 def test_the_script_makes_the_same_system(name: str, tmp_path: Path) -> None:
     _, system = made(name, "ancf")
     assert system.mbs.SolveDynamic(system.settings)

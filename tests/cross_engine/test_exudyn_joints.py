@@ -142,7 +142,10 @@ def test_tangents_of_running_states_are_derivatives_of_internal_forces(kind: str
 
 @CASES
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("integrator", ["trapezoidal", "generalized-alpha"])
+@pytest.mark.parametrize(
+    "integrator",
+    ["trapezoidal", pytest.param("generalized-alpha", marks=pytest.mark.thorough)],
+)
 def test_a_run_keeps_its_energy_and_its_joints(
     name: str, bodies: bool, kind: str, integrator: Any
 ) -> None:

@@ -49,6 +49,7 @@ def test_a_four_bar_with_a_flywheel() -> None:
     assert "shaft: free" in str(run.summary())
 
 
+@pytest.mark.thorough
 def test_loads_and_springs_are_in_the_torque() -> None:
     """Where the shaft hardly turns, what is linear in its rotation is all."""
     request = ResponseRequest(

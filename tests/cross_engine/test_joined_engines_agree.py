@@ -54,7 +54,7 @@ def test_model_files_at_rest(name: str) -> None:
     [
         {},
         pytest.param({"rotation_terms": False}, marks=pytest.mark.thorough),
-        {"prestress": "axial"},
+        pytest.param({"prestress": "axial"}, marks=pytest.mark.thorough),
     ],
     ids=str,
 )
@@ -79,12 +79,16 @@ def test_joints_and_bodies_at_rest(name: str, bodies: bool) -> None:
 
 
 @pytest.mark.parametrize(("name", "bodies"), CASES)
-@pytest.mark.parametrize("prestress", ["equilibrium", "axial"])
+@pytest.mark.parametrize(
+    "prestress", ["equilibrium", pytest.param("axial", marks=pytest.mark.thorough)]
+)
 def test_joints_and_bodies_at_speed(name: str, bodies: bool, prestress: Any) -> None:
     assert difference(strips(name, 4e-3, bodies), 12, 20.0, prestress=prestress) < 1e-4
 
 
-@pytest.mark.parametrize("name", ["L-arm", "slider-crank"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("L-arm", marks=pytest.mark.thorough), "slider-crank"]
+)
 def test_exact_beams_tend_to_the_same_frequencies(name: str) -> None:
     """With stress, of second order."""
     mechanism, error = strips(name, 4e-3, bodies=True), []

@@ -35,7 +35,7 @@ def gap(first, second):
 @pytest.mark.parametrize(
     ("name", "speed", "time", "tolerance"),
     [
-        ("aluminium", 20.0, 0.0, 2e-3),
+        pytest.param("aluminium", 20.0, 0.0, 2e-3, marks=pytest.mark.thorough),
         pytest.param("steel", 60.0, 1e-4, 5e-3, marks=pytest.mark.thorough),
         pytest.param("steel", 100.0, 1e-4, 1e-2, marks=pytest.mark.thorough),
     ],
@@ -73,7 +73,7 @@ def test_the_simulation_stays_on_the_orbit(mechanisms, name):
     assert gaps[1] < 0.4 * gaps[0]
 
 
-@pytest.mark.parametrize("speed", [0.5, 5.0])
+@pytest.mark.parametrize("speed", [pytest.param(0.5, marks=pytest.mark.thorough), 5.0])
 def test_stiff_links_at_low_speed(models, speed):
     """Strains of 1e-9: by places of nodes, instead of displacements, round-off would balance none.
 

@@ -35,7 +35,10 @@ def frequency_map(seed: int) -> xr.Dataset:
     return found.dataset.isel(crank_speed=0)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize(
+    "seed",
+    [SEEDS[0], *(pytest.param(seed, marks=pytest.mark.thorough) for seed in SEEDS[1:])],
+)
 def test_the_engines_agree(seed):
     """Better than 1e-4: their meshes are the same, their interpolation nearly."""
     frequency = frequency_map(seed)["frequency"]
@@ -126,9 +129,9 @@ def stretching_estimates_and_truth(make, element: str, seed: int) -> np.ndarray:
     ("make", "element"),
     [
         (ReferenceEngine, "euler"),
-        (ReferenceEngine, "timoshenko"),
+        pytest.param(ReferenceEngine, "timoshenko", marks=pytest.mark.thorough),
         (ExudynEngine, "ancf"),
-        (ExudynEngine, "geometrically-exact"),
+        pytest.param(ExudynEngine, "geometrically-exact", marks=pytest.mark.thorough),
     ],
 )
 def test_discretisation_errors_of_modes_that_stretch_links_are_true(make, element, seeds):

@@ -90,6 +90,7 @@ def test_the_gap_grows_with_the_deflection(both):
     assert axial < 0.4 * gaps[2]
 
 
+@pytest.mark.thorough
 def test_linearization_about_the_equilibrium_closes_most_of_it(both):
     """And what is left is no matter of step or mesh: geometric nonlinearity."""
     usual = gap(both(20.0, 2880))

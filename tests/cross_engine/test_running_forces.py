@@ -184,6 +184,7 @@ def test_other_starts(aluminium, start):
     assert float(run.force_agreement()["peak_joint_force"].max()) < 2e-2
 
 
+@pytest.mark.thorough
 def test_runs_on_the_periodic_motion_begin_without_ringing():
     """A stiff rocker was stretched by the square of slopes that the linear equations leave out.
 

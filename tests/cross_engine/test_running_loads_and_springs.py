@@ -121,7 +121,9 @@ def test_a_force_in_axes_of_its_link(engine: type[Engine]) -> None:
     assert found["joint_force"].values[0, :, 0] == pytest.approx(held, abs=2e-3 * force)
 
 
-@pytest.mark.parametrize("engine", [ReferenceEngine, ExudynEngine])
+@pytest.mark.parametrize(
+    "engine", [ReferenceEngine, pytest.param(ExudynEngine, marks=pytest.mark.thorough)]
+)
 def test_the_equilibrium_at_the_start_counts_loads_over_time(engine: type[Engine]) -> None:
     """A load over time that never changes is a constant load, from the first instant on.
 

@@ -160,7 +160,15 @@ def frequencies(engine: Engine, speed: float, *, rotation_terms: bool) -> FloatA
 
 
 @ENGINES
-@pytest.mark.parametrize("name", DRAWINGS)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("across", marks=pytest.mark.thorough),
+        pytest.param("along", marks=pytest.mark.thorough),
+        "two bodies",
+        "inside a coupler",
+    ],
+)
 def test_both_have_the_same_frequencies(name: str, make: type[Engine], tmp_path: Path) -> None:
     drawn = [make(m, 6, component_modes=False) for m in DRAWINGS[name].both(tmp_path)]
     for speed in (0.0, 5.0, 8.0):
@@ -191,7 +199,9 @@ def test_bodies_turn_with_a_free_shaft(make: type[Engine], tmp_path: Path) -> No
     np.testing.assert_allclose(body, weld, rtol=SAME)
 
 
-@pytest.mark.parametrize("name", ["across", "inside a coupler"])
+@pytest.mark.parametrize(
+    "name", ["across", pytest.param("inside a coupler", marks=pytest.mark.thorough)]
+)
 @pytest.mark.parametrize(
     "make", [ReferenceEngine, pytest.param(ExudynEngine, marks=pytest.mark.thorough)]
 )

@@ -303,6 +303,7 @@ def test_damping_follows_the_laminate_one_way_in_bending_and_the_other_in_shear(
     assert study["strain_energy_damping"].sel(plies="table 2").isnull().all()
 
 
+@pytest.mark.thorough
 def test_saved_studies_load_back_equal_and_say_the_same(
     coarse: CompositeStudy, tmp_path: Path
 ) -> None:

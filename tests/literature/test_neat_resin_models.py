@@ -97,6 +97,7 @@ def test_the_saturated_hot_machine_is_softer_and_heavier(figure: str, models: Pa
         assert mass == pytest.approx(1.07 / 1.026148, rel=1e-9)
 
 
+@pytest.mark.thorough
 def test_rocker_wet_from_below_bends_away_from_the_water(models: Path) -> None:
     """Its lower side swells first: its middle moves down, and comes back as water gets through."""
     mechanism = load_mechanism(models / "moist_composite_fourbar.toml")

@@ -79,6 +79,7 @@ def test_every_scenario_has_a_number_that_a_test_holds():
         assert f'expected_number("{name}")' in text or "frequencies" in name
 
 
+@pytest.mark.thorough
 def test_runs_alone_from_any_folder(tmp_path):
     script = [sys.executable, str(SCENARIOS / f"{NAMES[0]}.py"), "--help"]
     run = subprocess.run(script, cwd=tmp_path, capture_output=True, text=True, timeout=60)
@@ -88,7 +89,10 @@ def test_runs_alone_from_any_folder(tmp_path):
 
 @pytest.mark.parametrize(
     ("mechanism", "verdict"),
-    [("steel", "not borne out"), ("aluminium", "borne out in part")],
+    [
+        pytest.param("steel", "not borne out", marks=pytest.mark.thorough),
+        ("aluminium", "borne out in part"),
+    ],
 )
 def test_frequencies(scenario, mechanism, verdict, expected_number, tmp_path, capsys):
     """V1 at rest; what speed does to the third mode, on a grid of 60 degrees."""
@@ -110,6 +114,7 @@ def test_frequencies(scenario, mechanism, verdict, expected_number, tmp_path, ca
     assert_pictures(tmp_path, *(f"{name}.png" for name in pictures))
 
 
+@pytest.mark.thorough
 def test_mode_shapes(scenario, expected_number, tmp_path):
     """The paper: the shapes at rest and at speed are "very consistent in each other"."""
     turn = np.radians([0.0, 13.0, 90.0])
@@ -170,6 +175,7 @@ def test_axial_force_alone_says_where_no_equilibrium_was_found(scenario, monkeyp
     assert any("180 deg" in reason and "1000 rad/s" in reason for reason in answer.not_found)
 
 
+@pytest.mark.thorough
 def test_frames_and_stability(scenario, expected_number, tmp_path, capsys):
     """Floquet modes are the same in both frames; frozen damping ratios are not."""
     module = scenario("frames_and_stability")
@@ -286,6 +292,7 @@ def test_verdicts_on_instability_are_computed(scenario):
     assert edge == pytest.approx(1.25, rel=1e-14)
 
 
+@pytest.mark.thorough
 def test_running_fourbars(scenario, expected_number, tmp_path, capsys):
     """Half a revolution of the aluminium four-bar at 20 rad/s, deflections of V8's size."""
     answers = scenario("running_fourbars").main(
@@ -316,6 +323,7 @@ def test_critical_speeds(scenario, expected_number, tmp_path, capsys):
     assert_pictures(tmp_path, *(f"{m}_critical_speeds.png" for m in answers))
 
 
+@pytest.mark.thorough
 def test_flexible_slider_crank(scenario, expected_number, tmp_path, capsys):
     """The engines on few elements; the small models are cases of the verification."""
     module = scenario("flexible_slider_crank")
@@ -372,6 +380,7 @@ def test_lumped_masses(scenario, expected_number, tmp_path, capsys):
     assert_pictures(tmp_path, "joint_forces.png", "drive.png")
 
 
+@pytest.mark.thorough
 def test_hammer_twelve_positions(scenario, expected_number, tmp_path, capsys):
     """One case on two elements a link; the printed percentages stand beside those found."""
     module = scenario("hammer_twelve_positions")
@@ -519,6 +528,7 @@ def test_claims_of_states_and_resins_are_computed(scenario):
     assert module.refusal(module.neat_resin("3"), module.HygrothermalState(80.0, 0.07)) == ""
 
 
+@pytest.mark.thorough
 def test_hygrothermal_frequencies(scenario, expected_number, tmp_path, capsys):
     """Softening lowers, water's mass a little; swelling, which adds no fibres, hardly matters."""
     module = scenario("hygrothermal_frequencies")

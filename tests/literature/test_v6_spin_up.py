@@ -33,7 +33,9 @@ def test_without_geometric_stiffness_it_diverges(arm):
         linear_run(linkage, nothing, nothing, SPIN_UP_TIME, 0.005)
 
 
-@pytest.mark.parametrize("element", ["ancf", "geometrically-exact"])
+@pytest.mark.parametrize(
+    "element", ["ancf", pytest.param("geometrically-exact", marks=pytest.mark.thorough)]
+)
 def test_exudyn(arm, element):
     elements = {"ancf": 4, "geometrically-exact": 8}[element]
     engine = ExudynEngine(arm, elements=elements, element=element)

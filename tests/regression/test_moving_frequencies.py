@@ -22,7 +22,9 @@ ANGLES = np.radians(np.arange(0, 361, 15))
 
 @pytest.mark.parametrize("name", ["aluminium", "steel"])
 @pytest.mark.parametrize("engine", [ReferenceEngine, ExudynEngine])
-@pytest.mark.parametrize("prestress", ["none", "axial", "equilibrium"])
+@pytest.mark.parametrize(
+    "prestress", ["none", pytest.param("axial", marks=pytest.mark.thorough), "equilibrium"]
+)
 def test_frequency_against_crank_angle(mechanisms, name, engine, prestress, num_regression):
     result = moving_frequencies(
         engine(mechanisms[name], 8), ANGLES, [0.0, 20.0], modes=4, prestress=prestress

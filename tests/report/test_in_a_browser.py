@@ -163,7 +163,11 @@ def test_choices_show_what_was_computed_for_them(written: Any, opened: Open) -> 
     assert page.get_attribute("#frequencies th >> nth=3", "aria-sort") == "ascending"
 
 
-@pytest.mark.parametrize("viewport", [WIDE, PHONE], ids=["wide", "phone"])
+@pytest.mark.parametrize(
+    "viewport",
+    [WIDE, pytest.param(PHONE, marks=pytest.mark.thorough)],
+    ids=["wide", "phone"],
+)
 def test_nothing_reaches_beyond_the_screen(
     written: Any, opened: Open, viewport: dict[str, int]
 ) -> None:
@@ -183,6 +187,7 @@ def test_nothing_reaches_beyond_the_screen(
     assert 0 <= box["y"] <= viewport["height"]
 
 
+@pytest.mark.thorough
 def test_it_prints_without_controls_and_whole(written: Any, opened: Open) -> None:
     page = opened(written.path, PHONE)
     page.set_viewport_size({"width": 700, "height": 900})
@@ -197,6 +202,7 @@ def test_it_prints_without_controls_and_whole(written: Any, opened: Open) -> Non
     page.set_viewport_size(PHONE)
 
 
+@pytest.mark.thorough
 def test_names_of_a_model_are_text(evil: Any, opened: Open) -> None:
     page = opened(evil.path)
     assert page.evaluate("window.hacked") is None

@@ -77,6 +77,7 @@ def test_numbers_in_the_page_are_the_results(written: Any) -> None:
     assert [each["name"] for each in data["choices"]["speed"]] == ["0 rad/s", "20 rad/s"]
 
 
+@pytest.mark.thorough
 def test_stored_results_give_the_same_panels(written: Any, tmp_path: Path) -> None:
     for number, result in enumerate(written.results.all):
         result.save(tmp_path / str(number))

@@ -76,9 +76,12 @@ def test_no_other_file_is_read(kind: str, saved: bytes, tmp_path: Path) -> None:
     "change",
     [
         lambda dataset: dataset.drop_vars("mode"),
-        lambda dataset: dataset.drop_vars("discretisation_error", errors="raise"),
+        pytest.param(
+            lambda dataset: dataset.drop_vars("discretisation_error", errors="raise"),
+            marks=pytest.mark.thorough,
+        ),
         lambda dataset: dataset.isel(crank_angle=slice(0, 0)),
-        lambda dataset: dataset.isel(crank_speed=0),
+        pytest.param(lambda dataset: dataset.isel(crank_speed=0), marks=pytest.mark.thorough),
         lambda dataset: dataset.assign_attrs(provenance_name=[1.0, 2.0], mechanism=[1.0, 2.0]),
     ],
     ids=["coordinate", "variable", "empty", "squeezed", "attribute"],

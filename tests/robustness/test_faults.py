@@ -74,12 +74,9 @@ def one_error(done: subprocess.CompletedProcess[str], code: int = 2) -> str:
 # What the disk does.
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
-    ("largest", "options"),
-    [
-        (12_000, ["--no-plots"]),
-        *(pytest.param(n, [], marks=pytest.mark.thorough) for n in (1000, 40_000)),
-    ],
+    ("largest", "options"), [(12_000, ["--no-plots"]), (1000, []), (40_000, [])]
 )
 def test_a_disk_that_is_full_is_told_and_nothing_is_left(
     largest: int, options: list[str], tmp_path: Path
@@ -111,10 +108,8 @@ def test_a_small_file_system_that_is_full(pages: int, tmp_path: Path) -> None:
     assert done.stdout == ""
 
 
-@pytest.mark.parametrize(
-    "redirect",
-    [">/dev/full", *(pytest.param(to, marks=pytest.mark.thorough) for to in (">&-", "| head -0"))],
-)
+@pytest.mark.thorough
+@pytest.mark.parametrize("redirect", [">/dev/full", ">&-", "| head -0"])
 def test_output_that_cannot_be_printed_is_told_in_one_line(redirect: str) -> None:
     text = " ".join(command("check", MODELS / "steel_fourbar.toml"))
     done = run(["bash", "-c", f"{text} {redirect}; exit ${{PIPESTATUS[0]}}"])
@@ -232,11 +227,8 @@ def test_a_signal_ends_a_run_in_one_line(delay: float, number: int, tmp_path: Pa
     assert not list(tmp_path.rglob(f"{PREFIX}*"))
 
 
-@pytest.mark.parametrize(
-    "number",
-    [pytest.param(signal.SIGINT, marks=pytest.mark.thorough), signal.SIGTERM],
-    ids=["SIGINT", "SIGTERM"],
-)
+@pytest.mark.thorough
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
 def test_a_signal_while_pictures_are_drawn_leaves_the_earlier_set(
     number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

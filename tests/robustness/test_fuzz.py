@@ -343,7 +343,7 @@ def check(arguments: list[str]) -> None:
 @pytest.mark.parametrize(
     "block",
     [
-        pytest.param(block, marks=[pytest.mark.thorough] * (block > 1))
+        pytest.param(block, marks=[pytest.mark.thorough] * (block > 0))
         for block in range((CASES + BLOCK - 1) // BLOCK)
     ],
 )

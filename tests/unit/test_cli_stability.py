@@ -132,6 +132,7 @@ def test_an_interrupted_map_is_kept_and_ends_with_its_code(
     assert len(pd.read_csv(tmp_path / "stability.csv")) == 7
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("requests")
 def test_a_second_parameter_is_mapped(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     seen: list[tuple[float, ...]] = []

@@ -11,7 +11,7 @@ from tests.unit.figure_checks import check_layout, heading, legend_texts, panels
 
 
 @pytest.mark.parametrize("kind", ["time", "frequency", "sample"])
-@pytest.mark.parametrize("width", [88.0, 180.0])
+@pytest.mark.parametrize("width", [88.0, pytest.param(180.0, marks=pytest.mark.thorough)])
 def test_layout(kind, width):
     with plots.page_width(width):
         check_layout(plots.plot_comparison(drawn_dataset(kind)))

@@ -100,7 +100,7 @@ def test_a_linkage_that_cannot_turn_round_is_judged_where_it_stands() -> None:
 
 
 def test_springs_and_bearings_count_in_the_choice() -> None:
-    """A bearing holds what no pin holds: without it links would be free of each other."""
+    """A bearing constrains what no pin holds: without it links would be free of each other."""
     slender = rectangle(2e-3)
     linkage = replace(slender.linkage, sprung=("A",))
     bearing = JointSpring("A", radial_stiffness=3e4)
@@ -162,6 +162,7 @@ def test_elements_that_were_asked_for_are_warned_of() -> None:
     assert "each by its own stiffness" in warning
 
 
+@pytest.mark.thorough
 def test_modes_asked_for_choose_the_element_of_every_analysis() -> None:
     mechanism = rectangle(20e-3)
     few, many = (ReferenceEngine(mechanism, 2, modes=m).element for m in (1, 4))

@@ -57,6 +57,7 @@ def test_the_version_is_that_of_the_package() -> None:
     assert flexmech.__version__ == version("flexmech")
 
 
+@pytest.mark.thorough
 def test_examples_say_what_is_so(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every example of the package, with numpy and the package at hand."""
     monkeypatch.chdir(ROOT)

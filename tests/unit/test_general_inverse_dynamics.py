@@ -428,7 +428,7 @@ MASSES = tuple(LinkMass(1.0, 1.0) for _ in SQUARE)
 
 def test_a_portal_that_is_clamped_twice_is_refused() -> None:
     held = Topology(SQUARE, (FOOT, Clamp("O4", LinkEnd("right", "start"))), welds=CORNERS)
-    with pytest.raises(InputError, match=r"12 connection forces for 9 .*: joint B holds what"):
+    with pytest.raises(InputError, match=r"12 connection forces for 9 .*: joint B constrains what"):
         inverse_dynamics(held, PORTAL, MASSES)
 
 
@@ -436,7 +436,9 @@ def test_a_portal_on_a_roller_is_held_too_often() -> None:
     held = Topology(
         SQUARE, (FOOT,), welds=CORNERS, sliders=(Slider("O4", LinkEnd("right", "start"), 0.0),)
     )
-    with pytest.raises(InputError, match=r"10 connection forces for 9 .*: joint O4 holds what"):
+    with pytest.raises(
+        InputError, match=r"10 connection forces for 9 .*: joint O4 constrains what"
+    ):
         inverse_dynamics(held, PORTAL, MASSES)
 
 
@@ -450,7 +452,9 @@ def test_as_many_connections_as_equations_can_still_hold_one_part_twice() -> Non
         welds=(corner,),
         sliders=(Slider("S", LinkEnd("left", "end"), 0.0),),
     )
-    with pytest.raises(InputError, match=r"joint S holds what .*, and the right can move .* has B"):
+    with pytest.raises(
+        InputError, match=r"joint S constrains what .*, and the right can move .* has B"
+    ):
         inverse_dynamics(held, PORTAL, MASSES, (1.0, -9.81))
 
 

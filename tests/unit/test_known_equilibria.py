@@ -111,6 +111,7 @@ def test_what_is_added_to_a_collection_is_not_added_to_its_parts():
     assert list(both.displacement) == [1.0, 2.0, 3.0]
 
 
+@pytest.mark.thorough
 def test_a_window_starts_its_search_from_its_own_nodes(engine, passes):
     solver = LinkageSolver(engine, "equilibrium", 2)
     window = solver.window(100.0, 103.0)

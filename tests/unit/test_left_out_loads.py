@@ -29,7 +29,13 @@ ASKED = {
 }
 
 
-@pytest.mark.parametrize("command", ASKED)
+@pytest.mark.parametrize(
+    "command",
+    [
+        pytest.param(command, marks=[pytest.mark.thorough] * (command in ("hammer", "stability")))
+        for command in ASKED
+    ],
+)
 def test_loads_over_time_that_are_left_out_are_told(command: str, tmp_path: Path) -> None:
     model = tmp_path / "late.toml"
     model.write_text((MODELS / "steel_fourbar.toml").read_text() + LATE)

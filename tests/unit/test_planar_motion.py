@@ -228,6 +228,7 @@ def test_nothing_jumps_along_the_turn(linkage):
         assert np.all(change <= 2 * step * np.maximum(rate[1:], rate[:-1]) + 1e-9)
 
 
+@pytest.mark.thorough
 @settings(SLOW, max_examples=25)
 @given(planar_linkages(most=2))
 def test_newtons_method_finds_what_the_dyads_give(linkage):

@@ -237,10 +237,10 @@ class TestPictures:
     @pytest.mark.parametrize(
         "model",
         [
-            "stephenson_six_bar",
-            "carton_pusher",
             "slider_crank",
             "rotating_l_beam",
+            pytest.param("stephenson_six_bar", marks=pytest.mark.thorough),
+            pytest.param("carton_pusher", marks=pytest.mark.thorough),
             pytest.param("watt_six_bar", marks=pytest.mark.thorough),
             pytest.param("aluminium_fourbar", marks=pytest.mark.thorough),
         ],

@@ -394,6 +394,7 @@ class TestAgreement:
             plot_agreement(frequency_dataset(engines=("reference",)))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("plot", ALL_PLOTS)
 def test_layout(plot) -> None:
     """Of few and many modes, and of a single angle and a part of a turn."""

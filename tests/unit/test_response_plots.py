@@ -191,6 +191,7 @@ class TestForces:
         assert rigid.get_zorder() > calm.get_zorder()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("plot", ALL_PLOTS)
 def test_layout(plot: Any) -> None:
     for turns in (0.3, 1.0, 10.0):

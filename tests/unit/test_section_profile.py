@@ -45,6 +45,7 @@ def arm(*layers: Layer) -> Mechanism:
     return Mechanism(RotatingArm(0.5), {"arm": section})
 
 
+@pytest.mark.thorough
 def test_a_loaded_result_says_the_same(composite: Mechanism, tmp_path: Path) -> None:
     general = replace(composite.sections["crank"], layers=None)
     some_known = replace(composite, sections={**composite.sections, "crank": general})

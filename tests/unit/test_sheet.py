@@ -193,6 +193,19 @@ class TestAxesOfTheUser:
             legend = given[0].get_legend()
             assert {text.get_text() for text in legend.get_texts()} == set(legend_texts(new))
             assert not any(axes.get_legend() for axes in given[1:])
+
+    @pytest.mark.parametrize(
+        "plot",
+        [
+            pytest.param(plot, marks=[] if number % 8 == 4 else pytest.mark.thorough)
+            for number, plot in enumerate(FIGURES)
+        ],
+        ids=lambda plot: plot.__name__,
+    )
+    def test_texts_stand_apart_in_them(self, plot: Plot) -> None:
+        make, count = FIGURES[plot]
+        figure, given = users_axes(count)
+        plot(make(), ax=given if count > 1 else given[0])
         check_texts(figure)
 
     @pytest.mark.parametrize("plot", FIGURES, ids=lambda plot: plot.__name__)
@@ -239,7 +252,7 @@ class TestPageWidth:
     @pytest.mark.parametrize(
         "plot",
         [
-            pytest.param(plot, marks=[] if number % 4 == 0 else pytest.mark.thorough)
+            pytest.param(plot, marks=[] if number % 8 == 0 else pytest.mark.thorough)
             for number, plot in enumerate(FIGURES)
         ],
         ids=lambda plot: plot.__name__,

@@ -182,6 +182,7 @@ class TestSpectrogram:
             plot_spectrogram(response_dataset(spectrogram=False))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("plot", ALL_PLOTS)
 def test_layout(plot: Any) -> None:
     for turns in (0.3, 1.0, 10.0):

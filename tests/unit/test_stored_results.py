@@ -109,6 +109,7 @@ def test_long_model_files_are_kept_whole(tmp_path: Path) -> None:
 # --- what a response's file holds -----------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_a_stored_run_holds_what_is_drawn(turns: flexmech.Response, tmp_path: Path) -> None:
     file, whole = (nc_of(turns.save(tmp_path / store, store=store)) for store in ("needed", "all"))
     assert file.stat().st_size < SIZE_OF_REST * whole.stat().st_size

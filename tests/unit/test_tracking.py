@@ -240,7 +240,7 @@ def check_steps(engine: Engine, speed: float, steps: list[int]) -> None:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("runs", [False, True])
+@pytest.mark.parametrize("runs", [pytest.param(False, marks=pytest.mark.thorough), True])
 def test_coarse_maps_number_their_branches_as_the_map_of_one_degree(seed: int, runs: bool) -> None:
     case = random_case(seed)
     check_steps(ReferenceEngine(case.mechanism, 4), runs * case.crank_speed, [5, 15, 30])

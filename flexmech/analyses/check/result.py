@@ -78,7 +78,7 @@ class ModelCheck(Result):
         Raises
         ------
         InputError
-            If the linkage can stand at no crank angle, or the axes are too few or too many.
+            If the linkage can be assembled at no crank angle, or the axes are too few or too many.
         """
         if "rigid_position" not in self.dataset:
             reason = self.dataset.attrs["without_frequencies"]

@@ -351,6 +351,7 @@ class LinkModel:
             start_warping=NONE,
             end_warping=NONE,
             vectors=NO_VECTORS,
+            receding=np.flatnonzero(basis[self.receding].any(axis=0)),
             reduced_ends=ends,
             bodies=tuple(body.projected(basis, unit) for body in self.bodies),
         )

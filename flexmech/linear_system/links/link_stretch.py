@@ -8,7 +8,7 @@ against the slopes do not.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,17 +34,24 @@ class LinkStretch:
     weights : ndarray, shape (s, g)
     damping_time : ndarray, shape (s,)
         Kelvin-Voigt: a tension is its strain plus this time in s its rate.
+    neutral_axis : float
+        Distance of the axis whose strains they are from that of the link in m.
     """
 
     gradient: FloatArray
     slopes: FloatArray
     weights: FloatArray
     damping_time: FloatArray
+    neutral_axis: float = 0.0
 
     @classmethod
     def none(cls, size: int) -> LinkStretch:
         """No strains, for a link of ``size`` coordinates that does not stretch."""
         return cls(np.zeros((0, size)), np.zeros((0, size)), np.zeros((0, 0)), np.zeros(0))
+
+    def in_coordinates(self, basis: FloatArray) -> LinkStretch:
+        """The same strains in other coordinates: ``q = basis @ p``, with basis (n, m)."""
+        return replace(self, gradient=self.gradient @ basis, slopes=self.slopes @ basis)
 
     def projected(self, basis: FloatArray) -> LinkStretch:
         """The same strains with ``q = basis @ p``, where p are fewer.
@@ -70,8 +77,12 @@ class LinkStretch:
             combined[-1][own] = directions
             times.append(np.full(directions.shape[1], time))
         kept = np.concatenate(combined, axis=1).T
-        return LinkStretch(
-            kept @ gradient, self.slopes @ basis, kept @ self.weights, np.concatenate(times)
+        return replace(
+            self,
+            gradient=kept @ gradient,
+            slopes=self.slopes @ basis,
+            weights=kept @ self.weights,
+            damping_time=np.concatenate(times),
         )
 
     def nonlinear_forces(

@@ -24,6 +24,7 @@ from flexmech.linkages.motion import direction, normal
 # radius of gyration long counts.
 ON_AXIS = 1e-12
 NOWHERE = np.zeros((3, 0))
+QUARTER_TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 
 @dataclass(frozen=True)
@@ -147,6 +148,28 @@ class RigidBody:
         gyroscopic[..., 0, 2], gyroscopic[..., 2, 0] = -a, a
         gyroscopic[..., 1, 2], gyroscopic[..., 2, 1] = -c, c
         return found
+
+    def natural_inertia(self, turn: FloatArray) -> FloatArray:
+        """Inertia of the body in natural coordinates, which is the same however far it turns.
+
+        Its matter at r is displaced by ``u = p + d_1 r + d_2 J r``, with the displacement p of its
+        point and ``d = (cos(phi) - 1, sin(phi))``.
+
+        Parameters
+        ----------
+        turn : ndarray, shape (2, 2)
+            One for the mass matrix, a quarter turn ``J`` for the gyroscopic one.
+
+        Returns
+        -------
+        ndarray, shape (4, 4)
+            ``rho N^T turn N`` by p and d, integrated.
+        """
+        x, y = self.first_moment
+        moment = np.array([[x, -y], [y, x]])
+        return np.block(
+            [[self.mass * turn, turn @ moment], [moment.T @ turn, self.second_moment * turn]]
+        )
 
     def inertia_change(self, angle: FloatArray) -> FloatArray:
         """Change of the matrices of the straight link by a rotation, (3, ..., 3, 3)."""
@@ -347,14 +370,14 @@ def _quarter_turned(vectors: FloatArray) -> FloatArray:
     return np.stack([-vectors[:, 1], vectors[:, 0]], axis=1)
 
 
-def body_nodes(nodes: FloatArray, bodies: Sequence[LinkBody]) -> IntArray:
+def body_nodes(nodes: FloatArray, bodies: Sequence[LinkBody | RigidBody]) -> IntArray:
     """Number of the node at each body's position.
 
     Parameters
     ----------
     nodes : ndarray, shape (k,)
         Node positions along the link in m.
-    bodies : sequence of LinkBody
+    bodies : sequence of LinkBody or RigidBody
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The path of a point of a four-bar's coupler: places, derivatives, curvature, its equation."""
+"""Coupler curve of a four-bar: positions, derivatives, curvature, equation."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ STANDSTILL = 1e-9
 
 
 class CouplerTriangle(NamedTuple):
-    """The coupler as its point E sees it: the triangle A-E-B.
+    """Coupler triangle A-E-B of a coupler point E.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class CouplerPoint:
 
     @property
     def place(self) -> FloatArray:
-        """Place in the coupler's frame (origin A, x along A-B) in m; shape (2,)."""
+        """Position in the coupler's frame (origin A, x along A-B) in m; shape (2,)."""
         return self.distance * direction(np.asarray(self.angle))
 
     def triangle(self, coupler: float) -> CouplerTriangle:
@@ -164,7 +164,7 @@ class CouplerCurve:
         return short_repr(self, f"four-bar of {lengths} mm", f"point {place}", angle)
 
     def position(self, crank_angle: ArrayLike) -> FloatArray:
-        """Places of the point in ground axes in m.
+        """Positions of the point in ground axes in m.
 
         Singh & Sanyal 2022, section 4.
 
@@ -185,7 +185,7 @@ class CouplerCurve:
         return self._motion(crank_angle).position(COUPLER, *self.point.place)
 
     def derivative(self, crank_angle: ArrayLike) -> FloatArray:
-        """First derivative of the place by the crank angle in m/rad.
+        """First derivative of the position by the crank angle in m/rad.
 
         It is the point's velocity at unit crank speed.
 
@@ -206,7 +206,7 @@ class CouplerCurve:
         return self._motion(crank_angle).velocity(COUPLER, *self.point.place)
 
     def second_derivative(self, crank_angle: ArrayLike) -> FloatArray:
-        """Second derivative of the place by the crank angle in m/rad^2.
+        """Second derivative of the position by the crank angle in m/rad^2.
 
         It is the point's acceleration at unit, constant crank speed.
 
@@ -227,7 +227,7 @@ class CouplerCurve:
         return self._motion(crank_angle).acceleration(COUPLER, *self.point.place)
 
     def speed(self, crank_angle: ArrayLike) -> FloatArray:
-        """Length of the path by the crank angle in m/rad: zero at a cusp.
+        """Arc length by crank angle in m/rad: zero at a cusp.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-r"""Where a coupler curve crosses itself (crunodes) or stands still (cusps), exactly.
+r"""Double points of a coupler curve, exactly: crunodes and cusps.
 
 A double point E is reached with the coupler in two attitudes. A and its second place are then
 mirror images in the line O2-E, since both lie on the circles about O2 and about E; so are B and
@@ -56,7 +56,7 @@ CrankMotion = Literal["turns", "swings in two ranges", "swings in one range"]
 
 @lru_cache(maxsize=16)
 def crank_motion(linkage: FourBar) -> CrankMotion:
-    """How the crank moves, which tells the circuits apart.
+    """Range of the crank's motion, which distinguishes the circuits.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ CUSP_MARGIN = 1e-10
 
 @dataclass(frozen=True)
 class DoublePoint:
-    """Place that a coupler curve passes twice, or at which it turns back on itself.
+    """Double point of a coupler curve: a crunode or a cusp.
 
     Parameters
     ----------
@@ -215,7 +215,7 @@ class FiniteDoublePoint:
 
     @property
     def kind(self) -> Literal["crunode", "cusp", "acnode"]:
-        """What the margin makes of it, within round-off."""
+        """Kind of the double point by its margin, within round-off."""
         if abs(self.margin) <= CUSP_MARGIN:
             return "cusp"
         return "crunode" if self.margin > 0 else "acnode"

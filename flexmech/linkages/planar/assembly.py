@@ -35,7 +35,7 @@ class Assembly:
         self._paths: dict[int, ContinuationPath] = {}
 
     def check_as_drawn(self) -> None:
-        """Refuse a drawing that locks where it is drawn."""
+        """Refuse a drawing in a dead point."""
         known = self._driven(np.zeros(1))
         for step in self.steps:
             if isinstance(step, NewtonGroup):
@@ -96,7 +96,7 @@ class Assembly:
         return np.ones(len(theta), dtype=bool)
 
     def body_motion(self, angle: FloatArray, steps: int | None = None) -> dict[int, BodyMotion]:
-        """Motion of the bodies at crank angles less that of the drawing.
+        """Motion of the bodies at crank angles from that of the drawing.
 
         Parameters
         ----------
@@ -128,7 +128,7 @@ class Assembly:
         return self._paths[number]
 
     def _driven(self, angle: FloatArray) -> dict[int, BodyMotion]:
-        """Ground and crank."""
+        """Motion of the ground and of the crank."""
         zero, one = np.zeros_like(angle), np.ones_like(angle)
         axis = self.drawing.complex_point(self.drawing.drive.point)
         ground = BodyMotion(axis, axis + 0j * one, one + 0j, 0j * one, 0j * one, zero, zero)

@@ -1,4 +1,4 @@
-"""Rigid bodies of a drawing, and what ties them together.
+"""Rigid bodies of a drawing, and the constraints between them.
 
 A body is what is welded together; body 0 is the ground, body 1 turns with the driven shaft. Rates
 are derivatives by the crank angle.
@@ -31,7 +31,7 @@ class SharedPoint:
     second: int
 
     def condition(self, drawing: Drawing) -> Coincidence:
-        """What it asks of the bodies, whose axes are those of the drawing."""
+        """Constraint equation between the bodies, whose axes are those of the drawing."""
         place = drawing.complex_point(self.point)
         return Coincidence(BodyPoint(self.first, place), BodyPoint(self.second, place))
 
@@ -55,7 +55,7 @@ class GuidedPoint:
     along: complex
 
     def condition(self, drawing: Drawing) -> PointOnLine:
-        """What it asks of the bodies, whose axes are those of the drawing."""
+        """Constraint equation between the bodies, whose axes are those of the drawing."""
         place = drawing.complex_point(self.point)
         line = BodyPoint(self.guide, place)
         return PointOnLine(BodyPoint(self.body, place), line, self.along)
@@ -81,7 +81,7 @@ class Bodies:
     lines: tuple[GuidedPoint, ...]
 
     def name(self, body: int) -> str:
-        """What messages call a body: its first link."""
+        """Name of a body in messages: its first link."""
         return self.links[body][0] if body else "ground"
 
     def of_link(self, link: str) -> int:
@@ -90,7 +90,7 @@ class Bodies:
 
     @property
     def constraints(self) -> tuple[SharedPoint | GuidedPoint, ...]:
-        """All that ties bodies together."""
+        """All constraints between bodies."""
         return (*self.coincidences, *self.lines)
 
 
@@ -170,7 +170,7 @@ def degrees(angle: float) -> str:
 
 @dataclass(frozen=True)
 class Refusal:
-    """Refuses crank angles at which a joint is apart or in a dead point.
+    """Message for crank angles at which a joint is open or in a dead point.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ class Refusal:
     drawn_at: float
 
     def refuse(self, cause: Cause, where: NDArray[np.bool_], angle: FloatArray) -> None:
-        """Refuse crank angles at which the joint cannot be put together or cannot be driven.
+        """Refuse crank angles at which the joint cannot be assembled or cannot be driven.
 
         Parameters
         ----------

@@ -75,7 +75,7 @@ class Beam:
 
 @dataclass(frozen=True)
 class PlanarJoint:
-    """What a point of a drawing does; points without one are pins.
+    """Joint at a point of a drawing; points without one are pins.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ class PlanarJoint:
 
 @dataclass(frozen=True)
 class Drawing:
-    """Points, links and joints that fit together.
+    """Drawing of a linkage: consistent points, links and joints.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ class Drawing:
         return float(max(extents))
 
     def joint(self, point: str) -> PlanarJoint:
-        """What a point does."""
+        """Joint at a point."""
         return next((own for own in self.joints if own.point == point), PlanarJoint(point))
 
     def links_at(self, point: str) -> tuple[str, ...]:
@@ -175,7 +175,7 @@ class Drawing:
         return tuple(link.name for link in self.links if point in link.points)
 
     def link(self, name: str) -> PlanarLink:
-        """The link of a name."""
+        """Link with a name."""
         return next(link for link in self.links if link.name == name)
 
     def fixed_together(self, point: str) -> tuple[str, ...]:

@@ -29,7 +29,7 @@ def cross(first: ComplexArray | complex, second: ComplexArray | complex) -> Floa
 
 @dataclass(frozen=True)
 class PointPath:
-    """Places of a point and their derivatives by the crank angle; each of shape (B,)."""
+    """Positions of a point with derivatives by the crank angle; each of shape (B,)."""
 
     place: ComplexArray
     first: ComplexArray
@@ -43,7 +43,7 @@ class PointPath:
 
 @dataclass(frozen=True)
 class Circle:
-    """Locus of places at a distance from a point of a known body."""
+    """Circular locus about a point of a known body."""
 
     body: int
     centre: complex
@@ -59,11 +59,11 @@ class Circle:
         return np.asarray((np.abs(arm) ** 2 - self.radius**2) / (2 * self.radius))
 
     def speed(self, bodies: Known, place: ComplexArray) -> FloatArray:
-        """First derivative that a point of the circle needs along the normal."""
+        """First derivative along the normal of a point on the circle."""
         return dot(self.gradient(bodies, place), bodies[self.body].point_1(self.centre))
 
     def acceleration(self, bodies: Known, place: ComplexArray, first: ComplexArray) -> FloatArray:
-        """Second derivative that a point needs along the normal.
+        """Second derivative along the normal of a point on the locus.
 
         Parameters
         ----------
@@ -79,7 +79,7 @@ class Circle:
 
 @dataclass(frozen=True)
 class Line:
-    """Locus on a straight line of a known body, by a point of it and its direction drawn."""
+    """Straight locus on a known body, by a point and its direction in the drawing."""
 
     body: int
     through: complex
@@ -95,11 +95,11 @@ class Line:
         return dot(1j * body.turn * self.along, place - body.point(self.through))
 
     def speed(self, bodies: Known, place: ComplexArray) -> FloatArray:
-        """First derivative that a point of the line needs along the normal."""
+        """First derivative along the normal of a point on the line."""
         return bodies[self.body].line_rates(self.through, self.along, place)[0]
 
     def acceleration(self, bodies: Known, place: ComplexArray, first: ComplexArray) -> FloatArray:
-        """Second derivative that a point needs along the normal.
+        """Second derivative along the normal of a point on the locus.
 
         Parameters
         ----------
@@ -113,7 +113,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Placed:
-    """A body that follows from the point that two loci give.
+    """A body determined by the intersection point of two loci.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ class Placed:
 
 @dataclass(frozen=True)
 class TwoLoci:
-    """A point on two loci, and the bodies that follow from it.
+    """Intersection point of two loci, and the bodies that it determines.
 
     Parameters
     ----------
@@ -195,11 +195,11 @@ class TwoLoci:
 
     @property
     def solves(self) -> tuple[int, ...]:
-        """Bodies that follow."""
+        """Bodies that the dyad determines."""
         return tuple(own.body for own in self.placed)
 
     def motion(self, bodies: Known, angle: FloatArray) -> dict[int, BodyMotion]:
-        """Motion of the bodies that follow."""
+        """Motion of the bodies that the dyad determines."""
         path = self._path(bodies, angle)
         return {own.body: own.motion(bodies, path) for own in self.placed}
 
@@ -268,7 +268,7 @@ class TwoLoci:
 
 @dataclass(frozen=True)
 class SlidingBody:
-    """A body that turns about one known point while another slides along a line of it (RPR).
+    """A body pinned at one known point with another on a line of it (RPR).
 
     Parameters
     ----------

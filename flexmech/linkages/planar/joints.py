@@ -1,4 +1,4 @@
-"""From a drawing to the topology that the engines read: leading and following link ends."""
+"""Topology of a drawing: leading and following link ends at each joint."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Slider,
 def derived_topology(drawing: Drawing, sprung: tuple[str, ...]) -> Topology:
     """Links and connections of a drawing.
 
-    At each point one end leads: one of a rigid link where there is one, since flexible ends can
-    follow it, otherwise that of the first link. The first connection at a point has the point's
-    name, further ones ``<point>-<beam>``, after the end that follows or is on the ground.
+    At each point one end is the leader: one of a rigid link where there is one, since flexible ends
+    depend on rigid links, otherwise that of the first link. The first connection at a point has the
+    point's name, further ones ``<point>-<beam>``, after the follower or the end on the ground.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def derived_topology(drawing: Drawing, sprung: tuple[str, ...]) -> Topology:
 
 
 class _Connections:
-    """Connections of the points so far."""
+    """Connections of the points processed so far."""
 
     def __init__(self, drawing: Drawing, sprung: tuple[str, ...]) -> None:
         self.drawing = drawing
@@ -88,7 +88,7 @@ class _Connections:
                 self.welds.append(Weld(self._name(point, other), head, other))
 
     def _welded_ends(self, point: str) -> list[list[LinkEnd]]:
-        """Ends in groups that keep their angles; rigid ones first, in the order of the links."""
+        """Ends in groups welded together; rigid ones first, in the order of the links."""
         ends, together = self.drawing.ends_at(point), self.drawing.fixed_together(point)
         groups: dict[str, list[LinkEnd]] = {}
         for link, own in ends.items():
@@ -113,7 +113,7 @@ class _Connections:
                 self.pivots.append(Pivot(name, head, name in self.sprung))
 
     def _slider(self, name: str, joint: PlanarJoint, end: LinkEnd) -> Slider:
-        """The line through a point of the drawing, in the axes of what carries it."""
+        """Slider on the line through a point of the drawing, in the axes of its guide."""
         assert joint.direction is not None
         drawing, place = self.drawing, self.drawing.complex_point(joint.point)
         guide = ""

@@ -1,8 +1,9 @@
-"""Motion of bodies without a closed form: Newton's method, followed from the drawn posture.
+"""Motion of bodies without a closed form: numerical continuation from the drawn posture.
 
-The posture is followed once around the turn in steps that adapt, and kept. Asked crank angles
-start from the kept postures beside them, all at once. The sign of the Jacobian's determinant
-tells one branch from another: it never changes along the way.
+The posture is continued once around the turn in adaptive steps (predictor and Newton corrector)
+and stored. Positions at given crank angles start from the neighbouring stored postures, all at
+once. The sign of the Jacobian's determinant distinguishes the branches: it is constant along the
+path.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ SAME_POSTURE = 1e-8
 
 @dataclass(frozen=True)
 class ContinuationPath:
-    """Postures of a group along the turn, from the drawn one.
+    """Continuation path of a group: postures over the turn from the drawn one.
 
     Parameters
     ----------
@@ -76,7 +77,7 @@ class ContinuationPath:
 
 
 class NewtonGroup:
-    """Bodies that have to be found together.
+    """Bodies whose positions are solved together.
 
     Parameters
     ----------
@@ -110,7 +111,7 @@ class NewtonGroup:
 
     @property
     def names(self) -> str:
-        """Links that are found together, for messages."""
+        """Names of the links that are solved together, for messages."""
         return ", ".join(self.bodies.name(body) for body in self.unknown)
 
     def motion(
@@ -152,7 +153,7 @@ class NewtonGroup:
         return self._with_rates(known, found, matrix)
 
     def trace_path(self, known: Known) -> ContinuationPath:
-        """Follow the drawn posture half a turn both ways.
+        """Continue the drawn posture half a turn in both directions.
 
         Parameters
         ----------
@@ -219,7 +220,7 @@ class NewtonGroup:
                 )
 
     def refusal(self, joint: str) -> Refusal:
-        """Words for a joint of the group."""
+        """Message for a joint of the group."""
         return Refusal(joint, self.names, self.drawn_at)
 
     def _check_period(self, unknowns: FloatArray) -> None:
@@ -296,7 +297,7 @@ class NewtonGroup:
         return found, np.abs(residual).max(axis=-1) < ROUND_OFF
 
     def _stacked_bodies(self, known: Mapping[int, BodyMotion]) -> BodyMotion:
-        """All bodies by their numbers; those that are not known stand still."""
+        """All bodies by their numbers; unknown ones at rest."""
         numbers = range(len(self.bodies.links))
         return BodyMotion.stacked([known.get(n, known[GROUND_BODY]) for n in numbers])
 
@@ -352,7 +353,7 @@ class NewtonGroup:
         return bodies, rates
 
     def _loosest_joint(self, known: Mapping[int, BodyMotion], unknowns: FloatArray) -> str:
-        """Joint that turns most in the motion that a locked posture leaves free."""
+        """Joint with the greatest rotation in the free motion of a singular posture."""
         matrix = self._scaled_jacobian(known, unknowns[None])[0]
         free = np.linalg.svd(matrix)[2][-1]
         turning = dict(zip(self.unknown, free[2::3], strict=True))

@@ -1,4 +1,4 @@
-"""In which order the bodies of a drawing follow from the crank: dyads, and what is left."""
+"""Order of solution of the bodies of a drawing: dyads, and groups for Newton's method."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def _equations(joints: Iterable[SharedPoint | GuidedPoint]) -> int:
 
 
 class _Order:
-    """What is known so far, and what follows next."""
+    """Bodies known so far, and the choice of the next ones."""
 
     def __init__(self, drawing: Drawing, bodies: Bodies, drawn_at: float) -> None:
         self.drawing = drawing
@@ -131,11 +131,11 @@ class _Order:
             )
 
     def dyad(self) -> TwoLoci | SlidingBody | None:
-        """Next bodies that follow in closed form, if any."""
+        """Next bodies with a closed form, if any."""
         return next(self._single_bodies(), None) or next(self._pairs(), None)
 
     def group(self) -> NewtonGroup:
-        """Fewest bodies that follow together."""
+        """Smallest group of bodies that can be solved together."""
         unknown = self.unknown
         for size in range(1, len(unknown) + 1):
             for chosen in combinations(unknown, size):
@@ -210,7 +210,7 @@ class _Order:
                     )
 
     def _pairs(self) -> Iterator[TwoLoci]:
-        """Pairs of bodies that share a point which each of them leads along a locus."""
+        """Pairs of bodies that share a point with a locus on each of them."""
         unknown = set(self.unknown)
         for point, here in self.bodies.at_point.items():
             if set(here) & self.known:
@@ -223,7 +223,7 @@ class _Order:
                 yield self._loci(point, first, second, one, other)
 
     def _locus(self, body: int, point: str) -> tuple[Circle | Line, Placed] | None:
-        """Curve on which known bodies lead a point of a body."""
+        """Locus of a point of a body by known bodies."""
         carriers = self._carriers(body)
         if len(carriers) == 1:
             ((pivot, carrier),) = carriers.items()
@@ -234,7 +234,7 @@ class _Order:
         return None
 
     def _guide_of_translation(self, body: int) -> GuidedPoint | None:
-        """Line along which a body slides without turning: two of its points slide so."""
+        """Line along which a body translates: two of its points slide along it."""
         lines = [
             own
             for own in self.bodies.lines

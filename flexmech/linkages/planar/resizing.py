@@ -1,4 +1,4 @@
-"""A drawing whose beams have other lengths, put together again at the same crank angle."""
+"""A drawing with other beam lengths, assembled again at the same crank angle."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ CONVERGED = 1e-15
 def resized_points(
     drawing: Drawing, bodies: Bodies, lengths: Mapping[str, float], ground_growth: float
 ) -> dict[str, tuple[float, float]]:
-    """Points of a drawing whose beams have other lengths.
+    """Points of a drawing with other beam lengths.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ class _Shapes:
                 self._lay_out(body, links)
 
     def condition(self, own: SharedPoint | GuidedPoint) -> Coincidence | PointOnLine:
-        """What a joint asks of the bodies with their new dimensions."""
+        """Constraint equation of a joint with the new dimensions."""
         if isinstance(own, SharedPoint):
             ends = (BodyPoint(body, self.at[body, own.point]) for body in (own.first, own.second))
             return Coincidence(*ends)
@@ -85,7 +85,7 @@ class _Shapes:
         return PointOnLine(point, BodyPoint(own.guide, self._through(own)), own.along)
 
     def _through(self, line: GuidedPoint) -> complex:
-        """Where a line passes in its guide."""
+        """Point of a line in the axes of its guide."""
         drawn = self.drawing.complex_point(line.point)
         guide = self.drawing.joint(line.point).guide
         if not guide:
@@ -121,7 +121,7 @@ class _Shapes:
 
 
 def _assembled(shapes: _Shapes) -> BodyMotion:
-    """Bodies at rest, put together by Newton's method from the drawing; a batch of shape (1,)."""
+    """Bodies at rest, assembled by Newton's method from the drawing; a batch of shape (1,)."""
     drawing, bodies = shapes.drawing, shapes.bodies
     # Reversed: of a body's points the first one stays.
     first = {body: drawing.complex_point(point) for body, point in reversed(shapes.at)}

@@ -1,1 +1,1 @@
-"""A running mechanism in Exudyn: its model, its simulation, and the script that it is as a file."""
+"""A running mechanism in Exudyn: model, simulation and exported script."""

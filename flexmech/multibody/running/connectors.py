@@ -1,4 +1,4 @@
-"""Loads and springs of a running linkage, and the energy that they take and give."""
+"""Loads and springs of a running linkage, with their energy and power."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class RunningConnectors:
         displacement: Sequence[FloatArray],
         rate: Sequence[FloatArray],
     ) -> dict[str, FloatArray]:
-        """Force of each sprung joint on its held or following link, (m, 2), by its name.
+        """Force of each sprung joint on its grounded or following link, (m, 2), by name.
 
         Parameters
         ----------
@@ -131,7 +131,7 @@ class RunningConnectors:
         return moved
 
     def _set(self, start: RigidMotion) -> None:
-        """Give the items what the start decides, before they are assembled."""
+        """Set values of the items that depend on the start, before assembly."""
         assembly = self._items.assembly
         for item in self._items.loads:
             load = item.load
@@ -169,5 +169,5 @@ class RunningConnectors:
                 assembly.items.change(joint.ground, "referencePosition", place)
 
     def _crank(self, time: FloatArray) -> FloatArray:
-        """Crank angles at some times as they are prescribed."""
+        """Prescribed crank angles at times (m,)."""
         return np.array([self._shaft.angle(t) for t in time]) - self._lead

@@ -1,4 +1,4 @@
-"""Joints of a running linkage: what its start must keep together, and what steps let drift."""
+"""Joints of a running linkage: gaps of its start, and stabilization of drift."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from flexmech.multibody.running.user_functions import AxisPoint, HubClamp, Joint
 
 
 def place_at_start(assembly: LinkAssembly, start: RigidMotion, end: LinkEnd) -> FloatArray:
-    """Where a link end of the rigid linkage is at time zero in m, shape (2,).
+    """Position of a link end of the rigid linkage at time zero in m, shape (2,).
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def place_at_start(assembly: LinkAssembly, start: RigidMotion, end: LinkEnd) -> 
 
 
 def place_on_hub(assembly: LinkAssembly, start: RigidMotion, end: LinkEnd) -> tuple[float, float]:
-    """Where a clamped end is on the hub in m; the hub turns with the first clamped link.
+    """Position of a clamped end on the hub in m; the hub rotates with the first clamped link.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def place_on_hub(assembly: LinkAssembly, start: RigidMotion, end: LinkEnd) -> tu
 
 
 def greatest_gap(assembly: LinkAssembly, start: RigidMotion, position: FloatArray) -> float:
-    """Greatest displacement between link ends or supports that a joint holds together.
+    """Greatest constraint violation of the joints of a start.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def greatest_gap(assembly: LinkAssembly, start: RigidMotion, position: FloatArra
 def drifting_joints(
     assembly: LinkAssembly, shaft: Shaft, start: RigidMotion
 ) -> Joints | ClosedJoints:
-    """What the integration rule leaves to drift.
+    """Joints whose constraints drift, to be closed after every step.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What acts on a running linkage besides its joints, and the energies of its links.
+"""Weight, torque and impacts on a running linkage, and energies of its links.
 
 Pulses of a hammer on points of links in an Exudyn system.
 
@@ -37,7 +37,7 @@ from flexmech.time_domain import Impact, rigid_torque
 
 
 class LinkEnergies:
-    """Energies of the links of an assembly, but for those of their strains.
+    """Kinetic and potential energies of the links of an assembly.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ class TorqueTable:
         return np.asarray(np.interp(time, self.time, self.torque))
 
     def user_function(self) -> Made:
-        """The same for Exudyn and for the script that makes the system."""
+        """User function of the torque, for Exudyn and for exported scripts."""
         return Made(torque_history, (self.time.tolist(), self.torque.tolist()))
 
 
@@ -331,7 +331,7 @@ def _shares(
 
 @dataclass(frozen=True)
 class _PulseForce:
-    """Force of an impact in ground axes, as Exudyn asks for it."""
+    """Force of an impact in ground axes, as a user function."""
 
     impact: Impact
     drive: CrankDrive | LockedCrank

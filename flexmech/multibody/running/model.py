@@ -134,7 +134,7 @@ class RunningModel:
     def joint_force(
         self, multiplier: FloatArray, position: FloatArray, sprung: Mapping[str, FloatArray]
     ) -> FloatArray:
-        """Force on the held or following link at each joint in ground axes.
+        """Force on the grounded or following link at each joint in ground axes.
 
         Parameters
         ----------
@@ -172,7 +172,7 @@ class RunningModel:
 
     @property
     def multiplier_count(self) -> int:
-        """Number of all multipliers."""
+        """Number of Lagrange multipliers."""
         return len(self.assembly.mbs.systemData.GetAECoordinates())
 
     def driving_torque(self, time: FloatArray, multiplier: FloatArray) -> FloatArray:
@@ -191,7 +191,7 @@ class RunningModel:
     def set_start(
         self, position: FloatArray, velocity: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Give the system its state at time zero.
+        """Set the state of the system at time zero.
 
         Parameters
         ----------
@@ -215,7 +215,7 @@ class RunningModel:
         return coordinates, rates
 
     def greatest_gap(self, position: FloatArray) -> float:
-        """Greatest displacement between link ends or supports that a joint holds together.
+        """Greatest constraint violation of the joints at time zero.
 
         Parameters
         ----------

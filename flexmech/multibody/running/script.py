@@ -104,7 +104,7 @@ for name, history in table.items():
 
 @dataclass(frozen=True)
 class ScriptSource:
-    """What a script is written from.
+    """Data from which a script is written.
 
     Parameters
     ----------

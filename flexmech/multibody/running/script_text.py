@@ -1,4 +1,4 @@
-"""Values and calls as text of a Python program, broken into lines as formatters do it."""
+"""Python source text of values and calls, wrapped as formatters do."""
 
 from __future__ import annotations
 

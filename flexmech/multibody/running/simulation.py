@@ -32,7 +32,7 @@ PROGRESS_STEPS = 100
 
 
 class PointRecorder:
-    """Keeps the displacement of points of links at every step.
+    """Records the displacement of points of links at every step.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ class Simulation:
         recorder: Recorder | PointRecorder,
         progress: Callable[[int, int], None] | None = None,
     ) -> None:
-        """Integrate and hand every step to a recorder.
+        """Integrate and pass every step to a recorder.
 
         Parameters
         ----------
@@ -133,7 +133,7 @@ class Simulation:
 
     @property
     def drifts(self) -> bool:
-        """Whether velocity constraints alone would let the clamp and pins on arms drift."""
+        """Whether velocity constraints alone let the clamp and pins on arms drift."""
         return self.integrator == "trapezoidal"
 
     def block(
@@ -199,7 +199,7 @@ class Simulation:
     def _shaft_motion(
         self, time: FloatArray, position: FloatArray, velocity: FloatArray
     ) -> ShaftMotion | None:
-        """How a free shaft turns against its prescribed angle; None where it does not."""
+        """Rotation of a free shaft against its prescribed angle; None of a prescribed one."""
         shaft = self.model.shaft
         if not shaft.is_free:
             return None
@@ -215,7 +215,7 @@ class Simulation:
         return self.model.drive.motion(self.model.assembly.mechanism.linkage, time)
 
     def set_start(self, start: LinkState) -> tuple[FloatArray, FloatArray]:
-        """Give the system the state at time zero.
+        """Set the state of the system at time zero.
 
         Parameters
         ----------
@@ -251,7 +251,7 @@ class Simulation:
         )
 
     def _failure(self, number: int) -> UnbalancedStepError:
-        """What to say of a step that did not converge."""
+        """Error for a step that did not converge."""
         residual = float(self.model.assembly.mbs.sys["dynamicSolver"].conv.residual)
         cause = f"Newton's method does not converge (residual {residual:.3g} N)"
         if not np.isfinite(residual):

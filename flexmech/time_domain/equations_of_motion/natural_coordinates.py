@@ -11,8 +11,9 @@ constant::
 It is a strain with the squares of two slopes, as that of a bowed bar
 (:class:`flexmech.linear_system.LinkStretch`), and is enforced as one: by a bar that is
 :data:`RIGIDITY` times as stiff along itself as the stiffest elastic link (penalty method). Moving
-rigid links and bodies off the axis of elastic links are such bars, and so is a free shaft with its
-hub. A weld ties a section's rotation to ``d_2``, which is exact to the second order.
+rigid links are such bars, and so is what elastic links carry off their axis
+(:mod:`flexmech.time_domain.equations_of_motion.turning_sections`) and a free shaft with its hub. A
+weld ties a section's rotation to ``d_2``, which is exact to the second order.
 """
 
 from __future__ import annotations
@@ -20,20 +21,17 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.linalg
 
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
     Engine,
-    LinkMatrix,
     LinkModel,
     LinkStretch,
     RigidBody,
-    body_nodes,
     whole,
 )
-from flexmech.linear_system.assembly.free_shaft import FreeShaft
 from flexmech.linear_system.links.link_model import NO_VECTORS, NONE, RigidFields
+from flexmech.linear_system.links.rigid_body import QUARTER_TURN
 from flexmech.linkages import Topology
 
 # Stiffness of a rigid body's bar against that of the stiffest elastic link along itself. Between
@@ -44,7 +42,6 @@ RIGIDITY = 100.0
 # rotation; the rest is on the difference of its ends. They turn alike, so that any part does that
 # leaves both with mass.
 ON_ROTATION = 0.5
-_QUARTER = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 
 @dataclass(frozen=True)
@@ -108,92 +105,14 @@ def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
             joined = any(end.link == link.name and end.end == "end" for end in topology.joined_ends)
             turned = joined and _turns(engine, link.name)
             inertia = 0.0 if shaft is None or shaft.link != number else shaft.inertia
-            stiffness = _stiffness(engine, link.length, inertia)
+            stiffness = bar_stiffness(engine, link.length, inertia)
             links[number] = _bar(
                 links[number].model, link.length, stiffness, joined, turned, inertia
             )
     return topology.with_elastic(bars), links
 
 
-def with_turning_bodies(
-    engine: Engine, number: int, link: NaturalLink, reduced: LinkModel, basis: FloatArray
-) -> tuple[NaturalLink, LinkModel, FloatArray]:
-    """An elastic link with its bodies off the axis in natural coordinates.
-
-    Each such body adds its ``d_1`` to the link's coordinates; ``d_2`` is the section's rotation. A
-    free shaft of the link is a body on the section at its clamp.
-
-    Parameters
-    ----------
-    engine : Engine
-    number : int
-        Of the link.
-    link : NaturalLink
-        Unreduced.
-    reduced : LinkModel
-    basis : ndarray, shape (n, m)
-        Of its component modes, or of all its coordinates.
-
-    Returns
-    -------
-    NaturalLink
-        With k more coordinates, one a body off the axis or a shaft.
-    LinkModel
-        Likewise.
-    ndarray, shape (n + k, m + k)
-    """
-    full, readings = engine.links[number], engine.links[number].readings
-    as_they_are = full.rigid or engine.topology.has_moving_guides
-    bodies = () if as_they_are else engine.mechanism.link_masses_in_order[number].bodies
-    for body, node in zip(bodies, body_nodes(readings.nodes, bodies), strict=True):
-        matter = RigidBody.fixed(body)
-        if not matter.is_off_axis:
-            continue
-        place = readings.per_node * int(node) + np.array([0, 1, readings.slope])
-        stiffness = _stiffness(engine, float(np.hypot(*body.offset)))
-        time = float(link.stretch.damping_time[0])
-        link = _link_with_body(link, place, matter, stiffness)
-        reduced = _with_body(reduced, basis[place], matter, stiffness, time)
-        basis = scipy.linalg.block_diag(basis, 1.0)
-    shaft = engine.free_shaft
-    if as_they_are or shaft is None or shaft.link != number or not shaft.turns_far:
-        return link, reduced, basis
-    if not (shaft.inertia or shaft.clamp.hub):
-        # Without mass its d_1 would be no coordinate.
-        return link, reduced, basis
-    return _on_shaft(engine, shaft, link, reduced, basis)
-
-
-def _on_shaft(
-    engine: Engine, shaft: FreeShaft, link: NaturalLink, reduced: LinkModel, basis: FloatArray
-) -> tuple[NaturalLink, LinkModel, FloatArray]:
-    """An elastic link on a free shaft; see :func:`with_turning_bodies`."""
-    own, size = engine.links[shaft.link], link.model.size
-    place = np.append(own.end_displacement(shaft.clamp.link_end.end), shaft.rotation(own))
-    arm = shaft.clamp.hub or float(own.readings.nodes[-1])
-    matter = RigidBody(0.0, (0.0, 0.0), shaft.inertia, central_inertia=0.0)
-    stiffness, time = _stiffness(engine, arm, shaft.inertia), float(link.stretch.damping_time[0])
-    link = _link_with_body(link, place, matter, stiffness)
-    reduced = _with_body(reduced, basis[place], matter, stiffness, time)
-    basis = scipy.linalg.block_diag(basis, 1.0)
-    model = replace(link.model, receding=np.array([size]))
-    reduced = replace(reduced, receding=np.array([reduced.size - 1]))
-    return replace(link, model=model, natural=np.eye(size + 1)[[size, place[2]]]), reduced, basis
-
-
-def _weighted(body: RigidBody, turn: FloatArray) -> FloatArray:
-    """``rho N^T turn N`` of ``u = p + d_1 r + d_2 J r``, integrated, (4, 4) by (p, d).
-
-    ``turn`` (2, 2) is one, or a quarter turn.
-    """
-    x, y = body.first_moment
-    moment = x * np.eye(2) + y * _QUARTER
-    return np.block(
-        [[body.mass * turn, turn @ moment], [moment.T @ turn, body.second_moment * turn]]
-    )
-
-
-def _stiffness(engine: Engine, arm: float, inertia: float = 0.0) -> float:
+def bar_stiffness(engine: Engine, arm: float, inertia: float = 0.0) -> float:
     """Penalty stiffness of a rigid body's bar against ``d_1``, in N m.
 
     Parameters
@@ -203,6 +122,10 @@ def _stiffness(engine: Engine, arm: float, inertia: float = 0.0) -> float:
         Of the body in m.
     inertia : float
         Of a shaft, in kg m^2: what a flywheel pulls at its bar must not stretch it either.
+
+    Returns
+    -------
+    float
     """
     sections = engine.mechanism.sections
     elastic = [each for each in engine.mechanism.linkage.topology.links if not each.rigid]
@@ -253,7 +176,7 @@ def _bar(
     own = matter.about_centre.second_moment if matter.mass else 0.0
     shared = ON_ROTATION * max(own - shaft, 0.0) if joined and turned else 0.0
     spread = replace(matter, second_moment=matter.second_moment - shared)
-    inertia = from_own.T @ _weighted(spread, np.eye(2)) @ from_own
+    inertia = from_own.T @ spread.natural_inertia(np.eye(2)) @ from_own
     translational = inertia.copy()
     inertia += shared * np.outer(rotates, rotates)
     shear = rotates - from_own[3]
@@ -261,7 +184,7 @@ def _bar(
     model = LinkModel(
         name=rigid.name,
         mass=inertia,
-        gyroscopic=from_own.T @ _weighted(spread, _QUARTER) @ from_own,
+        gyroscopic=from_own.T @ spread.natural_inertia(QUARTER_TURN) @ from_own,
         centrifugal_mass=translational,
         first_moment=np.zeros((2, size)),
         stiffness=axial * (np.outer(from_own[2], from_own[2]) + np.outer(shear, shear)),
@@ -277,97 +200,25 @@ def _bar(
     )
     to_engine = np.vstack([from_own[:2], rotates])
     from_engine = to_own @ np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1]])
-    stretch_of_arm = _rigid_arm(from_own[2], from_own[3], axial)
+    stretch_of_arm = rigid_arm(from_own[2], from_own[3], axial)
     return NaturalLink(model, stretch_of_arm, to_engine, from_engine, from_own[2:])
 
 
-def _rigid_arm(stretch: FloatArray, turn: FloatArray, stiffness: float) -> LinkStretch:
-    """The condition of a body whose d are two rows (n,) by a link's coordinates."""
-    rows = np.stack([stretch, turn])
-    root = float(np.sqrt(stiffness))
-    return LinkStretch(root * rows[:1], rows, root * np.ones((1, 2)), np.zeros(1))
-
-
-def _link_with_body(
-    link: NaturalLink, place: IntArray, matter: RigidBody, stiffness: float
-) -> NaturalLink:
-    """A link with a body at a node, whose displacement and rotation are three coordinates."""
-    size, count = link.model.size, len(link.to_engine)
-    rows = np.eye(size)[place]
-    unit = np.eye(size + 1)
-    before, arm = link.stretch, _rigid_arm(unit[size], unit[place[2]], stiffness)
-    stretch = replace(
-        before,
-        gradient=np.vstack([_wider(before.gradient), arm.gradient]),
-        slopes=np.vstack([_wider(before.slopes), arm.slopes]),
-        weights=scipy.linalg.block_diag(before.weights, arm.weights),
-        damping_time=np.append(before.damping_time, before.damping_time[0]),
-    )
-    return NaturalLink(
-        _with_body(link.model, rows, matter, stiffness, float(before.damping_time[0])),
-        stretch,
-        _wider(link.to_engine),
-        np.vstack([link.from_engine, np.zeros((1, count))]),
-        None if link.natural is None else _wider(link.natural),
-    )
-
-
-def _with_body(
-    link: LinkModel,
-    rows: FloatArray,
-    matter: RigidBody,
-    stiffness: float,
-    damping_time: float,
-) -> LinkModel:
-    """A link of n + 1 coordinates, the last of which is ``d_1`` of a body on it.
+def rigid_arm(stretch: FloatArray, turn: FloatArray, stiffness: float) -> LinkStretch:
+    """The condition of a body that its lengths stay, as a strain.
 
     Parameters
     ----------
-    link : LinkModel
-        Whose mass has the body with ``d_1 = 0``.
-    rows : ndarray, shape (3, n)
-        Displacement and rotation of the body's section.
-    matter : RigidBody
-        About the section.
+    stretch, turn : ndarray, shape (n,)
+        ``d`` by a link's coordinates.
     stiffness : float
-        Of the body's bar against ``d_1``, in N m.
-    damping_time : float
-        Of the link's strains, among which that of the bar is.
+        Against ``d_1``, in N m.
+
+    Returns
+    -------
+    LinkStretch
+        That one strain.
     """
-    by = np.vstack([rows[:2], np.zeros_like(rows[2]), rows[2]])
-    mass, coriolis = _weighted(matter, np.eye(2)), _weighted(matter, _QUARTER)
-
-    def bordered(matrix: LinkMatrix, added: FloatArray) -> FloatArray:
-        column, row = by.T @ added[:, 2:3], added[2:3] @ by
-        return np.block([[whole(matrix), column], [row, added[2:3, 2:3]]])
-
-    bar = np.diag([0.0, 0.0, stiffness, 0.0])
-    centrifugal = bordered(link.centrifugal_mass, mass)
-    centrifugal[:-1, :-1] += matter.second_moment * np.outer(rows[2], rows[2])
-    # What the field of centripetal accelerations says of the body's place from now on.
-    first = np.array(matter.first_moment)
-    moved = np.stack([-_QUARTER @ first, first]) @ rows[:2]
-    fields = link.fields
-    return replace(
-        link,
-        mass=bordered(link.mass, mass),
-        gyroscopic=bordered(link.gyroscopic, coriolis),
-        centrifugal_mass=centrifugal,
-        first_moment=_wider(link.first_moment - moved),
-        stiffness=bordered(link.stiffness, bar),
-        damping=bordered(link.damping, damping_time * bar),
-        is_axial=np.append(link.is_axial, True),
-        readings=link.readings.projected(np.eye(link.size, link.size + 1)),
-        fields=RigidFields(
-            np.append(fields.along, 0.0),
-            np.append(fields.across, 0.0),
-            np.append(fields.centripetal, 1.0),
-            np.append(fields.tangential, 0.0),
-        ),
-        bodies=(),
-    )
-
-
-def _wider(matrix: FloatArray) -> FloatArray:
-    """A matrix with a column of zeros appended."""
-    return np.hstack([matrix, np.zeros((len(matrix), 1))])
+    rows = np.stack([stretch, turn])
+    root = float(np.sqrt(stiffness))
+    return LinkStretch(root * rows[:1], rows, root * np.ones((1, 2)), np.zeros(1))

@@ -20,8 +20,8 @@ from flexmech.linkages import CrankDrive, Topology
 from flexmech.time_domain.equations_of_motion.natural_coordinates import (
     NaturalLink,
     natural_links,
-    with_turning_bodies,
 )
+from flexmech.time_domain.equations_of_motion.turning_sections import with_turning_sections
 
 # A start at speed shakes more than the lowest modes: component modes are kept up to this
 # many times the frequency that the natural frequencies themselves would need.
@@ -170,7 +170,7 @@ def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
     else:
         engine.check_runs()
     found = [
-        with_turning_bodies(engine, number, *link)
+        with_turning_sections(engine, topology, number, *link)
         for number, link in enumerate(zip(links, models, bases, strict=True))
     ]
     unreduced, models, bases = zip(*found, strict=True)

@@ -233,7 +233,7 @@ class StressHistory:
     ) -> FloatArray:
         """As :meth:`_packed`: equilibrium forces less those of straight, stretching links.
 
-        Bodies off the axis and rigid links are in natural coordinates.
+        What is off the axis of an elastic link, and rigid links, are in natural coordinates.
         """
         places, forces = stressed.displacement, stressed.internal_force
         stretches, columns = self._engine.stretches, []
@@ -244,7 +244,8 @@ class StressHistory:
             own, batch = self._bases[number], len(places[number])
             stiffness = own.T @ self._links[number].stiffness @ own
             correction = np.zeros((batch, own.shape[1]))
-            if not link.rigid and not any(body.is_off_axis for body in link.bodies):
+            off_axis = any(body.is_off_axis for body in link.bodies)
+            if not (link.rigid or off_axis or stretches[number].neutral_axis):
                 q = places[number].copy()
                 sections = np.setdiff1d(np.flatnonzero(link.fields.tangential), link.vectors)
                 q[:, sections] = np.sin(q[:, sections])
