@@ -1,4 +1,4 @@
-"""The reference engine: plane beams of four theories on NumPy and SciPy alone."""
+"""Reference engine: plane beam elements of four theories on NumPy and SciPy alone."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class ReferenceEngine(Engine):
         return {number: self._chain(number, link.name) for number, link in links if not link.rigid}
 
     def _chain(self, number: int, name: str) -> Chain:
-        """One flexible link."""
+        """Beam elements of one flexible link."""
         mass, at = self._masses[number], self.mechanism.acting_at(name)
         section, restraint = restrained_beam(self.mechanism, name)
         shapes = BEAM_SHAPES[self.element]
@@ -135,7 +135,7 @@ class ReferenceEngine(Engine):
 
     @cached_property
     def _rigid_joint_frames(self) -> LinkFrames:
-        """Frames of links whose sprung joints hold as rigid ones do."""
+        """Link frames with rigid joints in place of springs."""
         if self.rigid_joint_topology == self.mechanism.linkage.topology:
             return self.equilibrium.frames
         return LinkFrames(self.rigid_joint_topology, self.clamped_links)
@@ -154,7 +154,7 @@ class ReferenceEngine(Engine):
 
     @property
     def _couplings(self) -> dict[int, Coupling]:
-        """Of links of off-axis plies between joints, by their number."""
+        """Nonlocal energies of links of off-axis plies between joints, by number."""
         return {n: chain.coupling for n, chain in self.chains.items() if chain.coupling is not None}
 
     def stressed_clamped_links(
@@ -249,7 +249,7 @@ class ReferenceEngine(Engine):
         return found
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:
-        """Straight links in tension."""
+        """Straight links with the geometric stiffness of their tension."""
         frames = self._rigid_joint_frames
         loads = self._straight_loads(motion)
         straight = straight_forces(

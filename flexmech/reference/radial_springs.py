@@ -1,9 +1,8 @@
-"""Springs between the ends that a joint with a radial stiffness lets come apart.
+"""Radial springs of sprung joints in a nonlinear equilibrium.
 
-Such a spring carries the force of the joint by the gap d between its two ends, ``F = k d`` in
-ground axes, and the gap is part of the equilibrium. The force does not turn with the links. An end
-of a rigid link that has turned by phi is at ``u + R(phi) r``, by which the force is a spring
-against rotation as well.
+The force of the joint is ``F = k d`` in ground axes with the gap d between its two ends, which is
+part of the equilibrium. It does not rotate with the links. The end r of a rigid link rotated by phi
+is at ``u + R(phi) r``, so that the force has a geometric stiffness as well.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from flexmech.reference.dependent_element import Ties
 
 @dataclass(frozen=True)
 class _End:
-    """An end that a spring holds: sign, link, place on it, and rows (2,) of a flexible link."""
+    """An end of a spring: sign, link, place on it, and rows (2,) of a flexible link."""
 
     sign: float
     link: int
@@ -37,7 +36,7 @@ class RadialSprings:
     Parameters
     ----------
     frames : LinkFrames
-        Of the unreduced links; these joints tie nothing in them.
+        Of the unreduced links, without constraints of these joints.
     springs : sequence of JointSpring
 
     Attributes
@@ -66,7 +65,7 @@ class RadialSprings:
         displacement: Sequence[FloatArray],
         forces: Sequence[FloatArray],
     ) -> FloatArray:
-        """Add the forces that the springs exert against the links; tell the rest.
+        """Add the spring forces to the internal forces; returns the geometric stiffness.
 
         Parameters
         ----------
@@ -77,7 +76,7 @@ class RadialSprings:
         Returns
         -------
         ndarray, shape (B, n_links)
-            Stiffness of rigid links against turning by forces that keep their direction.
+            Geometric stiffness of rigid links.
         """
         stiffness_of_rotation = np.zeros(motion.angle.shape)
         for stiffness, ends in zip(self._stiffness, self._ends, strict=True):
@@ -138,7 +137,7 @@ class RadialSprings:
     def _gap(
         self, motion: RigidMotion, displacement: Sequence[FloatArray], ends: Sequence[_End]
     ) -> FloatArray:
-        """By how far the ends are apart in ground axes, (B, 2)."""
+        """Gap between the ends in ground axes, (B, 2)."""
         gap = np.zeros((len(motion.crank_angle), 2))
         for end in ends:
             q, angle = displacement[end.link], motion.angle[:, end.link]
