@@ -215,7 +215,7 @@ class ExudynEngine(Engine):
             Frequency in Hz up to which joint forces and torque are kept.
         impacts : sequence of Impact
             Pulses on points of links, in directions that turn with the links' rigid frames. The
-            energy balance does not know their work: its error is then not a number.
+            energy balance does not include their work: its error is then not a number.
 
         Returns
         -------

@@ -1,11 +1,11 @@
 """Static Exudyn system of a mechanism: built once, moved through the crank angles.
 
-The model stands in the crank's frame: the shaft's clamp is then a condition on single
+The model is in the crank's frame: the shaft's clamp is then a constraint on single
 coordinates with a constant constraint Jacobian, whatever the crank angle. What changes
 from one position to the next are the coordinates, the ground pivots, the lines of the ground
 and the loads.
 
-Exudyn's static solver: when its Newton's method is content.
+Convergence criteria of Exudyn's static solver.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class StaticModel:
     connectors : ConnectorItems or None
         Loads and springs.
     applied : StaticConnectors or None
-        The same, in the position that the model stands in.
+        The same, in the current position of the model.
     ties : list of TieJoint
     sliders : list of SliderJoint
     """

@@ -270,8 +270,8 @@ class ReferenceEngine(Engine):
     def _varying(self, motion: RigidMotion) -> list[FloatArray]:
         """Geometric stiffness of each element, (B, e, 6, 6), by flexible link: its varying part.
 
-        A corotational element knows its mean tension by itself; what inertia forces add
-        inside it is the varying part.
+        A corotational element has its mean tension; the varying part is that of the inertia
+        forces inside it.
         """
         if ties_beyond_pins(self._rigid_joint_frames):
             # What the joints carry changes the mean alone.

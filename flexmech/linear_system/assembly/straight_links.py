@@ -237,7 +237,7 @@ def forces_of_links(
     motion : RigidMotion
         Batch of shape (B,).
     displacement, loads : sequence of ndarray, shape (B, n_link)
-        A linear static solution and what it is under.
+        A linear static solution and its loads.
     masses : tuple of LinkMass
         Of all links.
     gravity : tuple of float
@@ -246,7 +246,7 @@ def forces_of_links(
     Returns
     -------
     LinkForces
-        Of rigid links nothing is told.
+        Zero for rigid links.
     """
     force = np.zeros((*motion.angle.shape, 2))
     moment = np.zeros(motion.angle.shape)
