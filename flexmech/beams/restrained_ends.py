@@ -1,9 +1,9 @@
 """Restrained twist and warping at the ends of links of off-axis plies, in three dimensions.
 
 Plies off the link's axis twist it as it bends. End faces that joints keep plane restrain twist and
-warping of the ends, so that the bending moment at a place depends on the curvature everywhere: no
-stiffness of a section tells it. A beam whose twist is free is right in the middle of a long link.
-What is missing is found from the link itself, in three dimensions
+warping of the ends, so that the bending moment at a place depends on the curvature everywhere: it
+is nonlocal. A beam with free twist is right in the middle of a long link. The difference is
+computed by elasticity in three dimensions
 (:mod:`flexmech.beams.solid_link`), for five distributions of the bending moment: those of couples
 at both ends and of loads in one to three half sines. In the span of these the beam then has the
 link's own compliance, and the kinetic energy of the twist that follows; beyond it, its own.

@@ -221,7 +221,7 @@ class ReferenceEngine(Engine):
         columns = [q.T for q in displacement]
         of_chains = dead.add_stiffness(of_chains, columns)
         dead.add_forces([each.T for each in force], columns)
-        if frames.rigid.size:
+        if frames.has_arms:
             beside = [load - own for load, own in zip(loads, force, strict=True)]
             found = self.equilibrium.stiffness_of_rigid(motion, displacement, beside, dead)
         stressed = with_rigid_links(frames, of_chains, found)
@@ -253,7 +253,7 @@ class ReferenceEngine(Engine):
         frames = self._rigid_joint_frames
         loads = self._straight_loads(motion)
         straight = straight_forces(
-            self.mechanism, frames, motion, loads, self._lumped, self.clamped_connectors
+            self.mechanism, frames, motion, loads, self._lumped, self.connectors
         )
         tensions = element_tensions(self.mechanism, self.nodes, motion, straight.links)
         tangent: dict[int, LinkMatrix] = {
@@ -270,8 +270,8 @@ class ReferenceEngine(Engine):
     def _varying(self, motion: RigidMotion) -> list[FloatArray]:
         """Geometric stiffness of each element, (B, e, 6, 6), by flexible link: its varying part.
 
-        A corotational element knows its mean tension by itself; what inertia forces add
-        inside it is the varying part.
+        A corotational element has its mean tension; the varying part is that of the inertia
+        forces inside it.
         """
         if ties_beyond_pins(self._rigid_joint_frames):
             # What the joints carry changes the mean alone.
@@ -282,7 +282,7 @@ class ReferenceEngine(Engine):
                 gravity,
                 nothing,
                 nothing[..., 0],
-                self.clamped_connectors.applied(motion),
+                self.connectors.applied(motion),
                 (),
             )
         else:

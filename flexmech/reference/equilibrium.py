@@ -234,7 +234,7 @@ class Equilibrium:
                 if last.all():
                     break
                 change[:, last] = 0.0
-                # The tangent of the start knows no tension yet.
+                # The tangent of the start has no tension yet.
                 if number and turned.max() <= NEAR:
                     z, last = self._kept_tangent(z + change, factors, turned, problem)
                     state = state.with_part(which, State(z, imbalance.error, factors, last))
@@ -254,8 +254,8 @@ class Equilibrium:
     ) -> tuple[FloatArray, NDArray[np.bool_]]:
         """Last steps with the tangent of the step to z (size, B), and converged positions.
 
-        ``turned`` (B,) is the size of the step that did. Near the equilibrium what is left falls
-        by the same factor with each step, which two steps tell.
+        ``turned`` (B,) is the size of that step. Near the equilibrium the residual decreases by
+        the same factor with each step, which two steps give.
         """
         last = turned <= LAST_STEP
         for _ in range(KEPT_STEPS):

@@ -50,8 +50,8 @@ SAMPLES = 181
 STEPS_A_PERIOD = 12
 # And of a turn: two a degree, which shows its loads up to the 60th harmonic as well.
 LEAST_STEPS = 720
-# Modes besides those asked for, where nothing turns and any number of them is smooth. What they
-# leave out follows statically.
+# Modes besides the requested ones, where links do not rotate against each other and any number is
+# smooth. The truncated modes respond statically.
 SPARE_MODES = 2
 
 
