@@ -14,6 +14,7 @@ from flexmech.validation import Bounds
 
 # What a damping ratio of the linkage can be.
 DAMPING_RATIO = Bounds(least=0.0, below=1.0)
+# Evenly spaced over a turn, where a mean converges beyond all powers of the step.
 TURN = np.radians(np.arange(0.0, 360.0, 5.0))
 
 

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+# Of pictures: twice what a screen shows.
 DOTS_PER_INCH = 200
 
 

@@ -1,4 +1,4 @@
-"""Beam elements by theory: shape functions, element matrices, and links put together of them."""
+"""Beam elements by theory: shape functions, element matrices, and links of elements."""
 
 from flexmech.beams.beam_shapes import BeamShapes
 from flexmech.beams.comparison import compare_theories

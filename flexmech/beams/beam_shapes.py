@@ -1,4 +1,4 @@
-"""Displacement inside two-node plane beam elements: what their theories have in common.
+"""Shape functions of two-node plane beam elements: the interface of all theories.
 
 Every element moves by four fields along it: the displacement of its neutral axis along the
 link, the deflection v, the rotation phi of its sections and the slope s = v' of its axis.
@@ -213,11 +213,11 @@ class BeamShapes(ABC):
         """
 
     def arms(self, section: BeamSection) -> tuple[float, ...]:
-        """Distance of the neutral axis that turns with each of :attr:`angles`, in m."""
+        """Arm of the neutral axis that rotates with each of :attr:`angles`, in m."""
         return (section.neutral_axis,)
 
     def arc(self, section: BeamSection, length: FloatArray) -> FloatArray:
-        """Node coordinates other than displacements of elements bent without load.
+        """Node rotations of elements bent by free curvature, without load.
 
         Against their chords: the free curvature makes an arc of each element.
 
@@ -260,7 +260,7 @@ class BeamShapes(ABC):
         return places, length[:, None] / 2 * _WEIGHTS
 
     def softening(self, section: BeamSection) -> float:
-        """How much of the squared shear angle tension takes off the squared slope.
+        """Coefficient of the squared shear angle in the work of the tension.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Frequencies of a linkage at rest by several beam theories, to see which of them it needs."""
+"""Comparison of beam theories by the frequencies of a linkage at rest."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def compare_theories(mechanism: Mechanism, modes: int = MODES) -> TheoryComparis
 
 @dataclass(frozen=True)
 class _Links:
-    """What frequencies at rest depend on; nothing else tells one from another.
+    """Data on which frequencies at rest depend, as a key of the cache.
 
     The mechanism is that whose springs these are.
     """
@@ -126,7 +126,7 @@ class _Links:
 
 
 def _configurations(mechanism: Mechanism) -> RigidMotion:
-    """The linkage at rest at those crank angles that it can stand at."""
+    """The linkage at rest at crank angles at which it can be assembled."""
     try:
         return _at_rest(mechanism, ANGLES)
     except InputError:  # it does not turn fully
@@ -142,7 +142,7 @@ def _configurations(mechanism: Mechanism) -> RigidMotion:
 
 
 def _at_rest(mechanism: Mechanism, crank_angle: FloatArray) -> RigidMotion:
-    """The linkage at crank angles, where its springs have a direction; InputError elsewhere."""
+    """The linkage at rest at crank angles; InputError where a spring has no direction."""
     motion, topology = mechanism.linkage.motion(crank_angle), mechanism.linkage.topology
     for spring in mechanism.springs:
         SpringLine.of(spring, topology, motion)

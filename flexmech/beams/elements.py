@@ -97,7 +97,7 @@ class BeamElements:
 
     @cached_property
     def centrifugal_mass(self) -> FloatArray:
-        """Mass of the displacements alone, as centripetal acceleration meets it.
+        """Centrifugal mass ``M_t``: that of the displacements without rotary inertia.
 
         A section that turns about its centre keeps its centrifugal potential: rotary inertia
         is not in it, the coupling of displacement and rotation by the first moment is.
@@ -209,7 +209,7 @@ class BeamElements:
         return fields @ self.to_neutral_axis if any(self.shapes.arms(self.section)) else fields
 
     def _at_pins_axis(self, fields: BeamFields) -> FloatArray:
-        """Displacement along at the pins' axis, where rigid arms lead from the neutral axis."""
+        """Axial displacement at the pins' axis, by rigid arms from the neutral axis."""
         arms = self.shapes.arms(self.section)
         if not any(arms):
             return fields.axial
@@ -269,7 +269,7 @@ class BeamElements:
 
     @cached_property
     def _squared_slope(self) -> FloatArray:
-        """What tension stretches: the squared slope, less what the shear angle takes off."""
+        """Integrand of the geometric stiffness: squared slope less the part of the shear angle."""
         square = _product(self._inside.slope)
         softening = self.shapes.softening(self.section)
         return square - softening * _product(self._inside.shear) if softening else square

@@ -1,4 +1,4 @@
-"""A link of beam elements, put together along one line."""
+"""A straight link assembled of beam elements."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from flexmech.sections import BeamSection
 
 @dataclass(frozen=True, eq=False)
 class Coupling:
-    """Elastic energy by distributions of the curvature over a whole link: of no element alone.
+    """Elastic energy by distributions of the curvature over a whole link.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class Coupling:
 
     @property
     def stiffness(self) -> FloatArray:
-        """By the link's coordinates, (n, n)."""
+        """Stiffness matrix in the link's coordinates, (n, n)."""
         return np.asarray(self.rows.T @ self.elastic @ self.rows)
 
 
@@ -146,7 +146,7 @@ def build_chain(
 def _kinked(
     nodes: FloatArray, section: BeamSection, mass: LinkMass, acting_at: Sequence[float]
 ) -> NDArray[np.bool_]:
-    """Elements at whose start a couple may act, (e,)."""
+    """Elements at whose start a couple may act and the curvature jump, (e,)."""
     # A force along the pins' axis turns a neutral one that is off it.
     off = section.is_eccentric
     turned = [x.position for x in mass.bodies if off or x.inertia or any(x.offset)]

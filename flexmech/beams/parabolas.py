@@ -1,4 +1,4 @@
-"""Parabolas over elements along a line: factors of the matrices of rectangles and bricks."""
+"""One-dimensional quadratic elements: factors of the matrices of rectangles and bricks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ COUPLING = np.array([[-3.0, 4.0, -1.0], [-4.0, 0.0, 4.0], [1.0, -4.0, 3.0]]) / 6
 
 
 def graded(count: int, share: float) -> FloatArray:
-    """Ends of elements between 0 and 1, shorter towards both.
+    """Ends of elements between 0 and 1, graded towards both ends.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def rows_of_runs(faces: FloatArray, total: int) -> tuple[FloatArray, IntArray]:
 
 
 class Parabolas:
-    """Functions that are parabolas in each element, with a node in its middle.
+    """Quadratic shape functions in each element, with a node in its middle.
 
     Parameters
     ----------
@@ -80,11 +80,11 @@ class Parabolas:
         self.size = len(self.places)
 
     def mass(self, weight: FloatArray | None = None) -> Any:
-        """Integral of a weight (n,) times two functions, sparse."""
+        """Mass matrix: integral of a weight (n,) times two functions, sparse."""
         return self._summed(MASS, weight, self._lengths)
 
     def stiffness(self, weight: FloatArray | None = None) -> Any:
-        """Integral of a weight (n,) times two slopes, sparse."""
+        """Stiffness matrix: integral of a weight (n,) times two slopes, sparse."""
         return self._summed(STIFFNESS, weight, 1 / self._lengths)
 
     def coupling(self, weight: FloatArray | None = None) -> Any:
@@ -94,7 +94,7 @@ class Parabolas:
     def integral(
         self, slope_of_row: bool, slope_of_column: bool, weight: FloatArray | None = None
     ) -> Any:
-        """Any of the three.
+        """Integral of a weight times two functions or slopes.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""A layered link in two-dimensional elasticity: what beams of any theory leave out of it.
+"""A layered link in two-dimensional elasticity (plane stress), against which beams are compared.
 
 Beams keep the thickness of a link. Soft layers do not: where they are compressed, the faces of a
 sandwich move against each other, and a free end bends as two strips. Below the frequency at which
@@ -46,7 +46,7 @@ FACE = 3
 
 
 def compression_frequency(section: LaminateSection) -> float:
-    """Lowest frequency at which the layers of a wide plate move against each other, in Hz.
+    """Lowest thickness-stretch frequency of a wide layered plate in Hz.
 
     Its faces stay parallel: the layers are rods through the thickness. Beams know none of it.
 
@@ -142,7 +142,7 @@ def _points(mass: LinkMass) -> list[tuple[float, float]]:
 
 
 def _at_nodes(fraction: FloatArray, length: FloatArray) -> FloatArray:
-    """Displacement at the nodes that are read, (s, 2, 2 FACE); between them it is not asked for."""
+    """Displacement at the nodes, (s, 2, 2 FACE)."""
     shapes = np.zeros((len(fraction), 2, 2 * FACE))
     for number, share in enumerate((1.0 - fraction, fraction)):
         for component in range(2):
@@ -160,7 +160,7 @@ class _Rows:
 
     @classmethod
     def of(cls, section: LaminateSection) -> _Rows:
-        """Like neighbours are one layer, and a thick layer is several rows."""
+        """Rows of elements of the layers: equal neighbours are one, a thick layer is several."""
         laminate = section.laminate
         layers = laminate.layers
         starts = [
@@ -177,7 +177,7 @@ class _Rows:
 
 
 def _moduli_along(section: LaminateSection) -> FloatArray:
-    """Stress over strain along the link in each layer, as the beam has them, (N,)."""
+    """Axial modulus of each layer as in the beam, (N,)."""
     place = section.places(5)
     found = section.stresses(place, bending_moment=1.0)
     square = np.sum(found.strain**2, axis=1)
@@ -185,7 +185,7 @@ def _moduli_along(section: LaminateSection) -> FloatArray:
 
 
 def _plane_stiffness(section: LaminateSection, layer: Any, along: float) -> FloatArray:
-    """Of one layer by strains x, y and xy, (3, 3): its modulus along the link is the beam's."""
+    """Stiffness of one layer by strains x, y and xy, (3, 3), with the beam's axial modulus."""
     solid = solid_stiffness(layer)
     if section.reduction == "wide":
         plane = solid[np.ix_(IN_PLANE, IN_PLANE)]
@@ -199,7 +199,7 @@ def _plane_stiffness(section: LaminateSection, layer: Any, along: float) -> Floa
 
 
 def _means(through: Parabolas, weight: FloatArray) -> FloatArray:
-    """Displacements along and across and rotation of a section as a whole, (3, 2 size).
+    """Mean displacements and rotation of a section, (3, 2 size).
 
     By displacements of its nodes along and across; weighted.
     """
@@ -232,7 +232,7 @@ class _PlaneSolid:
         attached: Sequence[tuple[float, FloatArray]],
         sprung: Sequence[float],
     ) -> _PlaneSolid:
-        """With inertia (3, 3) on cross-sections that are not rigid, each with its place."""
+        """Matrices of a link, with inertia (3, 3) added at given sections."""
         rows = _Rows.of(section)
         along, through = Parabolas(_nodes_along(mass, sprung)), Parabolas(rows.faces)
         d, width = rows.stiffness, section.width
@@ -258,7 +258,7 @@ class _PlaneSolid:
         return replace(solid, mass=both.tocsc())
 
     def section_at(self, x: float) -> Any:
-        """Displacement along and across and rotation of a section as a whole, (3, n), sparse."""
+        """Mean displacements and rotation of a section, (3, n), sparse."""
         row = np.zeros(self.along.size)
         row[np.argmin(np.abs(self.along.places - x))] = 1.0
         return sp.csr_matrix(np.kron(self.means, row))
@@ -290,7 +290,7 @@ class _PlaneSolid:
         return basis, stiffness, mass
 
     def _by_faces(self, places: Sequence[float]) -> tuple[FloatArray, IntArray]:
-        """Displacements (n, 3 k) of rigid faces at places, and which ones they prescribe."""
+        """Displacements (n, 3 k) of rigid faces at places, and their coordinates."""
         count = self.along.size * self.through.size
         y, up = self.through.places, np.arange(self.through.size) * self.along.size
         moved, fixed = np.zeros((2 * count, FACE * len(places))), []

@@ -1,9 +1,9 @@
-"""What joints at both ends add to a link of off-axis plies: bending and twist in three dimensions.
+"""Restrained twist and warping at the ends of links of off-axis plies, in three dimensions.
 
 Plies off the link's axis twist it as it bends. End faces that joints keep plane restrain twist and
-warping of the ends, so that the bending moment at a place depends on the curvature everywhere: no
-stiffness of a section tells it. A beam whose twist is free is right in the middle of a long link.
-What is missing is found from the link itself, in three dimensions
+warping of the ends, so that the bending moment at a place depends on the curvature everywhere: it
+is nonlocal. A beam with free twist is right in the middle of a long link. The difference is
+computed by elasticity in three dimensions
 (:mod:`flexmech.beams.solid_link`), for five distributions of the bending moment: those of couples
 at both ends and of loads in one to three half sines. In the span of these the beam then has the
 link's own compliance, and the kinetic energy of the twist that follows; beyond it, its own.
@@ -75,7 +75,7 @@ class RestrainedEnds:
 
     @property
     def of_half_sine(self) -> float:
-        """Stiffness that bending by a half sine meets, in N m^2."""
+        """Added bending stiffness against a half sine, in N m^2."""
         values = np.einsum("ki,ig->kg", self.shapes, _moments((_POINTS + 1) / 2))
         wave = np.sqrt(2 / self.length) * np.sin(np.pi * (_POINTS + 1) / 2)
         amount = values @ (wave * _WEIGHTS * self.length / 2)
@@ -106,7 +106,7 @@ class RestrainedEnds:
         return sum_of_elements(np.einsum("keg,eg,egp->kep", values, weights, curvature))
 
     def restrain(self, chain: Chain, mass_per_length: float) -> Chain:
-        """A chain of elements with these energies in its matrices.
+        """A chain of elements with the energies of restrained twist in its matrices.
 
         Parameters
         ----------
@@ -137,7 +137,7 @@ class RestrainedEnds:
 
 
 def restrained_beam(mechanism: Mechanism, link: str) -> tuple[BeamSection, RestrainedEnds | None]:
-    """Section of a flexible link's beam, and what its joints add to that.
+    """Beam section of a flexible link, and the restraint of its ends by joints.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ def restrained_beam(mechanism: Mechanism, link: str) -> tuple[BeamSection, Restr
 
 @lru_cache(maxsize=64)
 def restrained_ends(section: LaminateSection, length: float) -> RestrainedEnds | None:
-    """What joints at both ends add to a beam whose twist is free.
+    """Restraint by joints at both ends of a beam with free twist.
 
     Parameters
     ----------
@@ -209,7 +209,7 @@ def restrained_ends(section: LaminateSection, length: float) -> RestrainedEnds |
 
 
 def _twist_alone(free: LaminateSection, length: float) -> RestrainedEnds:
-    """A constant torque along the link that takes the twist back on the average."""
+    """Restraint by a constant torque along the link that cancels the mean twist."""
     shapes = np.zeros((1, 2 + WAVES))
     shapes[0, 0] = 1 / np.sqrt(length)
     stiffness = np.array([[twisted_back(free)]])
@@ -217,7 +217,7 @@ def _twist_alone(free: LaminateSection, length: float) -> RestrainedEnds:
 
 
 def _from_solid(free: LaminateSection, length: float) -> RestrainedEnds | None:
-    """Of a link in three dimensions; None of one so short that its shear hides its bending."""
+    """Restraint from three-dimensional elasticity; None of links too short for it."""
     solid = SolidLink.of(free, length)
     loads = np.concatenate([solid.couples(), solid.waves(WAVES)], axis=1)
     answers = solid.solve(loads)
@@ -249,7 +249,7 @@ def _from_solid(free: LaminateSection, length: float) -> RestrainedEnds | None:
 
 
 def _without_negative(matrix: FloatArray) -> FloatArray:
-    """A kinetic energy whose parts below zero, which shear and not twist makes, are none."""
+    """A kinetic energy without its negative parts, which are of shear and not of twist."""
     values, vectors = np.linalg.eigh(matrix)
     return np.asarray((vectors * np.maximum(values, 0.0)) @ vectors.T)
 

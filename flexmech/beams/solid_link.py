@@ -50,7 +50,7 @@ STRAINS = (((0, 0),), ((1, 1),), ((2, 2),), ((1, 2), (2, 1)), ((0, 2), (2, 0)), 
 
 @dataclass(frozen=True)
 class BeamError:
-    """How far a beam's bending frequencies are from those of the link itself, between pins.
+    """Relative errors of a beam's bending frequencies between pins.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class BeamError:
 
 @lru_cache(maxsize=64)
 def beam_error(section: LaminateSection, length: float) -> BeamError | None:
-    """Compare a beam of off-axis plies with the link itself in three dimensions.
+    """Compare a beam of off-axis plies with three-dimensional elasticity.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def twisted_back(free: LaminateSection) -> float:
 
 
 def _by_beams(section: LaminateSection, length: float, torsion: float = 0.0) -> FloatArray:
-    """Frequencies in Hz between pins, whose energy by the ends' rotations is told besides."""
+    """Frequencies in Hz between pins, with the energy by the ends' rotations."""
     beam = BeamSection.of_laminate(section)
     mass = LinkMass(length, beam.mass_per_length)
     model = build_chain("link", beam, mass, 2 * ALONG, BEAM_SHAPES["timoshenko"]).model
@@ -195,7 +195,7 @@ class SolidLink:
 
     @classmethod
     def of(cls, section: LaminateSection, length: float) -> SolidLink:
-        """In elements with 27 nodes.
+        """Link of brick elements with 27 nodes.
 
         Parameters
         ----------
@@ -278,7 +278,7 @@ def _block(
 
 
 def _changes(displacement: int) -> Iterator[tuple[int, int]]:
-    """Strains in which a displacement is, each with the direction along which it changes."""
+    """Strains of a displacement component, each with the direction of its derivative."""
     for strain, parts in enumerate(STRAINS):
         for moved, direction in parts:
             if moved == displacement:

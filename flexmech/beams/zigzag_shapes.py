@@ -1,4 +1,4 @@
-"""Displacement inside elements of zigzag beams: boundary layers of the shear angle included.
+"""Shape functions of zigzag beams, with boundary layers of the shear angle.
 
 The faces of a sandwich bend about their own axes where its shear angle changes: next to joints
 that keep the cross-section plane, and at jumps of the shear force. Such a layer falls off over
@@ -33,7 +33,7 @@ REACH = 10.0
 
 @dataclass(frozen=True)
 class BoundaryLayers:
-    """Functions of t in [-1, 1] that the boundary layers of an element make.
+    """Functions of t in [-1, 1] of the boundary layers of an element.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ class BoundaryLayers:
 
     @staticmethod
     def _straight(t: FloatArray) -> FloatArray:
-        """Of t: value, integral from -1 and derivative."""
+        """Value, integral from -1 and derivative of the function t."""
         return np.stack([t, (t**2 - 1) / 2, np.ones_like(t)])
 
 

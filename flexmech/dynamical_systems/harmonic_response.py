@@ -33,8 +33,6 @@ from flexmech.dynamical_systems.periodic_system import SampledPeriodicSystem
 from flexmech.errors import ComputationError
 from flexmech.validation import check_count, checked_array
 
-# Of the products of Fourier coefficients those below this part of the greatest are round-off.
-NEGLIGIBLE = 1e-16
 # Frequencies whose answers are in memory at a time: with some thousand harmonics and modes, 4 MB.
 BATCH = 256
 
@@ -157,7 +155,7 @@ def harmonic_response(
     out = _centred(np.einsum("ks,ksj->kj", forced.reading.samples(steps), shapes))
     harmonic, weight = _weights(into, out, wanted)
     # All pairs of a harmonic and a mode that count for any order, in one row.
-    counts = np.abs(weight).max(axis=0) > NEGLIGIBLE * np.abs(weight).max()
+    counts = np.abs(weight).max(axis=0) > np.finfo(float).eps * np.abs(weight).max()
     pole = (modes.exponent - 1j * forced.turning * harmonic[:, None])[counts]
     weight = weight[:, counts]
     answer = np.empty((len(wanted), len(input_rate)), dtype=complex)

@@ -43,7 +43,7 @@ class LinkEnd:
 
 @dataclass(frozen=True)
 class Clamp:
-    """A link end fixed to the driven shaft: no displacement and rotation in the link frame.
+    """A link end welded to the driven shaft: it turns with it, and moves with its hub.
 
     Parameters
     ----------
@@ -51,11 +51,15 @@ class Clamp:
     link_end : LinkEnd
     hub : float
         Distance in m by which the end lies beyond the shaft's axis, along the link's frame.
+    free : bool
+        Whether the shaft's rotation against its prescribed angle is a coordinate of the linkage; it
+        is held at zero where not, and the end neither moves nor turns in the link frame.
     """
 
     joint: str
     link_end: LinkEnd
     hub: float = 0.0
+    free: bool = False
 
 
 @dataclass(frozen=True)
@@ -248,6 +252,10 @@ class Topology:
         pins = tuple(replace(pin, sprung=False) for pin in self.pins)
         pivots = tuple(replace(pivot, sprung=False) for pivot in self.pivots)
         return replace(self, pins=pins, pivots=pivots)
+
+    def with_free_shaft(self) -> Topology:
+        """The same, with the shaft's rotation as a coordinate of the linkage."""
+        return replace(self, clamps=tuple(replace(clamp, free=True) for clamp in self.clamps))
 
     def with_elastic(self, names: Collection[str]) -> Topology:
         """The topology with some rigid links as elastic ones."""

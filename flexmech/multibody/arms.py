@@ -1,8 +1,8 @@
 """Rigid arms between the pins' axis and the nodes of beams whose neutral axis is off it.
 
-A beam stretches and bends without coupling about its neutral axis, so its nodes sit there.
-Everything else knows displacements of the pins' axis. With the neutral axis at the distance
-n and the section turned by phi, a node is at ``u - n sin(phi)``, ``v + n (cos(phi) - 1)``.
+A beam stretches and bends without coupling about its neutral axis, so its nodes are there.
+All other parts use displacements of the pins' axis. With the neutral axis at the distance
+n and the section rotated by phi, a node is at ``u - n sin(phi)``, ``v + n (cos(phi) - 1)``.
 The map holds in every frame if phi is the angle against that frame.
 """
 

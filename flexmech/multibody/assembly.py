@@ -1,7 +1,7 @@
 """Links of a mechanism in an Exudyn system, and the markers that joints need.
 
-What stands still and what runs differ in their loads, their supports and their drive. Both
-hold one assembly, add these to it in their own order, and have the system assembled.
+Static and running models differ in their loads, their supports and their drive. Both have one
+assembly, add these to it in their own order, and assemble the system.
 """
 
 from __future__ import annotations

@@ -254,7 +254,7 @@ class ConnectorItems:
             else:
                 root = leading_end(leader, assembly.topology.rigid_ties)
                 before = assembly.add_end_marker(root, f"{name}_on_{root.link}")
-            # In this order Exudyn's sensor tells the force on the follower.
+            # In this order Exudyn's sensor gives the force on the follower.
             markers = [assembly.add_end_marker(follower, f"{name}_on_{follower.link}"), before]
             radial = items.add(
                 "CartesianSpringDamper",

@@ -165,7 +165,7 @@ class ExudynEngine(Engine):
         under = self._quasi_static_loads(motion, displaced)
         loads, dead = under.loads, self._dead(motion, under.loads, under.at)
         equilibrium = static_equilibrium(self.model, motion, loads, dead)
-        if (connectors := self.clamped_connectors).any:
+        if (connectors := self.connectors).any:
             moved = equilibrium.displacement
             virial, acting = connectors.virial(motion, moved), connectors.forces(motion, moved)
             for number, link in enumerate(self.clamped_links):
@@ -215,7 +215,7 @@ class ExudynEngine(Engine):
             Frequency in Hz up to which joint forces and torque are kept.
         impacts : sequence of Impact
             Pulses on points of links, in directions that turn with the links' rigid frames. The
-            energy balance does not know their work: its error is then not a number.
+            energy balance does not include their work: its error is then not a number.
 
         Returns
         -------
@@ -349,13 +349,14 @@ class ExudynEngine(Engine):
         """Stiffness and internal forces in running states; see :meth:`Engine.running_links`."""
         tangent, damping = running_tangents(self.model, motion, displacement)
         force, links = internal_forces(self.model, displacement), self.clamped_links
-        # Joints do to a crank on a free shaft what straight links do; of other rigid links that
-        # turn it is not told.
+        # Joints do to a crank or a hub on a free shaft what straight links do; of other rigid links
+        # that turn it is not told.
         elastic = {n: tangent[n] for n, link in enumerate(links) if not link.rigid}
         dead = self._dead(motion, inertia_loads(links, motion, self.mechanism.gravity))
         stiffened = dead.add_stiffness(elastic, [q.T for q in displacement])
         tangents = [stiffened.get(number, own) for number, own in enumerate(tangent)]
-        if (shaft := self.free_shaft) is not None and links[shaft.link].rigid:
+        shaft = self.free_shaft
+        if shaft is not None and (shaft.clamp.hub or links[shaft.link].rigid):
             straight = with_rigid_links(self.frames, stiffened, self._straight(motion).stiffness)
             tangents[shaft.link] = straight.tangent[shaft.link]
         return StressedLinks(tangents, list(displacement), force, damping)
@@ -363,7 +364,7 @@ class ExudynEngine(Engine):
     def _straight(self, motion: RigidMotion) -> StraightForces:
         """Forces in straight links."""
         frames = LinkFrames(self.rigid_joint_topology, self.clamped_links)
-        loads, connectors = self._straight_loads(motion), self.clamped_connectors
+        loads, connectors = self._straight_loads(motion), self.connectors
         return straight_forces(self.mechanism, frames, motion, loads, connectors=connectors)
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:

@@ -3,7 +3,7 @@
 Exudyn's element has the mass of linear interpolation, whose frequencies are of second order
 in the element length h, and carries it on its own axis alone. Here the elements have none.
 Each node carries the rigid segment of the link around it, half an element to either side, off
-the neutral axis where the section's matter is. What that leaves of the second order goes with
+the neutral axis where the section's matter is. The remaining error of second order is removed by
 two differences between the nodes of an element, of their velocities and of their spins:
 
     2 T = sum of m h (v^2 + (r^2 + h^2 / 12) phi^2)
@@ -11,7 +11,7 @@ two differences between the nodes of an element, of their velocities and of thei
 
 with the mass m and the squared radius of gyration r^2 of the section. With the stiffness of
 :func:`flexmech.multibody.strains.element_shear_stiffness` a wave along the beam then has the
-frequency of Timoshenko's theory to fourth order, but for what goes with the fourth power of r
+frequency of Timoshenko's theory to fourth order, up to terms in the fourth power of r
 over the wave's length; a rod, whose phi is zero, to fourth order too. At the ends of the link,
 and where a point mass interrupts it, integration by parts leaves ``m h^2 / 12`` times ``v (v' +
 phi)``: half of it moves mass from the last node to the one before, half of it moves the centre

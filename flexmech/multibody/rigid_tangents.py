@@ -1,4 +1,4 @@
-"""Geometric stiffness of rigid links by the forces on them.
+"""Geometric stiffness of rigid links and hubs by the forces on them.
 
 A dead load F at the point r of a rigid link rotated by phi does the work ``F . R(phi) r``; its
 second derivative gives the stiffness ``F . R(phi) r``. Where F is the force of a joint, this is
@@ -98,7 +98,7 @@ def joint_forces(model: StaticModel, state: FloatArray) -> Iterator[JointForce]:
 
 
 def geometric_stiffness(model: StaticModel, state: FloatArray, couples: FloatArray) -> FloatArray:
-    """Geometric stiffness of rigid links and bodies at nodes after a static solution.
+    """Geometric stiffness of rigid links, hubs and bodies at nodes after a static solution.
 
     Loads and springs on points of rigid links are not counted.
 
@@ -125,6 +125,10 @@ def geometric_stiffness(model: StaticModel, state: FloatArray, couples: FloatArr
         if acting.link in rigid:
             own = parts[acting.link].coordinates
             stiffness[own.stop - 1] += acting.force @ (acting.place - state[own][:2])
+    multipliers = _multipliers(model)
+    for constraint, angle, radius in model.hubs:
+        [row] = model.assembly.mbs.systemData.GetObjectLTGAE(int(constraint))
+        stiffness[angle] += radius * multipliers[row]
     return stiffness
 
 

@@ -1,10 +1,10 @@
 """Dead loads on the links of a static model.
 
-A rigid link may turn under them. What distributed forces do to it then is told by their sum,
-their moment and their virial about the link's start, the sum of force times place: the sum acts
-at the start, and a couple of forces at start and end has the moment and the virial.
+A rigid link may rotate under them. The effect of distributed dead loads is given by their
+resultant, their moment and their virial about the link's start, the sum of force times place: the
+resultant acts at the start, and a couple of forces at start and end has the moment and the virial.
 
-Loads and springs of a model at standstill, moved through the crank angles.
+Loads and springs of a static model, moved through the crank angles.
 """
 
 from __future__ import annotations

@@ -1,11 +1,11 @@
 """Static Exudyn system of a mechanism: built once, moved through the crank angles.
 
-The model stands in the crank's frame: the shaft's clamp is then a condition on single
+The model is in the crank's frame: the shaft's clamp is then a constraint on single
 coordinates with a constant constraint Jacobian, whatever the crank angle. What changes
 from one position to the next are the coordinates, the ground pivots, the lines of the ground
 and the loads.
 
-Exudyn's static solver: when its Newton's method is content.
+Convergence criteria of Exudyn's static solver.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from flexmech.linear_system import LAST_STEP, MAX_ITERATIONS, RELATIVE_RESIDUAL,
 from flexmech.linkages import LinkEnd, RigidMotion, picture_crank_angle
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.connectors import ConnectorItems
+from flexmech.multibody.connectors import ConnectorItems, angle_of_end
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.joints import SliderJoint, TieJoint, add_sliders, add_ties
 from flexmech.multibody.library import load_exudyn
@@ -51,10 +51,13 @@ class StaticModel:
         Forces on the links.
     grounds : list of tuple of LinkEnd, ItemNumber and ItemNumber
         Link ends that are pinned to the ground off their nodes, the ground and the pin of each.
+    hubs : list of tuple of ItemNumber, int and float
+        What holds each end that is clamped to a hub along the crank's frame, number of the end's
+        angle among the coordinates of all links, and distance of the end from the shaft's axis.
     connectors : ConnectorItems or None
         Loads and springs.
     applied : StaticConnectors or None
-        The same, in the position that the model stands in.
+        The same, in the current position of the model.
     ties : list of TieJoint
     sliders : list of SliderJoint
     """
@@ -64,6 +67,7 @@ class StaticModel:
     ) -> None:
         self.assembly = assembly = LinkAssembly(mechanism, elements, kind, bodies_have_mass=False)
         self.grounds: list[tuple[LinkEnd, ItemNumber, ItemNumber]] = []
+        self.hubs: list[tuple[ItemNumber, int, float]] = []
         self.loads = StaticLoads(assembly)
         fixed = assembly.add_fixed_coordinate()
         self._offsets = self._add_supports(fixed, sprung_alone=connects)
@@ -176,6 +180,7 @@ class StaticModel:
                 )
                 self.grounds.append((pivot.link_end, ground, pin))
         offsets = []
+        radius = {clamp.link_end: clamp.hub for clamp in assembly.topology.clamps if clamp.hub}
         for place, coordinates in fixed_ends:
             node, first = assembly.end_node(place), assembly.first_coordinate(place)
             for coordinate in coordinates:
@@ -183,6 +188,9 @@ class StaticModel:
                     f"support_{node.name}_{coordinate}", fixed, node, coordinate
                 )
                 offsets.append((constraint, first + coordinate))
+                if place in radius and not coordinate:
+                    angle = angle_of_end(assembly, place)
+                    self.hubs.append((constraint, angle, radius[place]))
         return offsets
 
     def _add_further_clamps(self, angle: FloatArray) -> None:

@@ -87,7 +87,7 @@ class Strain:
     value, rate : ndarray, shape (m, e, g)
         Axial strain, shear angle or curvature (1/m) and its time derivative.
     weight : ndarray, shape (e, g)
-        Stiffness times the length that the point stands for: half of it times the strain
+        Stiffness times the integration weight of the point in m: half of it times the strain
         squared is the strain energy in J.
     damping_time : float or ndarray, shape (e,)
         Kelvin-Voigt time of this strain in s.

@@ -1,4 +1,4 @@
-"""Symmetric band systems, many at a time.
+"""Batched LDL^T factorization of symmetric band matrices.
 
 The stiffness of links joined in a chain has a narrow band once its coordinates are well
 ordered. Elimination runs column by column, each step over the whole batch: the cost grows

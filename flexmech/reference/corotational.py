@@ -52,14 +52,14 @@ class LinearStrain:
         return np.asarray(self.strain + change, dtype=float)
 
     def of(self, which: NDArray[np.bool_]) -> LinearStrain:
-        """That of some positions."""
+        """Strain of some positions."""
         return LinearStrain(
             self.relative[..., which], self.strain[:, which], self.gradient[..., which]
         )
 
 
 class ElementResponse(NamedTuple):
-    """What elements in relative coordinates answer to a displacement.
+    """Internal forces, tangent and strain of elements in relative coordinates.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class ElementResponse(NamedTuple):
 
 @dataclass(frozen=True)
 class CorotationalElements:
-    """Elements of one link that may turn by any angle and bend by small ones.
+    """Corotational elements of one link: large rotations, small deformations.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ class CorotationalElements:
         return np.moveaxis(self.of_nodes(matrix), -1, 0)
 
     def of_nodes(self, matrix: FloatArray) -> FloatArray:
-        """A matrix by those of the nodes: (e, r, r, B) -> (e, 2 p, 2 p, B)."""
+        """Element matrices in nodal coordinates: (e, r, r, B) -> (e, 2 p, 2 p, B)."""
         places, signs = self.relative_places, self.node_signs
         return np.asarray(
             matrix[:, places[:, None], places] * np.outer(signs, signs)[..., None], dtype=float
@@ -190,19 +190,19 @@ class CorotationalElements:
 
     @cached_property
     def relative_places(self) -> IntArray:
-        """The relative coordinate that each coordinate of the nodes moves, (2 p,)."""
+        """Relative coordinate of each nodal coordinate, (2 p,)."""
         own = self.elements.shapes.per_node - 2
         ends = np.arange(2)
         return np.concatenate([ends, 2 + np.arange(own), ends, 2 + own + np.arange(own)])
 
     @cached_property
     def node_signs(self) -> FloatArray:
-        """Which way it moves it, (2 p,): -1 for displacements of the first node, else 1."""
+        """Sign of each nodal coordinate in it, (2 p,): -1 for displacements of the first node."""
         return np.where(np.arange(2 * self.elements.shapes.per_node) < 2, -1.0, 1.0)
 
     @cached_property
     def relative_part(self) -> IntArray:
-        """Coordinates of the nodes that are relative ones if the first node rests, (r,)."""
+        """Nodal coordinates that are the relative ones with the first node fixed, (r,)."""
         per_node = self.elements.shapes.per_node
         return np.concatenate([[per_node, per_node + 1], self._own])
 
@@ -214,7 +214,7 @@ class CorotationalElements:
 
     @cached_property
     def _own(self) -> IntArray:
-        """An element's coordinates that turn and bend it: all but displacements, (k,)."""
+        """Coordinates of an element other than displacements, (k,)."""
         per_node = self.elements.shapes.per_node
         every = np.arange(2 * per_node)
         return every[every % per_node >= 2]
@@ -235,11 +235,11 @@ class CorotationalElements:
 
     @cached_property
     def _arc(self) -> FloatArray:
-        """Turns of the nodes of elements without load, (e, k, 1)."""
+        """Rotations of the nodes of elements by free curvature, (e, k, 1)."""
         return self.elements.shapes.arc(self.elements.section, self.elements.length)[..., None]
 
     def _own_part(self, matrix: FloatArray) -> FloatArray:
-        """Rows and columns of what turns and bends an element; (e, 2 p, 2 p) -> (e, k, k)."""
+        """Block of the coordinates other than displacements; (e, 2 p, 2 p) -> (e, k, k)."""
         return matrix[:, self._own[:, None], self._own]
 
     @cached_property
@@ -341,7 +341,7 @@ class _PureDeformation:
     def by_relative_coordinates(
         self, axial: FloatArray, turning: FloatArray, couple: FloatArray
     ) -> FloatArray:
-        """What works on the chord's length (e, B) and on the turns (e, k, B); (e, r, B).
+        """Relative forces of those on chord length (e, B) and rotations (e, k, B); (e, r, B).
 
         ``couple`` is the sum over the turns that are angles, which the chord's own angle meets.
         """

@@ -1,4 +1,4 @@
-"""Links whose bending moment at a place depends on the curvature everywhere, in an equilibrium."""
+"""Links with nonlocal bending energy in a nonlinear equilibrium."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from flexmech.reference.dependent_element import Ties
 class CoupledLinks:
     """Elastic energies over whole links; see :class:`flexmech.beams.link_matrices.Coupling`.
 
-    A turn of the link as a whole has no curvature, whatever its angle to first order in the
-    elements' own turns against it.
+    A rigid rotation of the link has no curvature, to first order in the rotations of elements
+    against it.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class CoupledLinks:
         forces: Sequence[FloatArray],
         swelling: float = 1.0,
     ) -> None:
-        """Add the forces that the links exert.
+        """Add the internal forces of the coupling.
 
         Parameters
         ----------

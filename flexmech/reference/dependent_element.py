@@ -1,4 +1,4 @@
-"""Elements at an end that follows, and the ties by which it does; arrays end with the batch."""
+"""Elements at dependent ends, with their constraints; arrays end with the batch."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from flexmech.linear_system import DisplacedTies
 
 @dataclass(frozen=True)
 class Ties:
-    """How links hang on the independent coordinates in a batch of positions.
+    """Constraints of the links in a batch of positions.
 
     Parameters
     ----------
     turns : list of list of ndarray, shape (r, c, B)
-        Of each link: derivative of the rows of each tie by what they follow.
+        Of each link: derivative of the dependent rows of each tie by the independent ones.
     displaced : DisplacedTies, optional
         Where rigid links and lines are, if there are any.
     """
@@ -28,27 +28,27 @@ class Ties:
     displaced: DisplacedTies | None
 
     def at(self, which: NDArray[np.bool_] | IntArray) -> Ties:
-        """Those of some positions, of ties that do not move."""
+        """Constraints of some positions, where they do not depend on displacements."""
         return Ties([[turn[..., which] for turn in turns] for turns in self.turns], None)
 
 
 @dataclass(frozen=True)
 class DependentElement:
-    """An element some of whose coordinates follow.
+    """An element with dependent coordinates.
 
     Parameters
     ----------
     link, element : int
     ties : list of tuple of int and ndarray of int, shape (r,)
-        Number of each tie of the link, and the element's coordinates that follow by it.
+        Number of each tie of the link, and the element's coordinates that depend by it.
     columns : ndarray of int, shape (c,)
-        Coordinates of z that move the element; -1 where it is held.
+        Coordinates of z that move the element; -1 where it is fixed.
     places : list of ndarray of int
         Where the columns of each tie are among these.
     independent : tuple of ndarray of int, shape (k,)
         The element's other free coordinates, and where they are among the columns.
     in_place : bool
-        Whether each row that follows has a column in its own place.
+        Whether each dependent row has a column in its own place.
     first : int
         Row of the entries where its matrix begins.
     """
@@ -72,16 +72,16 @@ class DependentElement:
         leading: Sequence[IntArray],
         first: int,
     ) -> DependentElement:
-        """Tell which coordinates of z move an element.
+        """Element with the independent coordinates on which it depends.
 
         Parameters
         ----------
         link, element, first : int
         ties : list of tuple of int and ndarray of int, shape (r,)
         target : ndarray of int, shape (2 p,)
-            Coordinate of z of each of the element; -1 where held.
+            Coordinate of z of each of the element; -1 where fixed.
         leading : sequence of ndarray of int, shape (c,)
-            Coordinates of z that each tie follows.
+            Coordinates of z on which each tie depends.
 
         Returns
         -------
@@ -104,7 +104,7 @@ class DependentElement:
         return cls(link, element, ties, columns, found[1:], (independent, found[0]), False, first)
 
     def turned(self, matrix: FloatArray, turns: Sequence[FloatArray]) -> FloatArray:
-        """Matrix by the columns from that by the element's nodes.
+        """Matrix in the independent coordinates from that in nodal coordinates.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""The reference engine: plane beams of four theories on NumPy and SciPy alone."""
+"""Reference engine: plane beam elements of four theories on NumPy and SciPy alone."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class ReferenceEngine(Engine):
         return {number: self._chain(number, link.name) for number, link in links if not link.rigid}
 
     def _chain(self, number: int, name: str) -> Chain:
-        """One flexible link."""
+        """Beam elements of one flexible link."""
         mass, at = self._masses[number], self.mechanism.acting_at(name)
         section, restraint = restrained_beam(self.mechanism, name)
         shapes = BEAM_SHAPES[self.element]
@@ -135,7 +135,7 @@ class ReferenceEngine(Engine):
 
     @cached_property
     def _rigid_joint_frames(self) -> LinkFrames:
-        """Frames of links whose sprung joints hold as rigid ones do."""
+        """Link frames with rigid joints in place of springs."""
         if self.rigid_joint_topology == self.mechanism.linkage.topology:
             return self.equilibrium.frames
         return LinkFrames(self.rigid_joint_topology, self.clamped_links)
@@ -154,7 +154,7 @@ class ReferenceEngine(Engine):
 
     @property
     def _couplings(self) -> dict[int, Coupling]:
-        """Of links of off-axis plies between joints, by their number."""
+        """Nonlocal energies of links of off-axis plies between joints, by number."""
         return {n: chain.coupling for n, chain in self.chains.items() if chain.coupling is not None}
 
     def stressed_clamped_links(
@@ -221,7 +221,7 @@ class ReferenceEngine(Engine):
         columns = [q.T for q in displacement]
         of_chains = dead.add_stiffness(of_chains, columns)
         dead.add_forces([each.T for each in force], columns)
-        if frames.rigid.size:
+        if frames.has_arms:
             beside = [load - own for load, own in zip(loads, force, strict=True)]
             found = self.equilibrium.stiffness_of_rigid(motion, displacement, beside, dead)
         stressed = with_rigid_links(frames, of_chains, found)
@@ -249,11 +249,11 @@ class ReferenceEngine(Engine):
         return found
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:
-        """Straight links in tension."""
+        """Straight links with the geometric stiffness of their tension."""
         frames = self._rigid_joint_frames
         loads = self._straight_loads(motion)
         straight = straight_forces(
-            self.mechanism, frames, motion, loads, self._lumped, self.clamped_connectors
+            self.mechanism, frames, motion, loads, self._lumped, self.connectors
         )
         tensions = element_tensions(self.mechanism, self.nodes, motion, straight.links)
         tangent: dict[int, LinkMatrix] = {
@@ -270,8 +270,8 @@ class ReferenceEngine(Engine):
     def _varying(self, motion: RigidMotion) -> list[FloatArray]:
         """Geometric stiffness of each element, (B, e, 6, 6), by flexible link: its varying part.
 
-        A corotational element knows its mean tension by itself; what inertia forces add
-        inside it is the varying part.
+        A corotational element has its mean tension; the varying part is that of the inertia
+        forces inside it.
         """
         if ties_beyond_pins(self._rigid_joint_frames):
             # What the joints carry changes the mean alone.
@@ -282,7 +282,7 @@ class ReferenceEngine(Engine):
                 gravity,
                 nothing,
                 nothing[..., 0],
-                self.clamped_connectors.applied(motion),
+                self.connectors.applied(motion),
                 (),
             )
         else:

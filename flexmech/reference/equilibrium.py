@@ -68,7 +68,7 @@ LEFT = 1e-18
 
 
 class Equilibrium:
-    """Solver for the equilibrium of one linkage on one mesh.
+    """Newton solver for the equilibrium of one linkage on one mesh.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ class Equilibrium:
     links : mapping of int to BeamElements
         Of each flexible link by its number, all of one kind.
     springs : sequence of JointSpring
-        Of which the radial ones hold joints together that tie nothing in the frames.
+        The radial ones join ends that the frames do not constrain.
     couplings : mapping of int to Coupling, optional
         Of links whose elements are not all of their stiffness.
     stable_alone : bool
@@ -182,7 +182,7 @@ class Equilibrium:
         beside: Sequence[FloatArray],
         dead: DeadMoments,
     ) -> RigidGeometricStiffness:
-        """Stiffness of rigid links and sliders at given displacements.
+        """Geometric stiffness of rigid links and sliders at given displacements.
 
         Parameters
         ----------
@@ -205,7 +205,7 @@ class Equilibrium:
         return replace(found, rotation_stiffness=found.rotation_stiffness + rotation_stiffness)
 
     def _in_steps(self, problem: Problem, steps: int) -> State:
-        """Newton's method with the load brought on in steps; who fails in one is left there."""
+        """Newton's method in load steps; positions that fail are left at their last step."""
         state = State.unloaded(*problem.outer.shape)
         which = np.arange(problem.outer.shape[1])
         for part in np.arange(1, steps + 1) / steps:
@@ -218,7 +218,7 @@ class Equilibrium:
         return state
 
     def _newton(self, z: FloatArray, problem: Problem, iterations: int) -> State:
-        """Newton's method from displacements z; the positions that have converged drop out."""
+        """Newton's method from displacements z, without the positions that have converged."""
         state = State.unloaded(*z.shape)
         which = np.arange(z.shape[1])
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -234,7 +234,7 @@ class Equilibrium:
                 if last.all():
                     break
                 change[:, last] = 0.0
-                # The tangent of the start knows no tension yet.
+                # The tangent of the start has no tension yet.
                 if number and turned.max() <= NEAR:
                     z, last = self._kept_tangent(z + change, factors, turned, problem)
                     state = state.with_part(which, State(z, imbalance.error, factors, last))
@@ -252,10 +252,10 @@ class Equilibrium:
     def _kept_tangent(
         self, z: FloatArray, factors: FloatArray, turned: FloatArray, problem: Problem
     ) -> tuple[FloatArray, NDArray[np.bool_]]:
-        """Last steps with the tangent that led to z (size, B), and which positions end there.
+        """Last steps with the tangent of the step to z (size, B), and converged positions.
 
-        ``turned`` (B,) is the size of the step that did. Near the equilibrium what is left falls
-        by the same factor with each step, which two steps tell.
+        ``turned`` (B,) is the size of that step. Near the equilibrium the residual decreases by
+        the same factor with each step, which two steps give.
         """
         last = turned <= LAST_STEP
         for _ in range(KEPT_STEPS):
@@ -276,7 +276,7 @@ class Equilibrium:
         return change
 
     def _turned(self, change: FloatArray) -> FloatArray:
-        """Greatest angle in rad that a change (size, B) of the displacements stands for, (B,)."""
+        """Greatest rotation in rad of a change (size, B) of the displacements, (B,)."""
         return np.asarray(
             np.abs(change * self._angle_per_unit).max(axis=0, initial=0.0), dtype=float
         )
@@ -342,7 +342,7 @@ class Equilibrium:
     def _advance(
         self, z: FloatArray, change: FloatArray, problem: Problem, before: Imbalance
     ) -> tuple[FloatArray, Imbalance]:
-        """One Newton step, shortened where it overshoots beyond the elastic scale."""
+        """One Newton step, with line search where it overshoots."""
         length = np.ones(z.shape[1])
         loaded = np.abs(problem.outer).max(axis=0, initial=0.0)
         limit = np.maximum(ALLOWED_GROWTH * before.error, ALLOWED_FORCES * loaded)

@@ -1,4 +1,4 @@
-"""Forces out of balance in a displaced linkage, and the tangents that lead to their balance.
+"""Residual forces of a displaced linkage, and its tangent stiffness.
 
 Arrays end with the batch of positions.
 """
@@ -24,7 +24,7 @@ from flexmech.reference.radial_springs import RadialSprings
 
 @dataclass(frozen=True)
 class ForceBalance:
-    """Outer against inner forces of one linkage on one mesh.
+    """Residual and tangent of one linkage on one mesh.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class ForceBalance:
     per_node: int
 
     def ties(self, z: FloatArray, problem: Problem) -> Ties:
-        """Ties of the linkage displaced by z (size, B)."""
+        """Constraints of the linkage displaced by z (size, B)."""
         if problem.loads is None:
             return problem.ties
         return self.tangents.ties(problem.motion, z)
@@ -52,7 +52,7 @@ class ForceBalance:
     def imbalance(
         self, z: FloatArray, problem: Problem, before: Sequence[LinearStrain] | None = None
     ) -> Imbalance:
-        """How displacements stand, and what leads to their balance.
+        """Residual forces and tangent stiffness at displacements.
 
         Parameters
         ----------
@@ -106,7 +106,7 @@ class ForceBalance:
         return Imbalance(residual, band, strains)
 
     def residual(self, z: FloatArray, problem: Problem) -> FloatArray:
-        """Outer minus inner forces (size, B) of displacements (size, B), without tangents."""
+        """Residual forces (size, B) at displacements (size, B): applied less internal ones."""
         ties = self.ties(z, problem)
         displacement = self.tangents.link_displacement(z, ties)
         inner = self._rigid_link_forces(displacement)
@@ -122,11 +122,11 @@ class ForceBalance:
         return self._unbalanced(inner, ties, problem)
 
     def _rigid_link_forces(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
-        """Forces of rigid links, which are none; room for those of the others."""
+        """Zero internal forces of rigid links, and arrays for those of the others."""
         return [np.zeros_like(q) if n not in self.links else q for n, q in enumerate(displacement)]
 
     def _unbalanced(self, inner: Sequence[FloatArray], ties: Ties, problem: Problem) -> FloatArray:
-        """Outer minus inner forces (n_link, B), on the independent coordinates, (size, B)."""
+        """Residual forces (size, B) in independent coordinates."""
         if problem.loads is None:
             return problem.outer - self.tangents.gather(inner, ties)
         unbalanced = [load - force for load, force in zip(problem.loads, inner, strict=True)]
@@ -135,7 +135,7 @@ class ForceBalance:
     def _stiffen(
         self, dead: DeadMoments, displacement: Sequence[FloatArray], entries: TangentEntries
     ) -> None:
-        """Add to tangents of flexible links what their bodies resist a turn with."""
+        """Add the geometric stiffness of bodies to the tangents of flexible links."""
         for link, (rows, stiffness) in dead.rotation_stiffness(displacement).items():
             if link not in self.links:
                 continue

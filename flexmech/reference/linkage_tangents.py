@@ -1,8 +1,8 @@
-"""Forces and tangents of all links in the independent coordinates of the linkage.
+"""Assembly of forces and tangents of all links in the independent coordinates.
 
-Arrays end with the batch of positions. The tangent is summed straight from the elements' relative
-coordinates into a narrow band, by one sparse matrix for all positions; only elements at an end
-that follows another link turn with the position.
+Arrays end with the batch of positions. The tangent is assembled from the elements' relative
+coordinates into a narrow band by one sparse matrix for all positions; only elements at dependent
+ends have transformations that vary with the position.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class TangentEntries:
 
 
 class LinkageTangents:
-    """How link displacements, forces and tangents hang on the independent coordinates.
+    """Assembly of link displacements, forces and tangents by the independent coordinates.
 
     Parameters
     ----------
@@ -94,11 +94,11 @@ class LinkageTangents:
 
     @property
     def ties_move(self) -> bool:
-        """Whether ties depend on the displacement: there are rigid links or lines."""
+        """Whether constraints depend on the displacement: there are rigid links or lines."""
         return bool(self._frames.rigid.size)
 
     def ties(self, motion: RigidMotion, z: FloatArray) -> Ties:
-        """Ties of the links in each position.
+        """Constraints of the links in each position.
 
         Parameters
         ----------
@@ -138,7 +138,7 @@ class LinkageTangents:
     def coordinates(self, motion: RigidMotion, displacement: Sequence[FloatArray]) -> FloatArray:
         """Independent coordinates (size, B) of displacements (B, n_link) of all links.
 
-        An end that follows another link's is taken to be where that is.
+        A dependent end is taken to satisfy its constraint.
         """
         if not self.ties_move:
             columns = [q[..., None] for q in displacement]
@@ -152,7 +152,7 @@ class LinkageTangents:
         return z
 
     def gather(self, forces: Sequence[FloatArray], ties: Ties) -> FloatArray:
-        """Forces (size, B) on the independent coordinates of those (n_link, B) on the links."""
+        """Generalized forces (size, B) by forces (n_link, B) on the links."""
         total = np.zeros((self._frames.size, forces[0].shape[1]))
         for link, (target, force) in enumerate(zip(self._frames.targets, forces, strict=True)):
             free = target >= 0
@@ -166,7 +166,7 @@ class LinkageTangents:
         return total
 
     def entries(self, batch: int) -> TangentEntries:
-        """Room for the entries of all elements' tangents."""
+        """Array for the entries of all elements' tangents."""
         return TangentEntries(np.empty((self._count, batch)), self._shapes)
 
     def band(
@@ -184,7 +184,7 @@ class LinkageTangents:
             With those of all links.
         ties : Ties
         rigid : ndarray, shape (B, n, n), optional
-            What the coordinates of rigid links and sliders meet besides.
+            Geometric stiffness of rigid links and sliders.
         springs : iterable of ndarray, shape (m, m, B)
             Stiffness of each spring by its coordinates.
 
@@ -221,7 +221,7 @@ class LinkageTangents:
         return self._inner_count + self._dependent_count + self._rigid_count**2 + springs
 
     def _dependent_elements(self) -> list[DependentElement]:
-        """Elements of which a row follows, in the order of their entries."""
+        """Elements with a dependent row, in the order of their entries."""
         tied, first, size = [], self._inner_count, 2 * self._per_node
         for link, elements in self._links.items():
             of_element: dict[int, list[tuple[int, IntArray]]] = {}
@@ -264,10 +264,9 @@ class LinkageTangents:
 
 
 def angle_per_unit(frames: LinkFrames, links: Mapping[int, BeamElements]) -> FloatArray:
-    """Angle in rad that a unit of each coordinate of z stands for.
+    """Rotation in rad equivalent to a unit of each coordinate of z.
 
-    A displacement stands for its part of the shortest link, a curvature for the turn over its
-    link.
+    That of a displacement is over the shortest link, that of a curvature over its link.
 
     Parameters
     ----------
@@ -295,7 +294,7 @@ def angle_per_unit(frames: LinkFrames, links: Mapping[int, BeamElements]) -> Flo
 
 
 def _entries_of(own: IntArray, source: IntArray, sign: FloatArray) -> tuple[Any, ...]:
-    """Entries of square matrices by coordinates (..., n) of z, of which -1 are held.
+    """Entries of square matrices by coordinates (..., n) of z; -1 where fixed.
 
     ``source`` is of shape (..., n^2), ``sign`` of (n^2,).
     """
@@ -307,7 +306,7 @@ def _entries_of(own: IntArray, source: IntArray, sign: FloatArray) -> tuple[Any,
 
 @dataclass(frozen=True)
 class _Entries:
-    """Row and column in z of entries of the tangent, where they come from and their signs."""
+    """Rows and columns in z of entries of the tangent, with their sources and signs."""
 
     rows: IntArray
     columns: IntArray

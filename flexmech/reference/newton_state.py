@@ -1,4 +1,4 @@
-"""What Newton's method on the equilibrium of a linkage solves, and where it stands."""
+"""Problem and state of Newton's method for the equilibrium of a linkage."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from flexmech.reference.dependent_element import Ties
 
 @dataclass(frozen=True)
 class State:
-    """Where Newton's method stands over a batch of positions.
+    """State of Newton's method over a batch of positions.
 
     Parameters
     ----------
@@ -35,14 +35,14 @@ class State:
 
     @classmethod
     def unloaded(cls, size: int, batch: int) -> State:
-        """No displacement, nothing solved yet."""
+        """Start at zero displacement."""
         return cls(
             np.zeros((size, batch)), np.zeros(batch), np.zeros(0), np.zeros(batch, dtype=bool)
         )
 
     @property
     def is_stable(self) -> NDArray[np.bool_]:
-        """Which positions have converged, to a tangent stiffness that is positive."""
+        """Converged positions with a positive definite tangent stiffness."""
         if not self.converged.any():
             return self.converged
         return np.asarray(self.converged & np.all(self.factors[:, 0] > 0, axis=0))
@@ -60,7 +60,7 @@ class State:
 
 @dataclass(frozen=True)
 class Imbalance:
-    """How far displacements are from equilibrium, and what leads to it.
+    """Residual and tangent at displacements.
 
     Parameters
     ----------
@@ -82,14 +82,14 @@ class Imbalance:
         return np.asarray(np.abs(self.residual).max(axis=0, initial=0.0), dtype=float)
 
     def at(self, which: NDArray[np.bool_]) -> Imbalance:
-        """That of some positions."""
+        """Quantities of some positions."""
         strains = [strain.of(which) for strain in self.strains]
         return Imbalance(self.residual[:, which], self.band[..., which], strains)
 
 
 @dataclass(frozen=True)
 class Problem:
-    """What the linkage is in equilibrium with in a batch of positions, and how it stands there.
+    """Loads and constraints of the equilibrium in a batch of positions.
 
     Parameters
     ----------
@@ -117,14 +117,14 @@ class Problem:
     swelling: float = 1.0
 
     def loaded(self, part: float) -> Problem:
-        """With a part of the load, and of the swelling."""
+        """The problem with a part of the loads and of the swelling."""
         extra = [part * e for e in self.extra]
         loads = self.loads and [part * load for load in self.loads]
         dead = self.dead.scaled(part)
         return Problem(part * self.outer, extra, self.ties, self.motion, dead, loads, part)
 
     def at(self, which: NDArray[np.bool_] | IntArray) -> Problem:
-        """That of some positions."""
+        """Quantities of some positions."""
         return Problem(
             self.outer[:, which],
             [e[..., which] for e in self.extra],

@@ -1,9 +1,8 @@
-"""Springs between the ends that a joint with a radial stiffness lets come apart.
+"""Radial springs of sprung joints in a nonlinear equilibrium.
 
-Such a spring carries the force of the joint by the gap d between its two ends, ``F = k d`` in
-ground axes, and the gap is part of the equilibrium. The force does not turn with the links. Where
-an end of a rigid link is and what moves it tells its pose: the force is a spring against rotation
-as well.
+The force of the joint is ``F = k d`` in ground axes with the gap d between its two ends, which is
+part of the equilibrium. It does not rotate with the links. The place of an end of a rigid link is
+that of its pose, so that the force has a geometric stiffness as well.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ from flexmech.reference.dependent_element import Ties
 
 @dataclass(frozen=True)
 class _End:
-    """An end that a spring holds: sign, link, rows (2,), and the point of a rigid link."""
+    """An end of a spring: sign, link, rows (2,) of a flexible link, and point of a rigid one."""
 
     sign: float
     link: int
@@ -38,7 +37,7 @@ class RadialSprings:
     Parameters
     ----------
     frames : LinkFrames
-        Of the unreduced links; these joints tie nothing in them.
+        Of the unreduced links, without constraints of these joints.
     springs : sequence of JointSpring
 
     Attributes
@@ -68,7 +67,7 @@ class RadialSprings:
         forces: Sequence[FloatArray],
         displaced: DisplacedTies | None,
     ) -> FloatArray:
-        """Add the forces that the springs exert against the links; tell the rest.
+        """Add the spring forces to the internal forces; returns the geometric stiffness.
 
         Parameters
         ----------
@@ -81,7 +80,7 @@ class RadialSprings:
         Returns
         -------
         ndarray, shape (B, n_links)
-            Stiffness of rigid links against turning by forces that keep their direction.
+            Geometric stiffness of rigid links.
         """
         stiffness_of_rotation = np.zeros(motion.angle.shape)
         for stiffness, ends in zip(self._stiffness, self._ends, strict=True):
@@ -143,7 +142,7 @@ class RadialSprings:
         ends: Sequence[_End],
         displaced: DisplacedTies | None,
     ) -> FloatArray:
-        """By how far the ends are apart in ground axes, (B, 2)."""
+        """Gap between the ends in ground axes, (B, 2)."""
         gap = np.zeros((len(motion.crank_angle), 2))
         for end in ends:
             if end.point is not None:

@@ -12,7 +12,7 @@ from flexmech.beams.elements import BeamElements
 
 @dataclass(frozen=True)
 class RigidArms:
-    """Arms that turn with the nodes of an element, in its relative coordinates.
+    """Rigid arms at the nodes of an element, in its relative coordinates.
 
     An arm of length ``a`` at angle ``phi`` moves the neutral axis's node by ``-a sin(phi)`` along
     and ``-a (1 - cos(phi))`` across.
@@ -43,7 +43,7 @@ class RigidArms:
         return cls(places, np.array([arm for _, arm in used]).reshape(-1, 1))
 
     def moved(self, relative: FloatArray) -> FloatArray:
-        """Relative coordinates (e, r, B) of the neutral axis's nodes."""
+        """Relative coordinates (e, r, B) of the nodes on the neutral axis."""
         if not self.places:
             return relative
         angle = relative[:, self.places]
@@ -55,7 +55,7 @@ class RigidArms:
     def turn_tangent(
         self, relative: FloatArray, tangent: FloatArray, force: FloatArray | None
     ) -> None:
-        """Carry a tangent from the neutral axis's nodes to the pins' axis, in place.
+        """Transform a tangent from the neutral axis to the pins' axis, in place.
 
         Parameters
         ----------
@@ -78,7 +78,7 @@ class RigidArms:
                 tangent[:, place, place] += force[:, 0] * s - force[:, 1] * c
 
     def turn_force(self, relative: FloatArray, force: FloatArray) -> None:
-        """Carry forces (e, r, B) from the neutral axis's nodes to the pins' axis, in place.
+        """Transform forces (e, r, B) from the neutral axis to the pins' axis, in place.
 
         Parameters
         ----------

@@ -65,7 +65,7 @@ def chain_stretch(chain: Chain, *, turns_far: bool = False) -> LinkStretch:
 
 
 def _with_bending(chain: Chain, axial: LinkStretch) -> LinkStretch:
-    """Strains of a chain that may turn far against its frame.
+    """Strains of a chain with large rotation against its frame.
 
     Where an element's chord is at the angle beta, its ends turn against it by the difference of
     their sines over ``cos(beta)``, which to second order is less than one by what the chord is

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.linalg
 
 from flexmech import ReferenceEngine, load_mechanism
 from flexmech.analyses.response.plan import lowest_axial_frequency
@@ -223,3 +224,23 @@ def filtered(values, band, step, piece, weights=(1.0,)):
     low_pass = LowPass(band, step, weights)
     parts = [low_pass.add(values[i : i + piece]) for i in range(0, len(values), piece)]
     return np.concatenate([*parts, low_pass.finish()])
+
+
+def test_a_rigid_link_that_is_welded_at_both_ends_turns_once(tmp_path, models):
+    """Its rotation was among the component modes once for each end: a hinge between them."""
+    drawn = (models / "rotating_l_beam.toml").read_text()
+    first, second = drawn.index("[links.short]"), drawn.index("[joints.O2]")
+    short, point = drawn[first:second], 'B = ["2000 mm", "400 mm"]'
+    beyond = short.replace("links.short", "links.beyond").replace('["A", "B"]', '["B", "C"]')
+    rigid = '[links.short]\npoints = ["A", "B"]\nrigid = true\nmass = "0.2 kg"\n'
+    rigid += 'centre = "0.2 m"\n\n'
+    drawn = drawn.replace(short, rigid + beyond)
+    drawn = drawn.replace(point, f'{point}\nC = ["2400 mm", "400 mm"]')
+    path = tmp_path / "welded.toml"
+    path.write_text(drawn.replace("[joints.A]", '[joints.B]\nkind = "weld"\n\n[joints.A]'))
+    engine, lowest = ReferenceEngine(load_mechanism(path), 3, "euler"), []
+    for each in (engine, engine.unreduced()):
+        equations = DrivenLinkage(each, CrankDrive(3.0), stretches=True).equations(np.zeros(1))
+        values = scipy.linalg.eigh(equations.stiffness[0], equations.mass[0], eigvals_only=True)
+        lowest.append(values[:3])
+    assert lowest[0] == pytest.approx(lowest[1], rel=1e-4)

@@ -100,7 +100,7 @@ def test_a_linkage_that_cannot_turn_round_is_judged_where_it_stands() -> None:
 
 
 def test_springs_and_bearings_count_in_the_choice() -> None:
-    """A bearing constrains what no pin holds: without it links would be free of each other."""
+    """A bearing holds what no pin holds: without it links would be free of each other."""
     slender = rectangle(2e-3)
     linkage = replace(slender.linkage, sprung=("A",))
     bearing = JointSpring("A", radial_stiffness=3e4)

@@ -468,5 +468,7 @@ def test_a_singular_structure_is_refused_at_its_crank_angle() -> None:
         sliders=(Slider("S", LinkEnd("strut", "end"), np.pi / 2),),
     )
     motion = still([0.0, 0.0], [[0, 0], [0, 1]])
-    with pytest.raises(InputError, match=r"at crank angle 0 deg: joint S holds .* the strut can"):
+    with pytest.raises(
+        InputError, match=r"at crank angle 0 deg: joint S constrains .* the strut can"
+    ):
         inverse_dynamics(held, motion, MASSES[:2], (0.0, -9.81))

@@ -9,9 +9,9 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 from flexmech.analyses.campbell import bands, edges, projection
-from flexmech.analyses.campbell.bands import BandSolver
+from flexmech.analyses.campbell.bands import Bands, BandSolver
 from flexmech.analyses.campbell.compute import response_speeds
-from flexmech.analyses.campbell.crossings import critical_speeds, edges_of
+from flexmech.analyses.campbell.crossings import Edge, critical_speeds, edges_of
 from flexmech.analyses.campbell.sampling import FIT_TOLERANCE, band_fit, sampled_bands, speed_grid
 from flexmech.linear_system import RefusedPositionsError
 
@@ -83,6 +83,7 @@ def test_few_of_many_speeds_are_solved_for_and_the_others_fitted(monkeypatch):
     # A dozen speeds are all solved for.
     found, places = sampled_bands(linkage.solver(), np.linspace(0.0, 100.0, 13))
     assert np.isin(found.crank_speed[places], found.solved.crank_speed).all()
+    assert len(found.solved.crank_speed) == 25
     found, places = sampled_bands(linkage.solver(), np.linspace(0.0, 100.0, 40))
     assert not np.isin(found.crank_speed[places], found.solved.crank_speed).all()
 
@@ -243,19 +244,80 @@ def test_a_ray_meets_the_first_of_two_extremes(monkeypatch):
     assert linkage.positions < 400
 
 
-@pytest.mark.parametrize(("rise", "above"), [(0.0, 0.1), (0.1, 2.0)])
-def test_extremes_count_that_may_be_the_end_between_two_solved_speeds(monkeypatch, rise, above):
-    """Nearly as low at both of them, as the end moves or in itself, and lower between."""
+def near_extremes(rise, above, count=2):
+    """Crank angles followed, where the band's end rises and others are so far above it."""
+    places = np.pi * (0.25 + np.arange(count) / count) * 2
+    height = np.arange(count) * above / max(count - 1, 1)
 
-    def usual(speed):
-        return rise * (speed - 62.0)
+    def frequency(end):
+        return end + np.min(
+            [1 - np.cos(ANGLES - at) + by for at, by in zip(places, height, strict=True)], axis=0
+        )
 
-    def between(speed):
-        return usual(speed) + above * (abs(speed - 63.5) - 11.0) / 12.5
+    ends = np.array([10.0, 10.0 + rise])
+    values = np.repeat(ends[:, None, None], 3, axis=1)
+    angle = np.full((2, 2, 1), places[0])
+    solved = Bands(
+        np.array([50.0, 60.0]), values, angle, np.stack([frequency(e) for e in ends])[..., None]
+    )
+    solver = SimpleNamespace(crank_angles=ANGLES, full_turn=True)
+    edge = Edge(1, 1, 0, 0, enters=True)
+    return len(edges._extremes_near(solver, solved, edge, np.array([52.0, 53.0])))
 
-    heights = {1.01: usual, 2.6: lambda speed: usual(speed) + 0.03, 4.03: between}
-    found, exact, _ = entered(monkeypatch, heights)
-    assert found == pytest.approx(exact, rel=1e-8)
+
+def test_extremes_are_followed_that_are_as_near_as_the_end_moves():
+    assert near_extremes(0.0, 0.1) == 2
+    assert near_extremes(0.0, 0.3) == 1
+    assert near_extremes(0.7, 1.0) == 2
+    assert near_extremes(0.2, 1.0) == 1
+    assert near_extremes(0.7, 0.5, 6) == 3
+
+
+def followed(frequency, monkeypatch, *, slope=0.0, aside=0.0436, angle=1.0):
+    """A search of one extreme about 60 rad/s, in a step of a width of one."""
+    monkeypatch.setattr(edges, "frequencies_along", lambda of, a, w: frequency(a, w)[:, None])
+    one = np.ones(1)
+    return edges._Search(
+        owner=np.zeros(1, dtype=np.intp),
+        sign=one,
+        mode=np.zeros(1, dtype=np.intp),
+        order=one,
+        low=59.5 * one,
+        high=60.5 * one,
+        speed=60.0 * one,
+        slope=slope * one,
+        angle=angle * one,
+        aside=aside * one,
+        last=np.full((2, 1), np.nan),
+        off=np.full(1, np.inf),
+        converged=np.zeros(1, dtype=bool),
+    )
+
+
+def test_extremes_are_level_but_for_round_off(monkeypatch):
+    def narrow(angle, speed):
+        return 10 * (1 - 2.6e-6 * np.cos(angle - 1.02))
+
+    search = followed(narrow, monkeypatch)
+    found, _ = search._narrowed(None, np.zeros(1, dtype=np.intp), 1e-3)
+    assert found[0] == pytest.approx(10 * (1 - 2.6e-6), rel=1e-10)
+
+    def flat(angle, speed):
+        return 10 * (1 + 2e-11 * np.linspace(-1.0, 1.0, 3))
+
+    _, certain = followed(flat, monkeypatch)._narrowed(None, np.zeros(1, dtype=np.intp), 1e-3)
+    assert certain.all()
+
+
+def test_speeds_do_not_run_away_from_their_step(monkeypatch):
+    """An extreme that moves almost as the ray does meets it far away, if at all."""
+
+    def along(angle, speed):
+        return speed / (2 * np.pi) + 1e-3 * (2 - np.cos(angle - 1.0))
+
+    search = followed(along, monkeypatch, slope=(1 - 1e-6) / (2 * np.pi))
+    search.advance(None, 1e-3)
+    assert 60.6 < search.speed[0] < 61.5
 
 
 def test_of_many_extremes_the_lowest_three_are_followed(monkeypatch):

@@ -14,10 +14,13 @@ import flexmech
 from flexmech.analyses.comparison import fit, over_frequency, over_time, parameters, result
 from flexmech.analyses.hammer import plan, transient
 from flexmech.analyses.hammer.locked_linkage import LockedLinkage
+from flexmech.analyses.running_hammer import compute as running
 from flexmech.analyses.running_hammer import measured, prediction
 from flexmech.analyses.running_hammer import plan as running_plan
+from flexmech.analyses.running_hammer import result as running_result
 from flexmech.errors import ComputationError, InputError
 from tests.unit.hammer_data import damped_engine, small_request
+from tests.unit.running_hammer_data import running_hammer_dataset
 
 # --- records of a locked linkage ----------------------------------------------------------------
 
@@ -78,12 +81,13 @@ def test_pulses_excite_the_band_within_twenty_decibels(locked):
 
 
 def test_forces_move_links_by_a_millionth_of_their_length(locked):
-    taken = planned(locked)
     lengths = [link.length for link in locked.engine.mechanism.linkage.topology.links]
-    time = taken.pulse.start + np.linspace(0.0, 0.5, 4000)
     hit = locked.rows([small_request(0.0).impact], "transverse")[0]
-    moved = np.abs(locked.motion(locked.station_rows(), hit, taken.pulse, time)).max()
-    assert 3e-7 < moved / min(lengths) < 1.02e-6
+    for pulse in (None, 2e-3, 1e-3, 5e-4):
+        taken = planned(locked, pulse=pulse)
+        time = taken.pulse.start + np.linspace(0.0, 0.5, 4000)
+        moved = np.abs(locked.motion(locked.station_rows(), hit, taken.pulse, time)).max()
+        assert 3e-7 < moved / min(lengths) < 1.02e-6
 
 
 def test_the_filter_of_records_rings_before_and_after_the_pulse(locked):
@@ -116,12 +120,13 @@ def test_steps_are_shorter_than_samples_and_pulses(locked):
     assert planned(locked, bandwidth=200.0, pulse=1e-4).pulse.duration / (
         planned(locked, bandwidth=200.0, pulse=1e-4).step
     ) == pytest.approx(80, rel=0.05)
+    with pytest.raises(InputError, match="steps, more than 4000000"):
+        planned(locked, bandwidth=200.0, pulse=2e-5)
+    assert planned(locked, bandwidth=200.0, pulse=6e-5).samples > 0
     simulates = replace(locked, engine=SimpleNamespace(
         simulates=True, elements=2, links=locked.engine.links, mechanism=locked.engine.mechanism
     ))  # fmt: skip
     assert planned(simulates, bandwidth=200.0).oversampling == 10
-    with pytest.raises(InputError, match="steps, more than 4000000"):
-        planned(locked, bandwidth=200.0, pulse=1e-8)
 
 
 def test_records_of_an_undamped_linkage_are_refused():
@@ -181,6 +186,89 @@ def test_impacts_are_spread_over_the_turn_and_jittered():
     assert 1.01 < apart.max() < 1.25
     # Too evenly spaced, orders that are a multiple of their number apart cannot be told.
     assert np.unique(np.round(apart, 3)).size > 5
+
+
+def planned_runs(monkeypatch, bandwidth=100.0, orders=2, turn_time=0.3):
+    monkeypatch.setattr(running_plan, "_greatest", lambda *of: 1e-3)
+    links = [SimpleNamespace(length=length) for length in (0.1, 0.3)]
+    linkage = SimpleNamespace(topology=SimpleNamespace(links=links))
+    engine = SimpleNamespace(mechanism=SimpleNamespace(linkage=linkage))
+    request = SimpleNamespace(orders=orders, seed=1, duration=None, pulse=None)
+    about = SimpleNamespace(
+        turn_time=turn_time, growth_rate=-20.0, forced=None, hit=None, steps=None
+    )
+    return running_plan.planned(engine, request, about, bandwidth)
+
+
+def test_runs_identify_orders_beyond_those_asked_for(monkeypatch):
+    taken = planned_runs(monkeypatch)
+    assert 4 <= taken.fitted <= 7
+    # More impacts than orders, so that a misfit shows, and not many more.
+    assert 1 <= len(taken.phase) - (2 * taken.fitted + 1) <= 4
+    # The first impacts move links by a ten-thousandth of the shortest.
+    assert taken.peak_force * 1e-3 / 0.1 == pytest.approx(1e-4)
+    assert 300 < planned_runs(monkeypatch, bandwidth=30.0, turn_time=0.02).steps < 1000
+    assert planned_runs(monkeypatch, bandwidth=20_000.0).samples < 1_000_000
+    with pytest.raises(InputError, match="more than 1000000 steps"):
+        planned_runs(monkeypatch, bandwidth=60_000.0)
+
+
+def test_modes_count_up_to_half_again_the_highest_frequency(monkeypatch):
+    asked = []
+
+    def below(engine, frequency):
+        asked.append(frequency)
+        raise InputError("enough")
+
+    monkeypatch.setattr(prediction, "_modes_below", below)
+    monkeypatch.setattr(prediction, "with_damping_time", lambda engine, time: engine)
+    engine = SimpleNamespace(links=[SimpleNamespace(damping=np.ones(1))])
+    with pytest.raises(InputError):
+        prediction.predicted_linkage(engine, None, 100.0)
+    assert 120.0 < asked[0] < 250.0
+
+
+def test_frozen_resonances_move_by_less_than_their_width_between_angles():
+    """Of a linkage with the damping of metal, a half per cent."""
+    angles = 2 * np.pi / prediction._FROZEN_ANGLES * np.arange(prediction._FROZEN_ANGLES)
+    engine = flexmech.ReferenceEngine(damped_engine().mechanism, 2)
+    hertz = flexmech.natural_frequencies(engine, angles, modes=2)
+    moved = (np.abs(np.diff(hertz, axis=0)) / hertz[1:]).max()
+    assert 0.1 * 2 * 0.005 < moved < 2 * 2 * 0.005
+
+
+def test_the_band_of_a_running_test_holds_the_first_resonance(monkeypatch):
+    monkeypatch.setattr(running, "lowest_frequency", lambda engine: 2 * np.pi * 40.0)
+    monkeypatch.setattr(running, "with_damping_time", lambda engine, time: engine)
+    chosen = running._bandwidth(None, SimpleNamespace(bandwidth=None, pulse=None))
+    assert 1.3 * 40 < chosen < 3 * 40
+
+
+def test_peaks_are_looked_for_near_those_predicted():
+    predicted, identified = np.zeros((1, 400)), np.zeros((1, 400))
+    for own, apart, near in ((20, 4, True), (20, 7, False), (200, 9, True), (200, 12, False)):
+        predicted[:], identified[:] = 0.0, 0.0
+        predicted[0, own] = identified[0, own + apart] = 1.0
+        found = running._peak_bins(predicted, identified)[1][0]
+        assert bool(found == own + apart) is near
+
+
+def test_sidebands_agree_within_a_twentieth_and_a_bin():
+    def said(**changed):
+        data = running_hammer_dataset()
+        for name, values in changed.items():
+            data[name] = ("order", np.asarray(values))
+        return "predicted agree" in running_result._verdict(data)
+
+    peaks = running_hammer_dataset()["predicted_peak"].values
+    assert said(identified_peak=1.04 * peaks)
+    assert not said(identified_peak=1.07 * peaks)
+    assert said(bins_apart=[1, 0, 1])
+    assert not said(bins_apart=[2, 0, 0])
+    # What is told is of the first sidebands.
+    farther = running_hammer_dataset().assign_coords(order=[-3, 0, 1])
+    farther["bins_apart"] = ("order", [9, 0, 0])
+    assert "predicted agree" in running_result._verdict(farther)
 
 
 def test_orders_that_change_are_hit_half_as_hard(monkeypatch):
@@ -283,6 +371,10 @@ def test_processes_have_as_many_orders_as_samples_tell():
     filter_of[[0, 35]] = 1.0, -0.95
     late = scipy.signal.lfilter([1.0], filter_of, white, axis=1)
     assert 35 <= len(fit.autoregression(late)) <= 40
+    filter_of = np.zeros(66)
+    filter_of[[0, 65]] = 1.0, -0.95
+    later = scipy.signal.lfilter([1.0], filter_of, white, axis=1)
+    assert len(fit.autoregression(later)) <= 40
     # Each coefficient of a short record would be known to no third.
     assert len(fit.autoregression(late[:, :240])) <= 30
 
@@ -345,7 +437,7 @@ def test_records_over_time_show_the_first_mode():
 def test_free_vibrations_that_are_one_but_for_round_off_count_once():
     first = np.sin(np.arange(50.0))
     other = np.cos(3 * np.arange(50.0))
-    for apart, counted in ((1e-7, True), (1e-11, False)):
+    for apart, counted in ((1e-7, True), (2e-10, False)):
         free = np.stack([first, first + apart * other], axis=1)
         own = SimpleNamespace(_motions=lambda values, free=free: (0.0, free), record=other)
         computed = over_time.TimeProblem.curve(own, {})

@@ -83,7 +83,7 @@ def test_steps_are_halved_until_deflections_are_off_by_two_hundredths(monkeypatc
     # In fourth order half as many, of whose last change more may be left.
     steps, told, true = steps_of(monkeypatch, lambda step: 30 * step**4, stretches=True)
     assert steps == pytest.approx([20.0, 40.0])
-    assert told > 5 * true
+    assert 5 * true < told < 15 * true
 
 
 def test_steps_that_are_too_long_by_far_are_no_steps_to_begin_with(monkeypatch):
@@ -185,10 +185,11 @@ def test_frequencies_are_told_apart_by_half_the_main_lobe(apart, told):
 
 def test_the_last_turn_is_whole_however_many_went_before():
     for turns in (1, 40, 250_000):
-        angle = 2 * np.pi * turns + 0.1 + 2 * np.pi / 240 * np.arange(-300, 1)
-        assert len(_frames(angle)) == 241
+        for first in np.linspace(0.0, 1.0, 30):
+            angle = 2 * np.pi * (turns + np.arange(-300, 1) / 240) + first
+            assert len(_frames(angle)) == 241
         assert words._crank(0.1 + 2 * np.pi * turns * (1 - 1e-16), 0.1)[1] == turns + 1
-    assert words._crank(0.1 + 2 * np.pi * (1 - 1e-6), 0.1)[1] == 1
+    assert words._crank(0.1 + 2 * np.pi * (1 - 3e-8), 0.1)[1] == 1
 
 
 def test_free_shafts_that_leave_small_rotations_are_told():

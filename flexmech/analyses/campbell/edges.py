@@ -27,7 +27,8 @@ logger = logging.getLogger(__name__)
 CONVERGED = 1e-8
 # The secant doubles the digits in less than two rounds; what has not converged is sought anew.
 MOST_ROUNDS = 20
-# Of the crank angles around an extreme, in steps of the grid: at first, and at last.
+# Of the crank angles around an extreme, in steps of the grid: at first, and at last, where the
+# parabola through three of them is the curve to nine digits.
 FIRST_ASIDE, LAST_ASIDE = 0.5, 0.04
 # Relative differences of frequencies below this are their round-off.
 ROUND_OFF = 1e-10
@@ -35,10 +36,12 @@ ROUND_OFF = 1e-10
 # it as this many times what the end moves by until the next solved speed, and relatively. A grid
 # misses the peak of a sharp one by one or two per cent.
 MAY_BE_END, NEAR_END = 2.0, 0.02
-# A band seldom has more that are nearly as low; those missed are found by whole turns.
+# A band seldom has more that are nearly as low; those missed are found by whole turns. Speed alone
+# beyond three.
 MOST_EXTREMES = 3
-# By this part of its step's width a speed may be outside it on the way, and by this at last.
-OUTSIDE, AT_END = 0.5, 1e-6
+# By this part of its step's width a speed may be outside it on the way: the secant comes back from
+# there, and beyond there may be no solution.
+OUTSIDE = 0.5
 
 
 @dataclass
@@ -152,7 +155,7 @@ def exact_edges(
         if search.converged.all():
             break
         search.advance(solver.systems, LAST_ASIDE * step)
-    margin = AT_END * (search.high - search.low)
+    margin = CONVERGED * np.abs(search.high)
     inside = (search.speed >= search.low - margin) & (search.speed <= search.high + margin)
     found, off = {}, 0.0
     for number, edge in enumerate(edges):

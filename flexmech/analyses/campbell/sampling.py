@@ -107,7 +107,7 @@ def _through(
     return np.asarray(value, dtype=float), np.abs(rough)
 
 
-# So few speeds are all solved, for they cost little.
+# So few speeds are all solved before any is fitted, for they cost little.
 ALL_SOLVED = 13
 # Eight intervals, each of which is divided once at least: 17 of the speeds are solved.
 FIRST_SOLVED = 9
@@ -115,7 +115,7 @@ FIRST_SOLVED = 9
 # of two crossings in one step none is seen.
 LEAST_STEPS = 128
 # Speeds that are tried at a time in search of those without a solution: each round leaves a seventh
-# of the range, at the cost of one batch.
+# of the range, at the cost of one batch. Speed alone.
 TRIED = 6
 
 

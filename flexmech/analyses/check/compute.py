@@ -145,7 +145,7 @@ def _hygrothermal_lines(mechanism: Mechanism) -> list[str]:
     ]
 
 
-# Crank angles of paths and of the transmission angle.
+# Crank angles of paths and of the transmission angle: a degree is what a figure draws.
 TURN = np.radians(np.arange(0.0, 361.0))
 _ENDS: tuple[End, End] = ("start", "end")
 _COUPLER_POINT, _COUPLER_MIDDLE = "coupler point", "coupler's middle"

@@ -28,15 +28,22 @@ _LEAST_WAVE_SPEED, _MOST_WAVE_SPEED = 10.0, 1.9e4
 _LEAST_SLENDERNESS, _MOST_SLENDERNESS = 5.0, 1000.0
 # In degrees; Alt's limits, as in Balli & Chand 2002, Mechanism and Machine Theory 37, 175-195.
 USUAL_TRANSMISSION_ANGLE = (40.0, 140.0)
+# Above that of machines, 10 or less, and below a slip of a unit: millimetres for centimetres are
+# told with links that differ by a factor of two.
 _MOST_LENGTH_RATIO = 20.0
+# Of the longest link: lengths are made as exactly as this.
 _NEARLY_IN_LINE = 1e-3
-# Point masses over the mass of all links.
+# Point masses over the mass of all links: a tool may be ten times as heavy, grams for kilograms a
+# thousand times.
 _MOST_ADDED = 20.0
+# The moon's is 1.6 m/s^2, Jupiter's 25.
 _LEAST_GRAVITY, _MOST_GRAVITY = 1.0, 30.0
+# In K: composites are cured at less, and machines run at more; 20 for 20 degC is below.
 _LEAST_TEMPERATURE, _MOST_TEMPERATURE = 200.0, 500.0
-# Turns a second over the first natural frequency, and strain by inertia along a link.
+# Turns a second over the first natural frequency: the third harmonic of the loads meets it there.
+# Strain by inertia along a link: that of metals when they yield.
 _MOST_SPEED_RATIO, _MOST_INERTIA_STRAIN = 1 / 3, 2e-3
-# Of the first mode.
+# Of the first mode: rubber has as much.
 _MOST_DAMPING_RATIO = 0.2
 
 

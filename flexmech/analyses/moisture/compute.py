@@ -25,7 +25,8 @@ from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection
 from flexmech.validation import POSITIVE, Bounds, checked_number
 
-# Profiles at these parts of the time, uptake at so many times evenly in its root.
+# Profiles at these parts of the time, uptake at so many times evenly in its root, in which it
+# begins as a straight line; and shares of the water in equilibrium that laboratories wait for.
 _PARTS = np.array([0.01, 0.05, 0.2, 0.5, 1.0])
 _TIMES = 121
 _SHARES = np.array([0.5, 0.9, 0.99])

@@ -17,6 +17,7 @@ from flexmech.analyses.response.run import mesh_error, run_engine
 from flexmech.analyses.response.start import simulation_start
 from flexmech.arrays import LabelledProgress, silent
 from flexmech.choices import Integrator
+from flexmech.dynamical_systems import ON_A_STEP
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment
 from flexmech.linear_system import Engine
@@ -26,8 +27,6 @@ from flexmech.time_domain import LinkState
 from flexmech.validation import check_flag
 
 System = TypeVar("System", covariant=True)
-# How far a sample may be off a step by round-off, in steps.
-_ON_A_STEP = 1e-6
 
 
 def response(
@@ -168,7 +167,7 @@ def exudyn_system(
             request.drive,
             start,
             step,
-            max(1, math.ceil(plan.time[-1] / step - 1e-9)),
+            max(1, math.ceil(plan.time[-1] / step - ON_A_STEP)),
             integrator=request.integrator,
-            stride=round(stride) if abs(stride - round(stride)) < _ON_A_STEP else 1,
+            stride=round(stride) if abs(stride - round(stride)) < ON_A_STEP else 1,
         )

@@ -10,6 +10,7 @@ from flexmech.analyses.synthesis.result import CrankRockerSynthesis
 from flexmech.linkages import rocker_swing, synthesize_crank_rocker, time_ratio, transmission_design
 from flexmech.validation import POSITIVE, checked_number
 
+# A degree: what a figure draws, and a table lists.
 TURN = np.radians(np.arange(361.0))
 
 

@@ -231,7 +231,7 @@ much as at their speeds: 2e-11. Forces out of balance are no measure: one that i
 round-off of a stiff link may bend a soft one that is pinned to it.
 """
 ROUND_OFF = 8 * float(np.finfo(float).eps)
-"""What round-off leaves of forces between nodes that cancel, relative to these forces.
+"""Round-off of a sum of cancelling forces between nodes, relative to these forces.
 
 Four forces meet at a node, each of a product and a sum.
 """

@@ -91,7 +91,7 @@ def is_constant_turn(engine: Engine, motion: RigidMotion) -> bool:
     """
     if has_relative_motion(engine.topology):
         return False
-    links, connectors = engine.clamped_links, engine.clamped_connectors
+    links, connectors = engine.clamped_links, engine.connectors
     loads = inertia_loads(links, motion, engine.mechanism.gravity)
     if connectors.any:
         # Together: a spring without tension pulls by round-off, which differs at all positions.

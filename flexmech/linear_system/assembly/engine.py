@@ -43,9 +43,9 @@ from flexmech.linkages.motion import checked_drive
 from flexmech.mechanism import Mechanism
 from flexmech.validation import POSITIVE, check_choice, check_count, check_flag, check_number
 
-# What a map of that many frequencies asks for: it tracks modes among two more.
+# A map of that many frequencies needs two more, among which it tracks modes.
 SYSTEM_MODES = MODES + 2
-# Component modes that an engine keeps: a map over speeds asks for some at each, and not again.
+# Cached reductions of an engine: a map over speeds needs some at each speed, and not again.
 KEPT_REDUCTIONS = 16
 
 
@@ -74,8 +74,8 @@ class Engine(EngineLinks):
         motion takes.
     mass : {"distributed", "lumped"}
         Whether links have their mass along them, or in points at the ends of as many elements
-        as :func:`flexmech.linkages.lumped_elements` says: what has no mass follows statically.
-        Lumped masses know no component modes and no runs in time.
+        as :func:`flexmech.linkages.lumped_elements` says: massless coordinates are condensed
+        statically. Lumped masses have neither component modes nor runs in time.
 
     Attributes
     ----------

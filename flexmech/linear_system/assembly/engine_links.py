@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -30,8 +29,8 @@ from flexmech.mechanism import Mechanism
 class EngineLinks(ElementKinds):
     """Link models of an engine from which its linear systems are assembled.
 
-    An engine gives the links with the clamped one fixed to the shaft, in a frame that rotates as
-    prescribed. A free shaft adds its rotation to them; it changes none of their states.
+    An engine gives the links in frames that rotate as prescribed, with the shaft's rotation at
+    zero. That of a free shaft is one more coordinate; it changes none of their states.
 
     Attributes
     ----------
@@ -49,7 +48,7 @@ class EngineLinks(ElementKinds):
 
     @cached_property
     def topology(self) -> Topology:
-        """Links and connections of the linear system: a free shaft is a pivot."""
+        """Links and connections of the linear system; the clamp says whether the shaft is free."""
         shaft = self.free_shaft
         return self.mechanism.linkage.topology if shaft is None else shaft.topology
 
@@ -60,7 +59,7 @@ class EngineLinks(ElementKinds):
 
     @cached_property
     def links(self) -> tuple[LinkModel, ...]:
-        """Unreduced link models in the topology's order, with the prescribed or free shaft."""
+        """Unreduced link models in the topology's order, with the inertia of a free shaft."""
         clamped = self.clamped_links
         return clamped if self.free_shaft is None else self.free_shaft.links(clamped)
 
@@ -72,7 +71,7 @@ class EngineLinks(ElementKinds):
     @property
     @abstractmethod
     def clamped_links(self) -> tuple[LinkModel, ...]:
-        """Unreduced link models in the topology's order, with a prescribed shaft."""
+        """Unreduced link models in the topology's order, without the shaft's inertia."""
 
     @property
     def stretches(self) -> tuple[LinkStretch, ...] | None:
@@ -81,10 +80,11 @@ class EngineLinks(ElementKinds):
         None as well where links bend or stretch without load, since it is that of straight links,
         and of a free shaft with rigid links that guide others.
         """
-        clamped, shaft = self.clamped_stretches, self.free_shaft
-        if clamped is None or shaft is None:
-            return clamped
-        return shaft.stretches(self.clamped_links, clamped)
+        shaft = self.free_shaft
+        # Rigid links and a hub on a free shaft have their geometric stiffness in natural
+        # coordinates alone.
+        known = shaft is None or shaft.turns_far or not shaft.is_stiff
+        return self.clamped_stretches if known else None
 
     @property
     def clamped_stretches(self) -> tuple[LinkStretch, ...] | None:
@@ -120,15 +120,9 @@ class EngineLinks(ElementKinds):
             If the equilibrium does not converge or is unstable; names the crank angle.
         """
         clamped = self.stressed_clamped_links(motion, prestress, near)
-        if not self._is_straight(motion, prestress):
-            clamped = self._without_spin_softening(motion, clamped)
-        shaft = self.free_shaft
-        if shaft is None:
+        if self._is_straight(motion, prestress):
             return clamped
-        reaction = None
-        if not self._is_straight(motion, prestress):
-            reaction = shaft.reaction(self.clamped_links, motion, clamped.loads)
-        return shaft.stressed(self.clamped_links, clamped, reaction)
+        return self._without_spin_softening(motion, clamped)
 
     @abstractmethod
     def stressed_clamped_links(
@@ -175,11 +169,6 @@ class EngineLinks(ElementKinds):
         bent = self.mechanism.is_free_strained or self.connectors.any
         return "equilibrium" if bent else "none"
 
-    @cached_property
-    def clamped_connectors(self) -> Connectors:
-        """As :attr:`connectors`, of :attr:`clamped_links`."""
-        return Connectors(self.mechanism, self.clamped_links)
-
     def _straight_loads(self, motion: RigidMotion) -> list[FloatArray]:
         """Loads (B, n_link) on the clamped links at zero displacement."""
         loads = inertia_loads(self.clamped_links, motion, self.mechanism.gravity)
@@ -192,9 +181,9 @@ class EngineLinks(ElementKinds):
         displacement: Sequence[FloatArray] | None,
     ) -> list[FloatArray]:
         """Loads (B, n_link) with those of connectors at a displacement of the clamped links."""
-        if not self.clamped_connectors.any:
+        if not self.connectors.any:
             return loads
-        acting = self.clamped_connectors.forces(motion, displacement)
+        acting = self.connectors.forces(motion, displacement)
         return [a + b for a, b in zip(loads, acting, strict=True)]
 
     def _without_spin_softening(
@@ -215,8 +204,8 @@ class EngineLinks(ElementKinds):
     ) -> DeadMoments:
         """Moments on bodies and rigid links of loads (B, n_link) at a displacement."""
         links, gravity, virial, moments = self.clamped_links, self.mechanism.gravity, None, None
-        if self.clamped_connectors.any and not self.solves_connectors:
-            virial = self.clamped_connectors.virial(motion, displacement)
+        if self.connectors.any and not self.solves_connectors:
+            virial = self.connectors.virial(motion, displacement)
         if displacement is not None and (inertia := self._displaced_inertia(motion)) is not None:
             moments = inertia.moments(displacement)
         return DeadMoments.of(links, motion, gravity, loads, virial, moments)
@@ -225,7 +214,7 @@ class EngineLinks(ElementKinds):
         """Loads on the clamped links in the equilibrium that ``solve`` finds."""
         loads = inertia_loads(self.clamped_links, motion, self.mechanism.gravity)
         displaced_inertia = self._displaced_inertia(motion)
-        connectors = self.clamped_connectors
+        connectors = self.connectors
         if displaced_inertia is None and (self.solves_connectors or not connectors.any):
             return BalancedLoads(loads, None)
         frames = LinkFrames(self.mechanism.linkage.topology, self.clamped_links)
@@ -274,15 +263,8 @@ class EngineLinks(ElementKinds):
         InputError
             If the engine does not linearize about given states.
         """
-        shaft = self.free_shaft
-        if shaft is None:
-            clamped = self.running_clamped_links(motion, displacement)
-            return self._without_spin_softening(motion, clamped)
-        places = shaft.displacements(self.clamped_links, list(displacement))
-        clamped = self.running_clamped_links(motion, places)
-        clamped = self._without_spin_softening(motion, clamped)
-        free = shaft.stressed(self.clamped_links, clamped)
-        return replace(free, displacement=list(displacement))
+        clamped = self.running_clamped_links(motion, displacement)
+        return self._without_spin_softening(motion, clamped)
 
     def running_clamped_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]

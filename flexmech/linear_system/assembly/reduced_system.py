@@ -10,7 +10,7 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.linear_system.assembly.system import LinearSystem, condense
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.links.chains import LinkMatrix, diagonal, in_positions, whole
+from flexmech.linear_system.links.chains import LinkMatrix, in_positions, whole
 from flexmech.linear_system.links.dead_moments import body_turns
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
@@ -60,12 +60,8 @@ def unreduced_system(
     )
     if connect is not None:
         matrices = connect(frames, motion, matrices, slice(None))
-    massless = np.zeros(frames.size, dtype=bool)
-    for number, (target, link) in enumerate(zip(frames.targets, frames.links, strict=True)):
-        own = frames.independent_coordinates(number)
-        if link.rigid:
-            continue
-        massless[target[own][diagonal(link.mass)[own] == 0]] = True
+    massless = np.all(np.diagonal(matrices.mass, axis1=1, axis2=2) == 0, axis=0)
+    massless[: len(frames.rigid.independent_coordinates)] = False
     expansion = None
     if massless.any():
         matrices, expansion = condense(matrices, massless)

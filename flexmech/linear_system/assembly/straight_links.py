@@ -15,7 +15,7 @@ import numpy as np
 from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.rigid_coordinates import RigidGeometricStiffness
-from flexmech.linear_system.links.chains import LinkMatrix
+from flexmech.linear_system.links.chains import LinkMatrix, with_entries
 from flexmech.linear_system.links.dead_moments import DeadMoments
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.links.stressed_links import StressedLinks
@@ -39,7 +39,7 @@ class StraightForces:
         On the links.
     links : LinkForces
     stiffness : RigidGeometricStiffness, optional
-        Geometric stiffness of rigid links and sliders; None where there are none.
+        Geometric stiffness of rigid links, hubs and sliders; None where there are none.
     """
 
     loads: list[FloatArray]
@@ -48,8 +48,8 @@ class StraightForces:
 
 
 def ties_beyond_pins(frames: LinkFrames) -> bool:
-    """Whether there are welds, lines or rigid links, so that forces may be indeterminate."""
-    return bool(frames.topology.welds or frames.rigid.size)
+    """Whether there are welds, lines, rigid links or a hub, so that pins do not tell all forces."""
+    return bool(frames.topology.welds or frames.has_arms)
 
 
 def straight_forces(
@@ -89,7 +89,7 @@ def straight_forces(
         masses = tuple(mass.lumped(n) for mass, n in zip(masses, lumped, strict=True))
     forces = forces_of_links(frames, motion, displacement, loads, masses, mechanism.gravity)
     forces = replace(forces, applied=applied)
-    if not frames.rigid.size:
+    if not frames.has_arms:
         return StraightForces(loads, forces, None)
     virial = None if connectors is None else connectors.virial(motion)
     displaced = frames.displaced_ties(
@@ -119,7 +119,7 @@ def with_rigid_links(
     tangent : mapping of int to ndarray, shape (n, n) or (B, n, n)
         Of each flexible link.
     found : RigidGeometricStiffness, optional
-        Of rigid links and sliders.
+        Of rigid links, hubs and sliders.
     loads : list of ndarray, shape (B, n_link), optional
 
     Returns
@@ -135,6 +135,12 @@ def with_rigid_links(
         else tangent[number]
         for number, link in enumerate(frames.links)
     ]
+    for clamp in frames.topology.clamps:
+        number = frames.topology.index(clamp.link_end.link)
+        if clamp.hub and not (link := frames.links[number]).rigid:
+            turn = link.end_rotation_of(clamp.link_end.end)[:1]
+            own = found.rotation_stiffness[:, number, None]
+            tangents[number] = with_entries(tangents[number], turn, turn, own)
     return StressedLinks(tangents, loads=loads, guide_stiffness=found.guide_stiffness)
 
 
@@ -231,7 +237,7 @@ def forces_of_links(
     motion : RigidMotion
         Batch of shape (B,).
     displacement, loads : sequence of ndarray, shape (B, n_link)
-        A linear static solution and what it is under.
+        A linear static solution and its loads.
     masses : tuple of LinkMass
         Of all links.
     gravity : tuple of float
@@ -240,7 +246,7 @@ def forces_of_links(
     Returns
     -------
     LinkForces
-        Of rigid links nothing is told.
+        Zero for rigid links.
     """
     force = np.zeros((*motion.angle.shape, 2))
     moment = np.zeros(motion.angle.shape)

@@ -21,11 +21,15 @@ class JointPoint:
         Whether the point is fixed to the ground or to the shaft.
     slider : int, optional
         Number of the slider on whose line the point is.
+    hub : float
+        Distance in m from the axis of a free shaft at which the point is on its hub, along the
+        frame of the first end's link; zero of others.
     """
 
     ends: tuple[LinkEnd, ...]
     fixed: bool
     slider: int | None
+    hub: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -37,7 +41,7 @@ class JointRotation:
     ends : tuple of LinkEnd
         The leader, by the topology, comes first.
     fixed : bool
-        Whether their rotation is fixed to the shaft.
+        Whether their rotation is fixed to the prescribed shaft; one that is free rotates with them.
     """
 
     ends: tuple[LinkEnd, ...]
@@ -57,18 +61,21 @@ def joint_points(topology: Topology) -> list[JointPoint]:
         Of ends that are joined, fixed or on a slider's line; free tips are not among them.
     """
     dependent = _ends_by_leader(topology.rigid_ties)
-    fixed = {clamp.link_end for clamp in topology.clamps}
+    hubs = {clamp.link_end: clamp.hub for clamp in topology.clamps if clamp.free and clamp.hub}
+    fixed = {clamp.link_end for clamp in topology.clamps} - set(hubs)
     fixed |= {pivot.link_end for pivot in topology.pivots if not pivot.sprung}
     sliders = {slider.link_end: number for number, slider in enumerate(topology.sliders)}
-    roots = dict.fromkeys([*fixed, *sliders, *dependent])
+    roots = dict.fromkeys([*fixed, *hubs, *sliders, *dependent])
     return [
-        JointPoint((root, *dependent.get(root, ())), root in fixed, sliders.get(root))
+        JointPoint(
+            (root, *dependent.get(root, ())), root in fixed, sliders.get(root), hubs.get(root, 0.0)
+        )
         for root in sorted(roots, key=lambda end: (topology.index(end.link), end.end == "end"))
     ]
 
 
 def joint_rotations(topology: Topology) -> list[JointRotation]:
-    """Link ends whose rotations are equal or fixed.
+    """Link ends whose rotations are equal, fixed, or that of a free shaft.
 
     Parameters
     ----------
@@ -79,10 +86,10 @@ def joint_rotations(topology: Topology) -> list[JointRotation]:
     list of JointRotation
     """
     dependent = _ends_by_leader(topology.welds)
-    fixed = {clamp.link_end for clamp in topology.clamps}
+    fixed = {clamp.link_end: not clamp.free for clamp in topology.clamps}
     roots = dict.fromkeys([*fixed, *dependent])
     return [
-        JointRotation((root, *dependent.get(root, ())), root in fixed)
+        JointRotation((root, *dependent.get(root, ())), fixed.get(root, False))
         for root in sorted(roots, key=lambda end: (topology.index(end.link), end.end == "end"))
     ]
 

@@ -105,6 +105,11 @@ class LinkFrames:
         """Coordinates of rigid links and sliders."""
         return self._ties.rigid
 
+    @property
+    def has_arms(self) -> bool:
+        """Whether forces act on arms that turn: there are rigid links, sliders or a hub."""
+        return bool(self.rigid.size or self._ties.hubs)
+
     def displaced_ties(self, motion: RigidMotion, w: FloatArray) -> DisplacedTies:
         """Constraints at finite displacements of the rigid links.
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -26,83 +25,23 @@ from flexmech.linear_system.joints.rigid_pose import (
     CoordinateRows,
     DisplacedRows,
     DisplacedTies,
+    HubRow,
     PointRows,
     RigidPose,
 )
+from flexmech.linear_system.joints.ties import (
+    HubEnd,
+    MovingFrames,
+    PointEnd,
+    RigidRows,
+    RotatedEnd,
+    Tie,
+)
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import LinkEnd, RigidMotion, Topology
-from flexmech.linkages.body_motion import BodyPoint
 from flexmech.linkages.connection_forces import RANK_TOLERANCE, end_point
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
 from flexmech.linkages.motion import direction, normal
-
-
-@dataclass(frozen=True)
-class _RotatedEnd:
-    """An end whose displacement is that of a flexible link's end, rotated."""
-
-    rows: IntArray
-    columns: IntArray
-    leader: int
-
-
-@dataclass(frozen=True)
-class _EqualRows:
-    """Rows equal to one column: further rotations of a welded section."""
-
-    rows: IntArray
-    columns: IntArray
-
-
-@dataclass(frozen=True)
-class _PointEnd:
-    """An end whose displacement is that of a rigid link's point or of a point on a line."""
-
-    rows: IntArray
-    columns: IntArray
-    point: BodyPoint
-
-
-@dataclass(frozen=True)
-class _RigidRows:
-    """Rows that are coordinates ``among`` y of the rigid links."""
-
-    rows: IntArray
-    columns: IntArray
-    among: IntArray
-
-
-_Tie = _RotatedEnd | _EqualRows | _PointEnd | _RigidRows
-
-
-class _MovingFrames:
-    """Link frames and points of rigid links or lines over a batch of positions."""
-
-    def __init__(self, rigid: RigidCoordinates, motion: RigidMotion) -> None:
-        self.rigid, self.motion = rigid, motion
-        self._points: dict[BodyPoint, MatrixWithRates] = {}
-
-    @cached_property
-    def coordinates(self) -> MatrixWithRates:
-        """All coordinates of rigid links and sliders from the independent ones, (B, size, n)."""
-        return self.rigid.dependence(self.motion)
-
-    def point(self, point: BodyPoint) -> MatrixWithRates:
-        """Displacement of a point in ground axes, (B, 2, n)."""
-        if point not in self._points:
-            rows = self.rigid.displacement_rows(self.motion, [point])
-            self._points[point] = rows @ self.coordinates
-        return self._points[point]
-
-    def rotation(self, link: int, leader: int | None = None) -> MatrixWithRates:
-        """To the frame of a link from that of another, or from ground axes, (B, 2, 2)."""
-        m = self.motion
-        of_link = [own[:, link] for own in (m.angle, m.angular_velocity, m.angular_acceleration)]
-        if leader is None:
-            return MatrixWithRates.rotation(*(-own for own in of_link))
-        others = (m.angle, m.angular_velocity, m.angular_acceleration)
-        pairs = zip(others, of_link, strict=True)
-        return MatrixWithRates.rotation(*(other[:, leader] - own for other, own in pairs))
 
 
 class LinkTies:
@@ -123,6 +62,8 @@ class LinkTies:
         Likewise.
     rigid : RigidCoordinates
         Of the rigid links and sliders.
+    hubs : list of HubRow
+        Of elastic links that are clamped to a hub.
     """
 
     def __init__(
@@ -134,8 +75,9 @@ class LinkTies:
         self.topology = topology
         self.rigid = RigidCoordinates(topology)
         self._links = links
-        self._ties: list[list[_Tie]] = [[] for _ in links]
+        self._ties: list[list[Tie]] = [[] for _ in links]
         self._at_rest: list[PointRows] = []  # ends on rigid links that do not move
+        self.hubs = list(self._flexible_hubs())
         self.targets = [np.full(link.size, -2, dtype=np.intp) for link in links]
         self._points, self._turns = joint_points(topology), joint_rotations(topology)
         self._number_rigid()
@@ -149,11 +91,11 @@ class LinkTies:
 
     def leaders(self, link: int) -> list[int]:
         """Leaders of the pinned ends of a link; of a link without other dependent rows."""
-        return [tie.leader for tie in self._ties[link] if isinstance(tie, _RotatedEnd)]
+        return [tie.leader for tie in self._ties[link] if isinstance(tie, RotatedEnd)]
 
     def is_general(self, link: int) -> bool:
         """Whether a link has other dependent rows than pinned ends."""
-        return not all(isinstance(tie, _RotatedEnd) for tie in self._ties[link])
+        return not all(isinstance(tie, RotatedEnd) for tie in self._ties[link])
 
     def independent_coordinates(self, link: int) -> IntArray:
         """Coordinates of a link that are independent coordinates of the linkage, (k,)."""
@@ -164,7 +106,7 @@ class LinkTies:
 
     def dependent_rows(self, motion: RigidMotion) -> list[list[DependentRows]]:
         """Dependent rows of each link over a batch of shape (B,)."""
-        moving = _MovingFrames(self.rigid, motion)
+        moving = MovingFrames(self.rigid, motion)
         return [
             [self._tie_rows(moving, link, tie) for tie in ties]
             for link, ties in enumerate(self._ties)
@@ -183,19 +125,19 @@ class LinkTies:
         -------
         DisplacedTies
         """
-        moving = _MovingFrames(self.rigid, motion)
+        moving = MovingFrames(self.rigid, motion)
         rows: list[list[DisplacedRows]] = []
         at_points, at_coordinates = list(self._at_rest), []
         for link, ties in enumerate(self._ties):
             rows.append([])
             for tie in ties:
                 place = None
-                if isinstance(tie, _PointEnd):
+                if isinstance(tie, PointEnd):
                     back = moving.rotation(link).value
                     turn = (back @ pose.rows([tie.point]) @ pose.coordinates)[:, :, tie.columns]
                     place = (back @ pose.displacement([tie.point])[:, 0, :, None])[..., 0]
                     at_points.append(PointRows(link, tie.rows, tie.point))
-                elif isinstance(tie, _RigidRows):
+                elif isinstance(tie, RigidRows):
                     turn = pose.coordinates[:, tie.among][:, :, tie.columns]
                     place = pose.y[:, tie.among]
                     if link not in self.rigid.links:
@@ -211,7 +153,7 @@ class LinkTies:
             chosen = free[self.targets[link][free] < len(self.rigid.independent_coordinates)]
             among = self.rigid.independent_coordinates[self.targets[link][chosen]]
             at_coordinates.append(CoordinateRows(link, chosen, among))
-        return DisplacedTies(pose, rows, at_points, at_coordinates)
+        return DisplacedTies(pose, rows, at_points, at_coordinates, self.hubs)
 
     def guide_matrix(self, motion: RigidMotion, guide_stiffness: FloatArray) -> FloatArray:
         """Geometric stiffness between guides' rotations and slides, by independent coordinates."""
@@ -236,7 +178,7 @@ class LinkTies:
             if rigid.is_rigid(end):
                 moved = rows[:, 2:] @ y
             else:
-                to_ground = np.swapaxes(_MovingFrames(rigid, motion).rotation(link).value, 1, 2)
+                to_ground = np.swapaxes(MovingFrames(rigid, motion).rotation(link).value, 1, 2)
                 moved = to_ground @ displacement[link][:, self._rows(end)]
             along = rows[:, :2, slide]
             found[:, slide] = np.einsum("bc,bcm->bm", along, moved - rows[:, :2] @ y)
@@ -253,16 +195,8 @@ class LinkTies:
                 sliding[number] = q[:, :1] * direction(angle) + q[:, 1:] * normal(angle)
         return RigidPose.displaced_by(self.rigid, motion, displacement, sliding)
 
-    def _tie_rows(self, moving: _MovingFrames, link: int, tie: _Tie) -> DependentRows:
-        if isinstance(tie, _RotatedEnd):
-            matrix = moving.rotation(link, tie.leader)
-        elif isinstance(tie, _EqualRows):
-            matrix = MatrixWithRates.constant(np.ones((len(tie.rows), 1)), len(moving.motion.angle))
-        elif isinstance(tie, _PointEnd):
-            matrix = (moving.rotation(link) @ moving.point(tie.point)).columns(tie.columns)
-        else:
-            matrix = moving.coordinates.rows(tie.among).columns(tie.columns)
-        return DependentRows.of(tie.rows, tie.columns, matrix)
+    def _tie_rows(self, moving: MovingFrames, link: int, tie: Tie) -> DependentRows:
+        return DependentRows.of(tie.rows, tie.columns, tie.matrix(moving, link))
 
     def _rows(self, end: LinkEnd) -> IntArray:
         return self._links[self.topology.index(end.link)].end_displacement(end.end)
@@ -271,9 +205,15 @@ class LinkTies:
         return self._links[self.topology.index(end.link)].end_rotation_of(end.end)
 
     @cached_property
-    def _general(self) -> _MovingFrames:
+    def _general(self) -> MovingFrames:
         """Matrices in a general position, whose zeros show which coordinates do not depend."""
-        return _MovingFrames(self.rigid, self.rigid.general_position)
+        return MovingFrames(self.rigid, self.rigid.general_position)
+
+    def _flexible_hubs(self) -> Iterator[HubRow]:
+        for clamp in self.topology.clamps:
+            end = clamp.link_end
+            if clamp.hub and not self.rigid.is_rigid(end) and len(rows := self._rows(end)):
+                yield HubRow(self.topology.index(end.link), int(rows[0]), clamp.hub)
 
     def _number_rigid(self) -> None:
         """Number the independent coordinates of rigid links; the others depend on them."""
@@ -292,7 +232,7 @@ class LinkTies:
         rows, among = rows[chosen], among[chosen]
         columns = _depends_on(self._general.coordinates.rows(among))
         if len(columns):
-            self._ties[link].append(_RigidRows(rows, columns, among))
+            self._ties[link].append(RigidRows(rows, columns, among))
 
     def _mark(self) -> None:
         """Mark fixed and dependent coordinates, which are not independent."""
@@ -300,8 +240,8 @@ class LinkTies:
             link = self.topology.index(end.link)
             self.targets[link][self._links[link].end_warping_of(end.end)] = -1
         for point in self._points:
-            on_rigid = point.fixed or self._is_on_rigid_link_or_line(point)
-            for end in point.ends if on_rigid else point.ends[1:]:
+            elsewhere = point.fixed or point.hub or self._is_on_rigid_link_or_line(point)
+            for end in point.ends if elsewhere else point.ends[1:]:
                 if not self.rigid.is_rigid(end):
                     self.targets[self.topology.index(end.link)][self._rows(end)] = -1
         for turn in self._turns:
@@ -320,7 +260,7 @@ class LinkTies:
         ends = [~late for late in last]
         for number, (link, end) in enumerate(zip(self._links, ends, strict=True)):
             elsewhere = np.ones(link.size, dtype=bool)
-            elsewhere[link.start] = elsewhere[link.end] = elsewhere[link.shaft] = False
+            elsewhere[link.start] = elsewhere[link.end] = elsewhere[link.receding] = False
             elsewhere[self._leading_rotations(number)] = False
             end[elsewhere] = False
         inner = [~(end | late) for end, late in zip(ends, last, strict=True)]
@@ -334,14 +274,12 @@ class LinkTies:
         return count
 
     def _leading_rotations(self, link: int) -> list[int]:
-        """Rotations of a link's welded ends on which others depend."""
+        """Rotations of a link's ends on which others depend, or that are a free shaft's."""
         name = self.topology.links[link].name
         return [
             int(self._rotations(turn.ends[0])[0])
             for turn in self._turns
-            if turn.ends[0].link == name
-            and len(turn.ends) > 1
-            and len(self._rotations(turn.ends[0]))
+            if turn.ends[0].link == name and len(self._rotations(turn.ends[0]))
         ]
 
     def _add_ties(self) -> None:
@@ -350,7 +288,7 @@ class LinkTies:
             if point.fixed:
                 continue
             by_rigid = self._is_on_rigid_link_or_line(point)
-            for end in point.ends if by_rigid else point.ends[1:]:
+            for end in point.ends if by_rigid or point.hub else point.ends[1:]:
                 rows, link = self._rows(end), self.topology.index(end.link)
                 if self.rigid.is_rigid(end) or not len(rows):
                     continue
@@ -359,9 +297,11 @@ class LinkTies:
                     assert leader is not None
                     columns = _depends_on(self._general.point(leader))
                     if len(columns):
-                        self._ties[link].append(_PointEnd(rows, columns, leader))
+                        self._ties[link].append(PointEnd(rows, columns, leader))
                     else:
                         self._at_rest.append(PointRows(link, rows, leader))
+                elif point.hub:
+                    self._add_hub(link, rows, point)
                 else:
                     self._add_pinned_end(link, rows, point.ends[0])
         for turn in self._turns:
@@ -373,7 +313,14 @@ class LinkTies:
         columns = self.targets[leader][self._rows(leading)]
         self.targets[link][rows] = columns
         if (columns >= 0).any():
-            self._ties[link].append(_RotatedEnd(rows, columns, leader))
+            self._ties[link].append(RotatedEnd(rows, columns, leader))
+
+    def _add_hub(self, link: int, rows: IntArray, point: JointPoint) -> None:
+        """Displacement of a hub's end: across by its rotation, along in natural coordinates."""
+        clamped = self.topology.index(point.ends[0].link)
+        own = [*self._links[clamped].receding, *self._rotations(point.ends[0])[:1]]
+        arm = point.hub * np.eye(2)[:, 2 - len(own) :]
+        self._ties[link].append(HubEnd(rows, self.targets[clamped][own], clamped, arm))
 
     def _add_rotation(self, turn: JointRotation) -> None:
         rigid = [end for end in turn.ends if self.rigid.is_rigid(end)]
@@ -392,7 +339,7 @@ class LinkTies:
             if number:
                 self.targets[link][rows[:1]] = column
             if len(rows) > 1:
-                self._ties[link].append(_EqualRows(rows[1:], column))
+                self._ties[link].append(Tie(rows[1:], column))
 
 
 def _depends_on(matrix: MatrixWithRates) -> IntArray:

@@ -10,7 +10,7 @@ Dynamics*, coordinate partitioning). Flexible links depend on rigid ones, never 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -33,7 +33,7 @@ class RigidGeometricStiffness:
     Parameters
     ----------
     rotation_stiffness : ndarray, shape (B, n_links)
-        Of each rigid link by its rotation in N m/rad; zero of flexible ones.
+        Of each rigid link by its rotation in N m/rad; of a flexible one that of its hub.
     guide_stiffness : ndarray, shape (B, n_sliders)
         Between the rotation of a slider's guide and its slide in N/rad; zero on the ground.
     """
@@ -196,7 +196,15 @@ class RigidCoordinates:
             leading = leader is not None and leader.slide is None
             for end in rigid[1 if leading else 0 :]:
                 other = BodyPoint(GROUND_AFTER_LINKS) if leader is None else leader
-                yield Coincidence(end_point(self.topology, end), other)
+                yield Coincidence(self._pinned(end), other)
+            if point.hub and self.is_rigid(point.ends[0]):
+                yield Coincidence(self._pinned(point.ends[0]), BodyPoint(GROUND_AFTER_LINKS))
+
+    def _pinned(self, end: LinkEnd) -> BodyPoint:
+        """Point of a rigid link that is pinned for an end: of a clamped one that on the axis."""
+        point = end_point(self.topology, end)
+        hubs = (clamp.hub for clamp in self.topology.clamps if clamp.link_end == end)
+        return replace(point, place=point.place - sum(hubs))
 
     def _equal_angles(self) -> Iterator[EqualAngle]:
         """Rigid links whose rotation equals that of others or of the shaft."""

@@ -260,6 +260,23 @@ class CoordinateRows:
     among: IntArray
 
 
+@dataclass(frozen=True)
+class HubRow:
+    """Displacement of a link along its frame at the end that is clamped to a hub.
+
+    Parameters
+    ----------
+    link, row : int
+        Number of the link, and which of its coordinates that is.
+    radius : float
+        Distance of the end from the shaft's axis in m.
+    """
+
+    link: int
+    row: int
+    radius: float
+
+
 class DisplacedTies:
     """Constraints over a batch of positions at finite displacements of the rigid links.
 
@@ -270,6 +287,7 @@ class DisplacedTies:
         For each link.
     at_points, at_coordinates : list
         Rows of flexible links whose forces act on rigid links and lines.
+    hubs : list of HubRow
     """
 
     def __init__(
@@ -278,14 +296,15 @@ class DisplacedTies:
         rows: list[list[DisplacedRows]],
         at_points: list[PointRows],
         at_coordinates: list[CoordinateRows],
+        hubs: list[HubRow],
     ) -> None:
-        self.pose, self.rows = pose, rows
+        self.pose, self.rows, self._hubs = pose, rows, hubs
         self._at_points, self._at_coordinates = at_points, at_coordinates
 
     def geometric_stiffness(
         self, forces: Sequence[FloatArray], rotation_stiffness: Mapping[int, FloatArray]
     ) -> RigidGeometricStiffness:
-        """Geometric stiffness of rigid links and sliders by dead loads and joint forces.
+        """Geometric stiffness of rigid links, hubs and sliders by dead loads and joint forces.
 
         Parameters
         ----------
@@ -316,6 +335,8 @@ class DisplacedTies:
         by_link = np.zeros(motion.angle.shape)
         for link in rigid.links:
             by_link[:, link] = rotation_stiffness[link]
+        for hub in self._hubs:
+            by_link[:, hub.link] += hub.radius * forces[hub.link][:, hub.row]
         return pose.geometric_stiffness(at_points, by_y, by_link)
 
     def matrix(self, stiffness: RigidGeometricStiffness) -> FloatArray:

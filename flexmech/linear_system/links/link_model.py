@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,8 +128,9 @@ class LinkModel:
     vectors : ndarray of int, shape (2, k)
         Coordinates along and across of all vectors in the link frame: displacements of nodes,
         and slope vectors. Of a reduced link there are none.
-    shaft : ndarray of int, shape (1,) or (0,)
-        Coordinate that is the rotation of the driven shaft, where it is free.
+    receding : ndarray of int, shape (1,) or (0,)
+        Coordinate ``cos(phi) - 1`` of the free shaft that the link is clamped to, where its
+        coordinates are natural ones.
     rigid : bool
         Whether the link is rigid; see :func:`flexmech.linear_system.links.rigid_link`.
     bodies : tuple of RigidBody
@@ -155,7 +156,7 @@ class LinkModel:
     start_warping: IntArray = field(default_factory=NONE.copy)
     end_warping: IntArray = field(default_factory=NONE.copy)
     vectors: IntArray = field(default_factory=NO_VECTORS.copy)
-    shaft: IntArray = field(default_factory=NONE.copy)
+    receding: IntArray = field(default_factory=NONE.copy)
     rigid: bool = False
     bodies: tuple[RigidBody, ...] = ()
 
@@ -311,39 +312,7 @@ class LinkModel:
                 unit[getattr(self, end), place] = 1.0
         return unit
 
-    def in_coordinates(self, basis: FloatArray) -> LinkModel:
-        """The unreduced link in other coordinates of the same number, with the same ends.
-
-        Parameters
-        ----------
-        basis : ndarray, shape (n, n)
-            ``q = basis @ p``.
-        """
-        back = np.linalg.inv(basis)
-        own = (back @ getattr(self.fields, field.name) for field in fields(RigidFields))
-        bodies = tuple(body.projected(basis) for body in self.bodies)
-        return replace(self._by(basis), fields=RigidFields(*own), bodies=bodies)
-
-    def _by(self, basis: FloatArray) -> LinkModel:
-        """Its matrices and readings by p, with ``q = basis @ p``."""
-
-        def project(matrix: LinkMatrix) -> FloatArray:
-            return basis.T @ matrix @ basis
-
-        return replace(
-            self,
-            mass=project(self.mass),
-            gyroscopic=project(self.gyroscopic),
-            centrifugal_mass=project(self.centrifugal_mass),
-            first_moment=self.first_moment @ basis,
-            stiffness=project(self.stiffness),
-            damping=project(self.damping),
-            readings=self.readings.projected(basis),
-        )
-
-    def projected(
-        self, basis: FloatArray, kept: dict[str, IntArray], shaft: IntArray = NONE
-    ) -> LinkModel:
+    def projected(self, basis: FloatArray, kept: dict[str, IntArray]) -> LinkModel:
         """The link in reduced coordinates p, with ``q = basis @ p``.
 
         Parameters
@@ -352,9 +321,11 @@ class LinkModel:
         kept : dict
             New positions of ``start`` and ``end``, and of ``start_rotation`` and
             ``end_rotation`` where they are kept.
-        shaft : ndarray of int, shape (1,) or (0,)
-            New position of the shaft's rotation.
         """
+
+        def project(matrix: LinkMatrix) -> FloatArray:
+            return basis.T @ matrix @ basis
+
         unit = self.end_basis(basis.shape[1], kept)
         ends = EndMatrices(
             mass=basis.T @ self.mass @ unit,
@@ -364,7 +335,14 @@ class LinkModel:
         )
         axial = np.abs(basis[self.is_axial]).sum(axis=0) > np.abs(basis[~self.is_axial]).sum(axis=0)
         return replace(
-            self._by(basis),
+            self,
+            mass=project(self.mass),
+            gyroscopic=project(self.gyroscopic),
+            centrifugal_mass=project(self.centrifugal_mass),
+            first_moment=self.first_moment @ basis,
+            stiffness=project(self.stiffness),
+            damping=project(self.damping),
+            readings=self.readings.projected(basis),
             is_axial=axial,
             start=kept["start"],
             end=kept["end"],
@@ -373,7 +351,7 @@ class LinkModel:
             start_warping=NONE,
             end_warping=NONE,
             vectors=NO_VECTORS,
-            shaft=shaft,
+            receding=np.flatnonzero(basis[self.receding].any(axis=0)),
             reduced_ends=ends,
             bodies=tuple(body.projected(basis, unit) for body in self.bodies),
         )

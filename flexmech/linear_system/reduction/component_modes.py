@@ -25,11 +25,11 @@ Where it is stretched by epsilon, its axis tilts less by that part, and sections
 A reduction in great detail lets sections rotate without the axis, in a few smooth shapes that are
 condensed like the axial modes.
 
-A link that is bowed by w0 bends on by w without stretch where its axis moves along itself by the
-integral of ``-w0' w'``. Axial modes show that slowly, and what they miss is held back by EA: of a
-slender link bowed by 4 % of its length frequencies are off by 2e-3, and by 5e-4 in great detail; of
-one clamped and welded at a tip that bows by 2.5 %, by 70 %. Frequencies over a map measure that and
-go without component modes; bodies that turn as one are never reduced.
+A link that is bowed by w0 bends further by w without stretch if its axis has the axial displacement
+``-w0' w'``, integrated. Axial modes converge slowly to that, and the remainder is resisted by EA:
+of a slender link bowed by 4 % of its length frequencies are off by 2e-3, and by 5e-4 in great
+detail; of one clamped and welded at a tip that bows by 2.5 %, by 70 %. Maps of frequencies measure
+that error and use the unreduced links; links that rotate as one body are never reduced.
 """
 
 from __future__ import annotations
@@ -53,20 +53,20 @@ from flexmech.linkages import Topology
 # mode asked for; the frequencies asked for mostly come out within 1e-5. Maps measure their
 # own error and take more modes where that is not enough (flexmech.analyses.frequencies.reduction).
 BENDING_CUTOFF = 1.5
-# An axial mode of frequency w answers Coriolis forces at angular velocity W with a
+# An axial mode of frequency w responds to Coriolis forces at angular velocity W with a
 # relative frequency shift of about (2 W / w)^2; beyond this ratio w / W it is below 1e-5.
 AXIAL_CUTOFF = 600.0
 # Axial modes that are condensed in a link which may bow; with two, frequencies are off noticeably.
 CONDENSED_AXIAL_MODES = 12
-# A link that stretches at up to this multiple of the usual bending cut-off is stretched by its
-# own inertia: without the static answer to that its axial modes converge slowly.
+# A link with an axial mode up to this multiple of the usual bending cut-off is stretched by its
+# own inertia: without the inertia-relief mode of that its axial modes converge slowly.
 STRETCHING_BY_INERTIA = 10.0
-# A shape that adds less than this part of itself to those before it is round-off, which its
-# frequency has by the square. So is an answer to what one damping time for all of a link leaves of
-# its damping forces, over the shape that it comes from.
+# A shape that is independent of those before it by less than this part of itself is round-off,
+# which its frequency has by the square. So is a static response to damping forces beyond one
+# damping time, over the shape that it comes from.
 ROUND_OFF_SHAPE = 1e-6
 GREAT_DETAIL = 4.0
-"""From which on sections turn against the axis, for links that bow deeply."""
+"""From which on sections rotate against the axis, for links that bow deeply."""
 # They turn in so many waves, or in one for so many nodes where a mesh has few.
 TURNING_WAVES = 8
 NODES_A_WAVE = 2
@@ -148,13 +148,13 @@ def component_modes(
         Greatest angular velocity of a link in rad/s (sets which axial modes stay dynamic).
     couples_axially : bool
         Whether the links may bow (prestress ``equilibrium``), so that condensed axial
-        modes are wanted.
+        modes are needed.
     detail : float
         Multiplies the frequencies up to which modes are kept and the number condensed. Above 1
-        answers to the damping of joined ends move by themselves; from :data:`GREAT_DETAIL` on
-        sections turn against the axis besides.
+        responses to the damping of joined ends are coordinates; from :data:`GREAT_DETAIL` on
+        sections rotate against the axis besides.
     axial_modes : int, optional
-        Axial modes of each link besides the static shapes, where they couple; chosen by
+        Axial modes of each link besides the constraint modes, where they couple; chosen by
         ``detail`` where it is left out.
     turning_sections : bool
         False where nothing tilts the axis of a link that bows, so that its sections need not
@@ -252,7 +252,7 @@ def _reduce(
     is_condensed = np.arange(basis.shape[1]) >= basis.shape[1] - condensed.shape[1]
     answered = damped and turning and fine
     return ReducedLink(
-        fixed.link.projected(basis, fixed.boundary.kept, fixed.boundary.shaft),
+        fixed.link.projected(basis, fixed.boundary.kept),
         basis,
         is_condensed,
         _damped_ends(fixed, basis, condensed) if answered else np.zeros((basis.shape[1], 0)),

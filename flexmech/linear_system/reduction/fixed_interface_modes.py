@@ -248,7 +248,7 @@ def _scattered(size: int, rows: IntArray, values: FloatArray) -> FloatArray:
     return whole
 
 
-# Forces that are answered at a time where all of them would fill a whole matrix: memory alone.
+# Columns that are solved at a time, where all would fill a full matrix: memory alone.
 AT_A_TIME = 64
 
 

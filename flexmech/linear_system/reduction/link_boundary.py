@@ -31,8 +31,6 @@ class LinkBoundary:
     kept : dict of str to ndarray of int
         Which of them are displacements of ``start`` and ``end``, and ``start_rotation`` and
         ``end_rotation``.
-    shaft : ndarray of int, shape (1,) or (0,)
-        Which of them is the rotation of a free shaft.
     dependent : ndarray of int, shape (k,)
         Which of them are displacements that depend on another link, or on a line.
     """
@@ -40,7 +38,6 @@ class LinkBoundary:
     fixed: NDArray[np.bool_]
     unit: FloatArray
     kept: dict[str, IntArray]
-    shaft: IntArray
     dependent: IntArray
 
     @property
@@ -59,6 +56,7 @@ class JoinedEnds:
     tied : set of LinkEnd
         Joined to other links, on a line, or on springs.
     welded : set of LinkEnd
+        Tied by welds, or clamped to a free shaft.
     dependent : sequence of LinkEnd
         Ends of flexible links that depend on another link's end, a rigid link or a line.
     """
@@ -100,17 +98,14 @@ def link_boundary(ends: JoinedEnds, link: LinkModel) -> LinkBoundary:
         keeps = LinkEnd(link.name, end) in ends.tied and not fixed[rows].any()
         kept[end] = len(columns) + np.arange(2 if keeps else 0)
         columns += [rows[n : n + 1] for n in range(2 if keeps else 0)]
-    shaft = np.zeros(0, dtype=np.intp)
     for end in ENDS:
         rows = link.end_rotation_of(end)
-        keeps = LinkEnd(link.name, end) in ends.welded and not fixed[rows].any()
-        kept[f"{end}_rotation"] = len(columns) + np.arange(int(keeps))
-        columns += [rows] if keeps else []
-        if keeps and np.isin(link.shaft, rows).any():
-            shaft = kept[f"{end}_rotation"]
-    if len(link.shaft) and not len(shaft):
-        shaft = np.array([len(columns)])
-        columns.append(link.shaft)
+        keeps = bool(len(rows)) and LinkEnd(link.name, end) in ends.welded and not fixed[rows].any()
+        # Both ends of a bar have one rotation.
+        before = [n for n, own in enumerate(columns) if np.array_equal(own, rows)]
+        numbers = (before or [len(columns)]) if keeps else []
+        kept[f"{end}_rotation"] = np.array(numbers, dtype=np.intp)
+        columns += [rows] if len(columns) in numbers else []
     # The section of a body off the axis is a joint too: a rigid link is welded to it.
     fixed_to = [body for body in link.bodies if body.is_off_axis and not body.of_section]
     arms = [body.rows.any(axis=0) for body in fixed_to]
@@ -122,15 +117,17 @@ def link_boundary(ends: JoinedEnds, link: LinkModel) -> LinkBoundary:
         unit[rows, number] = 1.0
     ends_of_link = [kept[place.end] for place in ends.dependent if place.link == link.name]
     dependent = np.concatenate([np.zeros(0, dtype=np.intp), *ends_of_link])
-    return LinkBoundary(fixed, unit, kept, shaft, dependent)
+    return LinkBoundary(fixed, unit, kept, dependent)
 
 
 def _fixed_by_joints(topology: Topology, link: LinkModel) -> Iterator[IntArray]:
     """Coordinates that the ground, the shaft or a fitting fixes, end by end."""
     for clamp in topology.clamps:
         if clamp.link_end.link == link.name:
-            yield link.end_displacement(clamp.link_end.end)
-            yield link.end_rotation_of(clamp.link_end.end)
+            if not (clamp.free and clamp.hub):
+                yield link.end_displacement(clamp.link_end.end)
+            if not clamp.free:
+                yield link.end_rotation_of(clamp.link_end.end)
     for pivot in topology.pivots:
         if pivot.link_end.link == link.name and not pivot.sprung:
             yield link.end_displacement(pivot.link_end.end)
@@ -142,11 +139,13 @@ def _fixed_by_joints(topology: Topology, link: LinkModel) -> Iterator[IntArray]:
 def _tied_ends(topology: Topology) -> set[LinkEnd]:
     tied = {place for tie in topology.ties for place in (tie.leader, tie.follower)}
     tied |= {slider.link_end for slider in topology.sliders}
+    tied |= {clamp.link_end for clamp in topology.clamps if clamp.free and clamp.hub}
     return tied | {pivot.link_end for pivot in topology.pivots if pivot.sprung}
 
 
 def _welded_ends(topology: Topology) -> set[LinkEnd]:
-    return {place for weld in topology.welds for place in (weld.leader, weld.follower)}
+    welded = {place for weld in topology.welds for place in (weld.leader, weld.follower)}
+    return welded | {clamp.link_end for clamp in topology.clamps if clamp.free}
 
 
 def _dependent_ends(topology: Topology) -> list[LinkEnd]:

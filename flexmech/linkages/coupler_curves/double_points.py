@@ -78,7 +78,7 @@ def crank_motion(linkage: FourBar) -> CrankMotion:
     if grashof_class == "change-point":
         raise InputError(
             "the linkage has a change point (shortest and longest link together are as long as "
-            "the other two): its circuits meet there and are not told apart; change a link "
+            "the other two): its circuits meet there and cannot be distinguished; change a link "
             "length slightly"
         )
     if grashof_class in ("crank-rocker", "double-crank"):

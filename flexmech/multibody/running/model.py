@@ -70,7 +70,7 @@ class RunningModel:
         shaft is free.
     constraints : dict of str to list of ItemNumber
         Of each joint, without what keeps clamps and welds from turning; of a tie also those of
-        joints that hang on its following end.
+        joints that depend on its following end.
     sliders : dict of str to SliderJoint
         By their joints.
     connectors : RunningConnectors

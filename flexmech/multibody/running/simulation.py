@@ -276,7 +276,7 @@ class _Steps:
         self._first = self._count = 0
         size = simulation.model.total_size
         multipliers = simulation.model.multiplier_count
-        # Exudyn's own: it adds up steps, and the shaft stands where that time has it.
+        # Exudyn's own time, the sum of its steps, at which the shaft's angle is prescribed.
         self._time: FloatArray = np.empty(BLOCK_STEPS)
         self._position: FloatArray = np.empty((BLOCK_STEPS, size))
         self._velocity: FloatArray = np.empty((BLOCK_STEPS, size))

@@ -148,8 +148,8 @@ class DrivenLinkage:
         """Number of the coordinate that is a free shaft's rotation; empty without one."""
         if self.shaft is None:
             return []
-        number = self.shaft.link
-        column = self.frames.targets[number][self.links[number].shaft[0]]
+        [column] = np.flatnonzero(self.shaft.rows[1])
+        column = self.frames.targets[self.shaft.link][column]
         return [int(np.sum(~self._condensed[:column]))]
 
     @property

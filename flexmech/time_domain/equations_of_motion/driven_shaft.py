@@ -89,7 +89,7 @@ class DrivenShaft:
         number = engine.free_shaft.link
         natural, rows = unreduced[number].natural, np.zeros((2, bases[number].shape[1]))
         if natural is None:
-            rows[1, frames.links[number].shaft] = 1.0
+            rows[1, engine.free_shaft.rotation(frames.links[number])] = 1.0
         else:
             rows = natural @ bases[number]
         return cls(engine, drive, frames, tuple(fields), number, rows)
@@ -183,10 +183,10 @@ class DrivenShaft:
         -------
         Trajectory
         """
-        shaft, free = run.shaft, self.engine.free_shaft
-        if not self.is_natural or shaft is None or free is None:
+        shaft = run.shaft
+        if not self.is_natural or shaft is None:
             return run
-        linkage, links = self.engine.mechanism.linkage, self.engine.clamped_links
+        linkage, links = self.engine.mechanism.linkage, self.engine.links
         mean = self.drive.motion(linkage, run.time)
         turned = linkage.motion(mean.crank_angle + shaft.rotation, mean.crank_speed + shaft.rate)
         angle = turned.angle - mean.angle
@@ -195,10 +195,7 @@ class DrivenShaft:
         shift = back * _complex(mean.origin - turned.origin)
         drift = back * _complex(mean.origin_velocity - turned.origin_velocity)
         drift -= 1j * turned.angular_velocity * shift
-        places, rates = (
-            [own.copy() for own in free.displacements(links, q)]
-            for q in (run.displacement, run.rate)
-        )
+        places, rates = ([own.copy() for own in q] for q in (run.displacement, run.rate))
         for number, (link, q, rate) in enumerate(zip(links, places, rates, strict=True)):
             (x, y), field, along = link.vectors, link.fields.tangential, link.fields.along
             turn, faster = np.exp(-1j * angle[:, number, None]), spin[:, number, None]

@@ -97,7 +97,7 @@ def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
     if topology.has_moving_guides:
         # A line that turns is not linear in natural coordinates.
         return topology, links
-    clamped = {clamp.link_end.link for clamp in topology.clamps}
+    clamped = {clamp.link_end.link for clamp in topology.clamps if not clamp.free}
     bars = {link.name for link in topology.links if link.rigid} - clamped
     shaft = engine.free_shaft
     for number, link in enumerate(topology.links):

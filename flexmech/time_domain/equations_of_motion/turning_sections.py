@@ -83,8 +83,8 @@ class TurningSections:
         TurningSections
         """
         own = engine.links[shaft.link]
-        place = np.concatenate([own.end_displacement(shaft.clamp.link_end.end), own.shaft])
-        arm = float(np.hypot(*shaft.lever)) or float(own.readings.nodes[-1])
+        place = np.append(own.end_displacement(shaft.clamp.link_end.end), shaft.rotation(own))
+        arm = shaft.clamp.hub or float(own.readings.nodes[-1])
         stiffness = np.array([bar_stiffness(engine, arm, shaft.inertia)])
         matter = ((0, RigidBody(0.0, (0.0, 0.0), shaft.inertia, 0.0)),)
         return cls(place[None], matter, stiffness, np.eye(1), 0.0, 0.0, np.zeros(1))
@@ -271,7 +271,7 @@ def with_turning_sections(
         link = sections.extended(link)
     if shaft is not None and shaft.link == number and shaft.turns_far:
         # Without mass its d_1 would be no coordinate.
-        link = _on_shaft(engine, shaft, link) if shaft.inertia or shaft.has_lever else link
+        link = _on_shaft(engine, shaft, link) if shaft.inertia or shaft.clamp.hub else link
     if link.model is before:
         return link, reduced, basis
     basis = scipy.linalg.block_diag(basis, np.eye(link.model.size - before.size))
@@ -281,7 +281,7 @@ def with_turning_sections(
         basis[: before.size, reduced.size :] = _static_answer(topology, before, link.model)
     ends = ("start", "end", "start_rotation", "end_rotation")
     kept = {name: getattr(reduced, name) for name in ends}
-    model = link.model.projected(basis, kept, reduced.shaft)
+    model = link.model.projected(basis, kept)
     return link, replace(model, reduced_ends=None), basis
 
 
@@ -295,21 +295,12 @@ def _static_answer(topology: Topology, link: LinkModel, extended: LinkModel) -> 
 
 
 def _on_shaft(engine: Engine, shaft: FreeShaft, link: NaturalLink) -> NaturalLink:
-    """A link whose section at its clamp a free shaft turns; on a hub it is not reduced."""
+    """A link whose section at its clamp a free shaft turns; on a hub it moves with ``d_1``."""
     section = TurningSections.of_shaft(engine, shaft)
     link = section.extended(link)
-    unit, turn = np.eye(link.model.size), int(section.place[0, 2])
-    link = replace(link, natural=unit[[-1, turn]])
-    if not shaft.has_lever:
-        return link
-    # The clamped end moves with d_1 as well.
-    unit[section.place[0, :2], -1] = shaft.lever
-    return replace(
-        link,
-        model=link.model.in_coordinates(unit),
-        stretch=link.stretch.in_coordinates(unit),
-        to_engine=link.to_engine @ unit,
-    )
+    last, turn = link.model.size - 1, int(section.place[0, 2])
+    model = replace(link.model, receding=np.array([last]))
+    return replace(link, model=model, natural=np.eye(last + 1)[[last, turn]])
 
 
 def _shapes(nodes: FloatArray, acting: list[float]) -> FloatArray:

@@ -16,7 +16,12 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from flexmech.arrays import FloatArray
-from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem, transition_matrices
+from flexmech.dynamical_systems import (
+    ON_A_STEP,
+    FourierSeries,
+    SampledPeriodicSystem,
+    transition_matrices,
+)
 from flexmech.linear_system import (
     DisplacedInertia,
     Engine,
@@ -45,10 +50,8 @@ SAMPLES = 181
 STEPS_A_PERIOD = 12
 # And of a turn: two a degree, which shows its loads up to the 60th harmonic as well.
 LEAST_STEPS = 720
-# A reading this near to a step, in steps, begins there: phases are told to round-off.
-ON_A_STEP = 1e-9
-# Modes besides those asked for, where nothing turns and any number of them is smooth. What they
-# leave out follows statically.
+# Modes besides the requested ones, where links do not rotate against each other and any number is
+# smooth. The truncated modes respond statically.
 SPARE_MODES = 2
 
 

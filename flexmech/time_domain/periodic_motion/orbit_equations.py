@@ -9,9 +9,9 @@ damping enters. At all samples together ::
 with the inertia of the links in their turning frames (all rotation terms), f the inertia forces of
 the rigid motion and the weight, f_int the engine's own internal forces at large displacements and D
 its Kelvin-Voigt damping. Inertia is linear in the displacements, but for bodies and rigid links,
-whose arms turn however far. That is exact for Exudyn's cables, whose coordinates are vectors;
-sections that turn keep the inertia of small turns against their link frame. N is the derivative of
-the links' coordinates q by the independent ones z. Both are linear, but for rigid links and
+whose arms rotate by finite angles. That is exact for Exudyn's cables, whose coordinates are
+vectors; sections have the inertia of small rotations against their link frame. N is the derivative
+of the links' coordinates q by the independent ones z. Both are linear, but for rigid links and
 sliders, whose constraints hold at finite displacements.
 """
 
@@ -120,7 +120,7 @@ class OrbitEquations:
     Parameters
     ----------
     engine : Engine
-        Its :meth:`Engine.running_links` tell internal forces.
+        Its :meth:`Engine.running_links` give internal forces.
     crank_speed : float
         In rad/s, not zero.
     samples : int

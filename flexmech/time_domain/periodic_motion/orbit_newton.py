@@ -1,11 +1,11 @@
 """Newton's method for the periodic motion of links with nonlinear internal forces.
 
 Its steps are solved by GMRES. The preconditioner splits the coordinates of each sample by its
-frozen modes: modes that the harmonics of the orbit can excite move, with the whole linear
-periodic problem solved for them (collocation, one matrix over all samples); the others answer
-statically, so that a bowed link is free to stretch. A step moves bending modes along straight
-lines, which stretches links by the square of it; forces of that are let go statically before
-the step is judged. Steps are shortened by the natural monotonicity test: the next correction
+frozen modes: those that the harmonics of the orbit can excite are dynamic, with the whole linear
+periodic problem solved for them (collocation, one matrix over all samples); the others respond
+quasi-statically, so that a bowed link is free to stretch. A step changes bending modes along
+straight lines, which stretches links by the square of it; these forces are relaxed statically
+before the step is judged. Steps are shortened by the natural monotonicity test: the next correction
 with the same matrices must be shorter (Deuflhard, Newton Methods for Nonlinear Problems, 2004,
 ch. 3).
 """
@@ -48,13 +48,13 @@ STEP_TOLERANCE = 1e-4
 MOST_VECTORS = 60
 MOST_RESTARTS = 2
 MANY_PRODUCTS = 20
-# Static answers end at this part of the loads, which Newton's method takes on; they halve their
-# forces or better.
+# Static relaxation ends at this part of the loads, with which Newton's method continues; each pass
+# halves the forces or better.
 BALANCED = 1e-2
 MOST_BALANCING = 8
 # Detuning of the moving modes alone below which that of all coordinates is found, and the steps
 # of inverse iteration that it takes. The static modes are worth (1 / 1.5)^2 of a detuning; near a
-# critical speed each step tells the singular motion from the others by orders of magnitude.
+# critical speed each step separates the singular motion from the others by orders of magnitude.
 SUSPICIOUS = 1e-2
 INVERSE_STEPS = 3
 

@@ -114,9 +114,9 @@ class SampledTurn:
         stressed : StressedLinks
             At these positions.
         prestress : {"none", "axial", "equilibrium"}
-            Level that tells which component modes the links need.
+            Level by which the component modes of the links are chosen.
         modes : int
-            Number of natural frequencies that the reduction must get right.
+            Number of natural frequencies for which the reduction is accurate.
         fastest : float, optional
             Crank speed in rad/s up to which the component modes must do; that of the motion by
             default.

@@ -1,13 +1,13 @@
 """Periodic steady state at constant crank speed by shooting, without a transient.
 
 A turn of the crank maps the state at its start to that at its end. Of linear equations the map is
-affine, ``x -> monodromy @ x + forced``: it is taken along with the trapezoidal rule for all
-coordinates at once, and its fixed point is where the motion repeats itself. The eigenvalues of the
+affine, ``x -> monodromy @ x + forced``: it is computed by the trapezoidal rule for all coordinates
+at once, and its fixed point is the periodic motion. The eigenvalues of the
 monodromy matrix are the Floquet multipliers.
 
-Of a nonlinear simulation the linear equations know how the end answers a change of the start, which
-makes Newton's method with an approximate derivative out of one simulated turn an iteration. It
-finds the periodic motion whether or not damping would ever lead there.
+For a nonlinear simulation the derivative of the map is that of the linear equations: Newton's
+method with an approximate Jacobian and one simulated turn an iteration. It finds the periodic
+motion whether or not a transient would decay to it.
 """
 
 from __future__ import annotations
