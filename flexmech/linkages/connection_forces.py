@@ -189,8 +189,8 @@ def solve_connections(topology: Topology, motion: RigidMotion, load: FloatArray)
         raise InputError(_what_is_wrong(topology, motion, matrix)) from None
     # Round-off makes a singular matrix regular; what it gives is then far too large.
     shortest = min(link.length for link in topology.links)
-    carried = np.abs(load).max(initial=0.0) * max(1.0, 1.0 / shortest)
-    if not np.abs(solved).max(initial=0.0) <= SUSPICIOUS_FORCE * carried:
+    load_scale = np.abs(load).max(initial=0.0) * max(1.0, 1.0 / shortest)
+    if not np.abs(solved).max(initial=0.0) <= SUSPICIOUS_FORCE * load_scale:
         words = _what_is_wrong(topology, motion, matrix)
         if words:
             raise InputError(words)

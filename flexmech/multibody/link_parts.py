@@ -263,10 +263,10 @@ class MovingFrames:
             angle, speed = motion.angle[:, link], motion.angular_velocity[:, link, None]
             straight = part.straight
             local = straight + displacement[link]
-            carried = rate[link] + speed * _quarter_turned(part, local)
+            vectors = rate[link] + speed * _quarter_turned(part, local)
             place, drift = _rigid(part, motion, link)
             position[:, part.coordinates] = _turned(part, local, angle) + place - straight
-            velocity[:, part.coordinates] = _turned(part, carried, angle) + drift
+            velocity[:, part.coordinates] = _turned(part, vectors, angle) + drift
         return position, velocity
 
     def to_frames(
@@ -289,8 +289,8 @@ class MovingFrames:
             angle, speed = motion.angle[:, link], motion.angular_velocity[:, link, None]
             straight = part.straight
             place, drift = _rigid(part, motion, link)
-            carried = _unwound(part, position[:, part.coordinates] + straight - place)
-            local = _turned(part, carried, -angle)
+            vectors = _unwound(part, position[:, part.coordinates] + straight - place)
+            local = _turned(part, vectors, -angle)
             moving = _turned(part, velocity[:, part.coordinates] - drift, -angle)
             displacement.append(local - straight)
             rate.append(moving - speed * _quarter_turned(part, local))

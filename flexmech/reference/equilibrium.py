@@ -200,7 +200,7 @@ class Equilibrium:
         displaced = self.frames.displaced_ties_by(motion, displacement)
         columns = [q.T for q in displacement]
         inner = [-each.T for each in beside]
-        rotation_stiffness = self._springs.add_forces(motion, columns, inner)
+        rotation_stiffness = self._springs.add_forces(motion, columns, inner, displaced)
         found = displaced.geometric_stiffness([-each.T for each in inner], dead.by_link(columns))
         return replace(found, rotation_stiffness=found.rotation_stiffness + rotation_stiffness)
 

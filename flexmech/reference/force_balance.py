@@ -87,8 +87,9 @@ class ForceBalance:
         rotation_stiffness: FloatArray | None = None
         springs: Iterable[FloatArray] = ()
         if self.springs.columns:
-            rotation_stiffness = self.springs.add_forces(problem.motion, displacement, inner)
-            springs = self.springs.tangents(problem.motion, displacement, ties)
+            given = problem.motion, displacement, inner, ties.displaced
+            rotation_stiffness = self.springs.add_forces(*given)
+            springs = self.springs.tangents(problem.motion, ties)
         springs = chain(springs, self.coupled.tangents(ties, z.shape[1]))
         residual = self._unbalanced(inner, ties, problem)
         if problem.loads is None or ties.displaced is None:
@@ -117,7 +118,7 @@ class ForceBalance:
         problem.dead.add_forces(inner, displacement)
         self.coupled.add_forces(displacement, inner, problem.swelling)
         if self.springs.columns:
-            self.springs.add_forces(problem.motion, displacement, inner)
+            self.springs.add_forces(problem.motion, displacement, inner, ties.displaced)
         return self._unbalanced(inner, ties, problem)
 
     def _rigid_link_forces(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:

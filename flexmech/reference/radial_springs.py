@@ -1,8 +1,8 @@
 """Radial springs of sprung joints in a nonlinear equilibrium.
 
 The force of the joint is ``F = k d`` in ground axes with the gap d between its two ends, which is
-part of the equilibrium. It does not rotate with the links. The end r of a rigid link rotated by phi
-is at ``u + R(phi) r``, so that the force has a geometric stiffness as well.
+part of the equilibrium. It does not rotate with the links. The place of an end of a rigid link is
+that of its pose, so that the force has a geometric stiffness as well.
 """
 
 from __future__ import annotations
@@ -13,21 +13,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system import LinkFrames
+from flexmech.linear_system import DisplacedTies, LinkFrames
 from flexmech.linkages import JointSpring, LinkEnd, RigidMotion
+from flexmech.linkages.body_motion import BodyPoint
+from flexmech.linkages.connection_forces import end_point
 from flexmech.linkages.motion import direction, normal
 from flexmech.reference.dependent_element import Ties
 
 
 @dataclass(frozen=True)
 class _End:
-    """An end of a spring: sign, link, place on it, and rows (2,) of a flexible link."""
+    """An end of a spring: sign, link, rows (2,) of a flexible link, and point of a rigid one."""
 
     sign: float
     link: int
-    x: float
     rows: IntArray
-    rigid: bool
+    point: BodyPoint | None
 
 
 class RadialSprings:
@@ -64,6 +65,7 @@ class RadialSprings:
         motion: RigidMotion,
         displacement: Sequence[FloatArray],
         forces: Sequence[FloatArray],
+        displaced: DisplacedTies | None,
     ) -> FloatArray:
         """Add the spring forces to the internal forces; returns the geometric stiffness.
 
@@ -72,6 +74,8 @@ class RadialSprings:
         motion : RigidMotion
             Batch of shape (B,).
         displacement, forces : sequence of ndarray, shape (n_link, B)
+        displaced : DisplacedTies or None
+            Of the rigid links at these displacements.
 
         Returns
         -------
@@ -80,51 +84,48 @@ class RadialSprings:
         """
         stiffness_of_rotation = np.zeros(motion.angle.shape)
         for stiffness, ends in zip(self._stiffness, self._ends, strict=True):
-            force = stiffness * self._gap(motion, displacement, ends)
+            force = stiffness * self._gap(motion, displacement, ends, displaced)
             for end in ends:
-                angle, own = motion.angle[:, end.link], forces[end.link]
-                own[end.rows[0]] += end.sign * np.sum(force * direction(angle), axis=1)
-                own[end.rows[1]] += end.sign * np.sum(force * normal(angle), axis=1)
-                if end.rigid:
-                    turned = angle + displacement[end.link][2]
-                    arm = end.sign * end.x
-                    own[2] += arm * np.sum(force * normal(turned), axis=1)
-                    stiffness_of_rotation[:, end.link] -= arm * np.sum(
-                        force * direction(turned), axis=1
-                    )
+                if end.point is None:
+                    own, angle = forces[end.link], motion.angle[:, end.link]
+                    own[end.rows[0]] += end.sign * np.sum(force * direction(angle), axis=1)
+                    own[end.rows[1]] += end.sign * np.sum(force * normal(angle), axis=1)
+                    continue
+                moved = self._moved_by_link(end, displaced)
+                forces[end.link][:] += np.einsum("cyb,bc->yb", moved, force)
+                # A quarter turn back from how a rotation moves the end is its arm.
+                along, across = moved[:, 2]
+                stiffness_of_rotation[:, end.link] -= force[:, 0] * across - force[:, 1] * along
         return stiffness_of_rotation
 
-    def tangents(
-        self, motion: RigidMotion, displacement: Sequence[FloatArray], ties: Ties
-    ) -> Iterator[FloatArray]:
+    def tangents(self, motion: RigidMotion, ties: Ties) -> Iterator[FloatArray]:
         """Stiffness of each spring by its :attr:`columns`, (m, m, B), one after the other.
 
         Parameters
         ----------
         motion : RigidMotion
             Batch of shape (B,).
-        displacement : sequence of ndarray, shape (n_link, B)
         ties : Ties
             Of the displaced links.
         """
         for stiffness, ends, columns in zip(self._stiffness, self._ends, self.columns, strict=True):
             moved = np.zeros((2, self._frames.size, len(motion.crank_angle)))
             for end in ends:
-                self._add_moved(moved, end, motion, displacement, ties)
+                self._add_moved(moved, end, motion, ties)
             own = moved[:, columns]
             yield stiffness * np.einsum("cib,cjb->ijb", own, own)
 
     def _end(self, sign: float, end: LinkEnd) -> _End:
-        number, x = self._frames.topology.end_place(end)
+        number = self._frames.topology.index(end.link)
         link = self._frames.links[number]
-        rows = link.start if link.rigid else link.end_displacement(end.end)
-        return _End(sign, number, x, rows, link.rigid)
+        point = end_point(self._frames.topology, end) if link.rigid else None
+        return _End(sign, number, link.end_displacement(end.end), point)
 
     def _columns(self, ends: Sequence[_End]) -> IntArray:
         """Coordinates that may move these ends."""
         found = [np.zeros(0, dtype=np.intp)]
         for end in ends:
-            if end.rigid:
+            if end.point is not None:
                 found.append(np.arange(len(self._frames.rigid.independent_coordinates)))
                 continue
             target = self._frames.targets[end.link][end.rows]
@@ -135,38 +136,41 @@ class RadialSprings:
         return np.unique(np.concatenate(found))
 
     def _gap(
-        self, motion: RigidMotion, displacement: Sequence[FloatArray], ends: Sequence[_End]
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        ends: Sequence[_End],
+        displaced: DisplacedTies | None,
     ) -> FloatArray:
         """Gap between the ends in ground axes, (B, 2)."""
         gap = np.zeros((len(motion.crank_angle), 2))
         for end in ends:
+            if end.point is not None:
+                assert displaced is not None
+                gap += end.sign * displaced.pose.displacement([end.point])[:, 0]
+                continue
             q, angle = displacement[end.link], motion.angle[:, end.link]
-            moved = q[end.rows[0], :, None] * direction(angle)
-            moved = moved + q[end.rows[1], :, None] * normal(angle)
-            if end.rigid:
-                moved = moved + end.x * (direction(angle + q[2]) - direction(angle))
-            gap += end.sign * moved
+            gap += end.sign * q[end.rows[0], :, None] * direction(angle)
+            gap += end.sign * q[end.rows[1], :, None] * normal(angle)
         return gap
 
-    def _add_moved(
-        self,
-        moved: FloatArray,
-        end: _End,
-        motion: RigidMotion,
-        displacement: Sequence[FloatArray],
-        ties: Ties,
-    ) -> None:
+    def _moved_by_link(self, end: _End, displaced: DisplacedTies | None) -> FloatArray:
+        """Derivative of an end's place by the coordinates of its rigid link, (2, 3, B)."""
+        assert end.point is not None
+        assert displaced is not None
+        moved = displaced.pose.rows([end.point])[:, :, self._frames.rigid.of_link(end.link)]
+        return np.asarray(end.sign * np.moveaxis(moved, 0, -1))
+
+    def _add_moved(self, moved: FloatArray, end: _End, motion: RigidMotion, ties: Ties) -> None:
         """Add the derivative of an end's place by the coordinates to ``moved`` (2, size, B)."""
-        angle = motion.angle[:, end.link]
-        axes = end.sign * np.stack([direction(angle).T, normal(angle).T], axis=1)
-        if end.rigid:
+        if end.point is not None:
             assert ties.displaced is not None
-            pose, among = ties.displaced.pose, self._frames.rigid.of_link(end.link)
-            turned = normal(angle + displacement[end.link][2]).T
-            own = np.concatenate([axes, end.sign * end.x * turned[:, None]], axis=1)
-            by_y = pose.coordinates[:, among]
+            by_y = ties.displaced.pose.coordinates[:, self._frames.rigid.of_link(end.link)]
+            own = self._moved_by_link(end, ties.displaced)
             moved[:, : by_y.shape[2]] += np.einsum("cyb,byn->cnb", own, by_y)
             return
+        angle = motion.angle[:, end.link]
+        axes = end.sign * np.stack([direction(angle).T, normal(angle).T], axis=1)
         dependencies = self._frames.dependencies(end.link)
         target = self._frames.targets[end.link][end.rows]
         for number, (rows, columns) in enumerate(dependencies):

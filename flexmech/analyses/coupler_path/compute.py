@@ -92,19 +92,19 @@ class _Path:
         pins = [motion.position(self.link, x) for x in (0.0, body.length)]
         is_curve = isinstance(self.linkage, FourBar) and body.name == "coupler"
         # A four-bar's coupler is shown with the rocker, and with all members.
-        shown = slice(self.link, self.link + (2 if is_curve else 1))
+        members = slice(self.link, self.link + (2 if is_curve else 1))
         lengths = {own.name: own.length for own in topology.links}
         variables: dict[str, Any] = {
             "position": ((_OVER, "component"), position, _METRE),
             "pin_position": ((_OVER, "pin", "component"), np.stack(pins, axis=1), _METRE),
-            "angle": ((_OVER, "link"), np.unwrap(motion.angle[:, shown], axis=0), _RADIAN),
+            "angle": ((_OVER, "link"), np.unwrap(motion.angle[:, members], axis=0), _RADIAN),
             "coupler_point_distance": ((), self.point.distance, _METRE),
         }
         coordinates: dict[str, Any] = {
             "crank_angle": (_OVER, crank_angles, _RADIAN),
             "component": ["x", "y"],
             "pin": ["A", "B"] if is_curve else ["start", "end"],
-            "link": list(topology.link_names[shown]),
+            "link": list(topology.link_names[members]),
         }
         if isinstance(self.linkage, FourBar) and is_curve:
             lengths = dict(self.linkage.lengths)
@@ -195,14 +195,14 @@ def coupler_paths(
     lines = environment_lines(mechanism, environment, lengths_alone=bool(warning))
     attributes = {
         **origin(mechanism),
-        "drawing": drawing(mechanism, _shown(mechanism, angles)),
+        "drawing": drawing(mechanism, _picture_angle(mechanism, angles)),
         "environment_lines": "\n".join(lines),
         "warning": warning,
     }
     return CouplerPaths(_dataset(paths, angles).assign_attrs(attributes))
 
 
-def _shown(mechanism: Mechanism, angles: FloatArray) -> float:
+def _picture_angle(mechanism: Mechanism, angles: FloatArray) -> float:
     """The crank angle of the path at which a picture shows the linkage best."""
     best = picture_crank_angle(mechanism.linkage)
     return float(angles[np.argmin(np.abs(angles - best))])

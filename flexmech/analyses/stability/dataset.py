@@ -85,13 +85,13 @@ def dataset_of(maps: Sequence[EngineStability], request: StabilityRequest) -> xr
         the engine that it is of.
     """
     speeds, engines = request.crank_speeds, [each.engine for each in maps]
-    told = {
+    solved = {
         # A speed may differ from the one asked for by round-off.
         (number, int(np.abs(speeds - each.crank_speed).argmin())): each
         for number, own in enumerate(maps)
         for each in own.speeds
     }
-    tracked = {at: each for at, each in told.items() if isinstance(each, TrackedSpeed)}
+    tracked = {at: each for at, each in solved.items() if isinstance(each, TrackedSpeed)}
     shares = [each.harmonic_share for each in tracked.values()]
     harmonics = max((len(share) for share in shares), default=1)
     kept = max((share.shape[1] for share in shares), default=0)
@@ -99,11 +99,11 @@ def dataset_of(maps: Sequence[EngineStability], request: StabilityRequest) -> xr
     variables: dict[str, Any] = {
         "unstable": (
             OVER_SPEEDS,
-            filled(shape[:2], ((at, state_of(each)) for at, each in told.items()), NOT_COMPUTED),
+            filled(shape[:2], ((at, state_of(each)) for at, each in solved.items()), NOT_COMPUTED),
         ),
         "reason": (
             OVER_SPEEDS,
-            filled(shape[:2], ((at, _reason(each)) for at, each in told.items()), ""),
+            filled(shape[:2], ((at, _reason(each)) for at, each in solved.items()), ""),
         ),
     }
 

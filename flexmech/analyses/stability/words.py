@@ -148,10 +148,12 @@ def gap_lines(dataset: xr.Dataset) -> list[str]:
             first, last = (speed_text(w, unit) for w in run["crank_speed"].values[[0, -1]])
             count = len(places)
             where = f"at {first}" if count == 1 else f"from {first} to {last}"
-            told = f"({count} speed{'' if count == 1 else 's'}): {run['reason'].values[0]}"
+            reason = f"({count} speed{'' if count == 1 else 's'}): {run['reason'].values[0]}"
             if np.isfinite(run["growth_rate"].values).any():
-                told += "; multipliers there are those of the linear equations about straight links"
-            lines.append(f"gap: {name} has no equilibrium {where} {unit} {told}")
+                reason += (
+                    "; multipliers there are those of the linear equations about straight links"
+                )
+            lines.append(f"gap: {name} has no equilibrium {where} {unit} {reason}")
     return lines
 
 

@@ -83,8 +83,8 @@ class EngineLinks(ElementKinds):
         shaft = self.free_shaft
         # Rigid links and a hub on a free shaft have their geometric stiffness in natural
         # coordinates alone.
-        told = shaft is None or shaft.turns_far or not shaft.is_stiff
-        return self.clamped_stretches if told else None
+        known = shaft is None or shaft.turns_far or not shaft.is_stiff
+        return self.clamped_stretches if known else None
 
     @property
     def clamped_stretches(self) -> tuple[LinkStretch, ...] | None:

@@ -38,7 +38,6 @@ SMOOTH_SHAPES = 5
 # as high are 1.4e-6 too low, with a tenth of it 1.4e-5. Ten times as much costs a deep bow its
 # energy balance.
 OF_ALL_SECTIONS = 1000.0
-_NOTHING = RigidBody(0.0, (0.0, 0.0), 0.0, central_inertia=0.0)
 
 
 @dataclass(frozen=True)
@@ -49,8 +48,8 @@ class TurningSections:
     ----------
     place : ndarray of int, shape (k, 3)
         Displacement of each section and its rotation among the link's coordinates.
-    bodies : tuple of RigidBody
-        What is fixed to each, about it.
+    bodies : tuple of (int, RigidBody)
+        What is fixed to the sections, by their numbers.
     stiffness : ndarray, shape (k,)
         Of the bar of each section against ``d_1``, in N m.
     shapes : ndarray, shape (k, r)
@@ -63,7 +62,7 @@ class TurningSections:
     """
 
     place: IntArray
-    bodies: tuple[RigidBody, ...]
+    bodies: tuple[tuple[int, RigidBody], ...]
     stiffness: FloatArray
     shapes: FloatArray
     mass_axis: float
@@ -87,7 +86,7 @@ class TurningSections:
         place = np.append(own.end_displacement(shaft.clamp.link_end.end), shaft.rotation(own))
         arm = shaft.clamp.hub or float(own.readings.nodes[-1])
         stiffness = np.array([bar_stiffness(engine, arm, shaft.inertia)])
-        matter = (RigidBody(0.0, (0.0, 0.0), shaft.inertia, central_inertia=0.0),)
+        matter = ((0, RigidBody(0.0, (0.0, 0.0), shaft.inertia, 0.0)),)
         return cls(place[None], matter, stiffness, np.eye(1), 0.0, 0.0, np.zeros(1))
 
     @classmethod
@@ -108,31 +107,30 @@ class TurningSections:
             All at nodes where the link is eccentric, those with bodies where it is not.
         """
         link, mass = engine.links[number], engine.mechanism.link_masses_in_order[number]
-        nodes, eccentric = link.readings.nodes, bool(mass.offset or neutral_axis)
-        at: dict[int, RigidBody] = dict.fromkeys(range(len(nodes) if eccentric else 0), _NOTHING)
-        stiffness, share = np.zeros((2, len(nodes)))
-        fixed = [body for body in link.bodies if not body.of_section]
-        for body, node in zip(fixed, body_nodes(nodes, fixed).tolist(), strict=True):
-            if body.is_off_axis or eccentric:
-                at[node] = _joined(at.get(node, _NOTHING), body)
+        nodes, axes = link.readings.nodes, (mass.offset, neutral_axis)
+        fixed = [
+            body for body in link.bodies if not body.of_section and (any(axes) or body.is_off_axis)
+        ]
+        points = zip(mass.point_positions, mass.point_masses, strict=True)
+        fixed += [RigidBody(m, (0.0, 0.0), 0.0, 0.0, position=x) for x, m in points if any(axes)]
+        at = body_nodes(nodes, fixed)
+        used = np.arange(len(nodes)) if any(axes) else np.unique(at)
+        if not len(used):
+            return None
+        shapes, (stiffness, share) = np.eye(len(used)), np.zeros((2, len(nodes)))
+        for body, node in zip(fixed, at.tolist(), strict=True):
             if body.is_off_axis:
                 arm = float(np.hypot(*body.first_moment)) / body.mass
                 stiffness[node] += bar_stiffness(engine, arm)
-        if not at:
-            return None
-        used, shapes = np.sort(np.array(list(at))), np.eye(len(at))
-        if eccentric:
-            for x, point in zip(mass.point_positions, mass.point_masses, strict=True):
-                node = int(np.argmin(np.abs(nodes - x)))
-                at[node] = _joined(at[node], replace(_NOTHING, mass=point))
-            arm = float(np.hypot(mass.offset, neutral_axis))
+        if any(axes):
             part = np.convolve(np.diff(nodes), [0.5, 0.5]) / nodes[-1]
+            arm = float(np.hypot(*axes))
             stiffness += OF_ALL_SECTIONS * part * bar_stiffness(engine, arm)
             share += part * mass.mass_per_length * nodes[-1]
-            acting = [*mass.point_positions, *(body.position for body in mass.bodies)]
+            acting = [body.position for body in fixed]
             shapes = _shapes(nodes, [*acting, *engine.mechanism.acting_at(link.name)])
         place = link.readings.per_node * used[:, None] + np.array([0, 1, link.readings.slope])
-        bodies, axes = tuple(at[node] for node in used.tolist()), (mass.offset, neutral_axis)
+        bodies = tuple(zip(np.searchsorted(used, at).tolist(), fixed, strict=True))
         return cls(place, bodies, stiffness[used], shapes, *axes, share[used])
 
     def extended(self, link: NaturalLink) -> NaturalLink:
@@ -146,13 +144,12 @@ class TurningSections:
         -------
         NaturalLink
         """
-        more, count = self.shapes.shape[1], len(link.to_engine)
+        unit = np.eye(link.model.size, link.model.size + self.shapes.shape[1])
         return NaturalLink(
             self._model(link.model, float(link.stretch.damping_time[0])),
             self._stretch(link.stretch),
-            _wider(link.to_engine, more),
-            np.vstack([link.from_engine, np.zeros((more, count))]),
-            None if link.natural is None else _wider(link.natural, more),
+            link.to_engine @ unit,
+            unit.T @ link.from_engine,
         )
 
     def _lifted(self, size: int, axis: float) -> FloatArray:
@@ -214,16 +211,18 @@ class TurningSections:
     def _inertia(self, link: LinkModel) -> list[FloatArray]:
         """Mass, gyroscopic and centrifugal mass matrix, (n + r, n + r)."""
         found = [whole(x).copy() for x in (link.mass, link.gyroscopic, link.centrifugal_mass)]
-        straight = np.array([body.matrices(np.zeros(()), on_axis=True) for body in self.bodies])
-        entries = self.place[:, :, None], self.place[:, None]
-        for matrix, of_bodies in zip(found, np.moveaxis(straight, 1, 0), strict=True):
-            matrix[entries] -= of_bodies
+        for number, body in self.bodies:
+            entries = np.ix_(self.place[number], self.place[number])
+            straight = body.matrices(np.zeros(()), on_axis=True)
+            for matrix, own in zip(found, straight, strict=True):
+                matrix[entries] -= own
         lifted = self._lifted(link.size, self.mass_axis)
         mass, gyroscopic, centrifugal = (lifted.T @ matrix @ lifted for matrix in found)
-        unit, second = np.eye(len(mass)), self.mass_axis**2 * self.share
-        centrifugal[self.place[:, 2], self.place[:, 2]] += second
-        for place, body, d_1 in zip(self.place, self.bodies, self.shapes, strict=True):
-            by = np.vstack([unit[place[:2]], d_1 @ unit[link.size :], unit[place[2]]])
+        unit, turn = np.eye(len(mass)), self.place[:, 2]
+        centrifugal[turn, turn] += self.mass_axis**2 * self.share
+        for number, body in self.bodies:
+            u, v, phi = self.place[number]
+            by = np.stack([unit[u], unit[v], self.shapes[number] @ unit[link.size :], unit[phi]])
             weighted = by.T @ body.natural_inertia(np.eye(2)) @ by
             mass += weighted
             centrifugal += weighted
@@ -304,18 +303,6 @@ def _on_shaft(engine: Engine, shaft: FreeShaft, link: NaturalLink) -> NaturalLin
     return replace(link, model=model, natural=np.eye(last + 1)[[last, turn]])
 
 
-def _joined(first: RigidBody, second: RigidBody) -> RigidBody:
-    """Two bodies that are fixed to one section."""
-    (a, c), (x, y) = first.first_moment, second.first_moment
-    return replace(
-        first,
-        mass=first.mass + second.mass,
-        first_moment=(a + x, c + y),
-        second_moment=first.second_moment + second.second_moment,
-        central_inertia=first.central_inertia + second.central_inertia,
-    )
-
-
 def _shapes(nodes: FloatArray, acting: list[float]) -> FloatArray:
     """``d_1`` at nodes (k,) of an eccentric link on which forces act at some places, (k, r)."""
     acting = [0.0, *acting, float(nodes[-1])]
@@ -324,8 +311,3 @@ def _shapes(nodes: FloatArray, acting: list[float]) -> FloatArray:
         return np.eye(len(nodes))
     smooth = np.polynomial.legendre.legvander(2 * nodes / nodes[-1] - 1, SMOOTH_SHAPES - 1)
     return np.hstack([smooth, np.eye(len(nodes))[:, places]])
-
-
-def _wider(matrix: FloatArray, more: int) -> FloatArray:
-    """With so many columns of zeros at the end."""
-    return np.hstack([matrix, np.zeros((len(matrix), more))])

@@ -227,4 +227,9 @@ def _at(
     derivative = np.asarray(equations.first @ z, dtype=float)
     position, velocity = at_angles(z, angle), at_angles(derivative, angle)
     moving = equations.frames.link_motion(motion, position, velocity, np.zeros_like(position))
-    return tuple(q for q, _, _ in moving), tuple(rate for _, rate, _ in moving)
+    beyond = [(own, equations.first @ own) for own in equations.beyond_linear(z)]
+    pairs = [
+        (q + at_angles(own, angle), rate + at_angles(faster, angle))
+        for (q, rate, _), (own, faster) in zip(moving, beyond, strict=True)
+    ]
+    return tuple(q for q, _ in pairs), tuple(rate for _, rate in pairs)

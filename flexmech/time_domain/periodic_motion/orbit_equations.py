@@ -4,19 +4,21 @@ A turn of the crank is sampled at evenly spaced crank angles, and the periodic m
 differentiated by its Fourier series (collocation): no time step is taken and no numerical
 damping enters. At all samples together ::
 
-    r(z) = M z'' + C z' + K z + N' f_int(q) + N' D(q) q' - f = 0,    q = N z
+    r(z) = N' (M q'' + G q' + (alpha S - omega^2 M_t) q + f_int(q) + D(q) q' - f) = 0,    q = q(z)
 
-with M, C and K the inertia of the links in their turning frames (all rotation terms), f the
-inertia forces of the rigid motion and the weight, f_int the engine's own internal forces at
-large displacements and D its Kelvin-Voigt damping. Inertia is linear in the displacements, but for
-bodies and rigid links, whose arms rotate by finite angles. That is exact for Exudyn's cables, whose
-coordinates are vectors; sections have the inertia of small rotations against their link frame.
+with the inertia of the links in their turning frames (all rotation terms), f the inertia forces of
+the rigid motion and the weight, f_int the engine's own internal forces at large displacements and D
+its Kelvin-Voigt damping. Inertia is linear in the displacements, but for bodies and rigid links,
+whose arms rotate by finite angles. That is exact for Exudyn's cables, whose coordinates are
+vectors; sections have the inertia of small rotations against their link frame. N is the derivative
+of the links' coordinates q by the independent ones z. Both are linear, but for rigid links and
+sliders, whose constraints hold at finite displacements.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,14 +27,15 @@ from flexmech.linear_system import (
     Engine,
     LinkDamping,
     LinkFrames,
-    LinkMatrix,
     RotationTerms,
     StressedLinks,
     SystemMatrices,
     inertia_loads,
     whole,
+    with_rigid_links,
 )
 from flexmech.linkages import RigidMotion
+from flexmech.time_domain.equations_of_motion.link_inertia import LinkInertia, MovingLink
 
 
 @dataclass(frozen=True)
@@ -146,18 +149,24 @@ class OrbitEquations:
         self.first, self.second = derivatives(samples, crank_speed)
         nothing = [np.zeros((link.size, link.size)) for link in links]
         self._undamped = [LinkDamping(zero, zero) for zero in nothing]
-        self._inertia = self.frames.assemble(self.motion, nothing, RotationTerms(), self._undamped)
-        self.mass = self._inertia.mass
+        own = self.frames.assemble(self.motion, nothing, RotationTerms(), self._undamped)
+        self.mass = own.mass
+        self._inertias = [LinkInertia.of(link, link, np.eye(link.size)) for link in links]
         loads = inertia_loads(links, self.motion, engine.mechanism.gravity)
         self.load = self.frames.gather(self.motion, loads)
-        straight = self.elastic([link.stiffness for link in links])
+        straight = self.elastic(StressedLinks.unloaded(links))
         self._half = np.linalg.inv(np.linalg.cholesky(straight))
         self._load_norm = self._norm(self.load)
 
-    def elastic(self, tangent: Sequence[LinkMatrix]) -> FloatArray:
+    def elastic(self, stressed: StressedLinks) -> FloatArray:
         """Stiffness ``N'KN`` of the linkage from those of its links, (N, n, n)."""
+        if self.frames.rigid.size and stressed.displacement is not None:
+            maps, total = self._maps(stressed.displacement), np.zeros_like(self.mass)
+            for by_z, tangent in zip(maps, stressed.tangent, strict=True):
+                total += np.swapaxes(by_z, 1, 2) @ whole(tangent) @ by_z
+            return total
         terms = RotationTerms.all_or_none(False)
-        return self.frames.assemble(self.motion, tangent, terms, self._undamped).stiffness
+        return self.frames.assemble(self.motion, stressed.tangent, terms, self._undamped).stiffness
 
     def error(self, residual: FloatArray) -> float:
         """Norm of forces (N, n) over that of the loads.
@@ -182,30 +191,45 @@ class OrbitEquations:
         """
         velocity, acceleration = self.first @ z, self.second @ z
         moving = self.frames.link_motion(self.motion, z, velocity, acceleration)
-        stressed = self.engine.running_links(self.motion, [q for q, _, _ in moving])
-        assert stressed.internal_force is not None
-        forces = [
-            force + times(whole(own.matrix), rate)
-            for force, own, (_, rate, _) in zip(
-                stressed.internal_force, self._damping(stressed), moving, strict=True
-            )
-        ]
-        gravity = self.engine.mechanism.gravity
-        for number, (link, moved) in enumerate(zip(self.engine.links, moving, strict=True)):
-            for body in link.bodies:
-                q, rate, faster = (each @ body.rows.T for each in moved)
-                beyond = body.nonlinear_inertia(self.motion, number, gravity, q, rate, faster)
-                forces[number] += beyond @ body.rows
-        own = self._inertia
-        residual = (
-            times(own.mass, acceleration + damping_rate * velocity)
-            + times(own.damping, velocity)
-            + times(own.stiffness, z)
-            + self.frames.gather(self.motion, forces)
-            - self.load
-        )
+        for (q, rate, change), beyond in zip(moving, self.beyond_linear(z), strict=True):
+            q += beyond
+            rate += self.first @ beyond
+            change += self.second @ beyond
         displacement = [q for q, _, _ in moving]
+        stressed = self.engine.running_links(self.motion, displacement)
+        forces = self._forces(stressed, moving)
+        residual = times(self.mass, damping_rate * velocity)
+        if self.frames.rigid.size:
+            maps = self._maps(displacement)
+            residual += sum(
+                times(np.swapaxes(n, 1, 2), f) for n, f in zip(maps, forces, strict=True)
+            )
+            stressed = self._with_rigid_links(stressed, forces)
+        else:
+            residual += self.frames.gather(self.motion, forces)
         return OrbitState(z, displacement, stressed, residual, self.error(residual))
+
+    def beyond_linear(self, z: FloatArray) -> list[FloatArray]:
+        """Displacement of each link beyond the linear one, by finite poses of rigid links.
+
+        Parameters
+        ----------
+        z : ndarray, shape (N, n)
+
+        Returns
+        -------
+        list of ndarray, shape (N, n_link)
+        """
+        rigid, linear = self.frames.rigid, self.frames.link_coordinates(self.motion, z[..., None])
+        beyond = [np.zeros(q.shape[:2]) for q in linear]
+        if not rigid.size:
+            return beyond
+        ties = self.frames.displaced_ties(self.motion, z[:, : len(rigid.independent_coordinates)])
+        for found, q, of_link in zip(beyond, linear, ties.rows, strict=True):
+            for own in of_link:
+                if own.place is not None:
+                    found[:, own.rows] = own.place - q[:, own.rows, 0]
+        return beyond
 
     def linearized(self, stressed: StressedLinks, damping_rate: float = 0.0) -> SystemMatrices:
         """Matrices of small changes of the motion; each (N, n, n).
@@ -218,9 +242,12 @@ class OrbitEquations:
             [q @ body.rows[2] for body in link.bodies]
             for link, q in zip(self.engine.links, stressed.displacement, strict=True)
         ]
-        own = self.frames.assemble(
-            self.motion, stressed.tangent, RotationTerms(), self._damping(stressed), turns=turns
-        )
+        if self.frames.rigid.size:
+            own = self._displaced(stressed, turns)
+        else:
+            damping = self._damping(stressed)
+            terms = RotationTerms()
+            own = self.frames.assemble(self.motion, stressed.tangent, terms, damping, turns=turns)
         if not damping_rate:
             return own
         return SystemMatrices(own.mass, own.damping + damping_rate * own.mass, own.stiffness)
@@ -237,6 +264,80 @@ class OrbitEquations:
             for link, q in zip(self.engine.links, displacement, strict=True)
         ]
         return np.concatenate(moved, axis=1)
+
+    def _maps(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
+        """Derivative of each link's coordinates by the independent ones, (N, n_link, n)."""
+        ties, maps = self.frames.displaced_ties_by(self.motion, displacement), []
+        for number, (q, of_link) in enumerate(zip(displacement, ties.rows, strict=True)):
+            own = self.frames.independent_coordinates(number)
+            maps.append(np.zeros((*q.shape, self.frames.size)))
+            maps[-1][:, own, self.frames.targets[number][own]] = 1.0
+            for led in of_link:
+                maps[-1][:, led.rows[:, None], led.columns] = led.turn
+        return maps
+
+    def _displaced(
+        self, stressed: StressedLinks, turns: Sequence[Sequence[FloatArray]]
+    ) -> SystemMatrices:
+        """As :meth:`linearized`, of displaced rigid links and sliders."""
+        assert stressed.displacement is not None
+        mass, damping, stiffness = np.zeros((3, *self.mass.shape))
+        own_damping = self._damping(stressed)
+        for number, by_z in enumerate(self._maps(stressed.displacement)):
+            link, back = self.engine.links[number], np.swapaxes(by_z, 1, 2)
+            rate, change = (np.tensordot(own, by_z, 1) for own in (self.first, self.second))
+            turned, own = link.inertia_change(turns[number]), link.whole()
+            own = own if turned is None else own + turned
+            omega = self.motion.angular_velocity[:, number, None, None]
+            alpha = self.motion.angular_acceleration[:, number, None, None]
+            by_rate = 2 * omega * own.gyroscopic + whole(own_damping[number].matrix)
+            by_place = whole(stressed.tangent[number]) + alpha * own.gyroscopic
+            by_place = by_place - omega**2 * own.centrifugal_mass
+            mass += back @ own.mass @ by_z
+            damping += back @ (2 * own.mass @ rate + by_rate @ by_z)
+            stiffness += back @ (own.mass @ change + by_rate @ rate + by_place @ by_z)
+        if stressed.guide_stiffness is not None:
+            stiffness += self.frames.guide_matrix(self.motion, stressed.guide_stiffness)
+        return SystemMatrices(mass, damping, stiffness)
+
+    def _forces(
+        self,
+        stressed: StressedLinks,
+        moving: Sequence[tuple[FloatArray, FloatArray, FloatArray]],
+    ) -> list[FloatArray]:
+        """Forces (N, n_link) that are out of balance on each link but for those of its joints."""
+        forces, motion, gravity = [], self.motion, self.engine.mechanism.gravity
+        assert stressed.internal_force is not None
+        damping = self._damping(stressed)
+        for number, link in enumerate(self.engine.links):
+            elastic = moving[number]
+            own = MovingLink.of(number, elastic, motion, motion, np.asarray(gravity))
+            force = self._inertias[number].shape_forces(own)
+            if not link.rigid:
+                force += stressed.internal_force[number]
+                force += times(whole(damping[number].matrix), own.rate)
+            for body in link.bodies:
+                moved = (each @ body.rows.T for each in elastic)
+                force += body.nonlinear_inertia(motion, number, gravity, *moved) @ body.rows
+            forces.append(force)
+        return forces
+
+    def _with_rigid_links(
+        self, stressed: StressedLinks, forces: Sequence[FloatArray]
+    ) -> StressedLinks:
+        """Stressed links with the geometric stiffness of rigid ones by all forces on them."""
+        assert stressed.displacement is not None
+        ties = self.frames.displaced_ties_by(self.motion, stressed.displacement)
+        gravity, by_rotation = self.engine.mechanism.gravity, {}
+        for number in self.frames.rigid.links:
+            body = self.engine.links[number].bodies[0]
+            virial, _ = body.dead_moment(self.motion, number, gravity)
+            square = self.motion.angular_velocity[:, number] ** 2
+            by_rotation[number] = virial - square * body.central_inertia
+        found = ties.geometric_stiffness([-force for force in forces], by_rotation)
+        tangent = {n: own for n, own in enumerate(stressed.tangent) if n not in by_rotation}
+        rigid = with_rigid_links(self.frames, tangent, found)
+        return replace(stressed, tangent=rigid.tangent, guide_stiffness=rigid.guide_stiffness)
 
     def _damping(self, stressed: StressedLinks) -> list[LinkDamping]:
         if stressed.damping is not None:
