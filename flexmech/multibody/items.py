@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from itertools import count
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -120,6 +121,8 @@ class SystemItems:
         self.mbs: Any = self.container.AddSystem()
         self.listed: list[Item] = []
         self._subject = ""
+        # Looked up at each of thousands of items.
+        self._taken: set[tuple[ItemKind, str]] = set()
 
     def begin(self, subject: str) -> None:
         """Set the subject of the next items."""
@@ -133,12 +136,18 @@ class SystemItems:
         type_ : str
             Name of its class in ``exudyn.itemInterface``.
         name : str
+            Where an item of the same kind has it, as the shaft's hub beside a link named "hub",
+            a number is added: Exudyn takes each name once.
 
         Returns
         -------
         ItemNumber
         """
         kind = _kind_of(type_)
+        if (kind, name) in self._taken:
+            further = (f"{name}_{number}" for number in count(2))
+            name = next(new for new in further if (kind, new) not in self._taken)
+        self._taken.add((kind, name))
         make = getattr(load_exudyn().itemInterface, type_)
         add = getattr(self.mbs, f"Add{kind.capitalize()}")
         given = {key: _plain(value) for key, value in values.items()}

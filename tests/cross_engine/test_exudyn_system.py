@@ -16,6 +16,7 @@ from typer.testing import CliRunner
 import flexmech
 from flexmech.cli import app
 from flexmech.mechanism import Provenance
+from flexmech.modelfile import mechanism_from_toml
 from flexmech.time_domain import LinkState
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -100,6 +101,17 @@ def test_items_have_names(steel: flexmech.Mechanism) -> None:
     names = [(item.kind, item.name) for item in made.items]
     assert len(set(names)) == len(names)
     assert "nodes" in repr(made)
+
+
+def test_links_may_be_called_as_other_items_are() -> None:
+    """A link named "hub" keeps its name, and the shaft's hub gets a number."""
+    text = (MODELS / "slider_crank.toml").read_text()
+    own = mechanism_from_toml(text.replace("[links.crank]", "[links.hub]"))
+    runs = [system(mechanism, 2) for mechanism in (own, mechanism_from_toml(text))]
+    assert {"hub", "hub_2"} < set(runs[0].objects)
+    named, plain = (run.mbs.SolveDynamic(run.settings) and run.mbs for run in runs)
+    first, second = (mbs.systemData.GetODE2Coordinates() for mbs in (named, plain))
+    np.testing.assert_array_equal(first, second)
 
 
 def test_point_masses_and_weight_have_names(aluminium: flexmech.Mechanism) -> None:
