@@ -146,7 +146,7 @@ def test_speeds_in_doubt_are_tried_at_a_sixth_of_the_angles(monkeypatch):
     for width, seen in ((0.6, True), (0.2, False)):
 
         def unstable(angle, speed, width=width):
-            return np.abs(angle - np.radians(15.0)) < width / 2
+            return np.abs(angle - np.radians(100.0)) < width / 2
 
         linkage = Linkage(monkeypatch, smooth, unstable=unstable)
         assert bool(linkage.solver().probe(np.array([10.0]))[0]) is seen

@@ -69,6 +69,13 @@ def test_extremes_are_known_to_the_first_digit_of_their_error(monkeypatch, width
     assert counts[0] < 12
 
 
+def test_flat_curves_with_round_off_are_not_searched(monkeypatch):
+    def flat(angle):
+        return 100 * (1 + 1e-9 * np.sin(1e5 * angle))
+
+    assert found_extremes(monkeypatch, flat, 0.0)[2] == 0
+
+
 def test_extremes_are_sought_between_steps_of_fifteen_degrees(monkeypatch):
     for step, refined in ((15.0, True), (16.0, False)):
         angles = np.radians(np.arange(0.0, 300.0, step))

@@ -49,7 +49,7 @@ MOST_VECTORS = 60
 MOST_RESTARTS = 2
 MANY_PRODUCTS = 20
 # Static relaxation ends at this part of the loads, with which Newton's method continues; each pass
-# halves the forces or better.
+# halves the forces or better. Speed alone.
 BALANCED = 1e-2
 MOST_BALANCING = 8
 # Detuning of the moving modes alone below which that of all coordinates is found, and the steps
