@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import scipy.linalg
 
+from flexmech.arrays import SAME_PLACE
 from flexmech.beams.link_matrices import Chain
 from flexmech.linear_system import LinkStretch
 
@@ -54,12 +55,15 @@ def chain_stretch(chain: Chain, *, turns_far: bool = False) -> LinkStretch:
     spread = np.zeros((count, len(slopes)))
     for column, (number, weight) in enumerate(weights):
         spread[number, column] = weight
+    axis = sum(elements.shapes.arms(elements.section))
+    # Two arms of a symmetric section leave their round-off.
+    axis *= abs(axis) > SAME_PLACE * chain.nodes[-1]
     axial = LinkStretch(
         gradient,
         np.stack(slopes),
         spread,
         np.full(count, elements.section.damping.axial),
-        neutral_axis=sum(elements.shapes.arms(elements.section)),
+        neutral_axis=float(axis),
     )
     return _with_bending(chain, axial) if turns_far else axial
 

@@ -7,6 +7,7 @@ rotation: it is held against Exudyn's run, a chain of bodies and the equilibrium
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,11 +20,12 @@ from flexmech import (
     Mechanism,
     ReferenceEngine,
     RotatingArm,
+    load_mechanism,
     natural_frequencies,
 )
 from flexmech.analyses.response.measurements import deflections
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import Engine
+from flexmech.linear_system import Engine, whole
 from flexmech.materials import Material
 from flexmech.sections import BeamSection
 from flexmech.time_domain import DrivenLinkage, LinkState, linear_run
@@ -112,6 +114,17 @@ def test_arms_of_links_that_hardly_bend_are_rigid() -> None:
     engine = ReferenceEngine(fourbar(UNSYMMETRIC), 8, "timoshenko", component_modes=False)
     still = natural_frequencies(engine, 0.0, modes=3)
     np.testing.assert_allclose(small_motions(engine, 1e-3), still, rtol=3e-6)
+
+
+def test_symmetric_sections_have_no_arms(models: Path) -> None:
+    """The two arms of a third-order section add to round-off, on which no mass stands."""
+    engine = ReferenceEngine(load_mechanism(models / "composite_fourbar.toml"), 4, "reddy")
+    linkage = DrivenLinkage(engine, DRIVE, stretches=True)
+    for name, link in zip(engine.topology.link_names, linkage.links, strict=True):
+        engines_own = engine.links[engine.topology.index(name)].size
+        more = len(linkage.unreduced[engine.topology.index(name)].mass) - engines_own
+        assert (more > 0) == (name == "coupler")
+        assert np.linalg.eigvalsh(whole(link.mass))[0] > 0
 
 
 def test_a_heavy_side_runs_as_a_chain_of_bodies() -> None:

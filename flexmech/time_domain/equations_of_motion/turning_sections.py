@@ -18,7 +18,7 @@ from typing import Self
 import numpy as np
 import scipy.linalg
 
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import SAME_PLACE, FloatArray, IntArray
 from flexmech.linear_system import Engine, LinkModel, LinkStretch, RigidBody, body_nodes, whole
 from flexmech.linear_system.assembly.free_shaft import FreeShaft
 from flexmech.linear_system.links.link_model import RigidFields
@@ -107,7 +107,9 @@ class TurningSections:
             All at nodes where the link is eccentric, those with bodies where it is not.
         """
         link, mass = engine.links[number], engine.mechanism.link_masses_in_order[number]
-        nodes, axes = link.readings.nodes, (mass.offset, neutral_axis)
+        nodes = link.readings.nodes
+        off = abs(mass.offset) > SAME_PLACE * nodes[-1]
+        axes = (mass.offset if off else 0.0, neutral_axis)
         fixed = [
             body for body in link.bodies if not body.of_section and (any(axes) or body.is_off_axis)
         ]
