@@ -104,11 +104,11 @@ def test_items_have_names(steel: flexmech.Mechanism) -> None:
 
 
 def test_links_may_be_called_as_other_items_are() -> None:
-    """A link named "hub" keeps its name, and the shaft's hub gets a number."""
+    """The node of a link named "hub" keeps its name, and that of the shaft gets a number."""
     text = (MODELS / "slider_crank.toml").read_text()
     own = mechanism_from_toml(text.replace("[links.crank]", "[links.hub]"))
     runs = [system(mechanism, 2) for mechanism in (own, mechanism_from_toml(text))]
-    assert {"hub", "hub_2"} < set(runs[0].objects)
+    assert {"hub_node", "hub_node_2"} < set(runs[0].nodes)
     named, plain = (run.mbs.SolveDynamic(run.settings) and run.mbs for run in runs)
     first, second = (mbs.systemData.GetODE2Coordinates() for mbs in (named, plain))
     np.testing.assert_array_equal(first, second)
