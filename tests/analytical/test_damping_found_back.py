@@ -56,6 +56,7 @@ def held(found: Iterator[Fit]) -> int:
     return sum(bool(fit.lower[0] <= damping_time() <= fit.upper[0]) for fit in found)
 
 
+@pytest.mark.thorough
 def test_a_few_records_give_their_damping_back():
     """Of six intervals of 95 % fewer than four hold with a probability of 0.002.
 

@@ -165,6 +165,7 @@ def test_multipliers_of_the_unreduced_equations_with_connectors(mechanisms) -> N
     assert np.abs(moving.attached.coefficients).max() > 1e-3 * np.abs(without).max()
 
 
+@pytest.mark.thorough
 def test_engines_agree_on_a_linkage_with_dampers_and_a_force_that_follows(mechanisms) -> None:
     made = replace(mechanisms["aluminium"], **CONNECTED)
     first, second = (

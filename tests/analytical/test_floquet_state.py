@@ -89,7 +89,7 @@ def link_states(engine):
     return np.stack(columns, axis=1)
 
 
-@pytest.mark.parametrize("number", [0, 4])
+@pytest.mark.parametrize("number", [0, pytest.param(4, marks=pytest.mark.thorough)])
 def test_returns_after_a_turn_times_its_multiplier(engine, moving, floquet_state, number):
     modes = floquet_modes(moving.system(), STEPS)
     v, w = (flat(part) for part in floquet_state(moving, modes, number))

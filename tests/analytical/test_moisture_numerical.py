@@ -333,7 +333,7 @@ def test_a_bar_against_the_product_of_series(faces):
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.15)
 
 
-@pytest.mark.parametrize("faces", ["both", "lower"])
+@pytest.mark.parametrize("faces", ["both", pytest.param("lower", marks=pytest.mark.thorough)])
 def test_the_uptake_of_a_bar_tends_to_the_series(faces):
     """Extrapolated by h^2 and h^4 from three meshes; the finest alone is off by 6e-4."""
     times = np.array([0.02, 0.1, 0.5]) * UNIT

@@ -146,10 +146,9 @@ def integrated_monodromy(
     return run.y[:, -1].reshape(2 * size, -1)
 
 
-@pytest.mark.parametrize(
-    "prestress", ["equilibrium", pytest.param("axial", marks=pytest.mark.thorough)]
-)
-@pytest.mark.parametrize("time", [0.0, pytest.param(1e-3, marks=pytest.mark.thorough)])
+@pytest.mark.thorough
+@pytest.mark.parametrize("prestress", LOADED)
+@pytest.mark.parametrize("time", [0.0, 1e-3])
 def test_multipliers_of_the_unreduced_equations(mechanisms, prestress, time):
     # Nothing is reduced here: canonical form, rates by Fourier series and Magnus expansion
     # against the second-order equations, whose rotation terms are written out.

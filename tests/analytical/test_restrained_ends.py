@@ -61,7 +61,13 @@ def pinned(chain: Chain) -> FloatArray:
     return np.asarray(np.sqrt(squares) / (2 * np.pi))
 
 
-@pytest.mark.parametrize("theory", ["timoshenko", "reddy", "zigzag"])
+@pytest.mark.parametrize(
+    "theory",
+    [
+        "timoshenko",
+        *(pytest.param(theory, marks=pytest.mark.thorough) for theory in ("reddy", "zigzag")),
+    ],
+)
 def test_both_modes_of_wide_strips_are_those_of_three_dimensions(theory: str) -> None:
     """Free twist is 36 % low in the first mode, and its half sine 41 % high in the second."""
     layers = layers_of((30,), 8)

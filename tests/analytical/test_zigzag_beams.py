@@ -112,7 +112,16 @@ def test_soft_cores_are_beyond_the_other_theories() -> None:
     assert np.all(high > 2 * zigzag)
 
 
-@pytest.mark.parametrize("name", ["sandwich", "steel and rubber", "two unlike cores"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "sandwich",
+        *(
+            pytest.param(name, marks=pytest.mark.thorough)
+            for name in ("steel and rubber", "two unlike cores")
+        ),
+    ],
+)
 def test_default_linkage_against_elasticity(name: str) -> None:
     """The element that is chosen is right, and what Exudyn's leaves out is within its bound."""
     laminate = STACKS[name]

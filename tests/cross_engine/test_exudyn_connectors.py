@@ -265,7 +265,7 @@ def test_the_equilibrium_is_one(name: str, kind: str, degrees: float) -> None:
     assert np.abs(ties.basis.T @ np.concatenate(residual)).max() < 1e-8 * size
 
 
-@pytest.mark.parametrize("name", thorough_but("springs in joints", "rigid"))
+@pytest.mark.parametrize("name", thorough_but("springs in joints"))
 @pytest.mark.parametrize(
     "kind", ["ancf", pytest.param("geometrically-exact", marks=pytest.mark.thorough)]
 )
@@ -308,7 +308,7 @@ def test_sensors_and_scripts_have_connectors(name: str, tmp_path: Path) -> None:
     np.testing.assert_allclose(torque, wanted, rtol=0, atol=1e-6 * np.abs(wanted).max())
 
 
-@pytest.mark.parametrize("name", MECHANISMS)
+@pytest.mark.parametrize("name", thorough_but("forces", "sprung joints", "rigid"))
 @pytest.mark.parametrize("rotation_terms", [True, pytest.param(False, marks=pytest.mark.thorough)])
 def test_both_engines_agree(name: str, rotation_terms: bool) -> None:
     """Springs bend these strips by up to a tenth of their length: the mesh is fine."""

@@ -149,6 +149,7 @@ def test_exact_beams_refuse_a_free_strain() -> None:
         ExudynEngine(four_bar(strain=0.01), element="geometrically-exact")
 
 
+@pytest.mark.thorough
 def test_bent_links_run_alike() -> None:
     """From the equilibrium on, with links bowed by 8 mm: ten times their thickness.
 

@@ -33,6 +33,7 @@ def apart(run: Response, name: str) -> float:
     return float(abs(first - second).max() / abs(second).max())
 
 
+@pytest.mark.thorough
 def test_a_four_bar_with_a_flywheel() -> None:
     """At this step the crank's deflection differs by Exudyn's step, the rotation by the mesh.
 

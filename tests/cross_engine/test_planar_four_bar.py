@@ -72,6 +72,7 @@ def compared(result, other, names):
         assert apart < 1e-9, name
 
 
+@pytest.mark.thorough
 def test_the_running_response_is_the_same(both):
     request = ResponseRequest(CrankDrive(20.0), revolutions=1)
     results = [response(ReferenceEngine(mechanism, 4), request) for mechanism in both]

@@ -94,6 +94,7 @@ def test_growth_ends_at_the_closing_damping_ratio(maps, aluminium):
     assert below > 0 > above
 
 
+@pytest.mark.thorough
 def test_the_edge_error_is_true(maps, aluminium):
     # Of the mesh, which is the greatest: twice the elements put the edge nearly where they are.
     request = StabilityRequest(

@@ -10,6 +10,7 @@ from tests.unit.figure_checks import check_texts, legend_texts
 from tests.unit.plot_data import campbell_dataset
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("branches", [1, 4])
 @pytest.mark.parametrize("engines", [1, 2])
 @pytest.mark.parametrize("peaks", [False, True])

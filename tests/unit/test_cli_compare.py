@@ -32,6 +32,7 @@ def strain(tmp_path, monkeypatch):
     return str(path)
 
 
+@pytest.mark.thorough
 def test_a_strain_gauge_at_the_couplers_middle(strain, tmp_path):
     done = run(strain, "--speed", "20", "--out", "results", "--no-plots")
     assert done.exit_code == 0, done.stderr

@@ -116,8 +116,8 @@ def test_speeds_left_out_are_those_of_the_model(
     [
         ([], PICTURES),
         (["--engine", "reference"], PICTURES[1:]),
-        (["--speeds", "0"], PICTURES[:3]),
-        (["--prestress", "none"], PICTURES[:3]),
+        pytest.param(["--speeds", "0"], PICTURES[:3], marks=pytest.mark.thorough),
+        pytest.param(["--prestress", "none"], PICTURES[:3], marks=pytest.mark.thorough),
     ],
     ids=str,
 )

@@ -235,6 +235,7 @@ def test_a_state_that_is_not_there_is_refused(model: Path) -> None:
 RUN = ["--speed", "10", "--revolutions", "0.1", "--elements", "2", "--samples", "120"]
 
 
+@pytest.mark.thorough
 def test_response_of_the_wet_linkage(model: Path, tmp_path: Path) -> None:
     """Softer and heavier links are bent further by the same motion."""
     options = [*RUN, *QUICK, "--start", "equilibrium"]

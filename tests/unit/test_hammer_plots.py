@@ -12,8 +12,9 @@ from tests.unit.hammer_data import hammer_dataset
 EVERY = [plots.plot_hammer, plots.plot_frf, plots.plot_frf_parts, plots.plot_nyquist]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("plot", EVERY, ids=lambda plot: plot.__name__)
-@pytest.mark.parametrize("width", [180.0, pytest.param(88.0, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("width", [180.0, 88.0])
 def test_texts_do_not_touch(plot, width):
     with plots.page_width(width):
         check_layout(plot(hammer_dataset()))

@@ -166,6 +166,7 @@ def test_rates_are_derivatives(linkage):
     check_rates_near(linkage)
 
 
+@pytest.mark.thorough
 @settings(SLOW, max_examples=15)
 @given(planar_linkages(most=2))
 def test_rates_by_newtons_method_are_derivatives(linkage):

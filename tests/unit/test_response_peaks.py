@@ -29,6 +29,7 @@ def test_of_fewer_than_three_samples_it_is_the_greatest(count: int) -> None:
     assert peaks_between(values, np.arange(count)) == ([3.0], [0.0])
 
 
+@pytest.mark.thorough
 def test_peaks_do_not_depend_on_the_samples() -> None:
     engine = ReferenceEngine(load_mechanism("models/aluminium_fourbar.toml"), 4)
     drive, peaks = CrankDrive(20.0), []

@@ -167,6 +167,7 @@ def test_names_of_plies_are_no_formulas() -> None:
     assert r"C\$x^\$" in legend_texts(in_legend)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", TO_LAY_OUT)
 def test_texts_stay_inside_and_apart(name: str) -> None:
     figure = plot_section(TO_LAY_OUT[name]())

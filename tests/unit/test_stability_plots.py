@@ -22,7 +22,8 @@ def by_name(plot: object) -> str:
     return str(getattr(plot, "__name__", plot))
 
 
-@pytest.mark.parametrize("engines", [pytest.param(1, marks=pytest.mark.thorough), 2])
+@pytest.mark.thorough
+@pytest.mark.parametrize("engines", [1, 2])
 @pytest.mark.parametrize("plot", EVERY, ids=by_name)
 def test_texts_do_not_touch(plot: object, engines: int) -> None:
     figure = plot(stability_dataset(engines=engines))  # type: ignore[operator]
