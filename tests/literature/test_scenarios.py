@@ -192,7 +192,7 @@ def test_frames_and_stability(scenario, expected_number, tmp_path, capsys):
 
 @pytest.mark.thorough
 def test_instability_confirmed(scenario, expected_number, tmp_path, capsys):
-    """Issue of the stability map: rates within 10 %, the edge of the band within 2 %.
+    """Rates within 10 %, the edge of the band within 2 %.
 
     The edges are held far closer: 2 % of the crank speed is more than the band is wide.
     """
@@ -215,7 +215,7 @@ def test_instability_confirmed(scenario, expected_number, tmp_path, capsys):
 
 @pytest.mark.thorough
 def test_damping_found_back(scenario, expected_number, tmp_path, capsys):
-    """A record made by Exudyn with noise taken as if measured (issue 17)."""
+    """A record made by Exudyn with noise taken as if measured."""
     found = scenario("damping_found_back").main(tmp_path, elements=4)
     coupler, rocker = (each.comparison.fitted("damping") for each in found)
     assert 1e6 * coupler.value == expected_number("damping_found_back")
@@ -236,7 +236,7 @@ def test_damping_found_back(scenario, expected_number, tmp_path, capsys):
 
 @pytest.mark.thorough
 def test_running_hammer_test(scenario, expected_number, tmp_path, capsys):
-    """The first two sidebands: amplitude within 5 %, frequency within one bin (issue 17)."""
+    """The first two sidebands: amplitude within 5 %, frequency within one bin."""
     found = scenario("running_hammer_test").main(tmp_path, elements=2)
     peaks = found.peaks().set_index("order")
     assert 1e3 * peaks.loc[1, "identified_m_N"] == expected_number("running_hammer_test")
