@@ -13,7 +13,6 @@ from flexmech.errors import InputError
 from flexmech.modal_testing import (
     ExponentialWindow,
     ForceWindow,
-    circle_fit,
     complexity_factor,
     estimate_frf,
     identify,
@@ -21,7 +20,6 @@ from flexmech.modal_testing import (
     with_noise,
 )
 from flexmech.modal_testing.lscf import stabilisation_chart
-from flexmech.modal_testing.refine import refined_poles
 
 METHODS = ["lscf", "circle-fit"]
 FREQUENCY = np.array([30.0, 75.0, 160.0, 280.0, 430.0, 610.0])
@@ -101,24 +99,6 @@ def test_without_expectation_the_lowest_modes_are_found(method):
     lines = np.arange(800) * 0.5
     modes = identify(lines, receptance(lines), band=(10, 390), count=3, method=method)
     np.testing.assert_allclose(modes.frequency, FREQUENCY[:3], rtol=1e-4)
-
-
-def test_circles_are_a_start_and_are_fitted_no_further(monkeypatch):
-    """Two rounds at most, of one fit a mode; the refinement finds the poles themselves."""
-    frequency, ratio = np.array([100.0, 105.0]), 0.01
-    omega = 2 * np.pi * frequency
-    pole = -ratio * omega + 1j * omega * np.sqrt(1 - ratio**2)
-    residue = np.array([[1.0, 1.0], [1.0, -0.6], [0.3, 0.8]]) / (2j * pole.imag)
-    lines = np.arange(20, 780) * 0.25
-    s = 2j * np.pi * lines
-    answer = residue @ (1 / (s - pole[:, None])) + residue.conj() @ (1 / (s - pole.conj()[:, None]))
-    fits = []
-    fit = circle_fit.fit_residues
-    monkeypatch.setattr(circle_fit, "fit_residues", lambda *given: fits.append(0) or fit(*given))
-    found = circle_fit.circle_fit_poles(lines, answer, np.array([380, 400]), 0.0)
-    assert len(fits) <= 4
-    np.testing.assert_allclose(found, pole, rtol=1e-4)
-    np.testing.assert_allclose(refined_poles(s, answer, found), pole, rtol=1e-12)
 
 
 def test_noise_pulls_the_damping_to_neither_side():
