@@ -64,6 +64,7 @@ def test_random_ratios_of_stiffness(seed):
 
 
 def test_the_equilibrium_of_a_soft_crank_does_not_stop_at_the_round_off_of_stiff_links():
+    """Two units in the last place of the crank angle change it by 2e-12, steps of 5e-6 by 2e-10."""
     mechanism = fourbar((0.03e-3, 8e-3, 8e-3), (3e-3, 3e-3, 3e-3))
     angles = np.linspace(0, 2 * np.pi, 12, endpoint=False) + 1e-3
     engine = ReferenceEngine(mechanism)
@@ -72,7 +73,7 @@ def test_the_equilibrium_of_a_soft_crank_does_not_stop_at_the_round_off_of_stiff
         for a in (angles, angles + 2 * np.pi)
     )
     for first, second in zip(here, later, strict=True):
-        assert np.abs(second - first).max() < 2e-12 * np.abs(first).max()
+        assert np.abs(second - first).max() < 1e-11 * np.abs(first).max()
 
 
 @pytest.mark.parametrize("element", ["ancf", "geometrically-exact"])
