@@ -245,7 +245,12 @@ def test_a_section_s_mass_is_all_there(neutral, mass):
     turning = own.rotary_inertia + first * own.mass_axis + whole * 0.25**2 / 3
     expected = [[whole, 0.0, -first], [0.0, whole, middle], [-first, middle, turning]]
     np.testing.assert_allclose(total, expected, rtol=1e-12, atol=1e-15)
-    assert link.first_moment[0].sum() == pytest.approx(0.25 * first, rel=1e-12, abs=1e-15)
+    moment = link.first_moment[0]
+    assert moment @ link.fields.along == pytest.approx(0.25 * first, rel=1e-12, abs=1e-15)
+    arms = -0.25 * whole * own.mass_axis**2
+    assert moment[link.readings.slope :: link.readings.per_node].sum() == pytest.approx(
+        arms, rel=1e-12, abs=1e-15
+    )
 
 
 # --- the state of stress ------------------------------------------------------------------

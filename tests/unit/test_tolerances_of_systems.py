@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from flexmech import BeamSection, Material, Mechanism, ReferenceEngine, RotatingArm
 from flexmech.arrays import ROUND_OFF
 from flexmech.dynamical_systems import (
     ForcedPeriodicSystem,
@@ -23,6 +24,7 @@ from flexmech.dynamical_systems.periodic_schur import _groups, periodic_schur_fo
 from flexmech.dynamical_systems.periodic_system import matrix_exponentials
 from flexmech.errors import ComputationError, FlexmechError, InputError, one_line
 from flexmech.files import given_path
+from flexmech.linear_system import refuse_large_displacements
 from flexmech.model_text import quantity, short_repr
 from flexmech.modelfile.attachments import _lines
 from flexmech.modelfile.messages import together
@@ -225,3 +227,18 @@ def test_files_of_loads_have_the_size_of_loads(tmp_path):
         _lines(path, "load.csv")
     path.write_text("1,2\n" * 100_000)
     assert len(_lines(path, "load.csv")) == 100_000
+
+
+@pytest.mark.parametrize("part", [0.49, 0.51])
+def test_an_equilibrium_is_refused_half_a_length_from_the_rigid_linkage(part: float) -> None:
+    strip = BeamSection.rectangle(Material(2e9, 2700.0), 2e-3, 25e-3)
+    engine = ReferenceEngine(Mechanism(RotatingArm(0.3), {"arm": strip}), 2)
+    [arm], motion = engine.links, engine.mechanism.linkage.motion(np.zeros(1), 0.0)
+    moved = np.zeros((1, arm.size))
+    moved[0, arm.end[1]] = part * 0.3
+    given = (engine.topology, engine.links, motion, [moved])
+    if part < 0.5:
+        refuse_large_displacements(*given)
+        return
+    with pytest.raises(ComputationError, match="arm is displaced by 51 % of its length"):
+        refuse_large_displacements(*given)

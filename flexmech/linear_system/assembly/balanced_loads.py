@@ -218,9 +218,10 @@ Five times more each time: what 25 steps do not reach, such as a bow beyond half
 not the equilibrium next to the straight links.
 """
 RELATIVE_RESIDUAL = 1e-10
-"""Part of the load that may be out of balance when Exudyn's static solver stops.
+"""Part of the load that may be out of balance where Exudyn's static solver takes no small step.
 
-Convergence is quadratic: the last iteration brings far more than that.
+Its second criterion, beside the round-off of the model. Convergence is quadratic: the last
+iteration brings far more than that.
 """
 LAST_STEP = 5e-8
 """Newton's method takes its last step where that turns no section, and moves no node by a part of

@@ -36,7 +36,8 @@ def body_turns(
     list of list of ndarray, shape (B,), or None
         For each body of each link, in rad; None where no rotation changes the inertia.
     """
-    off_axis = any(body.is_off_axis for link in links for body in link.bodies)
+    elastic = [link for link in links if not link.rigid]
+    off_axis = any(body.is_off_axis for link in elastic for body in link.bodies)
     if displacement is None or not off_axis:
         return None
     return [
@@ -210,39 +211,11 @@ def without_spin_softening(
     for number, link in enumerate(links):
         square, less = motion.angular_velocity[:, number] ** 2, []
         for body in link.bodies:
-            stiffness = -square * (body.second_moment - body.on_axis)
-            if moved is not None:
-                stiffness = -square * body.central_inertia
+            stiffness = -square * body.central_inertia
             if moved is not None and displaced_inertia is not None:
                 by_turn = displaced_inertia.of_body(number, body, moved[number])[1][:, 2, 2]
-                stiffness = square * (body.second_moment - body.central_inertia) - by_turn
+                stiffness = square * body.translational_inertia - by_turn
             less.append(stiffness)
-        tangent[number] = _with_rotation_stiffness(tangent[number], link, less)
-    return replace(stressed, tangent=tangent)
-
-
-def with_straight_inertia(
-    links: Sequence[LinkModel], motion: RigidMotion, stressed: StressedLinks
-) -> StressedLinks:
-    """Stressed links with tangents for use with the centrifugal mass of straight links.
-
-    Parameters
-    ----------
-    links : sequence of LinkModel
-        Unreduced.
-    motion : RigidMotion
-        Batch of shape (B,).
-    stressed : StressedLinks
-        As of :func:`without_spin_softening`.
-
-    Returns
-    -------
-    StressedLinks
-    """
-    tangent = list(stressed.tangent)
-    for number, link in enumerate(links if stressed.displacement is not None else ()):
-        square = motion.angular_velocity[:, number] ** 2
-        less = [-square * own.off_axis_inertia * own.is_off_axis for own in link.bodies]
         tangent[number] = _with_rotation_stiffness(tangent[number], link, less)
     return replace(stressed, tangent=tangent)
 

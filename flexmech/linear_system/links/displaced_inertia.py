@@ -176,7 +176,7 @@ class DisplacedInertia:
             force, matrix = (self.linear[number] @ q[..., None])[..., 0], self.linear[number]
             speed, change = self.speed[number, :, None, None], self.change[number, :, None, None]
             for body, (force_on_body, by_place) in zip(link.bodies, on_bodies[number], strict=True):
-                _, gyroscopic, centrifugal = body.matrices(np.zeros(()), on_axis=True)
+                _, gyroscopic, centrifugal = body.matrices(np.zeros(()))
                 linear = speed**2 * centrifugal - change * gyroscopic
                 nonlinear = force_on_body - (linear @ (body.rows @ q.T).T[..., None])[..., 0]
                 force = force + nonlinear @ body.rows

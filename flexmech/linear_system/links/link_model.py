@@ -103,8 +103,7 @@ class LinkModel:
     first_moment : ndarray, shape (2, n)
         ``-rho N^T J e`` and ``rho N^T e``, integrated, with e the place of matter against that
         which the field ``centripetal`` gives it: mostly its distance from the pins' axis. Zero
-        where the centres of mass lie on that. As in ``centrifugal_mass``, a rotation that
-        turns e has no part in the first.
+        where the centres of mass lie on that.
     stiffness : ndarray, shape (n, n)
         Elastic stiffness of the unloaded, straight link.
     damping : ndarray, shape (n, n)
@@ -183,12 +182,13 @@ class LinkModel:
             fixed.append(RigidBody.fixed(body, section))
             (a, c), entries = fixed[-1].first_moment, np.ix_(own, own)
             rows, columns = (each.ravel() for each in np.broadcast_arrays(*entries))
-            added = fixed[-1].matrices(np.zeros(()), on_axis=True).reshape(3, -1)
+            added = fixed[-1].matrices(np.zeros(())).reshape(3, -1)
             matrices = [
                 with_entries(matrix, rows, columns, more)
                 for matrix, more in zip(matrices, added, strict=True)
             ]
-            moment[:, own[:2]] += [[c, -a], [a, c]]
+            by_rotation = fixed[-1].translational_inertia
+            moment[:, own] += [[c, -a, -by_rotation], [a, c, 0.0]]
         if mass.offset:
             nodes = self.readings.nodes
             shares = mass.mass_per_length * np.convolve(np.diff(nodes), [0.5, 0.5])
@@ -196,6 +196,10 @@ class LinkModel:
                 matter = LinkBody(x, share, offset=(0.0, mass.offset))
                 own_part = RigidBody.fixed(matter, self._section(node)[1])
                 fixed.append(replace(own_part, of_section=True))
+            turning = self.readings.per_node * np.arange(len(nodes)) + self.readings.slope
+            arms = shares * mass.offset**2
+            matrices[2] = with_entries(matrices[2], turning, turning, arms)
+            moment[0, turning] -= arms
         inertia, gyroscopic, translational = matrices
         return replace(
             self,
@@ -224,11 +228,11 @@ class LinkModel:
         Returns
         -------
         WholeLink or None
-            Matrices (B, n, n); None where no body is off the axis.
+            Matrices (B, n, n); None where no body is off the axis, and of a rigid link.
         """
         pairs = zip(self.bodies, turns, strict=True)
         turned = [(body, angle) for body, angle in pairs if body.is_off_axis]
-        if not turned:
+        if self.rigid or not turned:
             return None
         change = np.stack([body.inertia_change(angle) for body, angle in turned], axis=-3)
         rows = np.stack([body.rows for body, _ in turned])
@@ -241,6 +245,11 @@ class LinkModel:
 
         ends = np.stack(own_ends)
         return WholeLink(*(by(rows, n) for n in range(3)), *(by(ends, n) for n in range(2)))
+
+    @property
+    def attached_off_axis(self) -> list[RigidBody]:
+        """Bodies off the axis besides distributed mass."""
+        return [body for body in self.bodies if body.is_off_axis and not body.of_section]
 
     def whole(self) -> WholeLink:
         """Its matrices as full ones."""

@@ -42,8 +42,6 @@ class RigidBody:
     central_inertia : float
         Part of it about centres of mass: a rotation about these keeps the centrifugal
         potential.
-    on_axis : float
-        Part of it that is in the centrifugal mass of the straight link.
     position : float
         Distance of the point from the link's start in m.
     rows : ndarray, shape (3, n)
@@ -60,7 +58,6 @@ class RigidBody:
     first_moment: tuple[float, float]
     second_moment: float
     central_inertia: float
-    on_axis: float = 0.0
     position: float = 0.0
     rows: FloatArray = field(default_factory=NOWHERE.copy)
     end_rows: FloatArray | None = None
@@ -82,17 +79,11 @@ class RigidBody:
     @classmethod
     def of_link(cls, mass: LinkMass) -> Self:
         """Rigid link, with the displacement of its start and its rotation as coordinates."""
-        off_axis = mass.mass_per_length * mass.length * mass.offset**2
-        off_axis += sum(
-            b.inertia + b.mass * (b.offset[0] ** 2 + b.offset[1] ** 2) for b in mass.bodies
-        )
-        second = mass.moment(2)
         return cls(
             mass.moment(0),
             (mass.moment(1), mass.moment_across),
-            second,
+            mass.moment(2),
             sum(body.inertia for body in mass.bodies),
-            on_axis=second - off_axis,
             rows=np.eye(3),
         )
 
@@ -104,28 +95,30 @@ class RigidBody:
     @property
     def is_off_axis(self) -> bool:
         """Whether a rotation changes its inertia: its centre of mass is off the axis."""
-        return self.off_axis_inertia > ON_AXIS * self.second_moment
+        return self.translational_inertia > ON_AXIS * self.second_moment
 
     @property
-    def off_axis_inertia(self) -> float:
-        """Part of the second moment that is not in the centrifugal mass of the straight link."""
-        return self.second_moment - self.central_inertia - self.on_axis
+    def arm(self) -> float:
+        """Distance of the centre of mass from its point in m; zero without mass."""
+        return float(np.hypot(*self.first_moment)) / self.mass if self.mass else 0.0
+
+    @property
+    def translational_inertia(self) -> float:
+        """Part of the second moment by the displacement of centres of mass."""
+        return self.second_moment - self.central_inertia
 
     def projected(self, basis: FloatArray, ends: FloatArray | None = None) -> Self:
         """The body in coordinates p with ``q = basis @ p`` and joined ends ``ends @ p``."""
         end_rows = None if ends is None else self.rows @ ends
         return replace(self, rows=self.rows @ basis, end_rows=end_rows)
 
-    def matrices(self, angle: FloatArray, *, on_axis: bool = False) -> FloatArray:
+    def matrices(self, angle: FloatArray) -> FloatArray:
         """Mass, gyroscopic and centrifugal mass matrix of the body rotated by an angle.
 
         Parameters
         ----------
         angle : ndarray, shape (...)
             In rad.
-        on_axis : bool
-            Whether the centrifugal mass is that of the straight link, without the inertia about
-            the place on the axis.
 
         Returns
         -------
@@ -141,9 +134,7 @@ class RigidBody:
         mass[..., 1, 2] = mass[..., 2, 1] = a
         centrifugal[:] = mass
         mass[..., 2, 2] = self.second_moment
-        centrifugal[..., 2, 2] = (
-            self.on_axis if on_axis else self.second_moment - self.central_inertia
-        )
+        centrifugal[..., 2, 2] = self.translational_inertia
         gyroscopic[..., 0, 1], gyroscopic[..., 1, 0] = -self.mass, self.mass
         gyroscopic[..., 0, 2], gyroscopic[..., 2, 0] = -a, a
         gyroscopic[..., 1, 2], gyroscopic[..., 2, 1] = -c, c
@@ -173,16 +164,14 @@ class RigidBody:
 
     def inertia_change(self, angle: FloatArray) -> FloatArray:
         """Change of the matrices of the straight link by a rotation, (3, ..., 3, 3)."""
-        zero = self.matrices(np.zeros_like(angle), on_axis=True)
-        return self.matrices(angle) - zero
+        return self.matrices(angle) - self.matrices(np.zeros(()))[:, *[None] * np.ndim(angle)]
 
     @property
     def about_centre(self) -> Self:
         """The body about its centre of mass, to which :meth:`centre_map` leads."""
         a, c = self.first_moment
         less = (a**2 + c**2) / self.mass
-        second, on_axis = self.second_moment - less, self.on_axis - less
-        return replace(self, first_moment=(0.0, 0.0), second_moment=second, on_axis=on_axis)
+        return replace(self, first_moment=(0.0, 0.0), second_moment=self.second_moment - less)
 
     def centre_map(self, angle: FloatArray) -> FloatArray:
         """Jacobian of centre of mass and rotation by those of the point, (..., 3, 3)."""
@@ -317,7 +306,7 @@ class RigidBody:
         )
         nonlinear = self.inertia(*given, moved, rate, acceleration)[0]
         nonlinear -= self.inertia(*given, zero, zero, zero)[0]
-        mass, gyroscopic, centrifugal = self.matrices(np.zeros(()), on_axis=True)
+        mass, gyroscopic, centrifugal = self.matrices(np.zeros(()))
         turned = 2 * speed[:, None] * rate + change[:, None] * moved
         linear = (
             acceleration @ mass + turned @ gyroscopic.T - speed[:, None] ** 2 * moved @ centrifugal

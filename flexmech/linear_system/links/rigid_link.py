@@ -28,7 +28,7 @@ def rigid_link(name: str, mass: LinkMass) -> LinkModel:
         Without coordinates of its end, which depends on the three.
     """
     body = RigidBody.of_link(mass)
-    inertia, gyroscopic, translational = body.matrices(np.zeros(()), on_axis=True)
+    inertia, gyroscopic, translational = body.matrices(np.zeros(()))
     along, across = body.first_moment
     nothing = np.zeros((3, 3))
     ends = np.array([0.0, mass.length])
@@ -43,7 +43,9 @@ def rigid_link(name: str, mass: LinkMass) -> LinkModel:
         mass=inertia,
         gyroscopic=gyroscopic,
         centrifugal_mass=translational,
-        first_moment=np.array([[across, -along, -body.on_axis], [along, across, 0.0]]),
+        first_moment=np.array(
+            [[across, -along, -body.translational_inertia], [along, across, 0.0]]
+        ),
         stiffness=nothing,
         damping=nothing,
         is_axial=np.zeros(3, dtype=bool),

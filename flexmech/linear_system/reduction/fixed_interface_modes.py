@@ -116,7 +116,8 @@ def _attachment_modes(link: LinkModel, flexibility: Flexibility) -> FloatArray:
     The force of a pin on an arm is a spring against the end's rotation, to which modes of the link
     with free rotations at its ends converge slowly.
     """
-    if not (couples(link.stiffness, link.is_axial, ~link.is_axial) or link.first_moment.any()):
+    off_axis = any(body.of_section for body in link.bodies)
+    if not (off_axis or couples(link.stiffness, link.is_axial, ~link.is_axial)):
         return np.zeros((link.size, 0))
     ends, inner = np.concatenate([link.start_rotation[:1], link.end_rotation[:1]]), flexibility.free
     turned = ends[np.isin(ends, inner)]

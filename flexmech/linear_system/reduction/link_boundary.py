@@ -107,8 +107,7 @@ def link_boundary(ends: JoinedEnds, link: LinkModel) -> LinkBoundary:
         kept[f"{end}_rotation"] = np.array(numbers, dtype=np.intp)
         columns += [rows] if len(columns) in numbers else []
     # The section of a body off the axis is a joint too: a rigid link is welded to it.
-    fixed_to = [body for body in link.bodies if body.is_off_axis and not body.of_section]
-    arms = [body.rows.any(axis=0) for body in fixed_to]
+    arms = [body.rows.any(axis=0) for body in link.attached_off_axis]
     taken = fixed.copy()
     taken[np.concatenate([*columns, np.zeros(0, dtype=np.intp)])] = True
     columns += list(np.flatnonzero(np.any(arms, axis=0) & ~taken)[:, None]) if arms else []
@@ -150,8 +149,14 @@ def _welded_ends(topology: Topology) -> set[LinkEnd]:
 
 def _dependent_ends(topology: Topology) -> list[LinkEnd]:
     rigid = {link.name for link in topology.links if link.rigid}
-    dependent: list[LinkEnd] = []
+    welded, dependent = _welded_ends(topology), []
     for point in joint_points(topology):
-        on_rigid = point.slider is not None or any(end.link in rigid for end in point.ends)
-        dependent += point.ends if on_rigid else point.ends[1:]
+        elastic = [end for end in point.ends if end.link not in rigid]
+        # What is welded to a rigid link does not turn against its frame.
+        leaders = elastic[:1]
+        if point.slider is not None:
+            leaders = []
+        elif len(elastic) < len(point.ends):
+            leaders = [end for end in elastic if end in welded][:1]
+        dependent += [end for end in elastic if end not in leaders]
     return dependent

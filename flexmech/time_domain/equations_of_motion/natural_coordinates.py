@@ -105,9 +105,12 @@ def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
             joined = any(end.link == link.name and end.end == "end" for end in topology.joined_ends)
             turned = joined and _turns(engine, link.name)
             inertia = 0.0 if shaft is None or shaft.link != number else shaft.inertia
-            stiffness = bar_stiffness(engine, link.length, inertia)
+            [body] = links[number].model.bodies
+            # What nothing joins at its end is as stiff as a body on a section.
+            arm = link.length if joined or not body.arm else body.arm
+            stiffness = bar_stiffness(engine, arm, inertia)
             links[number] = _bar(
-                links[number].model, link.length, stiffness, joined, turned, inertia
+                engine, links[number].model, link.length, joined, turned, stiffness, inertia
             )
     return topology.with_elastic(bars), links
 
@@ -135,6 +138,14 @@ def bar_stiffness(engine: Engine, arm: float, inertia: float = 0.0) -> float:
     return RIGIDITY * max(max(along) * arm**2, by_inertia)
 
 
+def bar_damping_time(engine: Engine) -> float:
+    """Damping time of a rigid body's bar in s, the greatest of the elastic links along themselves.
+
+    Without it what the start of a run leaves in the bar would ring on.
+    """
+    return max(section.damping.axial for section in engine.mechanism.sections.values())
+
+
 def _turns(engine: Engine, name: str) -> bool:
     """Whether a joint of a link fixes its rotation or has a torsional spring."""
     topology = engine.topology
@@ -148,7 +159,13 @@ def _turns(engine: Engine, name: str) -> bool:
 
 
 def _bar(
-    rigid: LinkModel, length: float, axial: float, joined: bool, turned: bool, shaft: float
+    engine: Engine,
+    rigid: LinkModel,
+    length: float,
+    joined: bool,
+    turned: bool,
+    axial: float,
+    shaft: float,
 ) -> NaturalLink:
     """A rigid link as a stiff bar in natural coordinates.
 
@@ -181,14 +198,16 @@ def _bar(
     inertia += shared * np.outer(rotates, rotates)
     shear = rotates - from_own[3]
     nodes = np.vstack([from_own[:2], rotates, from_own[:2] + length * from_own[2:], rotates])
+    stiffness = axial * (np.outer(from_own[2], from_own[2]) + np.outer(shear, shear))
+    time = bar_damping_time(engine)
     model = LinkModel(
         name=rigid.name,
         mass=inertia,
         gyroscopic=from_own.T @ spread.natural_inertia(QUARTER_TURN) @ from_own,
         centrifugal_mass=translational,
         first_moment=np.zeros((2, size)),
-        stiffness=axial * (np.outer(from_own[2], from_own[2]) + np.outer(shear, shear)),
-        damping=np.zeros((size, size)),
+        stiffness=stiffness,
+        damping=time * stiffness,
         is_axial=np.abs(to_own[:, [0, 2]]).sum(axis=1) > 0,
         start=start,
         end=end,
@@ -200,11 +219,13 @@ def _bar(
     )
     to_engine = np.vstack([from_own[:2], rotates])
     from_engine = to_own @ np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1]])
-    stretch_of_arm = rigid_arm(from_own[2], from_own[3], axial)
+    stretch_of_arm = rigid_arm(from_own[2], from_own[3], axial, time)
     return NaturalLink(model, stretch_of_arm, to_engine, from_engine, from_own[2:])
 
 
-def rigid_arm(stretch: FloatArray, turn: FloatArray, stiffness: float) -> LinkStretch:
+def rigid_arm(
+    stretch: FloatArray, turn: FloatArray, stiffness: float, damping_time: float
+) -> LinkStretch:
     """The condition of a body that its lengths stay, as a strain.
 
     Parameters
@@ -213,6 +234,8 @@ def rigid_arm(stretch: FloatArray, turn: FloatArray, stiffness: float) -> LinkSt
         ``d`` by a link's coordinates.
     stiffness : float
         Against ``d_1``, in N m.
+    damping_time : float
+        In s.
 
     Returns
     -------
@@ -221,4 +244,4 @@ def rigid_arm(stretch: FloatArray, turn: FloatArray, stiffness: float) -> LinkSt
     """
     rows = np.stack([stretch, turn])
     root = float(np.sqrt(stiffness))
-    return LinkStretch(root * rows[:1], rows, root * np.ones((1, 2)), np.zeros(1))
+    return LinkStretch(root * rows[:1], rows, root * np.ones((1, 2)), np.array([damping_time]))

@@ -22,7 +22,6 @@ from flexmech.linear_system import (
     Prestress,
     StressedLinks,
     inertia_loads,
-    with_straight_inertia,
 )
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.equations_of_motion.link_stress import LinkStress, StressShapes
@@ -180,18 +179,20 @@ class StressHistory:
         linkage = self._engine.mechanism.linkage
         motion_of = [np.broadcast_to(v, angle.shape) for v in (angle, speed, acceleration)]
         packed, forces, places = [], [], []
+        has_arms = any(link.attached_off_axis for link in self._engine.links)
         for batch in self._engine.batches(len(angle)):
             motion = linkage.motion(*(v[batch] for v in motion_of))
             stressed = self._engine.stressed_links(motion, self._prestress)
             if self._equilibrium_of is not None:
                 packed.append(self._equilibrium_correction(stressed, self._equilibrium_of))
                 continue
-            # Runs in time have the inertia of straight links.
-            stressed = with_straight_inertia(self._engine.links, motion, stressed)
             if self._rigid_only:
                 pairs = zip(stressed.tangent, self._links, strict=True)
                 own = [tangent if link.rigid else link.stiffness for tangent, link in pairs]
                 stressed = replace(stressed, tangent=own)
+            if has_arms and not self._with_energy:
+                # They balance the loads on arms that are displaced.
+                stressed = replace(stressed, internal_force=None)
             stressed = self._with_internal_forces(motion, stressed)
             packed.append(self._packed(stressed, motion))
             if stressed.displacement is not None and stressed.internal_force is None:

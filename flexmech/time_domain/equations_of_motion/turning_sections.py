@@ -27,6 +27,7 @@ from flexmech.linear_system.reduction.link_boundary import JoinedEnds, link_boun
 from flexmech.linkages import Topology
 from flexmech.time_domain.equations_of_motion.natural_coordinates import (
     NaturalLink,
+    bar_damping_time,
     bar_stiffness,
     rigid_arm,
 )
@@ -59,6 +60,8 @@ class TurningSections:
         all nodes are among the sections.
     share : ndarray, shape (k,)
         Of an eccentric link's own mass in kg.
+    damping_time : float
+        Of the bars in s.
     """
 
     place: IntArray
@@ -68,6 +71,7 @@ class TurningSections:
     mass_axis: float
     neutral_axis: float
     share: FloatArray
+    damping_time: float
 
     @classmethod
     def of_shaft(cls, engine: Engine, shaft: FreeShaft) -> Self:
@@ -86,8 +90,9 @@ class TurningSections:
         place = np.append(own.end_displacement(shaft.clamp.link_end.end), shaft.rotation(own))
         arm = shaft.clamp.hub or float(own.readings.nodes[-1])
         stiffness = np.array([bar_stiffness(engine, arm, shaft.inertia)])
-        matter = ((0, RigidBody(0.0, (0.0, 0.0), shaft.inertia, 0.0)),)
-        return cls(place[None], matter, stiffness, np.eye(1), 0.0, 0.0, np.zeros(1))
+        time = bar_damping_time(engine)
+        matter = ((0, RigidBody(0.0, (0.0, 0.0), shaft.inertia, shaft.inertia)),)
+        return cls(place[None], matter, stiffness, np.eye(1), 0.0, 0.0, np.zeros(1), time)
 
     @classmethod
     def of_link(cls, engine: Engine, number: int, neutral_axis: float) -> Self | None:
@@ -122,8 +127,7 @@ class TurningSections:
         shapes, (stiffness, share) = np.eye(len(used)), np.zeros((2, len(nodes)))
         for body, node in zip(fixed, at.tolist(), strict=True):
             if body.is_off_axis:
-                arm = float(np.hypot(*body.first_moment)) / body.mass
-                stiffness[node] += bar_stiffness(engine, arm)
+                stiffness[node] += bar_stiffness(engine, body.arm)
         if any(axes):
             part = np.convolve(np.diff(nodes), [0.5, 0.5]) / nodes[-1]
             arm = float(np.hypot(*axes))
@@ -133,7 +137,8 @@ class TurningSections:
             shapes = _shapes(nodes, [*acting, *engine.mechanism.acting_at(link.name)])
         place = link.readings.per_node * used[:, None] + np.array([0, 1, link.readings.slope])
         bodies = tuple(zip(np.searchsorted(used, at).tolist(), fixed, strict=True))
-        return cls(place, bodies, stiffness[used], shapes, *axes, share[used])
+        time = bar_damping_time(engine)
+        return cls(place, bodies, stiffness[used], shapes, *axes, share[used], time)
 
     def extended(self, link: NaturalLink) -> NaturalLink:
         """The link with r more coordinates, those of ``d_1``.
@@ -148,7 +153,7 @@ class TurningSections:
         """
         unit = np.eye(link.model.size, link.model.size + self.shapes.shape[1])
         return NaturalLink(
-            self._model(link.model, float(link.stretch.damping_time[0])),
+            self._model(link.model),
             self._stretch(link.stretch),
             link.to_engine @ unit,
             unit.T @ link.from_engine,
@@ -166,17 +171,16 @@ class TurningSections:
         own = before.in_coordinates(self._lifted(size, self.neutral_axis))
         unit = np.eye(size + self.shapes.shape[1])
         given = zip(self.shapes @ unit[size:], self.place[:, 2], self.stiffness, strict=True)
-        bars = [rigid_arm(d_1, unit[turn], float(stiffness)) for d_1, turn, stiffness in given]
-        times = np.full(len(bars), before.damping_time[0])
+        bars = [rigid_arm(d_1, unit[turn], float(k), self.damping_time) for d_1, turn, k in given]
         return replace(
             own,
             gradient=np.vstack([own.gradient, *(bar.gradient for bar in bars)]),
             slopes=np.vstack([own.slopes, *(bar.slopes for bar in bars)]),
             weights=scipy.linalg.block_diag(own.weights, *(bar.weights for bar in bars)),
-            damping_time=np.append(own.damping_time, times),
+            damping_time=np.append(own.damping_time, [self.damping_time] * len(bars)),
         )
 
-    def _model(self, link: LinkModel, damping_time: float) -> LinkModel:
+    def _model(self, link: LinkModel) -> LinkModel:
         """The link's matrices, by ``d_1`` as well."""
         size, shapes = link.size, self.shapes
         elastic, own = self._lifted(size, self.neutral_axis), slice(size, None)
@@ -198,7 +202,7 @@ class TurningSections:
             centrifugal_mass=centrifugal,
             first_moment=moment,
             stiffness=elastic.T @ link.stiffness @ elastic + bars,
-            damping=elastic.T @ link.damping @ elastic + damping_time * bars,
+            damping=elastic.T @ link.damping @ elastic + self.damping_time * bars,
             is_axial=np.append(link.is_axial, np.ones(len(drawn), dtype=bool)),
             readings=link.readings.projected(np.eye(size, len(mass))),
             fields=RigidFields(
@@ -215,13 +219,12 @@ class TurningSections:
         found = [whole(x).copy() for x in (link.mass, link.gyroscopic, link.centrifugal_mass)]
         for number, body in self.bodies:
             entries = np.ix_(self.place[number], self.place[number])
-            straight = body.matrices(np.zeros(()), on_axis=True)
+            straight = body.matrices(np.zeros(()))
             for matrix, own in zip(found, straight, strict=True):
                 matrix[entries] -= own
         lifted = self._lifted(link.size, self.mass_axis)
         mass, gyroscopic, centrifugal = (lifted.T @ matrix @ lifted for matrix in found)
-        unit, turn = np.eye(len(mass)), self.place[:, 2]
-        centrifugal[turn, turn] += self.mass_axis**2 * self.share
+        unit = np.eye(len(mass))
         for number, body in self.bodies:
             u, v, phi = self.place[number]
             by = np.stack([unit[u], unit[v], self.shapes[number] @ unit[link.size :], unit[phi]])
