@@ -62,7 +62,7 @@ def estimate_harmonics(
     shift : int
         Bins of the frequency at which the system repeats itself: the periods in a record.
     bins : int
-        B, at most M - N ``shift``.
+        B, at most M - 2 N ``shift``.
 
     Returns
     -------
@@ -81,10 +81,11 @@ def estimate_harmonics(
             f"{len(force)} impacts cannot tell {len(orders)} orders apart; give one impact or more "
             "for each order"
         )
-    if bins + reach > count:
+    # What enters at the last bin of the response comes from as many beyond that.
+    if (needed := bins + 2 * reach) > count:
         raise InputError(
-            f"{bins} bins of the input and {highest_order} orders need {bins + reach} bins of the "
-            f"response, but the records have {count}; sample them more often"
+            f"{bins} bins of the input and {highest_order} orders need {needed} bins of the "
+            f"records, which have {count}; sample them more often"
         )
     output = np.arange(-reach, bins + reach)
     entering = output[:, None] - shift * orders

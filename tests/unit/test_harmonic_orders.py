@@ -77,7 +77,12 @@ def test_fewer_impacts_than_orders_are_refused() -> None:
         estimated(spread(4))
 
 
-def test_records_that_are_sampled_too_coarsely_are_refused() -> None:
+@pytest.mark.parametrize("bins", [COUNT - 2 * ORDER * SHIFT + 1, COUNT])
+def test_records_that_are_sampled_too_coarsely_are_refused(bins: int) -> None:
+    """What enters at the last bin of the response is beyond it by the highest order."""
     force = pulses(spread(5))
     with pytest.raises(InputError, match="sample them more often"):
-        estimate_harmonics(force, force, highest_order=ORDER, shift=SHIFT, bins=COUNT)
+        estimate_harmonics(force, force, highest_order=ORDER, shift=SHIFT, bins=bins)
+    estimate_harmonics(
+        force, force, highest_order=ORDER, shift=SHIFT, bins=COUNT - 2 * ORDER * SHIFT
+    )
