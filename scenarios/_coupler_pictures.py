@@ -18,6 +18,7 @@ from flexmech.linkages import DoublePoint
 
 STATES = ("dry", *RESINS)
 SATURATIONS = {"R-914": "7 %", "8551-7": "2 %"}
+# Of half the extent of loops and bends in the close-up: room for the branches beyond them.
 MARGIN = 0.4
 
 

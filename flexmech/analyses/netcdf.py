@@ -18,7 +18,7 @@ from flexmech.errors import FlexmechError, InputError, one_line
 CONVENTIONS = "CF-1.11"
 # Attributes of a file, as against those of the dataset that it holds.
 FILE_ATTRIBUTES = ("Conventions", "title", "date", "command_line")
-# Smaller variables would not get smaller.
+# Smaller variables would not get smaller. The size of files alone.
 LEAST_COMPRESSED = 1000
 
 

@@ -31,6 +31,7 @@ FREQUENCY_TOLERANCE = 0.005
 DAMPING_TOLERANCE = 0.05
 # In which a pole must be stable to be that of a mode.
 PART_OF_ORDERS = 0.2
+# Where a fifth of the orders is one or two: a pole that agrees but once makes no column.
 LEAST_ORDERS = 3
 
 

@@ -472,3 +472,20 @@ def test_a_singular_structure_is_refused_at_its_crank_angle() -> None:
         InputError, match=r"at crank angle 0 deg: joint S constrains .* the strut can"
     ):
         inverse_dynamics(held, motion, MASSES[:2], (0.0, -9.81))
+
+
+@pytest.mark.parametrize(("sine", "refused"), [(4e-9, False), (1e-10, True)])
+def test_two_links_in_line_hold_nothing_but_for_what_round_off_cannot_be(sine, refused) -> None:
+    """Their weight makes forces of a half of it over the sine."""
+    pins = (
+        Pin("A", LinkEnd("left", "end"), LinkEnd("top", "start")),
+        Pin("B", LinkEnd("top", "end"), LinkEnd("right", "end")),
+    )
+    held = Topology(SQUARE, (FOOT,), pivots=(Pivot("O4", LinkEnd("right", "start")),), pins=pins)
+    level = still([np.pi / 2, sine, np.pi - sine], [[0, 0], [0, 1], [2, 1]])
+    if refused:
+        with pytest.raises(InputError, match="joint B constrains what"):
+            inverse_dynamics(held, level, MASSES, (0.0, -9.81))
+    else:
+        forces = inverse_dynamics(held, level, MASSES, (0.0, -9.81)).start_force
+        assert np.abs(forces).max() == pytest.approx(9.81 / (2 * sine), rel=1e-6)

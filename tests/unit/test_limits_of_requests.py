@@ -70,6 +70,13 @@ def test_limits(named):
         request(round(1.1 * most / 16 + 1) * 16)
 
 
+def test_a_sweep_has_at_most_a_thousand_orders():
+    """What else is wrong is said of those alone."""
+    for orders, named in ((1000, "modes"), (1001, "orders")):
+        with pytest.raises(InputError, match=f"^{named}"):
+            flexmech.speed_sweep(None, [1.0], orders=orders, modes=0)
+
+
 def record(**columns):
     values = {name: np.asarray(value, dtype=float) for name, value in columns.items()}
     return SimpleNamespace(

@@ -110,12 +110,18 @@ def test_bad_files_are_refused_with_the_remedy(tmp_path, name):
         ("NaN", "line 3 has no value of 'strain'"),
         ("overload", "line 3 has 'overload' in the column 'strain', which is no number"),
         ("1e999", "line 3 has a number in 'strain' that is too large"),
+        ("2e60", "line 3 has a number in 'strain' that is too large"),
     ],
 )
 def test_gaps_and_text_in_the_column_that_is_wanted(tmp_path, cell, message):
     found = record(tmp_path, f"time_s,strain\n0,1\n0.5,{cell}\n1,2\n")
     with pytest.raises(InputError, match=message):
         found.quantity("strain")
+
+
+def test_numbers_are_taken_whose_squares_are_numbers(tmp_path):
+    found = record(tmp_path, "time_s,strain\n0,1\n0.5,9e59\n1,2\n")
+    assert found.quantity("strain").values.max() == 9e59
 
 
 def test_no_file_and_no_text(tmp_path):

@@ -6,13 +6,16 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from flexmech import FourBar
+from flexmech.analyses import beam_theory
 from flexmech.analyses.check import remarks
 from flexmech.analyses.frequencies import formulation
 from flexmech.analyses.frequencies.formulation import RunningStates
 from flexmech.analyses.response import start
-from flexmech.analyses.section_profile.result import _without_noise
+from flexmech.analyses.section_profile.compute import _through_thickness
+from flexmech.analyses.section_profile.result import _without_noise, expansion_table
 from flexmech.analyses.stability import engine_map
 from flexmech.analyses.stability.collisions import Meeting, MeetingPair
 from flexmech.analyses.stability.growth import Sample, speeds_between
@@ -129,6 +132,65 @@ def test_four_bars_are_usual():
 
 def test_noise_of_a_column_is_zero():
     assert _without_noise(np.array([1.0, 1e-8, 1e-10])).tolist() == [1.0, 1e-8, 0.0]
+
+
+def test_plies_swell_in_millionths_a_kelvin_and_thousandths_a_percent():
+    over = {"layer": [0], "direction": ["along", "across"]}
+    profile = xr.Dataset(
+        {
+            "thermal_expansion": (tuple(over), [[-0.3e-6, 28.1e-6]]),
+            "moisture_expansion": (tuple(over), [[0.01, 0.44]]),
+        },
+        over | {"ply": ("layer", ["carbon"]), "link": "rocker"},
+    )
+    (table,) = expansion_table(profile)
+    assert table.groups[0][0] == ("carbon", "-0.3", "28.1", "0.1", "4.4")
+
+
+def test_stresses_are_smooth_over_the_thickness():
+    """A parabola in few layers, and in each of many layers still one."""
+
+    class Layers:
+        def __init__(self, count):
+            self.laminate = SimpleNamespace(layers=[None] * count)
+
+        def places(self, count):
+            raise LookupError(count)
+
+    for layers, least, most in ((1, 41, 101), (2, 21, 51), (40, 7, 15)):
+        with pytest.raises(LookupError) as asked:
+            _through_thickness(Layers(layers))
+        assert least <= asked.value.args[0] <= most
+        # The middle of a layer is one of them.
+        assert asked.value.args[0] % 2 == 1
+
+
+def test_short_links_that_twist_as_they_bend_are_told(monkeypatch):
+    """Against three-dimensional elements they were 10 % low at three widths, 5 % at five."""
+    monkeypatch.setattr(beam_theory, "_gain_by_twist", lambda layers: 0.1)
+    section = SimpleNamespace(layers=SimpleNamespace(twist="held", width=1.0))
+    for length, said in ((2.9, "more than 10 % too low"), (4.9, "up to 10 % too low"), (5.1, "")):
+        told = beam_theory._short("crank", section, length)
+        assert said in told
+        assert bool(told) is bool(said)
+
+
+def test_engines_apart_by_less_than_a_ten_thousandth_are_not_told_why(monkeypatch):
+    monkeypatch.setattr(beam_theory, "_restrained_links", lambda engine: ["crank"])
+    mechanism = SimpleNamespace(
+        sections={"crank": SimpleNamespace(layers=0)},
+        link_mass=lambda name: SimpleNamespace(length=1.0),
+    )
+    engines = [
+        SimpleNamespace(name=name, restrains_ends=holds, mechanism=mechanism)
+        for name, holds in (("coarse", False), ("fine", True))
+    ]
+    difference = SimpleNamespace(value=0.01, mode=1)
+    comparison = SimpleNamespace(difference=lambda *of: difference)
+    for apart, told in ((5e-5, 0), (2e-4, 1)):
+        error = SimpleNamespace(of_modes=(0.0, -apart))
+        monkeypatch.setattr(beam_theory, "beam_error", lambda *of, error=error: error)
+        assert len(beam_theory._ends_apart(engines, comparison)) == told
 
 
 def test_a_start_is_as_long_as_linear_links_are():

@@ -9,6 +9,7 @@ import pytest
 import scipy.sparse
 import xarray as xr
 
+from flexmech.analyses import damping_ratios
 from flexmech.analyses.frequencies import (
     discretisation,
     eigenproblem,
@@ -27,9 +28,11 @@ from flexmech.analyses.frequencies.refinement import (
     Positions,
     ambiguous_modes,
     is_unambiguous,
+    refined,
 )
 from flexmech.analyses.frequencies.tracking import find_veering
-from flexmech.analyses.frequencies.words import shaft_kind
+from flexmech.analyses.frequencies.words import known_digits, shaft_kind
+from flexmech.analyses.requests import sampled_turn
 from flexmech.arrays import SAME_PLACE
 
 TURN = np.radians(np.arange(0.0, 361.0, 5.0))
@@ -77,11 +80,11 @@ def test_flat_curves_with_round_off_are_not_searched(monkeypatch):
 
 
 def test_extremes_are_sought_between_steps_of_fifteen_degrees(monkeypatch):
-    for step, refined in ((15.0, True), (16.0, False)):
+    for step, divided in ((15.0, True), (16.0, False)):
         angles = np.radians(np.arange(0.0, 300.0, step))
         _value, angle, count = found_extremes(monkeypatch, veering(1.0), 1e-5, angles)
-        assert (abs(angle - 1.234) < 1e-2) is refined
-        assert (count > 0) is refined
+        assert (abs(angle - 1.234) < 1e-2) is divided
+        assert (count > 0) is divided
 
 
 def test_a_minimum_is_tried_beside_the_middle_node():
@@ -178,6 +181,49 @@ def test_steps_are_divided_at_whole_degrees_but_for_rounding():
         chain = Chain(Positions(angle, nothing, nothing), np.ones(3, dtype=bool), np.empty(0))
         assert np.degrees(chain.middles()) == pytest.approx([3.5, 5.0])
     assert np.radians(1 / 16) / 1000 > SAME_PLACE
+
+
+def test_steps_that_stay_unclear_are_divided_down_to_a_sixteenth_of_a_degree():
+    """Shapes that jump half the way into each other; beside them are steps of a degree."""
+
+    def between(angle):
+        turned = np.where(np.degrees(angle) > 30.3, np.pi / 4, 0.0)
+        shapes = [[np.cos(turned), -np.sin(turned)], [np.sin(turned), np.cos(turned)]]
+        return Positions(angle, np.zeros((len(angle), 2)), np.moveaxis(shapes, 2, 0))
+
+    angle = np.radians(np.array([20.0, 25.0, 35.0, 40.0]))
+    chain = refined(Chain(between(angle), np.ones(4, dtype=bool), np.empty(0)), between)
+    step = np.degrees(chain.step)
+    assert step.min() == pytest.approx(1 / 16)
+    start = np.degrees(chain.positions.crank_angle[:-1])
+    beside = np.searchsorted(start, [29.4, 31.4]) - 1
+    assert step[beside] == pytest.approx([1.0, 1.0])
+    assert step.max() == pytest.approx(5.0)
+
+
+def test_the_mean_of_a_frequency_is_that_of_a_whole_turn(monkeypatch):
+    def along(systems, angle, speed):
+        return (10 + 3 * np.cos(angle) + np.cos(9 * angle) + 0.1 * np.sin(20 * angle))[:, None]
+
+    monkeypatch.setattr(damping_ratios, "frequencies_along", along)
+    monkeypatch.setattr(damping_ratios, "Systems", lambda *of: None)
+    lowest = damping_ratios.lowest_frequency(SimpleNamespace(prestress_at_rest="none"))
+    assert lowest == pytest.approx(20 * np.pi, rel=1e-12)
+
+
+def test_bounds_are_told_by_positions_every_fifteen_degrees():
+    """The extremes of a third harmonic are missed by less than a tenth, as bounds may be."""
+    turn = sampled_turn(0.1)
+    assert turn[0] == 0.1
+    # Half a step beside an extreme of the third harmonic.
+    assert np.cos(3 * np.diff(turn).max() / 2) > 0.9
+    assert np.ptp(turn) + np.diff(turn).max() == pytest.approx(2 * np.pi)
+    assert len(turn) < 100
+
+
+def test_no_more_than_six_decimals_of_a_frequency_are_told():
+    assert known_digits(12.3456789012, 1e-12) == "12.345679"
+    assert known_digits(12.3456789012, 1e-7) == "12.34568"
 
 
 def veers(least, turned):

@@ -12,12 +12,15 @@ import xarray as xr
 
 import flexmech
 from flexmech.analyses.comparison import fit, over_frequency, over_time, parameters, result
-from flexmech.analyses.hammer import plan, transient
+from flexmech.analyses.hammer import compute as hammer
+from flexmech.analyses.hammer import measurement, plan, transient, uff
+from flexmech.analyses.hammer import result as hammer_result
 from flexmech.analyses.hammer.locked_linkage import LockedLinkage
 from flexmech.analyses.running_hammer import compute as running
 from flexmech.analyses.running_hammer import measured, prediction
 from flexmech.analyses.running_hammer import plan as running_plan
 from flexmech.analyses.running_hammer import result as running_result
+from flexmech.dynamical_systems import direct_receptance
 from flexmech.errors import ComputationError, InputError
 from tests.unit.hammer_data import damped_engine, small_request
 from tests.unit.running_hammer_data import running_hammer_dataset
@@ -169,6 +172,80 @@ def test_large_systems_keep_their_component_modes(aluminium):
 def run_turns(rate, **asked):
     request = SimpleNamespace(duration=None, **asked)
     return running_plan._turns(request, SimpleNamespace(growth_rate=-rate, turn_time=1.0))
+
+
+def test_modes_beyond_the_band_add_little_but_their_flexibility(monkeypatch):
+    """The direct solution is at most some lines, a resonance being many of them wide."""
+    solved = []
+
+    def direct(*of):
+        solved.append(len(of[-1]))
+        return direct_receptance(*of)
+
+    monkeypatch.setattr(measurement, "direct_receptance", direct)
+    found = flexmech.hammer_test(damped_engine(), small_request(0.0)).dataset
+    assert 1e-5 < found["superposition_error"].max() < 1e-2
+    assert 40 < min(solved) <= max(solved) < 130
+
+
+def circle(natural, ratio):
+    """Receptances of one mode about its natural frequency, and their frequencies."""
+    pole = 2 * np.pi * natural * complex(-ratio, np.sqrt(1 - ratio**2))
+
+    def receptance(hertz):
+        return 1 / (2j * np.pi * hertz - pole)
+
+    one = SimpleNamespace(
+        poles=np.array([pole]),
+        exact_at=receptance,
+        modes=SimpleNamespace(receptance=lambda hertz, decay_rate: receptance(hertz)[None]),
+    )
+    taken = SimpleNamespace(decay_rate=0.0, bandwidth=100.0)
+    found = hammer._circles([one], taken, 1)
+    return receptance(found["circle_frequency"][1][0, 0]), found["circle_frequency"][1][0, 0]
+
+
+def test_circles_close_to_a_thirteenth_and_have_no_corners():
+    points, hertz = circle(10.0, 0.01)
+    about = 2 * np.unwrap(np.angle(points))
+    assert 1 - np.ptp(about) / (2 * np.pi) == pytest.approx(1 / 13, rel=0.1)
+    assert np.abs(np.diff(about)).max() < np.radians(15.0)
+    # Of a mode that hardly vibrates they would begin below zero.
+    points, hertz = circle(10.0, 0.3)
+    assert 1e-3 < hertz.min() < 0.1
+
+
+def test_pulses_are_drawn_without_corners():
+    drawn = np.sin(np.pi * hammer._PULSE_PLACES)
+    assert drawn[[0, -1]] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert np.abs(np.diff(drawn)).max() < 0.05
+    assert len(drawn) < 1000
+
+
+def test_the_verdict_is_of_the_first_three_modes():
+    apart = np.array([[0.01, 0.01, 0.02, 0.5]])
+    over = ("crank_angle", "mode")
+    names = [
+        f"{by}_{what}" for by in ("eigen", "identified") for what in ("frequency", "damping_ratio")
+    ]
+    values = [1.0, 1.0, 1 + apart, 1 + apart]
+    dataset = xr.Dataset(
+        {n: (over, np.broadcast_to(v, (1, 4))) for n, v in zip(names, values, strict=True)}
+    )
+    assert "first 3 modes: frequencies 2 %" in hammer_result._verdict(dataset)
+
+
+def test_nodes_of_links_in_universal_files_never_meet():
+    fractions = {name: np.linspace(0.0, 1.0, 500).tolist() for name in ("crank", "coupler")}
+    nodes = SimpleNamespace(names=list(fractions), fractions=fractions)
+    labels = {
+        uff._Nodes.label(nodes, flexmech.LinkPoint(name, fraction))
+        for name, own in fractions.items()
+        for fraction in own
+    }
+    assert len(labels) == 1000
+    # Short enough to be read.
+    assert max(labels) < 10**6
 
 
 def test_impacts_decay_to_a_part_that_noise_hides():
@@ -327,6 +404,7 @@ def test_harmonic_balance_has_spare_harmonics_up_to_sixty():
 def test_modes_are_counted_until_one_lies_beyond(monkeypatch):
     def frequencies(engine, angles, modes, **of):
         assert len(angles) >= 12
+        assert np.ptp(angles) + angles[1] == pytest.approx(2 * np.pi)
         return np.tile(10.0 * np.arange(1, modes + 1), (len(angles), 1))
 
     monkeypatch.setattr(prediction, "natural_frequencies", frequencies)
@@ -350,6 +428,43 @@ def test_slopes_are_known_to_what_differences_leave():
     # At a bound the difference is one-sided.
     slopes = fit._central(np.exp, np.array([0.2]), np.array([0.2]))
     assert slopes[0, 0] == pytest.approx(np.exp(0.2), rel=2e-4)
+
+
+def test_fits_step_by_usual_changes():
+    """Differences by a ten-thousandth of them are neither round-off nor as large as what is fitted.
+
+    A hundred thousandth of a stiffness, a thousandth of a degree.
+    """
+    names = (f"{parameters.STIFFNESS}:rocker", parameters.GAIN, parameters.START_ANGLE)
+    found = parameters.free_parameters(names, lambda values: 0.0, 1e-5, "m", 1e-3)
+    steps = [fit._DIFFERENCE * one.scale for one in found]
+    assert all(3e-6 < step < 3e-5 for step in steps[:2])
+    assert 3e-4 < steps[2] < 3e-3
+
+
+def test_deflections_are_sought_at_every_degree():
+    """A peak a few degrees wide is found, and a warning costs no more than some hundreds."""
+    sampled = []
+
+    def readings(turn, number):
+        sampled.append(len(turn))
+        return np.exp(-(((turn - 0.4321) * 360 / 3) ** 2))[None]
+
+    links = [SimpleNamespace(length=2.0)]
+    problem = SimpleNamespace(
+        _motion=lambda values: SimpleNamespace(readings=readings),
+        engine=SimpleNamespace(
+            mechanism=SimpleNamespace(
+                linkage=SimpleNamespace(topology=SimpleNamespace(links=links))
+            )
+        ),
+    )
+    assert over_time.TimeProblem._greatest_deflection(problem, {}) == pytest.approx(0.5, rel=0.05)
+    assert max(sampled) < 1000
+
+
+def test_intervals_are_those_of_95_percent():
+    assert fit._quantile(1e9) == pytest.approx(1.95996, rel=1e-5)
 
 
 def test_parameters_that_can_hardly_be_told_apart_are_refused():

@@ -150,6 +150,53 @@ def test_steady_motion_is_found_in_steps_of_half_a_degree(monkeypatch):
     assert steps[1] == pytest.approx(4000)
 
 
+def test_quasi_static_peaks_of_five_harmonics_are_known_to_a_thousandth(monkeypatch):
+    """Wherever they are on the turn, and of a turn that is a few hundred positions."""
+    sampled = []
+
+    def greatest(linkage, moved):
+        return np.abs(moved[0]).max(axis=0)
+
+    monkeypatch.setattr(sweep, "_greatest", greatest)
+    monkeypatch.setattr(sweep, "VibrationState", lambda position, *rates: position)
+    for peak in np.linspace(0.3, 0.31, 7):
+
+        def equations(time, peak=peak):
+            sampled.append(len(time))
+            wave = np.cos(5 * (2 * np.pi * time - peak))[:, None]
+            return SimpleNamespace(quasi_static=lambda: wave)
+
+        linkage = SimpleNamespace(
+            drive=CrankDrive(2 * np.pi),
+            quasi_static_equations=equations,
+            link_motion=lambda equations, at_rest: [(at_rest, None, None)],
+            bases=[np.eye(1)],
+        )
+        assert sweep.quasi_static_peaks(linkage)[0] == pytest.approx(1.0, rel=1e-3)
+    assert max(sampled) < 1000
+
+
+def test_stretch_is_taken_back_to_a_ten_thousandth():
+    """Each pass leaves what the links have turned by: of a tenth of a radian a tenth of it."""
+    passes = []
+
+    def forces(displacement):
+        passes.append(displacement)
+        return [1.1 * displacement[0] + 0.01]
+
+    frames = SimpleNamespace(
+        links=[SimpleNamespace(stiffness=None, is_axial=np.array([True]))],
+        assemble=lambda *of: SimpleNamespace(stiffness=np.eye(1)),
+        gather=lambda motion, force: force[0],
+        link_coordinates=lambda motion, step: [step],
+    )
+    found = start.without_second_order_stretch(
+        frames, None, [np.zeros((1, 1))], [np.zeros((1, 1))], forces
+    )
+    assert found[0][0, 0] == pytest.approx(-0.01 / 1.1, rel=2e-4)
+    assert len(passes) < 10
+
+
 # --- spectra ------------------------------------------------------------------------------------
 
 

@@ -10,15 +10,24 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from flexmech.analyses.stability import collisions, edges, solver, speed_range, vibrating_linkage
+from flexmech.analyses.stability import (
+    collisions,
+    edges,
+    selected_modes,
+    solver,
+    speed_range,
+    speed_window,
+    vibrating_linkage,
+)
 from flexmech.analyses.stability.collisions import Meeting, MeetingPair, meetings, met
 from flexmech.analyses.stability.growth import SignedGrowth
 from flexmech.analyses.stability.mode_tracking import BranchShapes
 from flexmech.analyses.stability.naming import BandName, band_name, signatures_of
 from flexmech.analyses.stability.parallel import _end
-from flexmech.analyses.stability.speed_window import KnownEquilibria
+from flexmech.analyses.stability.request import StabilityRequest
+from flexmech.analyses.stability.speed_window import KnownEquilibria, SpeedWindow
 from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem, floquet_modes
-from flexmech.errors import ComputationError
+from flexmech.errors import ComputationError, InputError
 from tests.unit.stability_data import FREQUENCIES, followed
 
 # --- names of bands -----------------------------------------------------------------------------
@@ -469,6 +478,42 @@ def test_windows_are_as_narrow_as_interpolation_needs_and_no_narrower():
     assert max(each.error for each in found) > 1e-9
     assert max(each.high for each in found) > 93.0
     assert min(built) > 0.5
+
+
+def test_windows_of_a_fortieth_of_the_lowest_frequency_have_six_nodes():
+    """A resonance far away, as of a matrix that goes with the square of the speed, to 1e-8."""
+    lowest = 100.0
+    ends = speed_range.window_ends([20.0, 60.0], lowest)
+    assert len(ends) == 16
+    assert ends[0] == (57.5, 60.0)
+    low, high = ends[0]
+    nodes = speed_window.chebyshev_nodes(low, high)
+    built = [
+        SimpleNamespace(
+            crank_speed=speed,
+            conservative=SimpleNamespace(coefficients=np.array([1 / (1 - (speed / lowest) ** 2)])),
+        )
+        for speed in nodes
+    ]
+    assert 1e-10 < SpeedWindow(low, high, built).error < 1e-7
+    assert not speed_range.windows_are_cheaper(np.linspace(20.0, 60.0, 90).tolist(), lowest)
+    assert speed_range.windows_are_cheaper(np.linspace(20.0, 60.0, 100).tolist(), lowest)
+
+
+def test_harmonics_about_the_largest_hold_all_but_a_thousandth():
+    """Of a phase that swings by a radian; beyond the fourth, Bessel's functions are small."""
+    turn = 2 * np.pi * np.arange(96) / 96
+    wave = np.exp(1j * (7 * turn + np.sin(turn)))
+    number, shares = selected_modes._largest_harmonic(wave[:, None, None])
+    assert number.tolist() == [7]
+    assert 1e-7 < 1 - shares.sum() < 1e-3
+    assert len(shares) == 9
+
+
+def test_a_turn_has_steps_for_the_shapes_that_are_compared():
+    assert StabilityRequest(np.array([20.0]), steps=32).steps == 32
+    with pytest.raises(InputError, match="from 32 to"):
+        StabilityRequest(np.array([20.0]), steps=16)
 
 
 def test_no_part_of_a_turn_without_equilibrium_is_passed_over():

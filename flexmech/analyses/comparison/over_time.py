@@ -46,6 +46,7 @@ _SAMPLED = 0.9
 _LEAST_PERIODS = 3.0
 _SAMPLES_AN_UNKNOWN = 4
 # Running linkages of other stiffness that are in memory: of one central difference, and more.
+# Memory and speed alone.
 _MOST_MODELS = 8
 # Samples of a turn among which the greatest deflection is sought: each degree, for a warning.
 _TURN_SAMPLES = 361

@@ -39,6 +39,7 @@ REDUCTION_TOLERANCE = 2e-5
 RATIO_TOLERANCE = 1e-3
 RATIO_FLOOR = 1e-7
 # The first are tried in small steps, since most links need little more than the usual detail.
+# Speed alone: where none is enough, the unreduced matrices are solved.
 DETAILS = (1.0, 1.25, 2.0, GREAT_DETAIL, 2 * GREAT_DETAIL, 4 * GREAT_DETAIL)
 # Steps of Newton's method to an unreduced eigenvalue: it converges in three or four.
 MOST_STEPS = 8

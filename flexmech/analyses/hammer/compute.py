@@ -90,7 +90,7 @@ _OVER_RECORDS = ("crank_angle", "average", "time")
 _PULSE_PLACES = np.linspace(0.0, 1.0, 101)
 _CIRCLE_PLACES = np.linspace(-1.0, 1.0, 161) ** 3
 # Half the range of frequencies of a circle, in halves of the half-power bandwidth: it closes to a
-# fourteenth of its circumference.
+# thirteenth of its circumference.
 _REACH = 8.0
 # Bandwidth over the least frequency of a circle, which has none at zero and below.
 _LARGEST = 1e4

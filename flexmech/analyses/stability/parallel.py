@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 from flexmech.interruption import STOPPING, uninterrupted
 from flexmech.threads import one_thread
 
-# Tasks that are not worth processes of their own.
+# Tasks that are not worth processes of their own. Speed alone.
 FEW = 2
 
 # What processes that are at work when an interruption comes have to end in, in s: a long call of

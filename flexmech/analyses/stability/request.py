@@ -21,6 +21,8 @@ from flexmech.choices import (
 from flexmech.errors import InputError
 from flexmech.validation import check_choice, check_count, check_number, checked_array
 
+# So that half of them, by which the error of the steps is told, meet all crank angles at which
+# shapes are compared.
 LEAST_STEPS = 2 * SHAPE_ANGLES
 
 
