@@ -178,10 +178,12 @@ def _with_guesses(
 
 def _fitted(s: ComplexArray, receptance: ComplexArray, pole: ComplexArray) -> ComplexArray:
     """Poles that are refined together, and are modes and not noise."""
+    added_damping = float(s[0].real)
     while True:
-        refined = refined_poles(s, receptance, pole)
+        # Two poles of one mode would be driven apart, and the search would not come to an end.
+        refined = refined_poles(s, receptance, _distinct(pole, added_damping))
         refined = refined[np.isfinite(refined)]
-        kept = significant_poles(s, receptance, _distinct(refined, float(s[0].real)))
+        kept = significant_poles(s, receptance, _distinct(refined, added_damping))
         if kept.size == refined.size:
             return kept
         # What was dropped had drawn the others along.

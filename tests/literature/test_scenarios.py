@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmech import RunningHammerTest
+from flexmech import ReferenceEngine, RunningHammerTest, load_mechanism
 from flexmech.hygrothermal import linkage_in_state
 from flexmech.verification import verification_case
 from tests.unit.running_hammer_data import running_hammer_dataset
@@ -416,6 +416,14 @@ def test_hammer_noise(scenario, expected_number, tmp_path, capsys):
     assert np.all(abs(errors.mean(axis=0)) < 3.5 * errors.std(axis=0) / np.sqrt(draws))
     assert "circle-fit" in capsys.readouterr().out
     assert_pictures(tmp_path, "noise.png")
+
+
+def test_hammer_noise_where_circles_start_four_times_at_one_mode(scenario):
+    """Refined from all of them the third mode's damping was 27 % off, on some processors alone."""
+    module = scenario("hammer_noise")
+    engine = ReferenceEngine(load_mechanism(module.MODELS / "composite_fourbar.toml"), 4)
+    _, damping = module._one_draw(engine, "circle-fit", 0.01, 21)
+    assert np.all(abs(damping) < [2e-4, 5e-3, 0.05])
 
 
 @pytest.mark.thorough
