@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -91,13 +92,11 @@ class Constraints:
         first = 3 * len(unknown)
         self._columns = {body: 3 * n for n, body in enumerate(unknown)}
         self._size, self._slides = first + slides, range(first, first + slides)
-        self.first, self.second = (
-            BodyPoints(points, self._columns, self._slides, self._size, self._row, is_line)
-            for points in (
-                [own.first for _, own in of_points],
-                [own.second for _, own in of_points],
-            )
-        )
+        self._pair_of_points = [
+            [own.first for _, own in of_points],
+            [own.second for _, own in of_points],
+        ]
+        self._is_line = is_line
         self._points: dict[tuple[BodyPoint, ...], BodyPoints] = {}
         self._rotation = np.zeros((self.count, self._size))
         for row, own in numbered:
@@ -105,6 +104,20 @@ class Constraints:
                 for body, sign in ((own.first, 1.0), (own.second, -1.0)):
                     if body in self._columns:
                         self._rotation[row, self._columns[body] + 2] = sign
+
+    @cached_property
+    def first(self) -> BodyPoints:
+        """First point of each coincidence and line."""
+        return self._of_joints(0)
+
+    @cached_property
+    def second(self) -> BodyPoints:
+        """Second point of each coincidence, and the one through which each line passes."""
+        return self._of_joints(1)
+
+    def _of_joints(self, number: int) -> BodyPoints:
+        points = self._pair_of_points[number]
+        return BodyPoints(points, self._columns, self._slides, self._size, self._row, self._is_line)
 
     def points(self, points: Sequence[BodyPoint]) -> BodyPoints:
         """Points with their Jacobian by the coordinates of the constraints."""

@@ -74,17 +74,19 @@ def test_a_step_in_the_space_of_symmetric_shapes_has_the_square_of_their_error(f
 
 def test_newtons_method_finds_eigenvalues_of_damped_and_turning_systems():
     one, values, shapes = quadratic()
-    start, begun = values * (1 + 1e-3), off(shapes, 1e-3)
-    first = newton_values(one, start, begun)
+    # Two positions, of which the second is further off.
+    start = np.stack([values * (1 + 1e-3), values * (1 + 2e-3)])
+    begun = np.stack([off(shapes, 1e-3), off(shapes, 2e-3)])
+    first = newton_values([one, one], start, begun)
     assert np.abs(first / values - 1).max() < 1e-4
-    converged = newton_values(one, start, begun, steps=8)
-    np.testing.assert_allclose(converged, values, rtol=1e-11)
+    converged = newton_values([one, one], start, begun, steps=8)
+    np.testing.assert_allclose(converged, [values, values], rtol=1e-11)
 
 
 def test_an_eigenvalue_at_which_the_matrix_is_singular_stays():
     mass, stiffness = np.eye(3), np.diag([4.0, 9.0, 0.0])
-    start = np.array([2j, 2.9j])
-    found = newton_values(pencil(mass, 0 * mass, stiffness), start, np.eye(3)[:, :2])
+    start = np.array([[2j, 2.9j]])
+    [found] = newton_values([pencil(mass, 0 * mass, stiffness)], start, np.eye(3)[None, :, :2])
     assert found[0] == 2j
     assert found[1] == pytest.approx(3j, rel=1e-3)
 

@@ -302,7 +302,7 @@ def test_what_grows_far_faster_than_it_can_be_known_is_round_off():
 def test_newtons_method_ends_at_the_round_off_of_an_eigenvalue(monkeypatch):
     factors = []
     splu = inverse_iteration.splu
-    monkeypatch.setattr(inverse_iteration, "splu", lambda a: (factors.append(1), splu(a))[1])
+    monkeypatch.setattr(inverse_iteration, "splu", lambda a, **of: (factors.append(1), splu(a))[1])
     random = np.random.default_rng(4)
     errors = []
     for _ in range(40):
@@ -315,9 +315,10 @@ def test_newtons_method_ends_at_the_round_off_of_an_eigenvalue(monkeypatch):
         sparse = {name: scipy.sparse.csc_array(part) for name, part in parts.items()}
         pencil = inverse_iteration.Pencil.of(SimpleNamespace(**sparse))
         near = states[:3, place, None] + 0.02 * random.standard_normal((3, 1))
-        start = values[place, None] * (1 + 0.01 * random.standard_normal())
-        found = inverse_iteration.newton_values(pencil, start, near, steps=reduction.MOST_STEPS)
-        errors.append(abs(found[0] / values[place] - 1))
+        start = values[None, place, None] * (1 + 0.01 * random.standard_normal())
+        given = [pencil], start, near[None]
+        found = inverse_iteration.newton_values(*given, steps=reduction.MOST_STEPS)
+        errors.append(abs(found[0, 0] / values[place] - 1))
     assert max(errors) < 1e-13
     assert len(factors) <= 40 * 4
 
@@ -360,7 +361,7 @@ def test_two_modes_have_led_to_one_eigenvalue(monkeypatch):
         monkeypatch.setattr(reduction, "replace", lambda systems, **of: systems)
         monkeypatch.setattr(reduction, "solve_modes", lambda *of: modes)
         monkeypatch.setattr(reduction, "UnreducedPositions", lambda *of: exact)
-        monkeypatch.setattr(reduction, "newton_values", lambda *of, **more: values)
+        monkeypatch.setattr(reduction, "newton_values", lambda *of, **more: values[None])
         monkeypatch.setattr(reduction, "solve_eigenvalues", lambda *of: own[None, :2] + 1)
         return reduction.unreduced_eigenvalues(systems, np.zeros(1), 0.0)[0]
 

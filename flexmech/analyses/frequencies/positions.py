@@ -184,6 +184,8 @@ def _systems(
     angle, speed = np.broadcast_arrays(
         np.asarray(crank_angle, dtype=float), np.asarray(crank_speed, dtype=float)
     )
-    motion = engine.mechanism.linkage.motion(angle, speed)
-    fastest = float(np.abs(motion.angular_velocity).max(initial=0.0))
+    fastest = 0.0
+    if speed.any():
+        motion = engine.mechanism.linkage.motion(angle, speed)
+        fastest = float(np.abs(motion.angular_velocity).max(initial=0.0))
     return angle, speed, Systems(engine, formulation, fastest)

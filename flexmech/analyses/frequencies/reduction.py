@@ -202,9 +202,9 @@ class UnreducedPositions:
     @cached_property
     def _every(self) -> list[Pencil]:
         """Of few positions, which are asked for once for each detail."""
-        return list(self._at(slice(None)))
+        return self._at(slice(None))
 
-    def _at(self, part: slice) -> Iterator[Pencil]:
+    def _at(self, part: slice) -> list[Pencil]:
         at = self.crank_angle[part], self.crank_speed[part], self.stressed.at(part)
         return Pencil.of_positions(self.systems.at(*at))
 
@@ -231,12 +231,11 @@ def reduction_error(
     ModeErrors
     """
     shapes = reduced.unreduced_vectors(modes.vectors, unreduced.systems.engine.frames)
+    pencils = list(unreduced.pencils())
     if reduced.is_conservative:
-        pencils = list(unreduced.pencils())
         improved = ritz_values(pencils, shapes, rigid=reduced.rigid_modes > 0)
     else:
-        positions = zip(unreduced.pencils(), modes.eigenvalues, shapes, strict=True)
-        improved = np.stack([newton_values(*position) for position in positions])
+        improved = newton_values(pencils, modes.eigenvalues, shapes)
     better = Modes(improved, modes.vectors)
     return ModeErrors(
         frequency=np.abs(modes.frequency / better.frequency - 1),
@@ -273,9 +272,9 @@ def unreduced_eigenvalues(
         reduced = systems.at(angle, crank_speed, stressed)
         modes = solve_modes(reduced, count)
         exact = UnreducedPositions(unreduced, angle, np.full(1, crank_speed), stressed)
-        shapes = reduced.unreduced_vectors(modes.vectors, frames)[0]
-        pencil = next(exact.pencils())
-        values = newton_values(pencil, modes.eigenvalues[0], shapes, steps=MOST_STEPS)
+        shapes = reduced.unreduced_vectors(modes.vectors, frames)
+        pencils = list(exact.pencils())
+        [values] = newton_values(pencils, modes.eigenvalues, shapes, steps=MOST_STEPS)
         values = values[np.argsort(np.abs(values))]
         # Two modes may have led to the same eigenvalue.
         alike = np.abs(np.diff(values)) <= SAME * np.abs(values[1:])

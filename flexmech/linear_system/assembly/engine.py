@@ -234,6 +234,8 @@ class Engine(EngineLinks):
 
     def fit_for(self, modes: int) -> Self:
         """The engine with an element fit for so many natural frequencies, if none was asked for."""
+        if modes == self.modes or not self.chooses_element:
+            return self
         other = self.with_(modes=modes)
         return self if other.element == self.element else other
 
@@ -316,11 +318,9 @@ class Engine(EngineLinks):
         if not angle.size:
             raise InputError("crank_angle is empty; give one crank angle or more")
         motion = self.mechanism.linkage.motion(angle.ravel(), speed.ravel())
-        terms = (
-            rotation_terms
-            if isinstance(rotation_terms, RotationTerms)
-            else RotationTerms.all_or_none(bool(rotation_terms))
-        )
+        terms = rotation_terms
+        if not isinstance(terms, RotationTerms):
+            terms = RotationTerms.all_or_none(bool(terms))
         if not motion.crank_speed.any():
             terms = RotationTerms.all_or_none(False)
         if stressed is None:

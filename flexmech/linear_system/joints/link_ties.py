@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,6 @@ from flexmech.linear_system.joints.joint_points import (
 )
 from flexmech.linear_system.joints.link_place import DependentRows
 from flexmech.linear_system.joints.rigid_coordinates import (
-    RigidCoordinates,
     RigidGeometricStiffness,
 )
 from flexmech.linear_system.joints.rigid_pose import (
@@ -36,6 +34,7 @@ from flexmech.linear_system.joints.ties import (
     RigidRows,
     RotatedEnd,
     Tie,
+    general_frames,
 )
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import LinkEnd, RigidMotion, Topology
@@ -73,7 +72,8 @@ class LinkTies:
         last: Sequence[NDArray[np.bool_]],
     ) -> None:
         self.topology = topology
-        self.rigid = RigidCoordinates(topology)
+        self._general = general_frames(topology)
+        self.rigid = self._general.rigid
         self._links = links
         self._ties: list[list[Tie]] = [[] for _ in links]
         self._at_rest: list[PointRows] = []  # ends on rigid links that do not move
@@ -203,11 +203,6 @@ class LinkTies:
 
     def _rotations(self, end: LinkEnd) -> IntArray:
         return self._links[self.topology.index(end.link)].end_rotation_of(end.end)
-
-    @cached_property
-    def _general(self) -> MovingFrames:
-        """Matrices in a general position, whose zeros show which coordinates do not depend."""
-        return MovingFrames(self.rigid, self.rigid.general_position)
 
     def _flexible_hubs(self) -> Iterator[HubRow]:
         for clamp in self.topology.clamps:

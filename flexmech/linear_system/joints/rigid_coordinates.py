@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 
@@ -67,9 +68,9 @@ class RigidCoordinates:
         self.topology = topology
         self.links = tuple(n for n, link in enumerate(topology.links) if link.rigid)
         self.size = 3 * len(self.links) + len(topology.sliders)
-        self.constraints = Constraints(
-            [*self._coincidences(), *self._equal_angles()], self.links, len(topology.sliders)
-        )
+        # Those of elastic links do not stand here, and most linkages have no rigid one.
+        own = (self._coincidences(), self._equal_angles()) if self.links else ()
+        self.constraints = Constraints([*chain(*own)], self.links, len(topology.sliders))
         self.independent_coordinates, self.dependent_coordinates, self.rows = self._choose()
 
     def is_rigid(self, end: LinkEnd) -> bool:

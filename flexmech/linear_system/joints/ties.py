@@ -6,13 +6,13 @@ Each kind of tie gives the matrix from the columns to the rows over a batch of p
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.rigid_coordinates import RigidCoordinates
-from flexmech.linkages import RigidMotion
+from flexmech.linkages import RigidMotion, Topology
 from flexmech.linkages.body_motion import BodyPoint
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
 
@@ -56,6 +56,14 @@ class MovingFrames:
         others = (m.angle, m.angular_velocity, m.angular_acceleration)
         pairs = zip(others, of_link, strict=True)
         return MatrixWithRates.rotation(*(other[:, leader] - own for other, own in pairs))
+
+
+# Speed and memory alone: an engine numbers the coordinates of its linkage several times.
+@lru_cache(maxsize=16)
+def general_frames(topology: Topology) -> MovingFrames:
+    """Frames in a general position, whose zeros show which coordinates do not depend."""
+    rigid = RigidCoordinates(topology)
+    return MovingFrames(rigid, rigid.general_position)
 
 
 @dataclass(frozen=True)
