@@ -20,6 +20,8 @@ SAME = 1e-8
 # Speed alone: coordinates are numbered along the links, and to order them anew takes longer than
 # what the factors are then smaller by.
 ORDER = "NATURAL"
+# Of matrices that are factorized at a time. Memory alone.
+MOST_ENTRIES = 40_000
 
 
 @dataclass(frozen=True)
@@ -167,14 +169,17 @@ def newton_values(
     of_modes = [pencil for pencil in pencils for _ in range(count)]
     values = eigenvalues.astype(complex).ravel()
     x = np.swapaxes(shapes, 1, 2).astype(complex).reshape(len(values), -1)
-    moving = np.arange(len(values))
-    for _ in range(steps):
-        change, better = _newton_step([of_modes[n] for n in moving], values[moving], x[moving])
-        values[moving] -= change
-        x[moving] = better / np.abs(better).max(axis=1)[:, None]
-        moving = moving[np.abs(change) > SAME * np.abs(values[moving])]
-        if not len(moving):
-            break
+    entries = np.cumsum([len(pencil.rows) for pencil in of_modes])
+    ends = np.flatnonzero(np.diff(entries // MOST_ENTRIES)) + 1
+    for part in np.split(np.arange(len(values)), ends):
+        moving = part
+        for _ in range(steps):
+            change, better = _newton_step([of_modes[n] for n in moving], values[moving], x[moving])
+            values[moving] -= change
+            x[moving] = better / np.abs(better).max(axis=1)[:, None]
+            moving = moving[np.abs(change) > SAME * np.abs(values[moving])]
+            if not len(moving):
+                break
     return values.reshape(eigenvalues.shape)
 
 
@@ -183,9 +188,10 @@ def _newton_step(
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     """By how much k eigenvalues are too great, and better shapes than x, (k, n)."""
     blocks, size = Pencil.block_diagonal(pencils), len(x[0])
-    entries = [len(pencil.rows) for pencil in pencils]
-    powers = np.repeat(np.stack([values**2, values, np.ones_like(values)]), entries, axis=1)
-    matrix = csc_array(((powers * blocks.entries).sum(axis=0), blocks.rows, blocks.starts))
+    value = np.repeat(values, [len(pencil.rows) for pencil in pencils])
+    mass, damping, stiffness = blocks.entries
+    entries = value * (value * mass + damping) + stiffness
+    matrix = csc_array((entries, blocks.rows, blocks.starts))
     try:
         factors = splu(matrix, permc_spec=ORDER)
     except RuntimeError:
