@@ -191,7 +191,7 @@ def _newton_step(
     value = np.repeat(values, [len(pencil.rows) for pencil in pencils])
     mass, damping, stiffness = blocks.entries
     entries = value * (value * mass + damping) + stiffness
-    matrix = csc_array((entries, blocks.rows, blocks.starts))
+    matrix = csc_array((entries, blocks.rows, blocks.starts), (x.size, x.size))
     try:
         factors = splu(matrix, permc_spec=ORDER)
     except RuntimeError:
