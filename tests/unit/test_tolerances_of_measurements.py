@@ -626,3 +626,13 @@ def test_fits_that_mean_little_are_told():
             attrs={"unit": "", "unexplained": 0.1, "residual_order": 0, "widened": widened},
         )
         assert ("white noise: the" in result._residual_lines(data)[1]) is white
+
+
+@pytest.mark.parametrize(("apart", "fitted"), [(3e-9, 1.0), (3e-10, 0.0)])
+def test_free_vibrations_that_are_alike_count_once(apart, fitted):
+    """Of two that differ by round-off the difference is none, and fits no record."""
+    axis = np.eye(4)
+    free = np.stack([axis[0], axis[0] + 2 * apart * axis[1]], axis=1)
+    own = SimpleNamespace(_motions=lambda values: (np.zeros(4), free), record=axis[1])
+    found = over_time.TimeProblem.curve(own, {})
+    assert found[1] == pytest.approx(fitted, abs=1e-6)
