@@ -323,6 +323,17 @@ def test_newtons_method_ends_at_the_round_off_of_an_eigenvalue(monkeypatch):
     assert len(factors) <= 40 * 4
 
 
+@pytest.mark.parametrize(("highest", "anew"), [(1.5e6, True), (1.5e5, False)])
+def test_lowest_frequencies_are_computed_anew_where_tables_would_show_their_round_off(
+    highest, anew
+):
+    """Ten digits of a squared frequency, beside another of so many times it."""
+    system = SimpleNamespace(stiffness=np.diag([1.0, highest])[None], mass=np.eye(2)[None])
+    squares = np.array([[5.0]])
+    eigenproblem._sharpen(system, np.array([[1.0, highest]]), squares)
+    assert squares[0, 0] == pytest.approx(1.0 if anew else 5.0)
+
+
 # --- component modes and meshes -----------------------------------------------------------------
 
 

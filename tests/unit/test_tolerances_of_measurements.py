@@ -636,3 +636,33 @@ def test_free_vibrations_that_are_alike_count_once(apart, fitted):
     own = SimpleNamespace(_motions=lambda values: (np.zeros(4), free), record=axis[1])
     found = over_time.TimeProblem.curve(own, {})
     assert found[1] == pytest.approx(fitted, abs=1e-6)
+
+
+def test_spectra_are_read_between_lines_to_a_hundred_thousandth():
+    """Against the sum over the record at the frequencies that are read."""
+    rate, count, step = 400.0, 512, 1 / 1600
+    time = np.arange(count) / rate
+    record = np.exp(-(((time - 0.64) / 0.12) ** 2)) * np.cos(377 * (time - 0.64))
+    read = np.arctan(np.pi * rate / count * np.arange(count // 2 + 1) * step) / (np.pi * step)
+    exact = np.fft.irfft(np.exp(-2j * np.pi * read[:, None] * time) @ record, count)
+    gap = np.abs(transient.unwarped(record[None], rate, step)[0] - exact).max()
+    assert 1e-7 < gap / np.abs(exact).max() < 1e-5
+
+
+def test_displacements_are_looked_for_in_three_periods_of_the_first_mode():
+    """A beat of two modes is at its greatest late; and at many instants of each period."""
+
+    def motion(rows, hit, unit, time):
+        return np.where(np.abs(time - unit.start - 2.9) < 0.012, 1.0, 1e-3)
+
+    linkage = SimpleNamespace(topology=SimpleNamespace(links=[SimpleNamespace(length=1.0)]))
+    own = SimpleNamespace(
+        engine=SimpleNamespace(mechanism=SimpleNamespace(linkage=linkage)),
+        natural_frequencies=lambda count: [1.0],
+        rows=lambda *of: [None],
+        station_rows=lambda: None,
+        motion=motion,
+    )
+    request = SimpleNamespace(impact=None, direction=None)
+    pulse = SimpleNamespace(start=0.0, duration=0.01)
+    assert plan._force(request, [own], pulse) == pytest.approx(1e-6)

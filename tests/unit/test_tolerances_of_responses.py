@@ -277,3 +277,8 @@ def test_what_grows_at_less_than_a_thousandth_a_second_is_still():
             attrs={"speed_unit": "rad/s"},
         )
         assert said in shaft_lines(data)[0]
+
+
+@pytest.mark.parametrize(("beyond", "shown"), [(3e-10, 9), (3e-9, 8)])
+def test_a_frame_a_full_turn_before_the_last_one_is_not_lost_to_round_off(beyond, shown):
+    assert len(_frames(np.linspace(-2 * np.pi * (1 + beyond), 0.0, 9))) == shown
