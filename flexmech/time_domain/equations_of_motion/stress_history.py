@@ -16,13 +16,16 @@ from scipy.interpolate import CubicSpline
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
+    DeadMoments,
     DisplacedInertia,
     Engine,
+    LinkMatrix,
     LinkModel,
     Prestress,
     StressedLinks,
     inertia_loads,
 )
+from flexmech.linear_system.links.dead_moments import without_spin_softening
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.equations_of_motion.link_stress import LinkStress, StressShapes
 
@@ -187,9 +190,7 @@ class StressHistory:
                 packed.append(self._equilibrium_correction(stressed, self._equilibrium_of))
                 continue
             if self._rigid_only:
-                pairs = zip(stressed.tangent, self._links, strict=True)
-                own = [tangent if link.rigid else link.stiffness for tangent, link in pairs]
-                stressed = replace(stressed, tangent=own)
+                stressed = replace(stressed, tangent=self._rigid_tangents(motion, stressed))
             if has_arms and not self._with_energy:
                 # They balance the loads on arms that are displaced.
                 stressed = replace(stressed, internal_force=None)
@@ -204,6 +205,21 @@ class StressHistory:
         if forces:
             self._add_bending_work(values, where, np.concatenate(forces), np.concatenate(places))
         return values
+
+    def _rigid_tangents(self, motion: RigidMotion, stressed: StressedLinks) -> list[LinkMatrix]:
+        """Tangents without the tension of elastic links, which their stretch gives.
+
+        Bodies off the axis of these keep the geometric stiffness of rigid links.
+        """
+        links, gravity = self._engine.links, self._engine.mechanism.gravity
+        loads = inertia_loads(links, motion, gravity)
+        dead = DeadMoments.of(links, motion, gravity, loads)
+        straight = [np.zeros(load.shape[::-1]) for load in loads]
+        own = {n: link.stiffness for n, link in enumerate(self._links) if not link.rigid}
+        own = dead.add_stiffness(own, straight)
+        tangents = [own.get(n, tangent) for n, tangent in enumerate(stressed.tangent)]
+        without = without_spin_softening(links, motion, replace(stressed, tangent=tangents), None)
+        return [without.tangent[n] if n in own else each for n, each in enumerate(tangents)]
 
     def _with_internal_forces(self, motion: RigidMotion, stressed: StressedLinks) -> StressedLinks:
         """Stressed links with internal forces, where an engine does not provide them.
