@@ -61,7 +61,11 @@ from flexmech.linear_system.links.chains import (
     summed,
     whole,
 )
-from flexmech.linear_system.links.dead_moments import DeadMoments, body_turns
+from flexmech.linear_system.links.dead_moments import (
+    DeadMoments,
+    body_turns,
+    without_spin_softening,
+)
 from flexmech.linear_system.links.displaced_inertia import DisplacedInertia
 from flexmech.linear_system.links.link_model import LinkModel, RigidFields
 from flexmech.linear_system.links.link_readings import LinkReadings
@@ -167,4 +171,5 @@ __all__ = [
     "ties_beyond_pins",
     "whole",
     "with_rigid_links",
+    "without_spin_softening",
 ]

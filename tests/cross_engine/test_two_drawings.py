@@ -75,6 +75,8 @@ class Drawing:
         By the elastic link that carries it at its end.
     thickness : float
         In mm.
+    rest : str
+        Further tables of the model file.
     """
 
     points: dict[str, tuple[float, float]]
@@ -83,6 +85,7 @@ class Drawing:
     ground: tuple[str, ...]
     bodies: dict[str, Body]
     thickness: float = 2.0
+    rest: str = ""
 
     def mechanism(self, folder: Path, *, welded: bool) -> Mechanism:
         """The mechanism as a model file says it."""
@@ -119,7 +122,7 @@ class Drawing:
         lines += ["[environment]", 'gravity = ["0 m/s^2", "-9.81 m/s^2"]']
         lines += ["[operation]", 'crank_speeds = ["5 rad/s"]']
         path = folder / f"{'welded' if welded else 'bodies'}.toml"
-        path.write_text("\n".join([*head, *lines]))
+        path.write_text("\n".join([*head, *lines, self.rest]))
         return load_mechanism(path)
 
     def both(self, folder: Path) -> tuple[Mechanism, Mechanism]:
@@ -230,71 +233,36 @@ def test_both_have_the_same_response(make: type[Engine], tmp_path: Path) -> None
     np.testing.assert_allclose(found, expected, rtol=0, atol=atol)
 
 
-GUIDED = """name = "drawn"
-source = "own"
-[linkage]
-kind = "planar"
-drawn_at = "0 deg"
-ground = ["O2", "O4"]
-[linkage.points]
-O2 = ["0 m", "0 m"]
-M = ["0.05 m", "0 m"]
-A = ["0.1 m", "0 m"]
-O4 = ["0 m", "-0.2 m"]
-L = ["0.2 m", "0.2 m"]
-{tip}
-[materials.aluminium]
-youngs_modulus = "69 GPa"
-poisson_ratio = 0.3
-density = "2700 kg/m^3"
-[links.near]
-points = ["O2", "M"]
-{strip}
-{body}
-[links.far]
-points = ["M", "A"]
-{strip}
-[links.lever]
+LEVER = """[links.lever]
 points = ["O4", "L"]
 rigid = true
 mass = "0.1 kg"
 inertia = "1e-3 kg m^2"
-{arm}
-[joints.O2]
-kind = "clamp"
-[joints.M]
-kind = "weld"
 [joints.A]
 kind = "slider"
 guide = "lever"
 direction = "0 deg"
-[environment]
-gravity = ["0 m/s^2", "-9.81 m/s^2"]
-[operation]
-crank_speeds = ["5 rad/s"]
 """
-MATTER = 'mass = "0.05 kg"\ninertia = "1e-5 kg m^2"\n'
 
 
 def test_both_have_the_same_response_where_a_link_guides_another(tmp_path: Path) -> None:
     """A body without the stiffness by its own weight and inertia was 1e-2 off."""
-    parts = {
-        "tip": 'T = ["0.05 m", "0.06 m"]',
-        "arm": f'[links.arm]\npoints = ["M", "T"]\nrigid = true\n{MATTER}centre = "0.03 m"',
-        "body": f'[[links.near.bodies]]\nposition = "0.05 m"\n{MATTER}offset = ["0 m", "0.03 m"]',
-    }
-    found = []
-    for drawn in (("body",), ("tip", "arm")):
-        own = {name: text if name in drawn else "" for name, text in parts.items()}
-        strip = STRIP.format(thickness=1.2) + 'damping_time = "2e-4 s"'
-        path = tmp_path / f"{drawn[0]}.toml"
-        path.write_text(GUIDED.format(strip=strip, **own))
-        engine = ReferenceEngine(load_mechanism(path), 2, component_modes=False)
-        run = response(engine, ResponseRequest(CrankDrive(6.0), revolutions=0.05))
-        found.append(run.dataset["deflection"])
-    welded = found[1].sel(link=found[0]["link"])
-    atol = SAME * float(abs(found[0]).max())
-    np.testing.assert_allclose(welded, found[0], rtol=0, atol=atol)
+    drawing = Drawing(
+        {"O2": (0, 0), "M": (0.05, 0), "A": (0.1, 0), "O4": (0, -0.2), "L": (0.2, 0.2)},
+        {"near": ("O2", "M"), "far": ("M", "A")},
+        {"O2": "clamp", "M": "weld"},
+        ("O2", "O4"),
+        {"near": Body(0.05, 1e-5, (0.0, 0.03))},
+        thickness=1.2,
+        rest=LEVER,
+    )
+    request = ResponseRequest(CrankDrive(6.0), revolutions=0.05)
+    body, weld = (
+        response(ReferenceEngine(m, 2, component_modes=False), request).dataset["deflection"]
+        for m in drawing.both(tmp_path)
+    )
+    atol = SAME * float(abs(body).max())
+    np.testing.assert_allclose(weld.sel(link=body["link"]), body, rtol=0, atol=atol)
 
 
 @ENGINES

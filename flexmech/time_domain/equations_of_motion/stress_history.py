@@ -24,8 +24,8 @@ from flexmech.linear_system import (
     Prestress,
     StressedLinks,
     inertia_loads,
+    without_spin_softening,
 )
-from flexmech.linear_system.links.dead_moments import without_spin_softening
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.equations_of_motion.link_stress import LinkStress, StressShapes
 
