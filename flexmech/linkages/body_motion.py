@@ -119,17 +119,18 @@ class BodyMotion:
 
 @dataclass(frozen=True)
 class BodyPoint:
-    """A point of a body, in its axes, or one that slides along a line of it.
+    """A point of a body, in its axes, or one that moves in these.
 
     Parameters
     ----------
     body : int
     place : complex
-        Of one that slides it is given with the positions.
+        Of one that moves it is given with the positions.
     slide : int, optional
-        Number of its slide.
+        Number of its place among those.
     along : complex
-        Unit vector of its line in the body's axes.
+        Unit vector in the body's axes of the line along which it slides; zero of a point of a body
+        that deforms, whose place is no coordinate.
     """
 
     body: int
@@ -189,8 +190,9 @@ class BodyPoints:
         self._sliding = np.array(sliding, dtype=np.intp)
         self._slide = np.array([points[n].slide for n in sliding], dtype=np.intp)
         self._along = np.array([points[n].along for n in sliding], dtype=complex)
-        own_slides = np.array([slides[n] for n in self._slide], dtype=np.intp)
-        self._slide_places = row[self._sliding], own_slides
+        self._on_lines = np.flatnonzero(self._along)
+        own_slides = np.array([slides[n] for n in self._slide[self._on_lines]], dtype=np.intp)
+        self._slide_places = row[self._sliding[self._on_lines]], own_slides
 
     def arms(self, bodies: BodyMotion, slid: ComplexArray | None = None) -> ComplexArray:
         """Arms from the bodies' reference points to the points in ground axes, (B, P).
@@ -309,9 +311,10 @@ class BodyPoints:
         if across is not None and len(one):
             unit = across.T[self._moving_lines, None]
             matrix[line_rows, line_columns] += np.real(np.conj(unit) * block[one])
-        if len(self._sliding):
+        if len(self._on_lines):
             slide_rows, slides = self._slide_places
-            along = sign * (turn[self._sliding].T * self._along).T
+            sliding, along = self._sliding[self._on_lines], self._along[self._on_lines]
+            along = sign * (turn[sliding].T * along).T
             matrix[slide_rows, slides] += along.real
             matrix[slide_rows + 1, slides] += along.imag
 

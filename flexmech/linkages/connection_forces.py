@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import cmath
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.body_motion import GROUND_AFTER_LINKS, BodyMotion, BodyPoint
 from flexmech.linkages.constraints import (
@@ -84,16 +84,26 @@ def slider_line(topology: Topology, slider: Slider) -> PointOnLine:
 
 
 @lru_cache(maxsize=64)
-def _constraints(topology: Topology) -> Constraints:
-    """Constraints of all joints, a row for each of the connections."""
+def _constraints(topology: Topology, *, displaced: bool) -> Constraints:
+    """Constraints of all joints, a row for each of the connections.
+
+    The places of displaced ends are numbered link by link, that of its start first.
+    """
+
+    def point(end: LinkEnd) -> BodyPoint:
+        place = end_point(topology, end)
+        number = 2 * place.body + (end.end == "end")
+        return replace(place, slide=number) if displaced else place
+
     found: list[Condition] = []
     for one in connections(topology):
         if one.slider is not None:
-            found.append(slider_line(topology, one.slider))
+            line = slider_line(topology, one.slider)
+            found.append(replace(line, first=point(one.slider.link_end)))
         elif one.component == 0:
             ground = BodyPoint(GROUND_AFTER_LINKS)
-            other = ground if one.other is None else end_point(topology, one.other)
-            found.append(Coincidence(end_point(topology, one.place), other))
+            other = ground if one.other is None else point(one.other)
+            found.append(Coincidence(point(one.place), other))
         elif one.component == 2:
             leader = GROUND_AFTER_LINKS if one.other is None else topology.index(one.other.link)
             found.append(EqualAngle(topology.index(one.place.link), leader))
@@ -139,15 +149,20 @@ def line_normal(topology: Topology, motion: RigidMotion, slider: Slider) -> Floa
     return normal(angle)
 
 
-def connection_matrix(topology: Topology, motion: RigidMotion) -> FloatArray:
+def connection_matrix(
+    topology: Topology, motion: RigidMotion, displaced: ComplexArray | None = None
+) -> FloatArray:
     """Transposed constraint Jacobian: forces and moments on the links by unit connection forces.
 
-    A moment is about the link's start.
+    A moment is about the link's start in the rigid motion.
 
     Parameters
     ----------
     topology : Topology
     motion : RigidMotion
+    displaced : ndarray of complex, shape (m, n_links, 2), optional
+        Displacements of the links' starts and ends in ground axes in m, with which rigid links
+        turn; for a batch of shape (m,).
 
     Returns
     -------
@@ -156,11 +171,34 @@ def connection_matrix(topology: Topology, motion: RigidMotion) -> FloatArray:
     """
     batch = motion.crank_angle.shape
     flat = motion.at(np.ones(batch, dtype=bool))
-    matrix = _constraints(topology).jacobian(BodyMotion.of_links(flat))
+    bodies, places = BodyMotion.of_links(flat), None
+    if displaced is not None:
+        bodies, places = _displaced(topology, bodies, displaced)
+    constraints = _constraints(topology, displaced=displaced is not None)
+    matrix = constraints.jacobian(bodies, slid=places)
     return np.swapaxes(matrix, -1, -2).reshape(*batch, -1, matrix.shape[-2])
 
 
-def solve_connections(topology: Topology, motion: RigidMotion, load: FloatArray) -> FloatArray:
+def _displaced(
+    topology: Topology, bodies: BodyMotion, displaced: ComplexArray
+) -> tuple[BodyMotion, ComplexArray]:
+    """Links of which the rigid ones turn with their ends, and places (m, 2 n_links) of all ends."""
+    turn = bodies.turn.copy()
+    along = np.array([[0.0, link.length] for link in topology.links])
+    arms = turn[:, :-1, None] * along + displaced
+    rigid = [number for number, link in enumerate(topology.links) if link.rigid]
+    chord = arms[:, rigid, 1] - arms[:, rigid, 0]
+    turn[:, rigid] = chord / np.abs(chord)
+    places = np.conj(turn[:, :-1, None]) * arms
+    return replace(bodies, turn=turn), places.reshape(len(turn), -1)
+
+
+def solve_connections(
+    topology: Topology,
+    motion: RigidMotion,
+    load: FloatArray,
+    displaced: ComplexArray | None = None,
+) -> FloatArray:
     """Connection forces from the force and moment balance of the links.
 
     Parameters
@@ -168,7 +206,9 @@ def solve_connections(topology: Topology, motion: RigidMotion, load: FloatArray)
     topology : Topology
     motion : RigidMotion
     load : ndarray, shape (..., 3 * n_links)
-        Forces and moments about the links' starts, inertia among them.
+        Forces and moments about the links' starts in the rigid motion, inertia among them.
+    displaced : ndarray of complex, shape (m, n_links, 2), optional
+        As of :func:`connection_matrix`.
 
     Returns
     -------
@@ -180,7 +220,7 @@ def solve_connections(topology: Topology, motion: RigidMotion, load: FloatArray)
     InputError
         If the linkage is over- or underconstrained; names a joint.
     """
-    matrix = connection_matrix(topology, motion)
+    matrix = connection_matrix(topology, motion, displaced)
     if matrix.shape[-1] != matrix.shape[-2]:
         raise InputError(_what_is_wrong(topology, motion, matrix))
     try:

@@ -181,7 +181,7 @@ class Constraints:
         arms = [own.arms(bodies, slid) for own in (self.first, self.second)]
         if len(self._lines):
             # A line's guide turns the place where the point is now.
-            here = self.first.places(bodies) - bodies.place[:, self.second.body]
+            here = self.first.places(bodies, slid) - bodies.place[:, self.second.body]
             arms[1][:, self._lines] = here[:, self._lines]
         matrix = np.zeros((self.count, self._size, len(axes)))
         for own, arm, sign in zip((self.first, self.second), arms, (1.0, -1.0), strict=True):

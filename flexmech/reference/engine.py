@@ -116,11 +116,11 @@ class ReferenceEngine(Engine):
         )
 
     @cached_property
-    def clamped_stretches(self) -> tuple[LinkStretch, ...] | None:
+    def stretches(self) -> tuple[LinkStretch, ...] | None:
         """Second-order stretch of each link; see :attr:`Engine.stretches`."""
         if self.mechanism.is_free_strained:
             return None
-        turns_far = self.free_shaft is not None and self.free_shaft.turns_far
+        turns_far = self.free_shaft is not None and self.free_shaft.is_stiff
         return tuple(
             chain_stretch(self.chains[number], turns_far=turns_far)
             if number in self.chains

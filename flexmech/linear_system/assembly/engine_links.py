@@ -77,18 +77,8 @@ class EngineLinks(ElementKinds):
     def stretches(self) -> tuple[LinkStretch, ...] | None:
         """Second-order stretch of each link; None where an engine does not provide it.
 
-        None as well where links bend or stretch without load, since it is that of straight links,
-        and of a free shaft with rigid links that guide others.
+        None as well where links bend or stretch without load, since it is that of straight links.
         """
-        shaft = self.free_shaft
-        # Rigid links and a hub on a free shaft have their geometric stiffness in natural
-        # coordinates alone.
-        known = shaft is None or shaft.turns_far or not shaft.is_stiff
-        return self.clamped_stretches if known else None
-
-    @property
-    def clamped_stretches(self) -> tuple[LinkStretch, ...] | None:
-        """As :attr:`stretches`, of :attr:`clamped_links`."""
         return None
 
     def stressed_links(

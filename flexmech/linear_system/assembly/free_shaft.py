@@ -93,11 +93,6 @@ class FreeShaft:
         """Whether there are rigid links or a hub: a turn of these meets no tension of their own."""
         return bool(self.clamp.hub) or any(link.rigid for link in self.topology.links)
 
-    @property
-    def turns_far(self) -> bool:
-        """Whether these may turn by finite angles in a run in time: no links guide others."""
-        return self.is_stiff and not self.topology.has_moving_guides
-
     def rotation(self, link: LinkModel) -> int:
         """Which coordinate of the clamped link, reduced or not, is the shaft's rotation."""
         return int(link.end_rotation_of(self.clamp.link_end.end)[0])

@@ -28,6 +28,7 @@ from flexmech.linear_system import (
     SystemMatrices,
 )
 from flexmech.linkages import CrankDrive, Load, RigidMotion, continuous_angles
+from flexmech.linkages.motion import cross
 
 LinkMotion = Sequence[tuple[FloatArray, FloatArray, FloatArray]]
 
@@ -73,7 +74,7 @@ class ActingForces:
     shapes : list of ndarray, shape (m, n_link)
         On the coordinates of each link, without radial forces of sprung joints.
     fields : list of ndarray, shape (m, 4)
-        On the rigid fields of each link, likewise.
+        On the rigid fields of each link, likewise; moments with the arms of the displaced link.
     virtual_power : ndarray, shape (m,)
         Of all of them as the linkage turns at unit crank speed, displaced as it is.
     work : ConnectorWork
@@ -263,7 +264,7 @@ class DrivenConnectors:
             if in_joint:
                 continue
             shapes[number] += point.force(motion, push.force, push.torque)
-            fields[number] += _on_fields(push, motion)
+            fields[number] += _on_fields(push, motion, elastic[number][0])
         pushed = [
             (force, torque, _moved(point, motion, elastic))
             for point, force, torque in self._loads(time, motion, elastic)
@@ -336,11 +337,12 @@ def _moved(point: AttachedPoint, motion: RigidMotion, elastic: LinkMotion) -> Fl
     return moved
 
 
-def _on_fields(push: PointForce, motion: RigidMotion) -> FloatArray:
+def _on_fields(push: PointForce, motion: RigidMotion, displacement: FloatArray) -> FloatArray:
     """Generalized force on the rigid fields of its link: two translations, rotation, extension."""
     place = push.point
     unit = AttachedPoint(place.link, place.x, np.eye(3), np.eye(3))
     along, across, torque = unit.force(motion, push.force, push.torque).T
+    torque = torque + cross(place.displacement(motion, displacement)[:, :2], push.force)
     return np.stack([along, across, place.x * across + torque, place.x * along], axis=1)
 
 

@@ -37,6 +37,7 @@ from flexmech.time_domain.equations_of_motion.driven_shaft import DrivenShaft
 from flexmech.time_domain.equations_of_motion.equations import Equations
 from flexmech.time_domain.equations_of_motion.link_stress import LinkStress
 from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStretch
+from flexmech.time_domain.equations_of_motion.moving_guides import MovingGuides
 from flexmech.time_domain.equations_of_motion.reduced_links import (
     DETAIL,
     prestressed_links,
@@ -116,25 +117,23 @@ class DrivenLinkage:
         self._from_engine = [link.from_engine for link in reduced.unreduced]
         self.bases = reduced.engine_bases
         self.frames = LinkFrames(reduced.topology, self.links)
-        self.stretch = LinkageStretch(self.frames, reduced.stretches) if stretches else None
+        self.stretch = None
+        if stretches:
+            guides = MovingGuides(engine, self.frames, reduced.unreduced, self.run_bases)
+            self.stretch = LinkageStretch(self.frames, reduced.stretches, guides)
         self.shaft = DrivenShaft.of(engine, drive, self.frames, reduced.unreduced, self.run_bases)
         turns_far = self.shaft is not None and self.shaft.is_natural
         self.connectors = DrivenConnectors(engine, self.frames, drive, follower_torque=turns_far)
         self._condensed = np.zeros(self.frames.size, dtype=bool)
         for target, condensed in zip(self.frames.targets, reduced.condensed, strict=True):
             self._condensed[target[condensed]] = True
-        has_guides = stretches and reduced.topology.has_moving_guides
-        level: Prestress = prestress
-        if stretches and not turns_far:
-            level = "axial" if has_guides else "none"
         self.stress = StressHistory(
             engine,
             self.unreduced,
             self.run_bases,
             drive,
-            level,
+            "none" if stretches and not turns_far else prestress,
             with_energy=with_energy,
-            rigid_links_only=has_guides,
             equilibrium_of=self.bases if turns_far else None,
         )
 
@@ -258,6 +257,8 @@ class DrivenLinkage:
             [LinkDamping(s.damping, s.damping) for s in stress],
             self.stress.guide_stiffness(time),
         )
+        if self.stretch is not None:
+            matrices = self.stretch.guides.added(matrices, motion, terms)
         if self.connectors.any:
             return self.connectors.added(motion, matrices, terms, time)
         return matrices

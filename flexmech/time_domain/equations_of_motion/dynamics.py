@@ -10,11 +10,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.dynamical_systems import VibrationState
 from flexmech.linkages import RigidMotion, Topology
-from flexmech.linkages.connection_forces import connections, line_normal, solve_connections
+from flexmech.linkages.connection_forces import (
+    connection_matrix,
+    connections,
+    solve_connections,
+)
 from flexmech.linkages.motion import direction, normal
+from flexmech.time_domain.equations_of_motion.driven_connectors import LinkMotion
 from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
 from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
 from flexmech.time_domain.equations_of_motion.link_inertia import LinkInertia, MovingLink, dot
@@ -36,6 +41,10 @@ class LinkageDynamics:
             for model, full, basis in zip(
                 linkage.links, linkage.unreduced, linkage.run_bases, strict=True
             )
+        ]
+        both = np.array([0.0, 1.0])
+        self._ends = [
+            np.array([1, 1j]) @ link.readings.displacement_at(both) for link in linkage.links
         ]
 
     def step_block(
@@ -68,7 +77,7 @@ class LinkageDynamics:
         # How dependent ends move in their link's frame at constant z.
         unit_rates = frames.dependent_rows(unit)
         totals = np.zeros((6, len(time)))
-        ends, fields = [], []
+        ends, fields, moments = [], [], []
         acting = None
         if linkage.connectors.any:
             rest = np.zeros_like(coordinates[0])
@@ -88,11 +97,11 @@ class LinkageDynamics:
             rigid = inertia.field_forces(link)
             ends.append(shapes if acting is None else shapes - acting.shapes[number])
             fields.append(rigid if acting is None else rigid - acting.fields[number])
+            turning = inertia.turning_power(link)
+            moments.append(fields[-1][:, 2] + turning)
             # Virtual power at unit crank speed: the rigid link, its pins' displacements as
             # they turn, and the rest of its displacement as it turns with the frame.
-            torque = dot(link.virtual_velocity, rigid) + link.virtual_turn * inertia.turning_power(
-                link
-            )
+            torque = dot(link.virtual_velocity, rigid) + link.virtual_turn * turning
             for end in unit_rates[number]:
                 turned = (end.rate @ coordinates[0][:, end.columns, None])[..., 0]
                 torque += dot(turned, shapes[:, end.rows])
@@ -110,6 +119,9 @@ class LinkageDynamics:
                 ]
             )
         torque, kinetic, strain, weight, dissipated, prestress = totals
+        if linkage.stretch is not None:
+            guides = linkage.stretch.guides
+            torque = torque + guides.virtual_power(motion, unit, *coordinates[:2])
         if acting is not None:
             torque = torque - acting.virtual_power
             strain = strain + acting.work.stored
@@ -120,7 +132,7 @@ class LinkageDynamics:
             crank_speed=motion.crank_speed,
             displacement=[q for q, _, _ in elastic],
             rate=[rate for _, rate, _ in elastic],
-            joint_force=self._joint_forces(motion, ends, fields),
+            joint_force=self._joint_forces(motion, elastic, ends, fields, moments),
             driving_torque=torque,
             kinetic_energy=kinetic,
             strain_energy=strain,
@@ -133,19 +145,27 @@ class LinkageDynamics:
         return linkage.shaft.carried(block, motion)
 
     def _joint_forces(
-        self, motion: RigidMotion, ends: list[FloatArray], fields: list[FloatArray]
+        self,
+        motion: RigidMotion,
+        elastic: LinkMotion,
+        ends: list[FloatArray],
+        fields: list[FloatArray],
+        moments: list[FloatArray],
     ) -> FloatArray:
         """Force on the grounded or following link at each joint in ground axes, (m, joints, 2).
 
         The force of a pin balances its follower's end; that of a clamp or pivot balances its
         link as a whole. Where there are welds, lines or rigid links, the forces of all joints
-        balance all links, at the places of the rigid motion.
+        balance all links, displaced as they are.
         """
         topology = self.linkage.engine.mechanism.linkage.topology
-        if topology.welds or topology.sliders or any(link.rigid for link in topology.links):
-            return _balanced_forces(topology, motion, fields)
-        forces = {}
         needed = [_to_ground(f[:, :2], motion.angle[:, i]) for i, f in enumerate(fields)]
+        if topology.welds or topology.sliders or any(link.rigid for link in topology.links):
+            whole = [np.column_stack(pair) for pair in zip(needed, moments, strict=True)]
+            moved = [q @ own.T for own, (q, _, _) in zip(self._ends, elastic, strict=True)]
+            displaced = np.stack(moved, axis=1) * np.exp(1j * motion.angle[..., None])
+            return _balanced_forces(topology, motion, np.concatenate(whole, axis=1), displaced)
+        forces = {}
         for pin in topology.pins:
             link = topology.index(pin.follower.link)
             pair = self.linkage.links[link].end_displacement(pin.follower.end)
@@ -162,22 +182,15 @@ class LinkageDynamics:
 
 
 def _balanced_forces(
-    topology: Topology, motion: RigidMotion, fields: list[FloatArray]
+    topology: Topology, motion: RigidMotion, needed: FloatArray, displaced: ComplexArray
 ) -> FloatArray:
-    """Joint forces (m, joints, 2) from force and moment balance of all links."""
-    needed = [
-        np.column_stack([_to_ground(f[:, :2], motion.angle[:, i]), f[:, 2]])
-        for i, f in enumerate(fields)
-    ]
-    solved = solve_connections(topology, motion, -np.concatenate(needed, axis=1))
+    """Joint forces (m, joints, 2) from force and moment balance of all displaced links."""
+    solved = solve_connections(topology, motion, -needed, displaced)
+    unit = connection_matrix(topology, motion, displaced)
     forces = np.zeros((len(solved), len(topology.joint_names), 2))
-    for value, unknown in zip(solved.T, connections(topology), strict=True):
-        joint = topology.joint_names.index(unknown.joint)
-        if unknown.slider is not None:
-            across = line_normal(topology, motion, unknown.slider)
-            forces[:, joint] += value[:, None] * across
-        elif unknown.component < 2:
-            forces[:, joint, unknown.component] = value
+    for number, unknown in enumerate(connections(topology)):
+        joint, link = topology.joint_names.index(unknown.joint), topology.index(unknown.place.link)
+        forces[:, joint] += solved[:, number, None] * unit[:, 3 * link : 3 * link + 2, number]
     return forces
 
 

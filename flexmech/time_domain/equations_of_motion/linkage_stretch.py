@@ -1,4 +1,7 @@
-"""Second-order stretch of all links in the independent coordinates of a linkage."""
+"""Second-order stretch of all links in the independent coordinates of a linkage.
+
+Moving guides are strains of it; see :mod:`flexmech.time_domain.equations_of_motion.moving_guides`.
+"""
 
 from __future__ import annotations
 
@@ -8,20 +11,21 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import LinkFrames, LinkStretch
 from flexmech.linkages import RigidMotion
+from flexmech.time_domain.equations_of_motion.moving_guides import MovingGuides
 
 
 @dataclass(frozen=True)
 class PinRotations:
-    """Rotation matrices of dependent ends at m instants.
+    """Rotation matrices of dependent ends and moving guides at m instants.
 
     Parameters
     ----------
     turn, rate : ndarray, shape (m, f, k)
         From the first k independent coordinates, those of link ends, to the f displacements
-        of dependent ends, and its time derivative.
+        of dependent ends and coordinates of guides, and its time derivative.
     """
 
     turn: FloatArray
@@ -29,7 +33,7 @@ class PinRotations:
 
 
 class LinkageStretch:
-    """Strains of all links in augmented coordinates: z, then the dependent ends.
+    """Strains of all links and guides in augmented coordinates: z, dependent ends, guides.
 
     In these the strains do not depend on the position of the linkage; the augmentation does.
 
@@ -38,6 +42,7 @@ class LinkageStretch:
     frames : LinkFrames
     links : sequence of LinkStretch
         In the links' own coordinates.
+    guides : MovingGuides
 
     Attributes
     ----------
@@ -50,8 +55,10 @@ class LinkageStretch:
         How many independent coordinates, the first ones, are displacements of link ends.
     """
 
-    def __init__(self, frames: LinkFrames, links: Sequence[LinkStretch]) -> None:
-        self.links = tuple(links)
+    def __init__(
+        self, frames: LinkFrames, links: Sequence[LinkStretch], guides: MovingGuides
+    ) -> None:
+        self.links, self.guides = tuple(links), guides
         self._frames = frames
         self.end_count = frames.end_count
         self._places = [np.array(target) for target in frames.targets]
@@ -60,9 +67,13 @@ class LinkageStretch:
             own = frames.dependent_coordinates(number)
             places[own] = np.arange(self.size, self.size + len(own))
             self.size += len(own)
-        self.gradient, self.slopes = self._spread("gradient"), self._spread("slopes")
-        self.weights = scipy.linalg.block_diag(*(link.weights for link in links))
-        self.damping_time = np.concatenate([link.damping_time for link in links])
+        spread = [*self._places, self.size + np.arange(guides.size)]
+        self.size += guides.size
+        strains = list(zip([*links, guides.stretch], spread, strict=True))
+        self.gradient = self._spread([(own.gradient, place) for own, place in strains])
+        self.slopes = self._spread([(own.slopes, place) for own, place in strains])
+        self.weights = scipy.linalg.block_diag(*(own.weights for own, _ in strains))
+        self.damping_time = np.concatenate([own.damping_time for own, _ in strains])
 
     @property
     def is_damped(self) -> bool:
@@ -70,10 +81,13 @@ class LinkageStretch:
         return bool(self.damping_time.any())
 
     def pin_rotations(self, motion: RigidMotion) -> PinRotations:
-        """Rotation matrices of the dependent ends; ``motion`` is a batch of shape (m,)."""
+        """Those of the dependent ends and guides; ``motion`` is a batch of shape (m,)."""
         count, first = len(motion.crank_angle), self._frames.size
-        turn, rate = np.zeros((2, count, self.size - first, self._frames.end_count))
-        for places, ends in zip(self._places, self._frames.dependent_rows(motion), strict=True):
+        turn, rate = np.zeros((2, count, self.size - first, self.end_count))
+        dependent = self._frames.dependent_rows(motion)
+        guided = slice(self.size - first - self.guides.size, None)
+        turn[:, guided], rate[:, guided] = self.guides.rows(motion, dependent)
+        for places, ends in zip(self._places, dependent, strict=True):
             for end in ends:
                 rows = places[end.rows] - first
                 turn[:, rows[:, None], end.columns] = end.turn
@@ -135,15 +149,14 @@ class LinkageStretch:
         size = self._frames.size
         return self.augmented(turn, np.broadcast_to(np.eye(size), (len(turn), size, size)))
 
-    def _spread(self, name: str) -> FloatArray:
-        blocks = []
-        for link, places in zip(self.links, self._places, strict=True):
-            values = getattr(link, name)
-            block = np.zeros((len(values), self.size))
+    def _spread(self, blocks: list[tuple[FloatArray, IntArray]]) -> FloatArray:
+        """Rows by coordinates of each block, at their places among all; (rows, p)."""
+        spread = []
+        for values, places in blocks:
             free = places >= 0
-            block[:, places[free]] = values[:, free]
-            blocks.append(block)
-        return np.concatenate(blocks)
+            spread.append(np.zeros((len(values), self.size)))
+            spread[-1][:, places[free]] = values[:, free]
+        return np.concatenate(spread)
 
 
 class StretchForces:

@@ -32,7 +32,7 @@ from flexmech.linear_system import (
 )
 from flexmech.linear_system.links.link_model import NO_VECTORS, NONE, RigidFields
 from flexmech.linear_system.links.rigid_body import QUARTER_TURN
-from flexmech.linkages import Topology
+from flexmech.linkages import LinkEnd, Pivot, Topology
 
 # Stiffness of a rigid body's bar against that of the stiffest elastic link along itself. Between
 # 100 and 1000 deflections beside a rigid coupler change by 4e-6 of their peak, between 10 and 100
@@ -76,8 +76,6 @@ class NaturalLink:
 def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
     """Links of a run whose moving rigid ones are bars.
 
-    With moving guides all links keep their coordinates.
-
     Parameters
     ----------
     engine : Engine
@@ -86,7 +84,8 @@ def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
     Returns
     -------
     Topology
-        That of the engine, in which the bars are no rigid links.
+        That of the engine, in which the bars are no rigid links and hold no slider on their lines;
+        see :mod:`flexmech.time_domain.equations_of_motion.moving_guides`.
     list of NaturalLink
     """
     stretches = engine.stretches
@@ -94,12 +93,9 @@ def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
     pairs = zip(engine.links, stretches, strict=True)
     links = [NaturalLink.of(model, stretch) for model, stretch in pairs]
     topology = engine.topology
-    if topology.has_moving_guides:
-        # A line that turns is not linear in natural coordinates.
-        return topology, links
     clamped = {clamp.link_end.link for clamp in topology.clamps if not clamp.free}
     bars = {link.name for link in topology.links if link.rigid} - clamped
-    shaft = engine.free_shaft
+    topology, shaft = _without_moving_lines(topology, bars), engine.free_shaft
     for number, link in enumerate(topology.links):
         if link.name in bars:
             joined = any(end.link == link.name and end.end == "end" for end in topology.joined_ends)
@@ -112,7 +108,7 @@ def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
             links[number] = _bar(
                 engine, links[number].model, link.length, joined, turned, stiffness, inertia
             )
-    return topology.with_elastic(bars), links
+    return topology, links
 
 
 def bar_stiffness(engine: Engine, arm: float, inertia: float = 0.0) -> float:
@@ -144,6 +140,20 @@ def bar_damping_time(engine: Engine) -> float:
     Without it what the start of a run leaves in the bar would ring on.
     """
     return max(section.damping.axial for section in engine.mechanism.sections.values())
+
+
+def _without_moving_lines(topology: Topology, bars: set[str]) -> Topology:
+    """The topology with bars as elastic links, and without the sliders on their lines.
+
+    Their ends, and those of the bars that guide them, remain ends at joints.
+    """
+    loose = [slider for slider in topology.sliders if slider.guide in bars]
+    ends = {slider.link_end for slider in loose}
+    ends |= {LinkEnd(slider.guide, "end") for slider in loose} - topology.joined_ends
+    free = tuple(Pivot(f"{end.link} {end.end}", end, sprung=True) for end in sorted(ends, key=str))
+    sliders = tuple(slider for slider in topology.sliders if slider not in loose)
+    others = replace(topology, sliders=sliders, pivots=(*topology.pivots, *free))
+    return others.with_elastic(bars)
 
 
 def _turns(engine: Engine, name: str) -> bool:

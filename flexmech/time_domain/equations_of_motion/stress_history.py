@@ -16,15 +16,12 @@ from scipy.interpolate import CubicSpline
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
-    DeadMoments,
     DisplacedInertia,
     Engine,
-    LinkMatrix,
     LinkModel,
     Prestress,
     StressedLinks,
     inertia_loads,
-    without_spin_softening,
 )
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.equations_of_motion.link_stress import LinkStress, StressShapes
@@ -51,10 +48,6 @@ class StressHistory:
     with_energy : bool
         Whether the potential's part that does not depend on the links' coordinates is
         needed, for which an engine must provide its internal forces.
-    rigid_links_only : bool
-        Whether stress is that of rigid links and sliders alone, with elastic links straight and
-        stress-free. These have their second-order stretch, but a rigid link has no strain from
-        which the geometric stiffness by its joint forces would follow.
     equilibrium_of : sequence of ndarray, shape (n_engine, n), optional
         Basis of each link's coordinates in the engine's, of links with second-order stretch: the
         stress is the internal force at the equilibrium less that of the stretch.
@@ -83,11 +76,10 @@ class StressHistory:
         prestress: Prestress,
         *,
         with_energy: bool = True,
-        rigid_links_only: bool = False,
         equilibrium_of: Sequence[FloatArray] | None = None,
     ) -> None:
         self._engine, self._links = engine, tuple(links)
-        self._rigid_only, self._equilibrium_of = rigid_links_only, equilibrium_of
+        self._equilibrium_of = equilibrium_of
         self._bases = tuple(bases)
         self._drive = drive
         self._prestress = prestress
@@ -189,8 +181,6 @@ class StressHistory:
             if self._equilibrium_of is not None:
                 packed.append(self._equilibrium_correction(stressed, self._equilibrium_of))
                 continue
-            if self._rigid_only:
-                stressed = replace(stressed, tangent=self._rigid_tangents(motion, stressed))
             if has_arms and not self._with_energy:
                 # They balance the loads on arms that are displaced.
                 stressed = replace(stressed, internal_force=None)
@@ -205,21 +195,6 @@ class StressHistory:
         if forces:
             self._add_bending_work(values, where, np.concatenate(forces), np.concatenate(places))
         return values
-
-    def _rigid_tangents(self, motion: RigidMotion, stressed: StressedLinks) -> list[LinkMatrix]:
-        """Tangents without the tension of elastic links, which their stretch gives.
-
-        Bodies off the axis of these keep the geometric stiffness of rigid links.
-        """
-        links, gravity = self._engine.links, self._engine.mechanism.gravity
-        loads = inertia_loads(links, motion, gravity)
-        dead = DeadMoments.of(links, motion, gravity, loads)
-        straight = [np.zeros(load.shape[::-1]) for load in loads]
-        own = {n: link.stiffness for n, link in enumerate(self._links) if not link.rigid}
-        own = dead.add_stiffness(own, straight)
-        tangents = [own.get(n, tangent) for n, tangent in enumerate(stressed.tangent)]
-        without = without_spin_softening(links, motion, replace(stressed, tangent=tangents), None)
-        return [without.tangent[n] if n in own else each for n, each in enumerate(tangents)]
 
     def _with_internal_forces(self, motion: RigidMotion, stressed: StressedLinks) -> StressedLinks:
         """Stressed links with internal forces, where an engine does not provide them.

@@ -268,13 +268,13 @@ def with_turning_sections(
         Likewise.
     ndarray, shape (n + r, m + r)
     """
-    if engine.links[number].rigid or engine.topology.has_moving_guides:
+    if engine.links[number].rigid:
         return link, reduced, basis
     before, shaft = link.model, engine.free_shaft
     sections = TurningSections.of_link(engine, number, link.stretch.neutral_axis)
     if sections is not None:
         link = sections.extended(link)
-    if shaft is not None and shaft.link == number and shaft.turns_far:
+    if shaft is not None and shaft.link == number and shaft.is_stiff:
         # Without mass its d_1 would be no coordinate.
         link = _on_shaft(engine, shaft, link) if shaft.inertia or shaft.clamp.hub else link
     if link.model is before:
