@@ -46,10 +46,12 @@ from flexmech.time_domain.equations_of_motion.reduced_links import (
 from flexmech.time_domain.equations_of_motion.stress_history import StressHistory
 from flexmech.time_domain.recorded_runs.states import LinkState
 
-# Newton's method for a start in balance: it takes four passes from the linear one, and ends at a
-# change of the greatest displacement whose square is less than round-off.
+# Newton's method for a start in balance takes four passes from the linear one; 30 are a bound of
+# work. It ends at a change of the greatest displacement whose square is less than round-off. Beside
+# stiff bars of rigid links that is larger: a small change that no longer falls is made of it.
 MOST_PASSES = 30
 CONVERGED = 1e-10
+STAGNATED = 1e-7
 
 
 class DrivenLinkage:
@@ -104,9 +106,7 @@ class DrivenLinkage:
         with_energy: bool = True,
         stretches: bool = False,
     ) -> None:
-        self.engine = engine
-        self.drive = drive
-        self.prestress = prestress
+        self.engine, self.drive, self.prestress = engine, drive, prestress
         reduced = (
             stretching_links(engine, modes, detail)
             if stretches
@@ -290,8 +290,7 @@ class DrivenLinkage:
 
     def link_state(self, equations: Equations, vibration: VibrationState) -> LinkState:
         """State of the engine's links at the first of the instants."""
-        parts = self.link_motion(equations, vibration)
-        pairs = list(zip(self.bases, parts, strict=True))
+        pairs = list(zip(self.bases, self.link_motion(equations, vibration), strict=True))
         return LinkState(
             displacement=[basis @ q[0] for basis, (q, _, _) in pairs],
             rate=[basis @ rate[0] for basis, (_, rate, _) in pairs],
@@ -346,16 +345,15 @@ class DrivenLinkage:
         equations = self.equations(np.zeros(1), frozen=True)
         parts = [-s.prestress for s in self.stress.at(np.zeros(1))]
         inner = self.frames.gather(equations.motion, parts)[0]
-        position = np.zeros(self.size)
-        along = np.zeros(self.frames.size, dtype=bool)
+        position, along = np.zeros(self.size), np.zeros(self.frames.size, dtype=bool)
         for number, (link, target) in enumerate(zip(self.links, self.frames.targets, strict=True)):
             own = self.frames.independent_coordinates(number)
             along[target[own[link.is_axial[own]]]] = True
         axial = np.flatnonzero(along[~self._condensed])
         if len(axial):
             force = equations.expansion.matrix[0].T @ inner
-            stiffness = equations.stiffness[0]
-            position[axial] = np.linalg.solve(stiffness[np.ix_(axial, axial)], force[axial])
+            own = equations.stiffness[0][np.ix_(axial, axial)]
+            position[axial] = np.linalg.solve(own, force[axial])
         return position
 
     def balanced(self, position: FloatArray, time: float = 0.0) -> FloatArray:
@@ -380,17 +378,21 @@ class DrivenLinkage:
         assert self.stretch is not None
         equations = self.quasi_static_equations(np.array([time]))
         turns = self.stretch.pin_rotations(equations.motion)
-        row, shaft = np.zeros((0, self.size)), self.shaft
-        row = row if shaft is None else shaft.force(equations.motion, np.ones(1))
+        row = np.zeros((0, self.size))
+        if self.shaft is not None:
+            row = self.shaft.force(equations.motion, np.ones(1))
         stiffness, force, z = equations.stiffness[0], equations.force[0], np.array(position)
+        last = np.inf
         for _ in range(MOST_PASSES):
             pulled, tangent = self.stretch.static_force(turns, z)
             gap = np.concatenate([force - stiffness @ z - pulled, -row @ z])
             bordered = np.block([[stiffness + tangent, row.T], [row, np.zeros(2 * [len(row)])]])
             change = np.linalg.solve(bordered, gap)[: self.size]
             z += change
-            if np.abs(change).max() <= CONVERGED * np.abs(z).max():
+            part = np.abs(change).max() / (np.abs(z).max() or 1.0)
+            if part <= CONVERGED or last <= 2 * part <= STAGNATED:
                 return z
+            last = part
         raise ComputationError(
             f"the links find no balance at time {time:.6g} s from which to start, crank angle "
             f"{np.degrees(float(self.drive.crank_angle(time))):.6g} deg; lower the crank speed, or "
