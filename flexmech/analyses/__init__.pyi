@@ -14,7 +14,6 @@ from .frequencies.eigenproblem import Modes as Modes
 from .frequencies.eigenproblem import solve_frequencies as solve_frequencies
 from .frequencies.eigenproblem import solve_modes as solve_modes
 from .frequencies.formulation import Formulation as Formulation
-from .frequencies.frequency_map import frequency_map as frequency_map
 from .frequencies.positions import natural_frequencies as natural_frequencies
 from .frequencies.positions import strain_energy_damping as strain_energy_damping
 from .frequencies.request import FrequencyRequest as FrequencyRequest

@@ -91,6 +91,8 @@ def build_chain(
     -------
     Chain
     """
+    if not shapes.stiff_in_shear:
+        section = section.shearing_over(mass.length)
     fixed = [*mass.point_positions, *(body.position for body in mass.bodies), *acting_at]
     nodes = node_positions(mass.length, elements, fixed)
     beams = BeamElements(shapes, section, np.diff(nodes), _kinked(nodes, section, mass, acting_at))

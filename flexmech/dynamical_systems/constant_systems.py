@@ -36,7 +36,7 @@ from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import ComputationError
 from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_number
 
-# Complex numbers in memory at a time: 32 MB, a few times of which the solution takes.
+# Complex numbers in memory at a time. Memory alone: 32 MB, a few times of which the solution takes.
 AT_ONCE = 2_000_000
 # Where numerator and denominator of the spectrum vanish together, f T = 1/2: so near to it their
 # ratio is the limit to six digits, and rounding leaves no more of it.

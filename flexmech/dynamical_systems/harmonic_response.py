@@ -33,7 +33,8 @@ from flexmech.dynamical_systems.periodic_system import SampledPeriodicSystem
 from flexmech.errors import ComputationError
 from flexmech.validation import check_count, checked_array
 
-# Frequencies whose answers are in memory at a time: with some thousand harmonics and modes, 4 MB.
+# Frequencies whose answers are in memory at a time. Memory alone: with some thousand harmonics and
+# modes, 4 MB.
 BATCH = 256
 
 

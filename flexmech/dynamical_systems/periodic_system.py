@@ -34,7 +34,8 @@ LARGEST_NORM = 0.78
 # Row j: coefficients of A^(4 j) to A^(4 j + 3).
 COEFFICIENTS = np.array([[1 / factorial(4 * j + k) for k in range(4)] for j in range(4)])
 LAST = 1 / factorial(16)
-# Bytes of matrices taken at a time: a dozen arrays of them fit into a processor's cache.
+# Bytes of matrices taken at a time. Speed alone: a dozen arrays of them fit into a processor's
+# cache.
 BLOCK = 2**17
 
 

@@ -32,7 +32,7 @@ LEAST_LINES = 9
 HALF_WIDTHS = (4, 8, 16, 32)
 # Of what stands out at a peak: noise is no circle.
 LEAST_EXPLAINED = 0.5
-# A bound of the work alone: all poles are refined together afterwards.
+# A bound of work alone: all poles are refined together afterwards.
 MOST_ROUNDS = 20
 # Relative change of the poles in a round. They are refined together afterwards, but where noise
 # hides a weak mode the result depends on the start: bias and scatter over a hundred noisy records

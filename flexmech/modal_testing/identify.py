@@ -26,7 +26,7 @@ LEAST_LINES = 16
 # Of the greatest receptance: a peak that is left above it is a mode that LSCF has missed.
 PEAK_LEFT = 0.1
 # Peaks that are tried, the most prominent ones: altogether, and near an expected mode. A bound of
-# the work: those of noise are dropped afterwards.
+# work: those of noise are dropped afterwards.
 MOST_PEAKS, MOST_NEAR = 20, 3
 # Of half their half-power width: poles so near to each other are one.
 TOGETHER = 0.2

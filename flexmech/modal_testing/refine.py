@@ -25,7 +25,7 @@ from scipy.stats import chi2
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.modal_testing.identified import residue_columns
 
-# A bound of the work: from poles of another method the squares fall to their least in a few.
+# A bound of work: from poles of another method the squares fall to their least in a few.
 MOST_STEPS = 30
 # Relative: a pole that moves further is no longer the one that was identified.
 FAR = 0.05

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Self
@@ -52,11 +53,14 @@ class QuantityField:
         In SI units.
     plausible : Plausible, optional
         What sizes it can have; those of its dimension if left out.
+    infinite : str
+        Word for a quantity without bound; empty where there is none.
     """
 
     dimension: Dimension
     bounds: Bounds = FINITE
     plausible: Plausible | None = None
+    infinite: str = ""
 
     def parse(self, value: object) -> float:
         """SI float of a value from a file.
@@ -75,7 +79,13 @@ class QuantityField:
         InputError
             If it is no quantity of this dimension, out of bounds or of a size that none has.
         """
-        number = parse_quantity(value, self.dimension)
+        if self.infinite and value == self.infinite:
+            return math.inf
+        try:
+            number = parse_quantity(value, self.dimension)
+        except InputError as error:
+            other = f', or "{self.infinite}"' if self.infinite else ""
+            raise InputError(f"{error}{other}") from None
         if not self.bounds.hold(number):
             raise InputError(f"must {self.bounds.words}, got {value!r}")
         plausible = self.plausible or of_dimension(self.dimension)
@@ -99,7 +109,7 @@ class QuantityField:
         if self.dimension in (units.RATIO, units.MOISTURE_EXPANSION):
             text["pattern"] = rf"^\s*{units.NUMBER}\s*(1/)?(%|percent)?\s*$"
             return {"anyOf": [{"type": "number"}, text]}
-        return text
+        return {"anyOf": [{"const": self.infinite}, text]} if self.infinite else text
 
 
 Length = Annotated[float, QuantityField(units.LENGTH, POSITIVE, LINK_LENGTH)]
@@ -116,6 +126,7 @@ Acceleration = Annotated[float, QuantityField(units.ACCELERATION)]
 Stress = Annotated[float, QuantityField(units.STRESS, POSITIVE)]
 Density = Annotated[float, QuantityField(units.DENSITY, POSITIVE)]
 Force = Annotated[float, QuantityField(units.FORCE, POSITIVE)]
+ShearStiffness = Annotated[float, QuantityField(units.FORCE, POSITIVE, infinite="rigid")]
 AnyForce = Annotated[float, QuantityField(units.FORCE, FINITE, LOAD)]
 Torque = Annotated[float, QuantityField(units.TORQUE)]
 Inertia = Annotated[float, QuantityField(units.INERTIA, NOT_NEGATIVE)]

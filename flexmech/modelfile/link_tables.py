@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
@@ -123,7 +124,12 @@ class GeneralLinkTable(AnyLinkTable):
     bending_stiffness: base.BendingStiffness = Field(
         description="EI about the neutral axis, for bending in the plane"
     )
-    shear_stiffness: base.Force = Field(description="kGA, with the shear correction factor k")
+    shear_stiffness: base.ShearStiffness = base.optional(
+        'kGA, with the shear correction factor k; "rigid", or left out, of a beam that does not '
+        "shear",
+        math.inf,
+        "rigid",
+    )
     mass_per_length: base.MassPerLength = Field(description="rho A")
     rotary_inertia: base.RotaryInertia = Field(
         description="rho I, mass moment of inertia per length"

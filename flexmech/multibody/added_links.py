@@ -165,7 +165,8 @@ def add_links(
 def _add_beam(
     items: SystemItems, mechanism: Mechanism, kind: BeamKind, name: str, elements: int, start: int
 ) -> BeamPart:
-    section, mass = mechanism.sections[name], mechanism.link_mass(name)
+    mass = mechanism.link_mass(name)
+    section = mechanism.sections[name].shearing_over(mass.length)
     places = [*required_nodes(mechanism, mass, name, kind.turns_arms), *mechanism.acting_at(name)]
     positions = node_positions(mass.length, elements, places)
     items.begin(f"{name}: nodes, in the undeformed link along the x axis")

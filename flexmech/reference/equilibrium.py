@@ -52,8 +52,8 @@ logger = logging.getLogger(__name__)
 # Least length of a Newton step when the full one makes the out-of-balance forces worse: four
 # halvings, after which loading in steps costs less.
 SHORTEST_STEP = 1 / 16
-# With all load at once five iterations do; a position that takes longer wanders: it is loaded in
-# steps.
+# A bound of work: with all load at once five iterations do; a position that takes longer wanders
+# and is loaded in steps.
 FIRST_ITERATIONS = 8
 # A full step may make forces out of balance this much greater, or as great as this times the forces
 # between nodes and the loads: stretching by the square of a turn, which the next step takes back.

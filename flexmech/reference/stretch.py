@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import scipy.linalg
 
-from flexmech.arrays import SAME_PLACE
+from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.beams.link_matrices import Chain
 from flexmech.linear_system import LinkStretch
 
@@ -22,7 +22,7 @@ def chain_stretch(chain: Chain, *, turns_far: bool = False) -> LinkStretch:
 
     The strain of a corotational element (:mod:`flexmech.reference.corotational`) for small
     turns: the elongation of the chord and half the mean of the squared slope. That mean is a
-    sum of squares, those of the slopes that the eigenvectors of the element's matrix show.
+    weighted sum of the squares of some slopes.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def chain_stretch(chain: Chain, *, turns_far: bool = False) -> LinkStretch:
     """
     elements, size = chain.elements, chain.model.size
     count, per_node = len(elements.length), elements.shapes.per_node
-    values, vectors = np.linalg.eigh(elements.arch)
+    values, directions = _squares(elements.arch, elements.arch)
     kept = np.abs(values) > _NO_SLOPE * np.abs(values).max(axis=1, keepdims=True)
     to_neutral = elements.to_neutral_axis
     stiffness = float(elements.neutral_stiffness[0, 0, 0] * elements.length[0])
@@ -49,7 +49,7 @@ def chain_stretch(chain: Chain, *, turns_far: bool = False) -> LinkStretch:
         gradient[number, own] = scale[number] / elements.length[number] * elongation @ to_neutral
         for direction in np.flatnonzero(kept[number]):
             row = np.zeros(size)
-            row[own] = vectors[number, :, direction] @ to_neutral
+            row[own] = directions[number, direction] @ to_neutral
             slopes.append(row)
             weights.append((number, scale[number] * values[number, direction]))
     spread = np.zeros((count, len(slopes)))
@@ -85,10 +85,10 @@ def _with_bending(chain: Chain, axial: LinkStretch) -> LinkStretch:
         longer[[0, per_node]] = -1.0, 1.0
         stretching = elements.neutral_stiffness[number] @ longer
         bending = elements.neutral_stiffness[number] - np.outer(stretching, longer) / 2
-        values, vectors = np.linalg.eigh(bending)
+        values, directions = _squares(bending, elements.neutral_stiffness[number])
         rows = np.zeros((1 + 2 * per_node, size))
         rows[0, own] = longer @ to_neutral / length
-        rows[1:, own] = vectors.T @ to_neutral
+        rows[1:, own] = directions @ to_neutral
         for bent in np.flatnonzero(values > _NO_BENDING * values.max()):
             root = float(np.sqrt(values[bent]))
             gradient.append(root * rows[1 + bent])
@@ -103,3 +103,26 @@ def _with_bending(chain: Chain, axial: LinkStretch) -> LinkStretch:
         weights=scipy.linalg.block_diag(axial.weights, *weights),
         damping_time=np.append(axial.damping_time, time),
     )
+
+
+def _squares(matrices: FloatArray, alike: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Quadratic forms as sums of weighted squares, whatever the units of the coordinates.
+
+    Parameters
+    ----------
+    matrices : ndarray, shape (..., n, n)
+        Symmetric.
+    alike : ndarray, shape (..., n, n)
+        Whose diagonal tells how large each coordinate's entries are.
+
+    Returns
+    -------
+    ndarray, shape (..., n)
+        Weights, ascending.
+    ndarray, shape (..., n, n)
+        A row for each weight, whose product with the coordinates is squared.
+    """
+    size = np.sqrt(np.abs(np.diagonal(alike, axis1=-2, axis2=-1)))
+    size = np.where(size > 0, size, 1.0)
+    weights, vectors = np.linalg.eigh(matrices / (size[..., :, None] * size[..., None, :]))
+    return weights, np.swapaxes(vectors, -1, -2) * size[..., None, :]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -41,6 +42,10 @@ MAY_BE_ZERO = {
     "free_curvature": units.CURVATURE,
 }
 UNDAMPED = DampingTimes()
+# Shear stiffness over EI / length^2 of a link, in elements that shear, that has none: its n-th
+# frequency is low by (n pi)^2 / 2 over it, 5e-6 n^2. Round-off grows with the square of it, to 1e-4
+# with ten times as much (16 elements).
+MOST_SHEAR_STIFFNESS = 1e6
 
 
 @dataclass(frozen=True)
@@ -57,7 +62,7 @@ class BeamSection:
     bending_stiffness : float
         EI about the neutral axis in N m^2.
     shear_stiffness : float
-        kGA in N, with the shear correction factor k.
+        kGA in N, with the shear correction factor k; ``math.inf`` of a beam that does not shear.
     mass_per_length : float
         rho A in kg/m.
     rotary_inertia : float
@@ -120,6 +125,8 @@ class BeamSection:
     def __post_init__(self) -> None:
         of = "of a beam section"
         needed = {name: dimension.unit for name, dimension in DIMENSIONS.items()}
+        if isinstance(self.shear_stiffness, float) and self.shear_stiffness == math.inf:
+            del needed["shear_stiffness"]
         check_fields(self, needed, POSITIVE, of)
         for name in ("neutral_axis", "mass_axis"):
             value = getattr(self, name)
@@ -134,7 +141,7 @@ class BeamSection:
             self,
             f"EA {self.axial_stiffness:.6g} N",
             f"EI {self.bending_stiffness:.6g} N m^2",
-            f"kGA {self.shear_stiffness:.6g} N",
+            f"kGA {self.shear_stiffness:.6g} N" if self.shears else "rigid in shear",
             f"{self.mass_per_length * 1e3:.6g} g/m",
             f"{self.in_plane_thickness * 1e3:.6g} mm thick",
         )
@@ -231,6 +238,27 @@ class BeamSection:
         own = self.layers.bending_stiffness / self.layers.shear_stiffness
         zigzag = self.layers.zigzag
         return replace(zigzag, fall_off=zigzag.fall_off * np.sqrt(ratio / own))
+
+    @property
+    def shears(self) -> bool:
+        """Whether it has a shear flexibility."""
+        return self.shear_stiffness < math.inf
+
+    def shearing_over(self, length: float) -> BeamSection:
+        """The section with a shear flexibility that elements that shear can have.
+
+        Parameters
+        ----------
+        length : float
+            Of the link in m.
+
+        Returns
+        -------
+        BeamSection
+            With a shear stiffness of at most :data:`MOST_SHEAR_STIFFNESS` times EI / length^2.
+        """
+        most = MOST_SHEAR_STIFFNESS * self.bending_stiffness / length**2
+        return self if self.shear_stiffness <= most else replace(self, shear_stiffness=most)
 
     @property
     def is_eccentric(self) -> bool:
@@ -336,7 +364,9 @@ class BeamSection:
                 }
             if self == BeamSection.of_laminate(layers).damped_as(self):
                 return {"section": "laminate", **layers.to_table(shared), **damping}
-        numbers = fields_table(self, DIMENSIONS | MAY_BE_ZERO)
+        rigid = set() if self.shears else {"shear_stiffness"}
+        stated = {key: own for key, own in (DIMENSIONS | MAY_BE_ZERO).items() if key not in rigid}
+        numbers = fields_table(self, stated) | dict.fromkeys(rigid, "rigid")
         return {"section": "general", **numbers, **self._tables_within(shared)}
 
     def damped_as(self, other: BeamSection) -> BeamSection:

@@ -11,7 +11,8 @@ import pytest
 import scipy.linalg
 
 from flexmech import ExudynEngine, ReferenceEngine, load_mechanism, moving_frequencies
-from flexmech.analyses import Formulation, FrequencyRequest, frequency_map, solve_frequencies
+from flexmech.analyses import Formulation, FrequencyRequest, solve_frequencies
+from flexmech.analyses.frequencies.frequency_map import frequencies_along, systems_at
 from flexmech.linear_system import RotationTerms
 from flexmech.threads import one_thread
 
@@ -37,6 +38,14 @@ def state_matrix_frequencies(mass, damping, stiffness):
     )
     values = scipy.linalg.eig(companion)[0]
     return np.sort(np.abs(values[values.imag > 0]))[:MODES] / (2 * np.pi)
+
+
+def frequency_map(engine, request):
+    """Frequencies without tracking or error estimates, (S, A, modes)."""
+    return [
+        frequencies_along(systems_at(engine, request, speed), request.crank_angles, speed)
+        for speed in request.crank_speeds.tolist()
+    ]
 
 
 def rest():
@@ -74,7 +83,7 @@ def test_rest_against_plain_assembly_and_eigh(aluminium, against):
 def test_rest_against_reduced_eigvalsh(aluminium, against, positions):
     angles = np.linspace(0.0, 2 * np.pi, positions)
     request = FrequencyRequest(angles, [0.0], Formulation("none", False, MODES))
-    system = ReferenceEngine(aluminium, 8).linear_system(angles, modes=MODES)
+    system = ReferenceEngine(aluminium, 8).linear_system(angles, modes=MODES, detail=1.0)
     lower = np.linalg.inv(np.linalg.cholesky(system.mass))
     standard = lower @ system.stiffness @ np.swapaxes(lower, 1, 2)
     against(
@@ -156,7 +165,9 @@ def test_exudyn_equilibrium(aluminium, against):
     angles = ANGLES[::10]
     against(
         "Exudyn at equilibrium, 20 rad/s, against its own at rest",
-        lambda: solve_frequencies(engine.linear_system(angles, 20.0, modes=MODES), MODES),
+        lambda: solve_frequencies(
+            engine.linear_system(angles, 20.0, modes=MODES, detail=1.0), MODES
+        ),
         engine.model.assembly.mbs.ComputeODE2Eigenvalues,
         plain_covers=1 / len(angles),
     )

@@ -64,9 +64,9 @@ WRONG_FOUR_BARS = [
     (ROCKER, ROCKER.replace('material = "aluminium"\n', ""), "links.rocker.material", "missing"),
     (
         ROCKER,
-        GENERAL.replace('shear_stiffness = "1.1e6 N"\n', ""),
+        GENERAL.replace('shear_stiffness = "1.1e6 N"', 'shear_stiffness = "stiff"'),
         "links.rocker.shear_stiffness",
-        'missing.*"4900 N"',
+        'number and a unit, for example "4900 N", or "rigid"',
     ),
     ("[operation]", "[joints.A]\n[operation]", "joints.A", "mass is missing"),
     # Names that are not there.

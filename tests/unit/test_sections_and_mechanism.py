@@ -56,7 +56,6 @@ SECTION = BeamSection.rectangle(STEEL, 0.01, 0.02)
     [
         "axial_stiffness",
         "bending_stiffness",
-        "shear_stiffness",
         "mass_per_length",
         "rotary_inertia",
         "in_plane_thickness",
@@ -66,6 +65,12 @@ SECTION = BeamSection.rectangle(STEEL, 0.01, 0.02)
 def test_a_section_needs_positive_values(name: str, value: float) -> None:
     with pytest.raises(InputError, match=f"{name} of a beam section must be positive, got {value}"):
         replace(SECTION, **{name: value})
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan, -np.inf])
+def test_a_shear_stiffness_is_positive(value: float) -> None:
+    with pytest.raises(InputError, match=f"shear_stiffness of a beam section .*got {value}"):
+        replace(SECTION, shear_stiffness=value)
 
 
 @pytest.mark.parametrize("name", ["neutral_axis", "mass_axis"])

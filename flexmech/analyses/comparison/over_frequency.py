@@ -24,7 +24,7 @@ from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.choices import MOST_MODES
 from flexmech.dynamical_systems import direct_receptance
 from flexmech.errors import InputError
-from flexmech.linear_system import Engine, LinkPoint, point_rows
+from flexmech.linear_system import GREAT_DETAIL, Engine, LinkPoint, point_rows
 from flexmech.measured_data import MeasuredQuantity, MeasuredRecord
 
 # What a response over a force is called by its SI unit, and how often it is differentiated.
@@ -84,7 +84,10 @@ class ReceptanceProblem(RecordProblem):
         """Computed frequency-response function for values by name, (N,)."""
         engine = fitted_engine(self.engine, values)
         system = engine.linear_system(
-            self.crank_angle, prestress=engine.prestress_at_rest, modes=self._modes
+            self.crank_angle,
+            prestress=engine.prestress_at_rest,
+            modes=self._modes,
+            detail=GREAT_DETAIL,
         )
         rows = [point_rows(system, point, "transverse") for point in (self.response, self.impact)]
         matrices = (system.mass[0], system.damping[0], system.stiffness[0])

@@ -28,7 +28,7 @@ from flexmech.arrays import FloatArray, IntArray
 SHARE_OF_ERROR = 0.1
 # Round-off of a frequency: no extreme is refined further, however small its error is said to be.
 LEAST_ERROR = 1e-8
-# A bound of the work alone: each leaves an eighth of the bracket, and a dozen are beyond what a
+# A bound of work: each leaves an eighth of the bracket, and a dozen are beyond what a
 # float can tell.
 MOST_ROUNDS = 12
 # Distance of the angles to both sides over the width of the bracket, of which an eighth is left

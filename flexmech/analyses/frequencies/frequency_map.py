@@ -14,7 +14,6 @@ from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.choices import Prestress
 from flexmech.linear_system import Engine, RotationTerms, StressedLinks
-from flexmech.threads import one_thread
 
 
 def systems_at(
@@ -43,32 +42,6 @@ def systems_at(
     runs = request.formulation.prestress == "trajectory" and crank_speed
     running = RunningStates.of(engine, crank_speed) if runs else None
     return Systems(engine, request.formulation, fastest, detail, running)
-
-
-def frequency_map(engine: Engine, request: FrequencyRequest, detail: float = 1.0) -> FloatArray:
-    """Natural frequencies of a map without tracking or error estimates.
-
-    Parameters
-    ----------
-    engine : Engine
-    request : FrequencyRequest
-    detail : float
-        How many component modes to take.
-
-    Returns
-    -------
-    ndarray, shape (S, A, modes)
-        In Hz, ascending.
-    """
-    with one_thread():
-        return np.stack(
-            [
-                frequencies_along(
-                    systems_at(engine, request, speed, detail), request.crank_angles, speed
-                )
-                for speed in request.crank_speeds.tolist()
-            ]
-        )
 
 
 def frequencies_along(

@@ -168,8 +168,6 @@ def _change(whole: ComplexArray, half: ComplexArray, orders: int) -> FloatArray:
 
 # Natural frequencies that the reduction of engines that do not simulate gets right at least.
 _LEAST_MODES = 6
-# Of the periodic motion: its first is where runs begin, and fewer do not make a turn.
-_ORBIT_SAMPLES = 8
 
 # From the pulses of a run to the displacement of the point that is read, in m at every step.
 ImpactRun = Callable[[Sequence[HalfSinePulse]], FloatArray]
@@ -262,7 +260,8 @@ def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: 
 def _simulated(
     engine: Engine, request: RunningHammerRequest, plan: RunPlan, drive: CrankDrive
 ) -> ImpactRun:
-    orbit = nonlinear_orbit(engine, request.crank_speed, _ORBIT_SAMPLES)
+    # Where the runs begin.
+    orbit = nonlinear_orbit(engine, request.crank_speed, 1)
     start = LinkState([q[0] for q in orbit.displacement], [rate[0] for rate in orbit.rate])
     point = (request.response, request.direction)
 

@@ -224,6 +224,7 @@ def frozen_response(
         request.crank_speed,
         prestress=request.prestress,
         rotation_terms=False,
+        detail=1.0,
     )
     points = (request.response, request.impact)
     read, put = (point_rows(system, point, request.direction) for point in points)

@@ -14,11 +14,12 @@ from flexmech.linear_system.links.chains import ChainMatrix
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.mechanism import Mechanism
 
-# Working memory of a batch; keeps what is alive at a time independent of the map's size.
+# Working memory of a batch. Memory alone: what is alive at a time is independent of the map's size.
 BATCH_BYTES = 32_000_000
-# Fewer positions take as long as these, however large their matrices are.
+# Speed alone: fewer positions take as long as these, however large their matrices are.
 LEAST_BATCH = 4
-# A position of a link stored by elements takes memory as of so many columns of its matrix.
+# A position of a link stored by elements takes memory as of so many columns of its matrix. Memory
+# alone.
 STORED_COLUMNS = 100
 
 

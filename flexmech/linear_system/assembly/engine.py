@@ -45,7 +45,7 @@ from flexmech.validation import POSITIVE, check_choice, check_count, check_flag,
 
 # A map of that many frequencies needs two more, among which it tracks modes.
 SYSTEM_MODES = MODES + 2
-# Cached reductions of an engine: a map over speeds needs some at each speed, and not again.
+# Cached reductions. Speed alone: a map over speeds needs some at each speed, and not again.
 KEPT_REDUCTIONS = 16
 
 
@@ -263,12 +263,10 @@ class Engine(EngineLinks):
         rotation_terms: bool | RotationTerms = True,
         modes: int | None = None,
         fastest: float | None = None,
-        detail: float = 1.0,
+        detail: float | None = None,
         stressed: StressedLinks | None = None,
     ) -> LinearSystem:
         """Linear system at crank angles and speeds.
-
-        The error of its component modes is not measured here; ``natural_frequencies`` does so.
 
         Parameters
         ----------
@@ -285,8 +283,9 @@ class Engine(EngineLinks):
         fastest : float, optional
             Greatest angular velocity of a link in the whole map in rad/s, by which the
             reduction is chosen; the greatest of this batch by default.
-        detail : float
-            Multiplies the frequency up to which component modes are kept.
+        detail : float, optional
+            Multiplies the frequency up to which component modes are kept, whose error
+            ``natural_frequencies`` measures; left out: all coordinates are kept.
         stressed : StressedLinks, optional
             What :meth:`stressed_links` or :meth:`running_links` gave in these positions.
 
@@ -307,7 +306,8 @@ class Engine(EngineLinks):
         check_choice(prestress, PRESTRESS_LEVELS, "prestress")
         if modes is not None:
             check_count(modes, "modes", most=MOST_MODES)
-        check_number(detail, "detail", "", POSITIVE)
+        if detail is not None:
+            check_number(detail, "detail", "", POSITIVE)
         if fastest is not None:
             check_number(fastest, "fastest", "rad/s")
         if not isinstance(rotation_terms, bool | np.bool_ | RotationTerms):
@@ -326,9 +326,9 @@ class Engine(EngineLinks):
         if stressed is None:
             stressed = self._stressed(motion, prestress, running)
         connect = self._connect(terms, prestress, stressed.displacement)
-        if not self.component_modes or self.turns_as_one_body:
+        if detail is None or not self.component_modes or self.turns_as_one_body:
             system = unreduced_system(self.frames, motion, stressed, terms, connect)
-            if modes is not None and system.size < modes and not self.component_modes:
+            if modes is not None and system.size < modes:
                 raise TooManyModesError(
                     f"modes: {modes} were asked for, the model has {system.size}; ask for fewer "
                     "modes or more elements",

@@ -20,7 +20,8 @@ from flexmech.linkages import RigidMotion
 
 Connect = Callable[[LinkFrames, RigidMotion, SystemMatrices, slice], SystemMatrices]
 """Adds to matrices in the positions of a slice those of loads and springs."""
-# Of one matrix in the positions that are assembled at a time: memory near the processor holds it.
+# Of one matrix in the positions that are assembled at a time. Speed alone: memory near the
+# processor holds it.
 MATRIX_BYTES = 1_000_000
 
 

@@ -17,8 +17,9 @@ Coefficients = tuple[float, ...]
 CHARTS = tuple(math.pi * n / 4 for n in range(-1, 3))
 # What the three roots of Viete's formula differ by in its angle.
 THIRDS = (0.0, 2 * math.pi / 3, -2 * math.pi / 3)
-# A root of the formulas has half of its digits or more where two nearly merge; each step doubles
-# them, and one more meets what rounding allows.
+# A bound of work: steps end where they no longer improve a root. A root of the formulas has half of
+# its digits or more where two nearly merge; each step doubles them, and one more meets what
+# rounding allows.
 NEWTON_STEPS = 3
 
 

@@ -40,8 +40,8 @@ LARGEST_STEP, SMALLEST_STEP = 0.15, 1e-7
 # What a prediction may miss along the way, in rad and in parts of the size: about a degree, where
 # two postures that are nearer to each other than ten of them are next to a dead point.
 MOST_MISSED = 0.02
-# Newton's method doubles the digits each time: four or five from a guess of two; more than 20 are
-# a sign that it does not converge.
+# A bound of work. Newton's method doubles the digits each time: four or five from a guess of two;
+# more than 20 are a sign that it does not converge.
 ITERATIONS = 20
 # Between the first and the last posture of a turn in rad and parts of the size: the way around
 # leaves round-off alone, and another posture is far away.

@@ -14,7 +14,8 @@ from flexmech.linkages.constraints import Coincidence, Constraints, PointOnLine
 from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, Bodies, GuidedPoint, SharedPoint
 from flexmech.linkages.planar.drawing import Drawing
 
-# Newton's method takes five where links swell by some percent; where it takes 30, nothing fits.
+# A bound of work: Newton's method takes five where links swell by some percent; where it takes 30,
+# nothing fits.
 ITERATIONS = 30
 # Of the size: as near as rounding lets joints close, so that a linkage resized back is the same.
 CONVERGED = 1e-15

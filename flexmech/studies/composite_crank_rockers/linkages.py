@@ -84,6 +84,7 @@ BEAMS = {CONVERGED: (8, "euler"), PAPERS_MESH: (1, "euler"), WITH_SHEAR: (8, "ti
 # The other position with a right transmission angle, beside those that the paper compares.
 SECOND = "90, second crank angle"
 
+# In m, assumed: of this size all links, the short cranks too, are slender enough for beams.
 _GROUND, _PLY_THICKNESS = 0.4, 1e-3
 
 
