@@ -2,7 +2,6 @@
 
 from flexmech.hygrothermal.environment import Environment, Exposure, HygrothermalState
 from flexmech.hygrothermal.in_state import (
-    SwollenLink,
     coupler_point_in_state,
     elongation_of,
     linkage_in_state,
@@ -26,7 +25,6 @@ __all__ = [
     "Exposure",
     "HygrothermalState",
     "LinkDiffusion",
-    "SwollenLink",
     "absorbing_links",
     "coupler_point_in_state",
     "elongation_of",

@@ -32,8 +32,6 @@ from flexmech.linear_system.assembly.sparse_positions import SparseMatrices, Spa
 from flexmech.linear_system.assembly.straight_links import (
     StraightForces,
     element_tensions,
-    forces_of_links,
-    static_displacement,
     straight_forces,
     ties_beyond_pins,
     with_rigid_links,
@@ -64,7 +62,6 @@ from flexmech.linear_system.links.chains import (
 from flexmech.linear_system.links.dead_moments import (
     DeadMoments,
     body_turns,
-    without_spin_softening,
 )
 from flexmech.linear_system.links.displaced_inertia import DisplacedInertia
 from flexmech.linear_system.links.link_model import LinkModel, RigidFields
@@ -150,7 +147,6 @@ __all__ = [
     "diagonal",
     "displacement_row",
     "element_tensions",
-    "forces_of_links",
     "has_constant_tangents",
     "has_dampers",
     "has_relative_motion",
@@ -163,7 +159,6 @@ __all__ = [
     "refuse_large_displacements",
     "refuse_positions",
     "rigid_link",
-    "static_displacement",
     "straight_forces",
     "stressed_along_turn",
     "summed",
@@ -171,5 +166,4 @@ __all__ = [
     "ties_beyond_pins",
     "whole",
     "with_rigid_links",
-    "without_spin_softening",
 ]

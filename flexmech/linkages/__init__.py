@@ -1,6 +1,5 @@
 """Rigid linkages: topology, kinematics and inverse dynamics. No elasticity here."""
 
-from flexmech.linkages.applied_forces import ForceOnLink
 from flexmech.linkages.attachments import GROUND, AttachmentPoint, JointSpring, Load, Spring
 from flexmech.linkages.coupler_curves.curve import CouplerCurve, CouplerPoint, coupler_sextic
 from flexmech.linkages.coupler_curves.double_points import (
@@ -13,7 +12,7 @@ from flexmech.linkages.coupler_curves.double_points import (
     full_turn,
 )
 from flexmech.linkages.drive import CrankDrive, LockedCrank
-from flexmech.linkages.fourbar import Branch, FourBar, GrashofClass
+from flexmech.linkages.fourbar import FourBar, GrashofClass
 from flexmech.linkages.inverse_dynamics import InverseDynamics, inverse_dynamics
 from flexmech.linkages.link_mass import LEAST_DISTANCE, LinkBody, LinkMass, lumped_elements
 from flexmech.linkages.linkage import (
@@ -41,7 +40,6 @@ __all__ = [
     "GROUND",
     "LEAST_DISTANCE",
     "AttachmentPoint",
-    "Branch",
     "Clamp",
     "CouplerCurve",
     "CouplerPoint",
@@ -49,7 +47,6 @@ __all__ = [
     "CrankRockerProportions",
     "DoublePoint",
     "FiniteDoublePoint",
-    "ForceOnLink",
     "FourBar",
     "GrashofClass",
     "InverseDynamics",

@@ -18,7 +18,7 @@ from flexmech.linkages.constraints import (
     EqualAngle,
     PointOnLine,
 )
-from flexmech.linkages.motion import RigidMotion, normal
+from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.topology import LinkEnd, Slider, Topology
 
 # Singular values of conditions and equations, with moments divided by the longest link, that count
@@ -133,22 +133,6 @@ def guide_place(
     return place.real, place.imag
 
 
-def line_normal(topology: Topology, motion: RigidMotion, slider: Slider) -> FloatArray:
-    """Unit vector to the left of a slider's line in ground axes; shape (..., 2).
-
-    Parameters
-    ----------
-    topology : Topology
-    motion : RigidMotion
-        Batch of shape (...).
-    slider : Slider
-    """
-    angle = np.full(motion.crank_angle.shape, slider.direction)
-    if slider.guide:
-        angle = angle + motion.angle[..., topology.index(slider.guide)]
-    return normal(angle)
-
-
 def connection_matrix(
     topology: Topology, motion: RigidMotion, displaced: ComplexArray | None = None
 ) -> FloatArray:
@@ -177,6 +161,27 @@ def connection_matrix(
     constraints = _constraints(topology, displaced=displaced is not None)
     matrix = constraints.jacobian(bodies, slid=places)
     return np.swapaxes(matrix, -1, -2).reshape(*batch, -1, matrix.shape[-2])
+
+
+def connection_vectors(
+    topology: Topology, motion: RigidMotion, displaced: ComplexArray | None = None
+) -> FloatArray:
+    """Force on the link that is held or follows by each unit connection force; none by a couple.
+
+    Parameters
+    ----------
+    topology, motion, displaced
+        As of :func:`connection_matrix`.
+
+    Returns
+    -------
+    ndarray, shape (..., n_unknowns, 2)
+        In ground axes.
+    """
+    matrix = connection_matrix(topology, motion, displaced)
+    links = [topology.index(one.place.link) for one in connections(topology)]
+    rows = 3 * np.array(links)[:, None] + np.arange(2)
+    return np.asarray(matrix[..., rows, np.arange(len(links))[:, None]])
 
 
 def _displaced(

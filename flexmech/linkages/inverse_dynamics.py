@@ -16,9 +16,9 @@ from flexmech.arrays import FloatArray
 from flexmech.linkages.applied_forces import ForceOnLink, applied_forces
 from flexmech.linkages.attachments import JointSpring, Load, Spring
 from flexmech.linkages.connection_forces import (
+    connection_vectors,
     connections,
     guide_place,
-    line_normal,
     solve_connections,
 )
 from flexmech.linkages.internal_forces import LinkForces
@@ -165,31 +165,22 @@ def _collect(
     joint_moment = {name: np.zeros(batch) for name in topology.joint_names}
     start_force = np.zeros((*batch, len(topology.links), 2))
     start_moment = np.zeros((*batch, len(topology.links)))
-    on_guides = []
+    on_guides, units = [], connection_vectors(topology, motion)
     for number, one in enumerate(connections(topology)):
         value = unknown[..., number]
-        vector = None
-        if one.slider is not None:
-            vector = value[..., None] * line_normal(topology, motion, one.slider)
-            joint_force[one.joint] += vector
-            if one.slider.guide:
-                x, y = guide_place(topology, motion, one.slider)
-                guide = topology.index(one.slider.guide)
-                on_guides.append(ForceOnLink(guide, x, -vector, np.zeros(batch), y))
-        elif one.component == 2:
-            joint_moment[one.joint] += value
-        else:
-            joint_force[one.joint][..., one.component] += value
+        vector = value[..., None] * units[..., number, :]
+        couple = value if one.component == 2 else np.zeros(batch)
+        joint_force[one.joint] += vector
+        joint_moment[one.joint] += couple
+        if one.slider is not None and one.slider.guide:
+            x, y = guide_place(topology, motion, one.slider)
+            guide = topology.index(one.slider.guide)
+            on_guides.append(ForceOnLink(guide, x, -vector, couple, y))
         for place, sign in ((one.place, 1.0), (one.other, -1.0)):
-            if place is None or place.end != "start":
-                continue
-            link = topology.index(place.link)
-            if vector is not None:
+            if place is not None and place.end == "start":
+                link = topology.index(place.link)
                 start_force[..., link, :] += sign * vector
-            elif one.component == 2:
-                start_moment[..., link] += sign * value
-            else:
-                start_force[..., link, one.component] += sign * value
+                start_moment[..., link] += sign * couple
     return InverseDynamics(
         motion=motion,
         masses=masses,

@@ -2,7 +2,6 @@
 
 from flexmech.measured_data.files import read_csv_record, read_record
 from flexmech.measured_data.record import (
-    Abscissa,
     MeasuredQuantity,
     MeasuredRecord,
     sampling_interval,
@@ -19,7 +18,6 @@ from flexmech.measured_data.uff_contents import (
 from flexmech.measured_data.uff_files import check_uff, read_uff, read_uff_record, write_uff
 
 __all__ = [
-    "Abscissa",
     "MeasuredQuantity",
     "MeasuredRecord",
     "UffDegreeOfFreedom",

@@ -17,8 +17,8 @@ from flexmech.modal_testing.harmonic_orders import (
     without_synchronous_average,
 )
 from flexmech.modal_testing.identified import IdentifiedModes
-from flexmech.modal_testing.identify import ORDERS, IdentificationMethod, best_method, identify
-from flexmech.modal_testing.lscf import StabilisationChart, check_lscf, has_lscf
+from flexmech.modal_testing.identify import ORDERS, IdentificationMethod, identify
+from flexmech.modal_testing.lscf import StabilisationChart
 from flexmech.modal_testing.shapes import complexity_factor, mac
 
 __all__ = [
@@ -30,12 +30,9 @@ __all__ = [
     "IdentificationMethod",
     "IdentifiedModes",
     "StabilisationChart",
-    "best_method",
-    "check_lscf",
     "complexity_factor",
     "estimate_frf",
     "estimate_harmonics",
-    "has_lscf",
     "identify",
     "mac",
     "with_noise",

@@ -3,17 +3,11 @@
 from flexmech.report.answers import report_summary
 from flexmech.report.compute import ReportRequest, report_results
 from flexmech.report.page import check_extra, write_report
-from flexmech.report.panel import Panel, Plot, Reading, Trace, YAxis
 from flexmech.report.results import Results, stored_results
 
 __all__ = [
-    "Panel",
-    "Plot",
-    "Reading",
     "ReportRequest",
     "Results",
-    "Trace",
-    "YAxis",
     "check_extra",
     "report_results",
     "report_summary",

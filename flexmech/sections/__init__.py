@@ -4,13 +4,11 @@ from flexmech.sections.beam_reduction import REDUCTIONS, Reduction
 from flexmech.sections.beam_section import BeamSection
 from flexmech.sections.between_joints import sections_between_joints
 from flexmech.sections.damping import DampingTimes, SpecificDamping
-from flexmech.sections.free_edges import TWISTS, Twist
-from flexmech.sections.hygrothermal import HygrothermalProfile, SwollenSection, swollen_section
+from flexmech.sections.free_edges import TWISTS
+from flexmech.sections.hygrothermal import HygrothermalProfile, swollen_section
 from flexmech.sections.laminate_section import (
     SHEAR_THEORIES,
     LaminateSection,
-    ShearTheory,
-    ThroughThickness,
 )
 from flexmech.sections.shear_theories import WARPINGS, ThirdOrder, Zigzag
 from flexmech.sections.solid_section import SolidSection, solid_section
@@ -25,13 +23,9 @@ __all__ = [
     "HygrothermalProfile",
     "LaminateSection",
     "Reduction",
-    "ShearTheory",
     "SolidSection",
     "SpecificDamping",
-    "SwollenSection",
     "ThirdOrder",
-    "ThroughThickness",
-    "Twist",
     "Zigzag",
     "sections_between_joints",
     "solid_section",

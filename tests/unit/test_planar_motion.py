@@ -251,7 +251,7 @@ def test_random_linkages_have_dyads_of_every_kind():
     """The strategy above would test nothing if its linkages were all alike."""
     seen = set()
 
-    @settings(max_examples=150, database=None, derandomize=True)
+    @settings(max_examples=500, database=None, derandomize=True)
     @given(planar_linkages())
     def look(linkage: PlanarLinkage) -> None:
         for step in linkage._assembly.steps:

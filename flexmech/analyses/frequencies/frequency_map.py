@@ -16,9 +16,7 @@ from flexmech.choices import Prestress
 from flexmech.linear_system import Engine, RotationTerms, StressedLinks
 
 
-def systems_at(
-    engine: Engine, request: FrequencyRequest, crank_speed: float, detail: float = 1.0
-) -> Systems:
+def systems_at(engine: Engine, request: FrequencyRequest, crank_speed: float) -> Systems:
     """Linear systems of an engine at one crank speed of a map.
 
     Parameters
@@ -27,8 +25,6 @@ def systems_at(
     request : FrequencyRequest
     crank_speed : float
         In rad/s.
-    detail : float
-        How many component modes to take.
 
     Returns
     -------
@@ -41,7 +37,7 @@ def systems_at(
         fastest = float(np.abs(motion.angular_velocity).max()) * abs(crank_speed)
     runs = request.formulation.prestress == "trajectory" and crank_speed
     running = RunningStates.of(engine, crank_speed) if runs else None
-    return Systems(engine, request.formulation, fastest, detail, running)
+    return Systems(engine, request.formulation, fastest, running=running)
 
 
 def frequencies_along(

@@ -14,7 +14,7 @@ from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.dynamical_systems import VibrationState
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.linkages.connection_forces import (
-    connection_matrix,
+    connection_vectors,
     connections,
     solve_connections,
 )
@@ -186,11 +186,10 @@ def _balanced_forces(
 ) -> FloatArray:
     """Joint forces (m, joints, 2) from force and moment balance of all displaced links."""
     solved = solve_connections(topology, motion, -needed, displaced)
-    unit = connection_matrix(topology, motion, displaced)
+    vectors = solved[..., None] * connection_vectors(topology, motion, displaced)
     forces = np.zeros((len(solved), len(topology.joint_names), 2))
     for number, unknown in enumerate(connections(topology)):
-        joint, link = topology.joint_names.index(unknown.joint), topology.index(unknown.place.link)
-        forces[:, joint] += solved[:, number, None] * unit[:, 3 * link : 3 * link + 2, number]
+        forces[:, topology.joint_names.index(unknown.joint)] += vectors[:, number]
     return forces
 
 
