@@ -85,6 +85,7 @@ class ExudynEngine(Engine):
         "zigzag": "geometrically-exact",
     }
     theories: ClassVar[dict[str, str]] = {"ancf": "euler", "geometrically-exact": "timoshenko"}
+    finer_elements: ClassVar[dict[str, str]] = {"ancf": "geometrically-exact"}
     simulates: ClassVar[bool] = True
     solves_connectors: ClassVar[bool] = True
 

@@ -73,6 +73,7 @@ class ReferenceEngine(Engine):
     masses: ClassVar[tuple[MassChoice, ...]] = MASSES
     restrains_ends: ClassVar[bool] = True
     theories: ClassVar[dict[str, str]] = {theory: theory for theory in BEAM_SHAPES}
+    finer_elements: ClassVar[dict[str, str]] = {"euler": "timoshenko", "timoshenko": "zigzag"}
 
     @classmethod
     def compare_theories(cls, mechanism: Mechanism, modes: int) -> TheoryComparison:

@@ -108,7 +108,10 @@ def engine_stability(
     known: dict[str, Any] = {
         "speeds": [solved(speed) for speed in speeds.tolist()],
         "bands": bands(),
-        "errors": [ExponentErrors(20.0, 2e-5, 1e-4), ExponentErrors(90.0, 2e-5, 4e-4)],
+        "errors": [
+            ExponentErrors(20.0, 2e-5, 1e-4, 5e-5, 1e-6),
+            ExponentErrors(90.0, 2e-5, 4e-4, 7e-4, 2e-6),
+        ],
         "is_definite": True,
         "moving_modes": 9,
         "closed_early": 3,

@@ -152,7 +152,9 @@ class TestWords:
     def test_errors_with_their_parts(self) -> None:
         line = next(line for line in result().summary().lines if line.startswith("errors"))
         assert "edges of bands at most 0.015 rad/s (steps 0.0001, moving modes 0.01, mesh" in line
-        assert "3e-09 by steps, 2e-05 by the number of moving modes and 4e-04 by the mesh" in line
+        assert "3e-09 by steps; at 20, 90 rad/s exponents at most 2e-05 of themselves by" in line
+        assert "4e-04 by the mesh (estimated) and 7e-04 by the beam theory" in line
+        assert "the logarithm of the largest modulus 2e-06" in line
         assert "at 20, 90 rad/s" in line
         assert "Liouville's integral of the trace within 2e-13" in line
 

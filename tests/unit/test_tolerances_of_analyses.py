@@ -119,7 +119,9 @@ def test_a_fit_ends_in_the_second_half_of_its_progress():
 
 
 def test_errors_of_a_map_are_told_at_both_ends_and_in_the_middle(monkeypatch):
-    monkeypatch.setattr(engine_map, "exponent_errors", lambda of, w: ExponentErrors(w, 0.0, 0.0))
+    monkeypatch.setattr(
+        engine_map, "exponent_errors", lambda of, w: ExponentErrors(w, *np.zeros(4))
+    )
     tracked = [SimpleNamespace(crank_speed=10.0 + n, is_unstable=n > 20) for n in range(30)]
     mapped = SimpleNamespace(
         _solver=None, _by_ratio=None, _each=lambda label, task, jobs: [task(job) for job in jobs]

@@ -66,6 +66,8 @@ OF_CHECKS: dict[str, Column[ExponentErrors]] = {
     "speed": (float, "crank_speed"),
     "reduction": (float, "reduction"),
     "mesh": (float, "mesh"),
+    "theory": (float, "theory"),
+    "growth": (float, "growth"),
 }
 
 

@@ -312,7 +312,7 @@ def _beyond(growth: Callable[[float], float], low: float, high: float) -> float:
 
 
 def exponent_errors(solver: LinkageSolver, crank_speed: float) -> ExponentErrors:
-    """Compare with more moving modes, and with a mesh of half the element length.
+    """Compare with more moving modes, half the element length, and beams of a finer theory.
 
     Parameters
     ----------
@@ -326,12 +326,17 @@ def exponent_errors(solver: LinkageSolver, crank_speed: float) -> ExponentErrors
     """
     coarse = solver.sampled_coarsely()
     moving, with_more_modes = coarse.both_reductions(crank_speed)
-    modes, finer = coarse.solve(moving), coarse.refined()
-    return ExponentErrors(
-        crank_speed,
-        reduction=_apart(modes, coarse.solve(with_more_modes)),
-        mesh=_apart(modes, finer.solve(finer.moving(crank_speed))) * BY_REFINEMENT,
+    modes, finer, theory = coarse.solve(moving), coarse.refined(), coarse.with_finer_beams()
+    others = {
+        "reduction": (coarse.solve(with_more_modes), 1.0),
+        "mesh": (finer.solve(finer.moving(crank_speed)), BY_REFINEMENT),
+        "theory": (theory.solve(theory.moving(crank_speed)), 1.0) if theory else (modes, 1.0),
+    }
+    apart = {name: factor * _apart(modes, other) for name, (other, factor) in others.items()}
+    growth = sum(
+        factor * abs(other.growth_rate - modes.growth_rate) for other, factor in others.values()
     )
+    return ExponentErrors(crank_speed, **apart, growth=growth * modes.period)
 
 
 def _apart(modes: SelectedModes, others: SelectedModes) -> float:

@@ -191,14 +191,18 @@ class ExponentErrors:
     ----------
     crank_speed : float
         rad/s.
-    reduction, mesh : float
+    reduction, mesh, theory : float
         Change with the next larger number of moving modes; estimated error by the elements'
-        length.
+        length; change by beams of the next finer theory that the engine has.
+    growth : float
+        What all three change of the logarithm of the largest multiplier's modulus.
     """
 
     crank_speed: float
     reduction: float
     mesh: float
+    theory: float
+    growth: float
 
 
 @dataclass(frozen=True)

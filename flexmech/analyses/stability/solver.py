@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -259,10 +260,18 @@ class LinkageSolver:
 
     def refined(self) -> LinkageSolver:
         """The same on a mesh of half the element length."""
-        engine = self.engine.with_(elements=2 * self.engine.elements)
-        orbit = self.orbit_engine
+        return self._with_engines(elements=2 * self.engine.elements)
+
+    def with_finer_beams(self) -> LinkageSolver | None:
+        """The same with beams of the next finer theory; None where the engine has none."""
+        finer = self.engine.finer_elements.get(self.engine.element)
+        return None if finer is None else self._with_engines(element=finer)
+
+    def _with_engines(self, **changed: Any) -> LinkageSolver:
+        """The same with changed engines; see :meth:`flexmech.linear_system.Engine.with_`."""
+        engine, orbit = self.engine.with_(**changed), self.orbit_engine
         if orbit is not None:
-            orbit = orbit.with_(elements=2 * orbit.elements)
+            orbit = orbit.with_(**changed)
         return replace(self, engine=engine, orbit_engine=orbit, windows=(), known=KnownEquilibria())
 
     def with_more_modes(self) -> LinkageSolver:

@@ -332,9 +332,14 @@ def _multiplier_error(own: xr.Dataset, engine: object) -> str:
     if checks.sizes["check"]:
         unit = speed_unit(own)
         speeds = ", ".join(speed_text(w, unit) for w in checks["check_speed"].values)
+        reduction, mesh, theory, growth = (
+            f"{float(checks[f'check_{name}'].max()):.0e}"
+            for name in ("reduction", "mesh", "theory", "growth")
+        )
         said += (
-            f", {float(checks['check_reduction'].max()):.0e} by the number of moving modes and "
-            f"{float(checks['check_mesh'].max()):.0e} by the mesh (estimated), at {speeds} {unit}"
+            f"; at {speeds} {unit} exponents at most {reduction} of themselves by the number of "
+            f"moving modes, {mesh} by the mesh (estimated) and {theory} by the beam theory, the "
+            f"logarithm of the largest modulus {growth}"
         )
     return said
 

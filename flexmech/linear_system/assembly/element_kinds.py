@@ -28,6 +28,8 @@ class ElementKinds(ABC):
     """Of each element of another engine, this one's of the same beam theory or the nearest."""
     theories: ClassVar[dict[str, str]]
     """Beam theory of each element."""
+    finer_elements: ClassVar[dict[str, str]]
+    """Of each element that has one, that of the next finer theory."""
     restrains_ends: ClassVar[bool] = False
     """Whether links of off-axis plies bend and twist between joints as in three dimensions."""
     element: str
