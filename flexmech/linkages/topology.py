@@ -224,6 +224,19 @@ class Topology:
         return tuple(kinds[name] for name in self.joint_names)
 
     @property
+    def joint_sides(self) -> tuple[tuple[str, str], ...]:
+        """For each joint the link on which its force acts, and what exerts it.
+
+        That is the shaft at a clamp, the ground at a pivot or a slider, the guiding link of a
+        slider, and the leading link of a pin or a weld.
+        """
+        sides = {clamp.joint: (clamp.link_end.link, "shaft") for clamp in self.clamps}
+        sides |= {tie.joint: (tie.follower.link, tie.leader.link) for tie in self.ties}
+        sides |= {own.joint: (own.link_end.link, own.guide or "ground") for own in self.sliders}
+        sides |= {pivot.joint: (pivot.link_end.link, "ground") for pivot in self.pivots}
+        return tuple(sides[name] for name in self.joint_names)
+
+    @property
     def sprung_joints(self) -> set[str]:
         """Pins and pivots that have springs in place of a rigid bearing."""
         pins = {pin.joint for pin in self.pins if pin.sprung}

@@ -86,6 +86,7 @@ class ExudynEngine(Engine):
     }
     theories: ClassVar[dict[str, str]] = {"ancf": "euler", "geometrically-exact": "timoshenko"}
     finer_elements: ClassVar[dict[str, str]] = {"ancf": "geometrically-exact"}
+    untensioned_elements: ClassVar[tuple[str, ...]] = ("geometrically-exact",)
     simulates: ClassVar[bool] = True
     solves_connectors: ClassVar[bool] = True
 
@@ -147,7 +148,7 @@ class ExudynEngine(Engine):
         The static solver goes from one crank angle to the next by itself; ``near`` is not used.
         """
         straight = self._is_straight(motion, prestress)
-        if prestress == "axial" and self.element != "ancf":
+        if prestress == "axial" and self.element in self.untensioned_elements:
             other = "" if self.mechanism.is_eccentric else "element 'ancf' or "
             raise InputError(
                 "prestress 'axial' needs an element that can carry tension in its straight "

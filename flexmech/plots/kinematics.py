@@ -94,7 +94,7 @@ def plot_joint_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
         title = f"Joint forces at {reading.speed_text(dataset)}"
         drawn.header([*handles, *_lumped_handle(dataset)], title, of=dataset)
         for axes, joint in zip(drawn.panels, joints, strict=True):
-            axes.set_title(f"{joint} ({dataset['joint_kind'].sel(joint=joint).item()})")
+            axes.set_title(reading.joint_title(dataset, joint))
             scales.zero_line(axes)
             for number, component in enumerate(components):
                 there = dataset.sel(joint=joint, component=component)

@@ -154,6 +154,14 @@ def names_of(dataset: xr.Dataset | xr.DataArray, coordinate: str) -> list[str]:
     return [str(name) for name in dataset[coordinate].values]
 
 
+def joint_title(dataset: xr.Dataset, joint: str) -> str:
+    """A joint, and of which link its force is on which, where a dataset has that."""
+    there = dataset.sel(joint=joint)
+    if "force_by" not in there.coords:
+        return joint
+    return f"{joint}, of the {there['force_by'].item()} on the {there['force_on'].item()}"
+
+
 def complex_values(dataset: xr.Dataset, name: str, *order: str) -> ComplexArray:
     """Values that are stored as real and imaginary part, with their dimensions in an order."""
     parts = (dataset[f"{name}_{part}"] for part in ("real", "imag"))

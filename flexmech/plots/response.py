@@ -92,20 +92,23 @@ def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     Figure
     """
     torque = dataset["driving_torque"], dataset["rigid_driving_torque"]
-    shown = [(*torque, reading.TORQUE_UNITS, "Driving\ntorque")]
+    shown, titles = [(*torque, reading.TORQUE_UNITS, "Driving\ntorque")], [""]
     pins = dataset["joint"].values[dataset["joint_kind"].values == "pin"]
     for joint in pins if pins.size else dataset["joint"].values:
         for component in reading.names_of(dataset, "component"):
             there = dataset.sel(joint=joint, component=component)
             forces = there["joint_force"], there["rigid_joint_force"]
             shown.append((*forces, reading.FORCE_UNITS, f"Force at {joint},\n{component}"))
+            titles.append(reading.joint_title(dataset, joint))
     with sheet(scales.time_layout(len(shown)), ax=ax) as drawn:
         handles = [*engine_lines(dataset), line_handle("rigid links", **RIGID)]
         band = dataset.attrs.get("force_band")
         up_to = "" if band is None else f", forces up to {band:.4g} Hz"
         drawn.header(handles, reading.run_title(dataset) + up_to, of=dataset)
         scales.label_times(drawn, dataset)
-        for axes, (elastic, rigid, units, what) in zip(drawn.panels, shown, strict=True):
+        panels = zip(drawn.panels, shown, titles, strict=True)
+        for axes, (elastic, rigid, units, what), title in panels:
+            axes.set_title(title)
             factor = draw_engines(axes, elastic, units, what)
             axes.plot(rigid["time"].values, factor * rigid.values, **RIGID, zorder=3)
     return drawn.figure

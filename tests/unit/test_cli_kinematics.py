@@ -48,10 +48,10 @@ def test_the_command_writes_the_tables_of_the_result(tmp_path: Path) -> None:
         "kinematics": "crank_angle_deg link angle_deg angular_velocity_rad_s "
         "angular_acceleration_rad_s2 centre_x_m centre_y_m centre_ax_m_s2 centre_ay_m_s2 "
         "inertia_force_x_N inertia_force_y_N inertia_moment_Nm",
-        "forces": "crank_angle_deg joint x_N y_N moment_Nm",
+        "forces": "crank_angle_deg joint of on x_N y_N moment_Nm",
         "drive": "crank_angle_deg torque_Nm power_W transmission_angle_deg "
         "reversed_transmission_angle_deg",
-        "forces_lumped": "crank_angle_deg joint x_N y_N moment_Nm",
+        "forces_lumped": "crank_angle_deg joint of on x_N y_N moment_Nm",
         "drive_lumped": "crank_angle_deg torque_Nm power_W",
         "lumped_masses": "crank_angle_deg link position_m mass_kg ax_m_s2 ay_m_s2 "
         "inertia_force_x_N inertia_force_y_N",

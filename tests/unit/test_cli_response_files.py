@@ -309,8 +309,9 @@ def test_checks_and_loads_are_listed_engine_by_engine(
         "(reference), 1.2e-02 (exudyn), its peak 7.0e-03 (reference), 1.4e-02 (exudyn)",
     ]
     assert len(check_lines(result.dataset)) == len(lines) - 2
-    band, torque, *forces = load_lines(result.peaks(), result.dataset)
+    band, sides, torque, *forces = load_lines(result.peaks(), result.dataset)
     assert f"up to {data.attrs['force_band']:.4g} Hz" in band
+    assert "A of the crank on the coupler, B of the coupler on the rocker" in sides
     rigid = float(abs(data["rigid_driving_torque"]).max())
     assert torque.endswith(f"{rigid:.4g} N m (rigid links)")
     assert [line.split("(")[1] for line in forces] == ["reference)", "exudyn)", "rigid links)"]

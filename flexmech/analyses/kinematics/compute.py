@@ -206,6 +206,8 @@ def kinematics_dataset(
             "component": ["x", "y"],
             "joint": list(topology.joint_names),
             "joint_kind": ("joint", list(topology.joint_kinds)),
+            "force_on": ("joint", [on for on, _ in topology.joint_sides]),
+            "force_by": ("joint", [by for _, by in topology.joint_sides]),
         },
     )
     if isinstance(linkage, FourBar):

@@ -104,9 +104,9 @@ class Kinematics(Result):
         lumped = "lumped_joint_force" in data
         joints = Table(
             "greatest joint forces",
-            ("joint", "kind", "N", "at deg", *(("lumped N", "at deg") if lumped else ())),
+            ("joint", "kind", "of", "on", "N", "at deg", *(("lumped N", "at deg") * lumped)),
             (tuple(_joint_row(data.sel(joint=joint), lumped) for joint in data["joint"].values),),
-            text_columns=2,
+            text_columns=4,
         )
         torque = float(_size(data["joint_force"]).max() * abs(data["centre_position"]).max())
         power = torque * abs(float(data.attrs["crank_speed"]))
@@ -146,6 +146,8 @@ def _force_table(data: xr.Dataset, of: str = "") -> pd.DataFrame:
     columns: Columns = {
         "crank_angle_deg": "crank_angle",
         "joint": "joint",
+        "of": "force_by",
+        "on": "force_on",
         **_components(data, {"{}_N": f"{of}joint_force"}),
         "moment_Nm": f"{of}joint_moment",
     }
@@ -186,7 +188,8 @@ def _link_row(link: xr.Dataset) -> tuple[str, ...]:
 def _joint_row(joint: xr.Dataset, lumped: bool) -> tuple[str, ...]:
     names = ["joint_force", *(["lumped_joint_force"] if lumped else [])]
     texts = (text for name in names for text in _greatest(_size(joint[name])))
-    return (joint["joint"].item(), joint["joint_kind"].item(), *texts)
+    said = ("joint", "joint_kind", "force_by", "force_on")
+    return (*(joint[name].item() for name in said), *texts)
 
 
 def _size(vector: xr.DataArray) -> xr.DataArray:

@@ -121,7 +121,8 @@ def force_agreement_lines(agreement: xr.Dataset | None, dataset: xr.Dataset) -> 
 def _side_by_side(part: xr.Dataset, force: str, torque: str) -> xr.DataArray:
     """Joint forces and torque along one dimension."""
     both = (part[force], part[torque].expand_dims(joint=["torque"]))
-    return xr.concat([values.drop_vars("joint_kind", errors="ignore") for values in both], "joint")
+    said = ("joint_kind", "force_on", "force_by")
+    return xr.concat([values.drop_vars(said, errors="ignore") for values in both], "joint")
 
 
 def _verdict(gaps: xr.DataArray, errors: xr.DataArray, dataset: xr.Dataset) -> str:

@@ -73,6 +73,8 @@ def build_dataset(runs: Sequence[EngineRun], request: ResponseRequest, plan: Run
         length=("link", [link.length for link in topology.links]),
         joint=list(topology.joint_names),
         joint_kind=("joint", list(topology.joint_kinds)),
+        force_on=("joint", [on for on, _ in topology.joint_sides]),
+        force_by=("joint", [by for _, by in topology.joint_sides]),
         station=np.linspace(0.0, 1.0, dataset.sizes["station"]),
         component=["x", "y"],
     )

@@ -183,6 +183,9 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
         shown = ", ".join(f"{joint} {force}" for joint, force in pairs)
         return f"peak joint forces: {shown} N ({name})"
 
+    sides = zip(*(data[name].values for name in ("joint", "force_by", "force_on")), strict=True)
+    acting = ", ".join(f"{joint} of the {by} on the {on}" for joint, by, on in sides)
+
     def torque(engine: str) -> str:
         own = peaks["driving_torque"].sel(engine=engine)
         error = errors["peak_driving_torque"].sel(engine=engine)
@@ -192,6 +195,7 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
     return [
         f"forces and torque of elastic links count up to {data.attrs['force_band']:.4g} Hz, half "
         "the lowest frequency at which the links vibrate along themselves",
+        f"joint forces: {acting}",
         f"peak driving torque: {torques}, {rigid_torque:.4g} N m (rigid links)",
         *map(forces, engines),
         line([f"{force:.4g}" for force in rigid_force], "rigid links"),

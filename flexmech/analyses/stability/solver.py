@@ -264,8 +264,11 @@ class LinkageSolver:
 
     def with_finer_beams(self) -> LinkageSolver | None:
         """The same with beams of the next finer theory; None where the engine has none."""
-        finer = self.engine.finer_elements.get(self.engine.element)
-        return None if finer is None else self._with_engines(element=finer)
+        engine = self.engine
+        finer = engine.finer_elements.get(engine.element)
+        if finer is None or (self.prestress == "axial" and finer in engine.untensioned_elements):
+            return None
+        return self._with_engines(element=finer)
 
     def _with_engines(self, **changed: Any) -> LinkageSolver:
         """The same with changed engines; see :meth:`flexmech.linear_system.Engine.with_`."""

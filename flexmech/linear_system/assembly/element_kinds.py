@@ -30,6 +30,8 @@ class ElementKinds(ABC):
     """Beam theory of each element."""
     finer_elements: ClassVar[dict[str, str]]
     """Of each element that has one, that of the next finer theory."""
+    untensioned_elements: ClassVar[tuple[str, ...]] = ()
+    """Elements whose straight shape carries no tension, as prestress ``axial`` needs it."""
     restrains_ends: ClassVar[bool] = False
     """Whether links of off-axis plies bend and twist between joints as in three dimensions."""
     element: str
