@@ -119,7 +119,7 @@ class TimeProblem(RecordProblem):
     @property
     def linear_unknowns(self) -> int:
         """Numbers of the free vibration's state."""
-        return len(self._free_states(self._as_modelled))
+        return self._free_states(self._as_modelled)
 
     def curve(self, values: Mapping[str, float]) -> FloatArray:
         """Computed record (N,) for values by name, nearest to the measured one."""
@@ -151,8 +151,9 @@ class TimeProblem(RecordProblem):
         model = self._model(stiffness_factors(values))
         # Turns of the crank at each sample, in the order of time.
         phase = np.sign(self.crank_speed) * self._crank_angle(values) / (2 * np.pi)
-        forced, free = self._motion(values).readings(phase)
-        free = free[:, self._free_states(model)]
+        motion = self._motion(values)
+        forced, free = motion.readings(phase)
+        free = free @ motion.slowest(float(phase[0]), self._free_states(model))
         forced = values.get(GAIN, 1.0) * forced + values.get(OFFSET, 0.0)
         return forced, free / np.maximum(np.linalg.norm(free, axis=0), np.finfo(float).tiny)
 
@@ -215,11 +216,10 @@ class TimeProblem(RecordProblem):
             for number, length in enumerate(lengths, 1)
         )
 
-    def _free_states(self, model: ForcedModes) -> list[int]:
-        """States of the moving modes that the sampling rate can show."""
+    def _free_states(self, model: ForcedModes) -> int:
+        """Number of states of the modes that the sampling rate can show."""
         limit = _SAMPLED / 2 / float(self.time[1])
-        modes = [m for m, (_, most) in enumerate(model.frequency_ranges()) if most < limit]
-        return [state + m for state in (0, model.moving.size) for m in modes]
+        return 2 * int(np.sum(model.frequency_ranges()[:, 1] < limit))
 
     def _unexplained_if_reversed(self, unexplained: float) -> float:
         """Part unexplained of the record with the other sign, where little is explained."""

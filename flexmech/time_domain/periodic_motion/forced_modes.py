@@ -2,8 +2,8 @@
 
 The linear equations of :mod:`flexmech.time_domain.equations_of_motion.driven_linkage` are sought in
 the moving modes of :mod:`flexmech.time_domain.periodic_motion.moving_modes`. The loads are the
-inertia forces of the rigid motion and the weight; the response beyond the moving modes is
-static. Damping enters link by link in proportion to the damping of the model, so that other
+inertia forces of the rigid motion, the weight, and forces of loads and springs that repeat
+themselves every turn; the response beyond the moving modes is static. Damping enters link by link in proportion to the damping of the model, so that other
 damping costs no new model.
 """
 
@@ -30,6 +30,8 @@ from flexmech.linear_system import (
     StressedLinks,
     inertia_loads,
 )
+from flexmech.linkages import CrankDrive
+from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors
 from flexmech.time_domain.periodic_motion.moving_modes import (
     MovingModes,
     counts_of_modes,
@@ -182,7 +184,8 @@ class FreeAndForced:
         gap = own[-1] - own[0]
         free = np.einsum("kn,knj->kj", row, states[:, :n, :n])
         periodic = np.einsum("kn,kn->k", row, own) + self.offset[order, reading]
-        along = phase * steps - first
+        # A phase that round-off puts before its step begins with it.
+        along = np.maximum(phase * steps - first, 0.0)
         turns = np.floor(along / steps).astype(int)
         within = along - turns * steps
         grid = np.arange(steps + 1.0)
@@ -197,6 +200,27 @@ class FreeAndForced:
             power = turn[:n, :n] @ power
             drift = turn[:n, :n] @ drift + gap
         return forced, motions
+
+    def slowest(self, phase: float, count: int) -> FloatArray:
+        """States in which alone the slowest frozen modes at a phase vibrate, (n, count).
+
+        The states are amplitudes in a smooth basis, whose vectors are no modes one by one.
+
+        Parameters
+        ----------
+        phase : float
+            As of :meth:`readings`.
+        count : int
+            Twice the number of modes.
+        """
+        steps, n = len(self.transitions), self.transitions.shape[1] - 1
+        first = int(np.floor(phase * steps + ON_A_STEP)) % steps
+        # Those of a short step have the vectors of the system's matrix.
+        values, vectors = np.linalg.eig(self.transitions[first, :n, :n])
+        order = np.argsort(np.abs(np.log(values.astype(complex))), kind="stable")[:count]
+        both = np.concatenate([vectors.real[:, order], vectors.imag[:, order]], axis=1)
+        spanned, _, _ = np.linalg.svd(both, full_matrices=False)
+        return np.asarray(spanned[:, :count])
 
 
 def forced_modes(
@@ -237,13 +261,14 @@ def forced_modes(
     order = np.arange(SAMPLES) if crank_speed > 0 else -np.arange(SAMPLES) % SAMPLES
     motion = engine.mechanism.linkage.motion(2 * np.pi / SAMPLES * order, crank_speed)
     stressed = engine.stressed_links(motion, prestress)
-    engine.require_no_connectors("forced motion in moving modes")
+    DrivenConnectors(engine, engine.frames, CrankDrive(crank_speed)).require_periodic()
     turn = SampledTurn.of(engine, motion, stressed, prestress, modes)
     count = min(modes + SPARE_MODES, turn.frames.size)
     if turn.has_relative_motion:
         count = counts_of_modes(turn, modes, 1)[0]
     moving = moving_modes(turn, count)
     force = turn.frames.gather(turn.displaced, _loads(engine, turn, stressed))
+    force += _of_connectors(turn, stressed)
     modal = np.einsum("kni,kn->ki", moving.basis, force)
     shapes = np.concatenate([moving.basis, _rest(moving, force, modal)], axis=2)
     read = _read(turn, readings, shapes)
@@ -281,6 +306,9 @@ def _loads(engine: Engine, turn: SampledTurn, stressed: StressedLinks) -> list[F
     forces = inertia_loads(engine.links, turn.motion, engine.mechanism.gravity)
     displacement, inner = stressed.displacement, stressed.internal_force
     if displacement is not None:
+        if engine.connectors.any:
+            acting = engine.connectors.forces(turn.motion, displacement)
+            forces = [force + own for force, own in zip(forces, acting, strict=True)]
         if inner is None:
             # Such an engine's links are in balance with the loads, and with what they carry along.
             topology = engine.mechanism.linkage.topology
@@ -295,7 +323,24 @@ def _loads(engine: Engine, turn: SampledTurn, stressed: StressedLinks) -> list[F
                 stressed.tangent, displacement, forces, inner, strict=True
             )
         ]
+    elif engine.connectors.any:
+        acting = engine.connectors.forces(turn.motion, None)
+        forces = [force + own for force, own in zip(forces, acting, strict=True)]
     return [force @ basis for force, basis in zip(forces, turn.bases, strict=True)]
+
+
+def _of_connectors(turn: SampledTurn, stressed: StressedLinks) -> FloatArray:
+    """What springs, guides and follower forces of the stressed state would be at none, (N, n)."""
+    place, connected = stressed.displacement, turn.connected
+    if place is None or connected is None:
+        return np.zeros((len(turn.motion.crank_angle), turn.frames.size))
+    reduced = []
+    for link, basis, q in zip(turn.unreduced, turn.bases, place, strict=True):
+        weighted = q if link.rigid else (link.mass @ q.T).T @ basis
+        own = np.eye(q.shape[1]) if link.rigid else basis.T @ (link.mass @ basis)
+        reduced.append(np.linalg.solve(own, weighted.T).T[..., None])
+    z = turn.frames.independent(turn.displaced, reduced)
+    return np.asarray((connected.stiffness @ z)[..., 0])
 
 
 def _rest(moving: MovingModes, force: FloatArray, modal: FloatArray) -> FloatArray:
@@ -303,6 +348,8 @@ def _rest(moving: MovingModes, force: FloatArray, modal: FloatArray) -> FloatArr
     turn, across = moving.turn, np.swapaxes(moving.basis, 1, 2)
     frozen = RotationTerms.all_or_none(False)
     stiffness = turn.frames.assemble(turn.displaced, turn.tangent, frozen).stiffness
+    if turn.connected is not None:
+        stiffness = stiffness + turn.connected.potential
     own = np.linalg.solve(across @ stiffness @ moving.basis, modal[..., None])
     return np.asarray(np.linalg.solve(stiffness, force[..., None]) - moving.basis @ own)
 
