@@ -52,7 +52,9 @@ class Property(NamedTuple):
     def row(self, values: Iterable[float]) -> Row:
         """Row of a printed table: the words with their unit, and the numbers."""
         unit = self.printed_unit
-        numbers = ("not known" if np.isnan(v) else f"{from_si(v, unit):.6g}" for v in values)
+        words = {"nan": "not known", "inf": "rigid"}
+        shown = (f"{from_si(v, unit):.6g}" for v in values)
+        numbers = (words.get(each, each) for each in shown)
         return (f"{self.words} ({unit})" if unit else self.words, *numbers)
 
 
