@@ -3,8 +3,8 @@
 The linear equations of :mod:`flexmech.time_domain.equations_of_motion.driven_linkage` are sought in
 the moving modes of :mod:`flexmech.time_domain.periodic_motion.moving_modes`. The loads are the
 inertia forces of the rigid motion, the weight, and forces of loads and springs that repeat
-themselves every turn; the response beyond the moving modes is static. Damping enters link by link in proportion to the damping of the model, so that other
-damping costs no new model.
+themselves every turn; the response beyond the moving modes is static. Damping enters link by link
+in proportion to the damping of the model, so that other damping costs no new model.
 """
 
 from __future__ import annotations
