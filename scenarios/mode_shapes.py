@@ -95,7 +95,7 @@ def likeness(engine: ReferenceEngine, crank_angles: FloatArray) -> FloatArray:
     weight = _mass_of_stations(engine.mechanism)
     shapes = []
     for speed in SPEEDS:
-        system = engine.linear_system(crank_angles, speed, modes=MODES)
+        system = engine.linear_system(crank_angles, speed, modes=MODES, detail=1.0)
         shapes.append(system.displacements(solve_modes(system, MODES).vectors))
     at_rest = shapes[0]
 
