@@ -163,22 +163,20 @@ def connection_matrix(
     return np.swapaxes(matrix, -1, -2).reshape(*batch, -1, matrix.shape[-2])
 
 
-def connection_vectors(
-    topology: Topology, motion: RigidMotion, displaced: ComplexArray | None = None
-) -> FloatArray:
+def connection_vectors(topology: Topology, matrix: FloatArray) -> FloatArray:
     """Force on the link that is held or follows by each unit connection force; none by a couple.
 
     Parameters
     ----------
-    topology, motion, displaced
-        As of :func:`connection_matrix`.
+    topology : Topology
+    matrix : ndarray, shape (..., 3 * n_links, n_unknowns)
+        Of :func:`connection_matrix`.
 
     Returns
     -------
     ndarray, shape (..., n_unknowns, 2)
         In ground axes.
     """
-    matrix = connection_matrix(topology, motion, displaced)
     links = [topology.index(one.place.link) for one in connections(topology)]
     rows = 3 * np.array(links)[:, None] + np.arange(2)
     return np.asarray(matrix[..., rows, np.arange(len(links))[:, None]])
@@ -202,7 +200,7 @@ def solve_connections(
     topology: Topology,
     motion: RigidMotion,
     load: FloatArray,
-    displaced: ComplexArray | None = None,
+    matrix: FloatArray | None = None,
 ) -> FloatArray:
     """Connection forces from the force and moment balance of the links.
 
@@ -212,8 +210,8 @@ def solve_connections(
     motion : RigidMotion
     load : ndarray, shape (..., 3 * n_links)
         Forces and moments about the links' starts in the rigid motion, inertia among them.
-    displaced : ndarray of complex, shape (m, n_links, 2), optional
-        As of :func:`connection_matrix`.
+    matrix : ndarray, shape (..., 3 * n_links, n_unknowns), optional
+        Of :func:`connection_matrix`; at the places of the rigid motion by default.
 
     Returns
     -------
@@ -225,7 +223,8 @@ def solve_connections(
     InputError
         If the linkage is over- or underconstrained; names a joint.
     """
-    matrix = connection_matrix(topology, motion, displaced)
+    if matrix is None:
+        matrix = connection_matrix(topology, motion)
     if matrix.shape[-1] != matrix.shape[-2]:
         raise InputError(_what_is_wrong(topology, motion, matrix))
     try:

@@ -16,6 +16,7 @@ from flexmech.arrays import FloatArray
 from flexmech.linkages.applied_forces import ForceOnLink, applied_forces
 from flexmech.linkages.attachments import JointSpring, Load, Spring
 from flexmech.linkages.connection_forces import (
+    connection_matrix,
     connection_vectors,
     connections,
     guide_place,
@@ -123,8 +124,12 @@ def inverse_dynamics(
     applied = tuple(applied_forces(topology, motion, loads, springs, joint_springs, angles, time))
     rows = np.concatenate([force, moment[..., None]], axis=-1)
     _add_forces(rows, motion, applied)
-    unknown = solve_connections(topology, motion, rows.reshape(*rows.shape[:-2], -1))
-    return _collect(topology, motion, tuple(masses), gravity, force, moment, applied, unknown)
+    matrix = connection_matrix(topology, motion)
+    unknown = solve_connections(topology, motion, rows.reshape(*rows.shape[:-2], -1), matrix)
+    vectors = unknown[..., None] * connection_vectors(topology, matrix)
+    return _collect(
+        topology, motion, tuple(masses), gravity, force, moment, applied, unknown, vectors
+    )
 
 
 def _add_forces(rows: FloatArray, motion: RigidMotion, forces: Iterable[ForceOnLink]) -> None:
@@ -159,16 +164,17 @@ def _collect(
     moment: FloatArray,
     applied: tuple[ForceOnLink, ...],
     unknown: FloatArray,
+    vectors: FloatArray,
 ) -> InverseDynamics:
     batch = unknown.shape[:-1]
     joint_force = {name: np.zeros((*batch, 2)) for name in topology.joint_names}
     joint_moment = {name: np.zeros(batch) for name in topology.joint_names}
     start_force = np.zeros((*batch, len(topology.links), 2))
     start_moment = np.zeros((*batch, len(topology.links)))
-    on_guides, units = [], connection_vectors(topology, motion)
+    on_guides = []
     for number, one in enumerate(connections(topology)):
         value = unknown[..., number]
-        vector = value[..., None] * units[..., number, :]
+        vector = vectors[..., number, :]
         couple = value if one.component == 2 else np.zeros(batch)
         joint_force[one.joint] += vector
         joint_moment[one.joint] += couple

@@ -21,19 +21,9 @@ from flexmech.linkages.connection_forces import guide_place
 from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain import DrivenLinkage
 from tests.cross_engine.test_exudyn_joints import strips
-from tests.cross_engine.test_two_drawings import LEVER, Body, Drawing
+from tests.cross_engine.test_two_drawings import GUIDED
 
 MODELS = Path(__file__).parents[2] / "models"
-# A crank of two strips that bows, whose end slides along a lever.
-DRAWING = Drawing(
-    {"O2": (0, 0), "M": (0.05, 0), "A": (0.1, 0), "O4": (0, -0.2), "L": (0.2, 0.2)},
-    {"near": ("O2", "M"), "far": ("M", "A")},
-    {"O2": "clamp", "M": "weld"},
-    ("O2", "O4"),
-    {"near": Body(0.05, 1e-5, (0.0, 0.03))},
-    thickness=1.2,
-    rest=LEVER,
-)
 
 
 @pytest.mark.parametrize(
@@ -42,7 +32,7 @@ DRAWING = Drawing(
 )
 def test_a_run_is_that_of_exudyn(shaft: str, torque: str, tmp_path: Path) -> None:
     """Lines that turn linearly left deflections 2e-2 off, joint forces on a free shaft 0.2."""
-    mechanism = replace(DRAWING.mechanism(tmp_path, welded=False), shaft_inertia=2e-3)
+    mechanism = replace(GUIDED.mechanism(tmp_path, welded=False), shaft_inertia=2e-3)
     request = ResponseRequest(CrankDrive(6.0), revolutions=0.03)
     found, expected = (
         response(make(mechanism, 3, component_modes=False, shaft=shaft), request).dataset
@@ -58,7 +48,7 @@ def test_two_drawings_have_one_response_at_low_speed(tmp_path: Path) -> None:
     """In component modes they were 1e-2 of the deflection apart at 3 rad/s."""
     request = ResponseRequest(CrankDrive(3.0), revolutions=0.01)
     body, weld = (
-        response(ReferenceEngine(DRAWING.mechanism(tmp_path, welded=w), 3), request).dataset
+        response(ReferenceEngine(GUIDED.mechanism(tmp_path, welded=w), 3), request).dataset
         for w in (False, True)
     )
     expected = body["deflection"]

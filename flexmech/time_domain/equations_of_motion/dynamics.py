@@ -14,6 +14,7 @@ from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.dynamical_systems import VibrationState
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.linkages.connection_forces import (
+    connection_matrix,
     connection_vectors,
     connections,
     solve_connections,
@@ -185,8 +186,9 @@ def _balanced_forces(
     topology: Topology, motion: RigidMotion, needed: FloatArray, displaced: ComplexArray
 ) -> FloatArray:
     """Joint forces (m, joints, 2) from force and moment balance of all displaced links."""
-    solved = solve_connections(topology, motion, -needed, displaced)
-    vectors = solved[..., None] * connection_vectors(topology, motion, displaced)
+    matrix = connection_matrix(topology, motion, displaced)
+    solved = solve_connections(topology, motion, -needed, matrix)
+    vectors = solved[..., None] * connection_vectors(topology, matrix)
     forces = np.zeros((len(solved), len(topology.joint_names), 2))
     for number, unknown in enumerate(connections(topology)):
         forces[:, topology.joint_names.index(unknown.joint)] += vectors[:, number]

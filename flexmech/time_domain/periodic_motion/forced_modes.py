@@ -305,10 +305,10 @@ def _loads(engine: Engine, turn: SampledTurn, stressed: StressedLinks) -> list[F
     """
     forces = inertia_loads(engine.links, turn.motion, engine.mechanism.gravity)
     displacement, inner = stressed.displacement, stressed.internal_force
+    if engine.connectors.any:
+        acting = engine.connectors.forces(turn.motion, displacement)
+        forces = [force + own for force, own in zip(forces, acting, strict=True)]
     if displacement is not None:
-        if engine.connectors.any:
-            acting = engine.connectors.forces(turn.motion, displacement)
-            forces = [force + own for force, own in zip(forces, acting, strict=True)]
         if inner is None:
             # Such an engine's links are in balance with the loads, and with what they carry along.
             topology = engine.mechanism.linkage.topology
@@ -323,9 +323,6 @@ def _loads(engine: Engine, turn: SampledTurn, stressed: StressedLinks) -> list[F
                 stressed.tangent, displacement, forces, inner, strict=True
             )
         ]
-    elif engine.connectors.any:
-        acting = engine.connectors.forces(turn.motion, None)
-        forces = [force + own for force, own in zip(forces, acting, strict=True)]
     return [force @ basis for force, basis in zip(forces, turn.bases, strict=True)]
 
 
