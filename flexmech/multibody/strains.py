@@ -74,8 +74,8 @@ def _flexibilities(section: BeamSection, length: FloatArray) -> tuple[float, Flo
 # So many of Gauss's points do the same: 2 n - 1.
 AXIAL_POINTS = 5
 BENDING_POINTS = 3
-# Slope vector of the straight link.
-ALONG = np.array([1.0, 0.0])
+# Slope vector of the straight link, for each of many points.
+ALONG = np.array([1.0, 0.0])[:, None, None, None]
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ def cable_strains(
     norm = np.sqrt(_dot(slope, slope))
     stretch = Strain(
         # |r'| - 1 = (|r'|^2 - 1) / (|r'| + 1)
-        value=(2 * turned[..., 0] + _dot(turned, turned)) / (norm + 1) - section.free_strain,
+        value=(2 * turned[0] + _dot(turned, turned)) / (norm + 1) - section.free_strain,
         rate=_dot(slope, slope_rate) / norm,
         weight=section.axial_stiffness * length[:, None] / 2 * weights,
         damping_time=section.damping.axial,
@@ -185,14 +185,14 @@ def exact_beam_strains(
     nodes, node_rates = (v.reshape(len(v), -1, 3) for v in (displacement, rate))
     turn = (nodes[:, 1:, 2] + nodes[:, :-1, 2]) / 2
     spin = (node_rates[:, 1:, 2] + node_rates[:, :-1, 2]) / 2
-    slope = np.diff(nodes, axis=1) / length[:, None]
-    slope_rate = np.diff(node_rates, axis=1) / length[:, None]
-    along = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
-    across = np.stack([-np.sin(turn), np.cos(turn)], axis=-1)
+    slope = np.moveaxis(np.diff(nodes, axis=1) / length[:, None], -1, 0)
+    slope_rate = np.moveaxis(np.diff(node_rates, axis=1) / length[:, None], -1, 0)
+    along = np.stack([np.cos(turn), np.sin(turn)])
+    across = np.stack([-np.sin(turn), np.cos(turn)])
     # (e_x + u') . along = 1 + stretch, with cos(turn) - 1 = -2 sin(turn / 2)^2.
-    stretch = _dot(slope[..., :2], along) - 2 * np.sin(turn / 2) ** 2
-    shear = _dot(slope[..., :2], across) - np.sin(turn)
-    damping, bend = section.damping, slope[..., 2] - section.free_curvature
+    stretch = _dot(slope, along) - 2 * np.sin(turn / 2) ** 2
+    shear = _dot(slope, across) - np.sin(turn)
+    damping, bend = section.damping, slope[2] - section.free_curvature
     stretching = _dot(slope_rate, along) + spin * shear
     shearing = _dot(slope_rate, across) - spin * (1 + stretch)
     return [
@@ -205,7 +205,7 @@ def exact_beam_strains(
                 element_shear_stiffness(section, length),
                 element_shear_damping_time(section, length),
             ),
-            (bend, slope_rate[..., 2], section.bending_stiffness, damping.bending),
+            (bend, slope_rate[2], section.bending_stiffness, damping.bending),
         )
     ]
 
@@ -223,15 +223,22 @@ def _cubic_derivatives(points: FloatArray, length: FloatArray) -> tuple[FloatArr
 
 
 def _interpolated(chain: FloatArray, shapes: FloatArray) -> FloatArray:
-    """Vectors (m, e, g, 2) from nodal positions and slopes (m, 4 (e + 1))."""
-    nodes = chain.reshape(len(chain), -1, 2, 2)
-    ends = np.concatenate([nodes[:, :-1], nodes[:, 1:]], axis=2)
-    return np.asarray(shapes @ ends)
+    """Vectors (2, m, e, g) from nodal positions and slopes (m, 4 (e + 1)).
+
+    Of both components by one product with all shapes, which are few.
+    """
+    elements, points = shapes.shape[:2]
+    matrix = np.zeros((elements + 1, 2, elements, points))
+    for number, shape in enumerate(shapes):
+        matrix[number : number + 2, :, number] = shape.T.reshape(2, 2, points)
+    flat = matrix.reshape(2 * (elements + 1), -1)
+    parts = [np.ascontiguousarray(chain[:, axis::2]) @ flat for axis in range(2)]
+    return np.stack(parts).reshape(2, len(chain), elements, points)
 
 
 def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
-    return np.asarray(a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1])
+    return np.asarray(a[0] * b[0] + a[1] * b[1])
 
 
 def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+    return np.asarray(a[0] * b[1] - a[1] * b[0])

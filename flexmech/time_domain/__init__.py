@@ -36,8 +36,9 @@ from flexmech.time_domain.periodic_motion.shooting import (
     periodic_turn,
     simulated_orbit,
 )
-from flexmech.time_domain.recorded_runs.recording import Recorder, StepBlock, Trajectory
+from flexmech.time_domain.recorded_runs.recording import Recorder, StepBlock
 from flexmech.time_domain.recorded_runs.states import Impact, LinkState, ShaftMotion, rigid_torque
+from flexmech.time_domain.recorded_runs.trajectory import Trajectory
 
 __all__ = [
     "DETAIL",

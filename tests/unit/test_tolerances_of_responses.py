@@ -48,7 +48,18 @@ def test_forces_count_below_what_rings_along_the_links(monkeypatch):
 # --- steps --------------------------------------------------------------------------------------
 
 
-def steps_of(monkeypatch, error, *, stretches=False, unbalanced=0):
+class Off:
+    """A run that is off by so much, and its limit of vanishing steps."""
+
+    def __init__(self, step, error):
+        self.step, self.error = step, error
+
+    def extrapolated(self, coarser, order):
+        gain = 1 / ((coarser.step / self.step) ** order - 1)
+        return Off(self.step, self.error + gain * (self.error - coarser.error))
+
+
+def steps_of(monkeypatch, error, *, stretches=False, unbalanced=0, band=0.1, forces=1.0):
     """Steps a period of the highest frequency that are run, where each is off by so much."""
     steps = []
     monkeypatch.setattr(run, "stretches_in_runs", lambda *of: stretches)
@@ -58,39 +69,59 @@ def steps_of(monkeypatch, error, *, stretches=False, unbalanced=0):
         steps.append(1 / step)
         if len(steps) <= unbalanced:
             raise run.UnbalancedStepError("no balance")
-        return SimpleNamespace(step=step, error=error(step))
+        return Off(step, error(step))
 
     def apart(engine, first, second, finer=None):
-        return run.RunError(abs(first.error - second.error), {})
+        off = abs(first.error - second.error)
+        return run.RunError(off, forces * off, {})
 
     monkeypatch.setattr(run, "_run", taken)
     monkeypatch.setattr(run, "_difference", apart)
-    own = SimpleNamespace(time=np.array([0.0, 0.1]), highest=1.0)
+    own = SimpleNamespace(time=np.array([0.0, 1.0]), highest=1.0, band=band)
     engine = SimpleNamespace(name="reference", simulates=True)
     request = SimpleNamespace(step=None, prestress="none")
     found = run.run_engine(engine, request, own, lambda *of: None)
-    return steps, found.step_error.linkage, error(1 / steps[-1])
+    return steps, found.step_error.linkage, abs(found.trajectory.error)
 
 
-def test_steps_are_halved_until_deflections_are_off_by_two_hundredths(monkeypatch):
-    steps, told, true = steps_of(monkeypatch, lambda step: 30 * step**2)
-    assert steps == pytest.approx([40.0, 80.0])
-    assert told == pytest.approx(true)
-    steps, told, true = steps_of(monkeypatch, lambda step: 300 * step**2)
+def test_runs_of_second_order_are_extrapolated_until_they_agree(monkeypatch):
+    """Of the next order 16 times less is left; a third of the change is a bound."""
+    steps, told, true = steps_of(monkeypatch, lambda step: step**2 + step**4)
+    assert steps == pytest.approx([4.0, 8.0, 16.0])
+    assert 4 * true < told < 6 * true
+    # What is left of the fourth order is told; 2 % is enough, and no more than is needed.
+    steps, told, _ = steps_of(monkeypatch, lambda step: step**2 + 50 * step**4)
+    assert steps == pytest.approx([4.0, 8.0, 16.0])
     assert 5e-3 < told <= 2e-2
-    assert told == pytest.approx(true)
-    assert steps == pytest.approx([40.0, 80.0, 160.0])
-    # In fourth order half as many, of whose last change more may be left.
-    steps, told, true = steps_of(monkeypatch, lambda step: 30 * step**4, stretches=True)
-    assert steps == pytest.approx([20.0, 40.0])
-    assert 5 * true < told < 15 * true
+    assert len(steps_of(monkeypatch, lambda step: step**2 + 100 * step**4)[0]) == 4
+
+
+def test_joint_forces_choose_the_step_too(monkeypatch):
+    def error(step):
+        return 50 * step**4
+
+    assert len(steps_of(monkeypatch, error, forces=1.2)[0]) == 3
+    assert len(steps_of(monkeypatch, error, forces=4.0)[0]) == 4
+
+
+def test_steps_show_the_band_of_forces(monkeypatch):
+    for stretches, least in ((False, 3.0), (True, 6.0)):
+        steps = steps_of(monkeypatch, lambda step: 0.0, band=100.0, stretches=stretches)[0]
+        assert least < steps[0] / 100.0 < 1.2 * least
+
+
+def test_of_links_that_stretch_the_first_run_is_compared_itself(monkeypatch):
+    steps, told, true = steps_of(monkeypatch, lambda step: 30 * step**4 + step**6, stretches=True)
+    assert steps == pytest.approx([8.0, 16.0])
+    assert 0.6 * 30 / 8**4 < told < 0.7 * 30 / 8**4
+    assert true < 1e-4 * told
 
 
 def test_steps_that_are_too_long_by_far_are_no_steps_to_begin_with(monkeypatch):
-    assert len(steps_of(monkeypatch, lambda step: 9000 * step**2)[0]) == 6
+    assert len(steps_of(monkeypatch, lambda step: 2e5 * step**4)[0]) == 6
     with pytest.raises(ComputationError, match="no time step is short enough"):
         steps_of(monkeypatch, lambda step: 40 * step**0.5)
-    assert len(steps_of(monkeypatch, lambda step: 0.0, unbalanced=5)[0]) == 7
+    assert len(steps_of(monkeypatch, lambda step: 0.0, unbalanced=5)[0]) == 8
     with pytest.raises(run.UnbalancedStepError):
         steps_of(monkeypatch, lambda step: 0.0, unbalanced=6)
 

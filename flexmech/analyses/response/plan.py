@@ -30,6 +30,10 @@ _FORCE_BAND = 0.5
 # Of the greatest eigenvalue: what is below is round-off of links that turn.
 _LOOSE = 1e-10
 
+# Steps in a period of the highest frequency of a run with one step, which is not extrapolated: the
+# trapezoidal rule lowers that frequency by 2e-3 of itself.
+STEPS_PER_PERIOD = 40
+
 
 @dataclass(frozen=True)
 class RunPlan:

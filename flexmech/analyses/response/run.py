@@ -30,17 +30,22 @@ from flexmech.time_domain import (
 logger = logging.getLogger(__name__)
 
 
-# Steps in a period of the highest frequency asked for, to begin with; half as many where the error
-# of the step is of fourth order.
-STEPS_PER_PERIOD = 40
-# A free vibration runs out of phase in proportion to the time that it has run; the step is
-# halved until the estimated error of the deflections is below this part of their peak.
+# Steps in a period of the highest frequency asked for, and of the end of the band of forces, to
+# begin with; twice as many where links stretch, which costs little there. The first of the runs may
+# be coarse, but a filter of forces needs more than three, and where links stretch more than six.
+_STEPS_PER_PERIOD, _STEPS_PER_BAND = 4, 3.1
+# A free vibration runs out of phase in proportion to the time that it has run; the step is halved
+# until the estimated errors of deflections and joint forces are below this part of their peak.
 _STEP_TOLERANCE = 2e-2
 # A step of which a 32nd part is still too long is no step to begin with.
 _MOST_HALVINGS = 5
-# What is left of an error, over what the last halving of the step has changed: of second order; and
-# where links stretch, whose step is of fourth order, but whose fast motion is resolved last. There
-# 0.1 to 1.2 were left of deflections and 0.1 to 0.9 of joint forces, in runs of random mechanisms.
+# Orders of the methods: what halving the step leaves of an error is extrapolated by them.
+_ORDER, _ORDER_WHERE_LINKS_STRETCH = 2, 4
+# What is left of an error, over what the last halving has changed. Of second order that is a third,
+# and of the extrapolated run, which is compared with the one before, far less but where motion is
+# too fast for the steps. Where links stretch, the first run is compared itself, and fast motion is
+# resolved last: 0.1 to 1.2 were left of deflections and 0.1 to 0.9 of joint forces, in runs of
+# random mechanisms.
 _LEFT, _LEFT_WHERE_LINKS_STRETCH = 1 / 3, 2 / 3
 # Forces below this part of the greatest are the round-off of none.
 _NO_FORCE = 1e-9
@@ -55,21 +60,27 @@ class RunError:
     Parameters
     ----------
     linkage : float
-        Of the deflections of all links, over the greatest peak among them: what a step is
-        chosen by.
+        Of the deflections of all links, over the greatest peak among them.
+    forces : float
+        Of the joint forces, over the greatest peak among them.
     of : dict of str to ndarray
         ``deflection`` and ``peak_deflection`` of each link (n_links,), ``force`` and
         ``peak_force`` of each joint (n_joints,), ``torque`` and ``peak_torque`` (1,).
     """
 
     linkage: float
+    forces: float
     of: dict[str, FloatArray]
+
+    @property
+    def greatest(self) -> float:
+        """What a step is chosen by: that of the linkage's deflections or of its joint forces."""
+        return max(self.linkage, self.forces)
 
     def __mul__(self, factor: float) -> RunError:
         """The same, a factor greater."""
-        return RunError(
-            factor * self.linkage, {name: factor * value for name, value in self.of.items()}
-        )
+        of = {name: factor * value for name, value in self.of.items()}
+        return RunError(factor * self.linkage, factor * self.forces, of)
 
 
 @dataclass(frozen=True)
@@ -81,8 +92,11 @@ class EngineRun:
     engine : Engine
     trajectory : Trajectory
         At the refined samples; forces and torque as far as the band lets them through.
+    plain : Trajectory
+        A run with one step, not extrapolated from several: other runs with this step tell what
+        something else changes.
     step_error : RunError
-        Estimated error by the time step (Richardson, from a run with another step).
+        Estimated error by the time step (Richardson, from runs with other steps).
     reduction_error : RunError
         How much twice the detail of the component modes changes; zero for a simulation,
         which has no component modes.
@@ -90,6 +104,7 @@ class EngineRun:
 
     engine: Engine
     trajectory: Trajectory
+    plain: Trajectory
     step_error: RunError
     reduction_error: RunError
 
@@ -110,8 +125,8 @@ def run_engine(
     Returns
     -------
     EngineRun
-        With the step asked for; else with the first whose deflections are estimated to be
-        within two hundredths of their peak.
+        With the step asked for; else extrapolated from two steps to none, with the first of
+        which deflections and joint forces are estimated to be within two hundredths of their peak.
 
     Raises
     ------
@@ -123,56 +138,62 @@ def run_engine(
         progress = partial(report, engine.name)
         return _run(engine, request, plan, step, progress, detail)
 
-    def judged(trajectory: Trajectory, step_error: RunError) -> EngineRun:
-        reduction_error = _difference(engine, trajectory, trajectory)
+    def judged(trajectory: Trajectory, plain: Trajectory, step_error: RunError) -> EngineRun:
+        reduction_error = _difference(engine, plain, plain)
         if not engine.simulates and is_reduced(engine):
-            finer = run(trajectory.step, 2 * DETAIL)
-            reduction_error = _difference(engine, trajectory, finer)
-        return EngineRun(engine, trajectory, step_error, reduction_error)
+            finer = run(plain.step, 2 * DETAIL)
+            reduction_error = _difference(engine, plain, finer)
+        return EngineRun(engine, trajectory, plain, step_error, reduction_error)
 
     if request.step is not None:
         trajectory, finer = run(request.step), run(request.step / 2)
         # Second order: the asked run is off by 4/3 of what halving changes.
-        return judged(trajectory, _difference(engine, trajectory, finer) * (4 / 3))
+        return judged(trajectory, trajectory, _difference(engine, trajectory, finer) * (4 / 3))
     interval = float(plan.time[1] - plan.time[0])
-    steps, left = interval * plan.highest * STEPS_PER_PERIOD, _LEFT
-    if stretches_in_runs(engine, request.prestress):
-        steps, left = steps / 2, _LEFT_WHERE_LINKS_STRETCH
-    step = interval / np.ceil(steps)
+    fastest = max(_STEPS_PER_PERIOD * plan.highest, _STEPS_PER_BAND * plan.band)
+    stretches = stretches_in_runs(engine, request.prestress)
+    step = interval / np.ceil(interval * fastest * (2 if stretches else 1))
     for _ in range(_MOST_HALVINGS):
         try:
-            return judged(*_with_halved_steps(engine, run, step, left))
+            return judged(*_extrapolated(engine, run, step, stretches=stretches))
         except UnbalancedStepError:
             step /= 2
             logger.info("%s: no balance in a step; begins with %.3g s", engine.name, step)
-    return judged(*_with_halved_steps(engine, run, step, left))
+    return judged(*_extrapolated(engine, run, step, stretches=stretches))
 
 
-def _with_halved_steps(
-    engine: Engine, run: Callable[[float], Trajectory], step: float, left: float
-) -> tuple[Trajectory, RunError]:
-    """The first run whose step is short enough, and its estimated error.
+def _extrapolated(
+    engine: Engine, run: Callable[[float], Trajectory], step: float, *, stretches: bool
+) -> tuple[Trajectory, Trajectory, RunError]:
+    """The first run, extrapolated from two steps, that is near enough to the one before.
 
-    That is a part ``left`` of what halving the step has changed.
+    Returns
+    -------
+    Trajectory
+        Extrapolated.
+    Trajectory
+        With the greater one of its steps.
+    RunError
+        Estimated: a part of what halving both steps has changed.
     """
+    order = _ORDER_WHERE_LINKS_STRETCH if stretches else _ORDER
+    left = _LEFT_WHERE_LINKS_STRETCH if stretches else _LEFT
     coarse = run(step)
-    for _ in range(_MOST_HALVINGS):
-        step /= 2
-        fine = run(step)
-        error = _difference(engine, coarse, fine) * left
-        if error.linkage <= _STEP_TOLERANCE:
-            return fine, error
-        logger.info(
-            "%s: step %.3g s, error %.1e of the peak deflection",
-            engine.name,
-            step,
-            error.linkage,
-        )
-        coarse = fine
+    before = coarse if stretches else None
+    for _ in range(_MOST_HALVINGS + 1):
+        fine = run(coarse.step / 2)
+        found = fine.extrapolated(coarse, order)
+        if before is not None:
+            error = _difference(engine, before, found) * left
+            if error.greatest <= _STEP_TOLERANCE:
+                return found, coarse, error
+            logger.info("%s: step %.3g s, error %.1e", engine.name, fine.step, error.greatest)
+        coarse, before = fine, found
     raise ComputationError(
-        f"no time step is short enough for the {engine.name} run: with {step:.3g} s deflections "
-        f"are still off by about {100 * error.linkage:.3g} % of their peak; run fewer "
-        "revolutions, add damping, or give a step of your own"
+        f"no time step is short enough for the {engine.name} run: with {coarse.step:.3g} s "
+        f"deflections are still off by about {100 * error.linkage:.3g} % of their peak and joint "
+        f"forces by {100 * error.forces:.3g} %; run fewer revolutions, add damping, or give a step "
+        "of your own"
     )
 
 
@@ -200,8 +221,8 @@ def mesh_error(
     """
     finer = run.engine.with_(elements=2 * run.engine.elements)
     progress = partial(report, f"{finer.name} on twice the elements")
-    trajectory = _run(finer, request, plan, run.trajectory.step, progress)
-    return _difference(run.engine, run.trajectory, trajectory, finer)
+    trajectory = _run(finer, request, plan, run.plain.step, progress)
+    return _difference(run.engine, run.plain, trajectory, finer)
 
 
 def _difference(
@@ -221,15 +242,14 @@ def _difference(
         "torque": np.maximum(second.peak_driving_torque, nothing * extent),
     }
     errors: dict[str, FloatArray] = {}
-    linkage = 0.0
+    worst = {}
     for name, scale in scales.items():
         (was, reached), (now, reaches) = before[name], after[name]
         apart = _sizes(now - was).max(axis=0)
         higher = np.maximum(np.abs(reaches - reached), _at_peaks(_sizes(was), _sizes(now)))
         errors |= {name: apart / scale, f"peak_{name}": higher / scale}
-        if name == "deflection":
-            linkage = float(apart.max() / scale.max())
-    return RunError(linkage, errors)
+        worst[name] = float(apart.max() / scale.max())
+    return RunError(worst["deflection"], worst["force"], errors)
 
 
 def _histories(engine: Engine, run: Trajectory) -> dict[str, tuple[FloatArray, FloatArray]]:

@@ -19,7 +19,7 @@ from flexmech.analyses.datasets import provenance, with_units
 from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.analyses.requests import check_list, engine_of, sampled_turn
 from flexmech.analyses.response.measurements import deflections_of, probes
-from flexmech.analyses.response.run import STEPS_PER_PERIOD
+from flexmech.analyses.response.plan import STEPS_PER_PERIOD
 from flexmech.analyses.speed_sweep.result import SpeedSweep
 from flexmech.arrays import FloatArray, LabelledProgress, silent
 from flexmech.choices import MOST_MODES, PRESTRESS_LEVELS, Prestress

@@ -120,8 +120,8 @@ class PlaceGap:
     place: tuple[float, float]
     on_hub: bool
 
-    def rows(self, position: Any, turn: float, gap: Any, rows: Any) -> int:
-        """Write how far they are apart and its derivatives; returns how many rows.
+    def gap(self, position: Any, turn: float) -> tuple[float, ...]:
+        """How far they are apart in m.
 
         Parameters
         ----------
@@ -129,8 +129,6 @@ class PlaceGap:
             Coordinates of the system.
         turn : float
             Angle of the hub in rad.
-        gap, rows : ndarray
-            Written to.
         """
         x, y = self.place
         if self.on_hub:
@@ -140,13 +138,24 @@ class PlaceGap:
             )
         if self.leader is not None:
             x, y = self.leader.place(position)
+        own = self.follower.place(position)
+        return own[0] - x, own[1] - y
+
+    def add_rows(self, position: Any, rows: Any) -> None:
+        """Add the derivatives of the gap by the coordinates.
+
+        Parameters
+        ----------
+        position : ndarray
+            Coordinates of the system.
+        rows : ndarray
+            Added to.
+        """
+        if self.leader is not None:
             self.leader.place_row(position, rows[0], -1.0, 0.0)
             self.leader.place_row(position, rows[1], 0.0, -1.0)
-        own = self.follower.place(position)
-        gap[0], gap[1] = own[0] - x, own[1] - y
         self.follower.place_row(position, rows[0], 1.0, 0.0)
         self.follower.place_row(position, rows[1], 0.0, 1.0)
-        return 2
 
 
 @dataclass(frozen=True)
@@ -157,8 +166,8 @@ class AngleGap:
     leader: JoinedEnd | None
     between: float
 
-    def rows(self, position: Any, turn: float, gap: Any, rows: Any) -> int:
-        """Write how much it has changed and its derivatives; returns how many rows.
+    def gap(self, position: Any, turn: float) -> tuple[float, ...]:
+        """How much it has changed in rad.
 
         Parameters
         ----------
@@ -166,17 +175,24 @@ class AngleGap:
             Coordinates of the system.
         turn : float
             Angle of the hub in rad.
-        gap, rows : ndarray
-            Written to.
         """
-        before = turn
-        if self.leader is not None:
-            before = self.leader.angle(position)
-            self.leader.angle_row(position, rows[0], -1.0)
+        before = turn if self.leader is None else self.leader.angle(position)
         turned = self.follower.angle(position) - before - self.between
-        gap[0] = math.remainder(turned, 2 * math.pi)
+        return (math.remainder(turned, 2 * math.pi),)
+
+    def add_rows(self, position: Any, rows: Any) -> None:
+        """Add the derivatives of the gap by the coordinates.
+
+        Parameters
+        ----------
+        position : ndarray
+            Coordinates of the system.
+        rows : ndarray
+            Added to.
+        """
+        if self.leader is not None:
+            self.leader.angle_row(position, rows[0], -1.0)
         self.follower.angle_row(position, rows[0], 1.0)
-        return 1
 
 
 @dataclass(frozen=True)
@@ -199,8 +215,8 @@ class LineGap:
     place: tuple[float, float]
     direction: float
 
-    def rows(self, position: Any, turn: float, gap: Any, rows: Any) -> int:
-        """Write how far it is off and its derivatives; returns how many rows.
+    def gap(self, position: Any, turn: float) -> tuple[float, ...]:
+        """How far it is off the line in m.
 
         Parameters
         ----------
@@ -208,22 +224,34 @@ class LineGap:
             Coordinates of the system.
         turn : float
             Angle of the hub in rad.
-        gap, rows : ndarray
-            Written to.
         """
+        cosine, sine, x, y = self._from_line(position)
+        return (cosine * y - sine * x,)
+
+    def add_rows(self, position: Any, rows: Any) -> None:
+        """Add the derivatives of the gap by the coordinates.
+
+        Parameters
+        ----------
+        position : ndarray
+            Coordinates of the system.
+        rows : ndarray
+            Added to.
+        """
+        cosine, sine, x, y = self._from_line(position)
+        self.end.place_row(position, rows[0], -sine, cosine)
+        if self.guide is not None:
+            self.guide.place_row(position, rows[0], sine, -cosine)
+            self.guide.angle_row(position, rows[0], -(cosine * x + sine * y))
+
+    def _from_line(self, position: Any) -> tuple[float, float, float, float]:
+        """The line's direction, and where the end is from the line's point in m."""
         angle, (x, y) = self.direction, self.place
         if self.guide is not None:
             angle += self.guide.angle(position)
             x, y = self.guide.place(position)
-        cosine, sine = math.cos(angle), math.sin(angle)
         own = self.end.place(position)
-        gap[0] = cosine * (own[1] - y) - sine * (own[0] - x)
-        self.end.place_row(position, rows[0], -sine, cosine)
-        if self.guide is not None:
-            self.guide.place_row(position, rows[0], sine, -cosine)
-            along = cosine * (own[0] - x) + sine * (own[1] - y)
-            self.guide.angle_row(position, rows[0], -along)
-        return 1
+        return math.cos(angle), math.sin(angle), own[0] - x, own[1] - y
 
 
 @dataclass(frozen=True)
@@ -235,28 +263,33 @@ class ClosedJoints:
     shaft : Shaft
     gaps : list
         Of the joints.
-    rows : int
-        How many conditions they are.
     """
 
     shaft: Shaft
     gaps: list[PlaceGap | AngleGap | LineGap]
-    rows: int
 
     def correct_coordinates(self, position: Any, t: float) -> None:
-        """Correct the system's coordinates, in place; the hub's angle comes last."""
+        """Correct the system's coordinates, in place; the hub's angle comes last.
+
+        What a correction leaves is of the square of the gap, in m and rad.
+        """
         turn = self.shaft.hub_angle(position, t)
         position[-1] = turn
         for _ in range(3):
-            gap, gradient = np.zeros(self.rows), np.zeros((self.rows, len(position)))
-            first = 0
-            for each in self.gaps:
-                first += each.rows(position, turn, gap[first:], gradient[first:])
-            if np.abs(gap).max() < 1e-15:
+            gaps = [each.gap(position, turn) for each in self.gaps]
+            gap = np.concatenate(gaps)
+            greatest = np.abs(gap).max()
+            if greatest < 1e-15:
                 break
+            gradient, first = np.zeros((len(gap), len(position))), 0
+            for each, own in zip(self.gaps, gaps, strict=True):
+                each.add_rows(position, gradient[first:])
+                first += len(own)
             moved = np.flatnonzero(gradient.any(axis=0))
             gradient = gradient[:, moved]
             position[moved] -= gradient.T @ np.linalg.solve(gradient @ gradient.T, gap)
+            if greatest < 1e-9:
+                break
 
     def after_step(self, mbs: Any, t: float) -> bool:
         """User function of the system after every step."""

@@ -85,8 +85,7 @@ def greatest_gap(assembly: LinkAssembly, start: RigidMotion, position: FloatArra
         nodes = np.append(assembly.arms.to_nodes(position), [0.0, 0.0, 0.0])
         length = min(link.length for link in topology.links)
         for gap in closed.gaps:
-            value, rows = np.zeros(2), np.zeros((2, len(nodes)))
-            gap.rows(nodes, closed.shaft.angle(0.0), value, rows)
+            value = gap.gap(nodes, closed.shaft.angle(0.0))
             others.append(abs(value[0]) * (length if isinstance(gap, AngleGap) else 1.0))
     return float(max(np.max(np.linalg.norm(gaps, axis=1)), *others))
 
@@ -178,8 +177,7 @@ def _closed_joints(assembly: LinkAssembly, shaft: Shaft, start: RigidMotion) -> 
             own = joined(LinkEnd(slider.guide, "start"))
             guide = JoinedEnd(own.first, own.node, place, own.has_slope)
         lines.append(LineGap(joined(slider.link_end), guide, place, slider.direction))
-    rows = 2 * len(places) + len(angles) + len(lines)
-    return ClosedJoints(shaft, list(chain(places, angles, lines)), rows)
+    return ClosedJoints(shaft, list(chain(places, angles, lines)))
 
 
 def _attached_nodes(assembly: LinkAssembly) -> Iterator[tuple[JoinedEnd, JoinedEnd]]:

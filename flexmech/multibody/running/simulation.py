@@ -34,6 +34,8 @@ PROGRESS_STEPS = 100
 class PointRecorder:
     """Records the displacement of points of links at every step.
 
+    Energies and forces, which take longer, are not asked for.
+
     Parameters
     ----------
     topology : Topology
@@ -60,9 +62,12 @@ class PointRecorder:
         ]
         self._parts: list[FloatArray] = []
 
-    def add(self, block: StepBlock) -> None:
-        """Take the next steps; the first one repeats the last step of the block before."""
-        moved = np.stack([block.displacement[link] @ row for link, row in self._rows], axis=1)
+    def add(self, displacement: Sequence[FloatArray]) -> None:
+        """Take the links' displacements (m, n_link) of the next steps.
+
+        The first one repeats the last step of the block before.
+        """
+        moved = np.stack([displacement[link] @ row for link, row in self._rows], axis=1)
         self._parts.append(moved[1:] if self._parts else moved)
 
     def finish(self) -> FloatArray:
@@ -135,6 +140,23 @@ class Simulation:
     def drifts(self) -> bool:
         """Whether velocity constraints alone let the clamp and pins on arms drift."""
         return self.integrator == "trapezoidal"
+
+    def displacement(self, time: FloatArray, position: FloatArray) -> list[FloatArray]:
+        """Displacements of links, each (m, n_link), in the frames of the prescribed motion.
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+        position : ndarray, shape (m, total_size)
+            Exudyn's coordinates.
+
+        Returns
+        -------
+        list of ndarray
+        """
+        assembly = self.model.assembly
+        position = assembly.arms.to_axis(position[:, : assembly.size])
+        return self._frames.to_frames(self._motion(time), position, np.zeros_like(position))[0]
 
     def block(
         self, time: FloatArray, position: FloatArray, velocity: FloatArray, multiplier: FloatArray
@@ -315,10 +337,13 @@ class _Steps:
         if not finite.all():
             first_bad = self._first + int(np.argmin(finite))
             raise _step_error(self._simulation, first_bad, "the values are not finite")
-        block = self._simulation.block(time, position, velocity, multiplier)
-        if block.shaft is not None:
-            block.shaft.refuse_runaway(self._simulation.model.drive, time)
-        self._recorder.add(block)
+        if isinstance(self._recorder, PointRecorder):
+            self._recorder.add(self._simulation.displacement(time, position))
+        else:
+            block = self._simulation.block(time, position, velocity, multiplier)
+            if block.shaft is not None:
+                block.shaft.refuse_runaway(self._simulation.model.drive, time)
+            self._recorder.add(block)
         for values in blocks:
             values[0] = values[count - 1]
         self._first, self._count = self._first + count - 1, 1

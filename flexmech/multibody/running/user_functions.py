@@ -281,17 +281,28 @@ def load_history(
     is_torque : bool
         Whether the torque is wanted.
     """
-    columns = np.array(rows).T
+    columns, at = np.array(rows).T, np.array(places)
+    if over == "constant":
+        columns, at = columns[:, :1], np.zeros(1)
+    if over == "crank_angle":
+        # The last place, a turn back, and the first one, a turn on, close the circle.
+        order = np.argsort(at % (2 * math.pi))
+        order = np.concatenate([order[-1:], order, order[:1]])
+        columns, at = columns[:, order], at[order] % (2 * math.pi)
+        at[0], at[-1] = at[0] - 2 * math.pi, at[-1] + 2 * math.pi
+    chosen = columns[2:] if is_torque else columns[:2]
+    # Iterations of a step ask for the same instant.
+    last: tuple[float, list[float]] = (math.nan, [])
 
     def values(mbs: Any, t: float, load: Any) -> list[float]:
-        if over == "constant":
-            x, y, torque = columns[:, 0]
-        else:
-            where = t if over == "time" else shaft.angle(t) - crank_lead
-            period = None if over == "time" else 2 * math.pi
-            x, y, torque = (np.interp(where, places, c, period=period) for c in columns)
-        pair = [float(x), float(y), 0.0]
-        return [0.0, 0.0, float(torque)] if is_torque else pair
+        nonlocal last
+        if t != last[0]:
+            where = t
+            if over == "crank_angle":
+                where = (shaft.angle(t) - crank_lead) % (2 * math.pi)
+            found = [float(np.interp(where, at, column)) for column in chosen]
+            last = (t, [0.0, 0.0, *found] if is_torque else [*found, 0.0])
+        return last[1]
 
     return values
 

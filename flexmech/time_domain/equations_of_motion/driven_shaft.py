@@ -25,8 +25,9 @@ from flexmech.linear_system import Engine, LinkFrames
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain.equations_of_motion.natural_coordinates import NaturalLink
-from flexmech.time_domain.recorded_runs.recording import StepBlock, Trajectory
+from flexmech.time_domain.recorded_runs.recording import StepBlock
 from flexmech.time_domain.recorded_runs.states import ShaftMotion, rigid_torque
+from flexmech.time_domain.recorded_runs.trajectory import Trajectory
 
 
 @dataclass(frozen=True)

@@ -26,8 +26,9 @@ from flexmech.time_domain.equations_of_motion.dynamics import LinkageDynamics
 from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
 from flexmech.time_domain.integrators.linear_march import LinearMarch
 from flexmech.time_domain.integrators.stretch_march import StretchMarch
-from flexmech.time_domain.recorded_runs.recording import Recorder, Trajectory
+from flexmech.time_domain.recorded_runs.recording import Recorder
 from flexmech.time_domain.recorded_runs.states import Impact, LinkState
+from flexmech.time_domain.recorded_runs.trajectory import Trajectory
 
 # Steps that are recorded at once. Memory alone: some 10 MB of a four-bar's matrices and forces.
 BLOCK_STEPS = 1024

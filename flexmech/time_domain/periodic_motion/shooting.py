@@ -24,8 +24,8 @@ from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
 from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
 from flexmech.time_domain.integrators.linear_march import StepTable
-from flexmech.time_domain.recorded_runs.recording import Trajectory
 from flexmech.time_domain.recorded_runs.states import LinkState
+from flexmech.time_domain.recorded_runs.trajectory import Trajectory
 
 # Steps whose matrices are solved at once. Memory alone: fewer than in a single run, because a
 # motion from a unit of each coordinate is kept for all of them.

@@ -7,7 +7,7 @@ of its samples. Energies are summed over every step; histories are kept at the s
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from flexmech.dynamical_systems import (
 )
 from flexmech.dynamical_systems.lobatto import WEIGHTS
 from flexmech.time_domain.recorded_runs.states import ShaftMotion
+from flexmech.time_domain.recorded_runs.trajectory import EnergyHistory, Trajectory
 
 
 @dataclass(frozen=True)
@@ -64,80 +65,6 @@ class StepBlock:
     dissipation_power: FloatArray
     prestress_power: FloatArray
     shaft: ShaftMotion | None = None
-
-
-@dataclass(frozen=True)
-class EnergyHistory:
-    """Energies at the samples in J, each of shape (N,).
-
-    Parameters
-    ----------
-    kinetic, strain, gravity : ndarray, shape (N,)
-    dissipated, drive_work, prestress_work : ndarray, shape (N,)
-        Since the start of the run.
-    """
-
-    kinetic: FloatArray
-    strain: FloatArray
-    gravity: FloatArray
-    dissipated: FloatArray
-    drive_work: FloatArray
-    prestress_work: FloatArray
-
-
-@dataclass(frozen=True)
-class Trajectory:
-    """A run of the linkage at N samples.
-
-    Parameters
-    ----------
-    time : ndarray, shape (N,)
-        In s.
-    displacement, rate : list of ndarray, shape (N, n_link)
-        As in :class:`StepBlock`.
-    joint_force : ndarray, shape (N, n_joints, 2)
-    driving_torque : ndarray, shape (N,)
-        Both as far as the band of the recorder lets them through.
-    peak_joint_force : ndarray, shape (n_joints,)
-    peak_driving_torque : float
-        Greatest size of these at any step.
-    energy : EnergyHistory
-    energy_error : float
-        Greatest ``|work of drive and changing prestress - change of kinetic, strain and gravity
-        energy - dissipated|`` over all steps, relative to the peak kinetic energy.
-    step : float
-        Time step in s.
-    shaft : ShaftMotion, optional
-        Of a shaft that is free.
-    """
-
-    time: FloatArray
-    displacement: list[FloatArray]
-    rate: list[FloatArray]
-    joint_force: FloatArray
-    driving_torque: FloatArray
-    peak_joint_force: FloatArray
-    peak_driving_torque: float
-    energy: EnergyHistory
-    energy_error: float
-    step: float
-    shaft: ShaftMotion | None = None
-
-    def __getitem__(self, where: slice) -> Trajectory:
-        """The same run at some of the samples."""
-        energy = EnergyHistory(
-            *(getattr(self.energy, field.name)[where] for field in fields(self.energy))
-        )
-        return replace(
-            self,
-            time=self.time[where],
-            displacement=[q[where] for q in self.displacement],
-            rate=[r[where] for r in self.rate],
-            joint_force=self.joint_force[where],
-            driving_torque=self.driving_torque[where],
-            energy=energy,
-            shaft=None if self.shaft is None else self.shaft[where],
-        )
 
 
 class Recorder:
