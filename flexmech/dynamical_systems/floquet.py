@@ -8,6 +8,7 @@ along a period (:mod:`flexmech.dynamical_systems.periodic_schur`).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import gcd
 
 import numpy as np
@@ -19,6 +20,7 @@ from flexmech.dynamical_systems.periodic_schur import (
     block_eigenvalues,
     chunk_products,
     modes_backwards,
+    parted_steps,
     periodic_schur_form,
     short_products,
 )
@@ -26,7 +28,12 @@ from flexmech.dynamical_systems.periodic_system import (
     PeriodicSystem,
     SampledPeriodicSystem,
     magnus_exponents,
+    transition_matrices,
 )
+
+# Instants at which the trace is known: the trapezoidal rule over a period converges beyond all
+# orders, and eight thousand show more harmonics than a linkage has.
+MOST_TRACES = 8192
 
 
 @dataclass(frozen=True)
@@ -81,15 +88,19 @@ class FloquetModes:
         """
         return self._shapes.turns if isinstance(self._shapes, _ConstantShapes) else None
 
-    def shapes(self, every: int = 1) -> NDArray[np.complex128]:
-        """Shapes ``phi`` at the starts of the N steps, (N, n, n): (step, state, mode).
+    def shapes(self, every: int = 1, wanted: IntArray | None = None) -> NDArray[np.complex128]:
+        """Shapes ``phi`` at the starts of the N steps, (N, n, k): (step, state, mode).
 
         Parameters
         ----------
         every : int
-            A divisor of N: at the start of every so many steps alone, (N / every, n, n).
+            A divisor of N: at the start of every so many steps alone, (N / every, n, k).
+        wanted : ndarray of int, shape (k,), optional
+            Numbers of modes; all n by default.
         """
-        return self._shapes.shapes(every)
+        return self._shapes.shapes(
+            every, np.arange(len(self.exponent)) if wanted is None else wanted
+        )
 
 
 def floquet_modes(system: PeriodicSystem, steps: int) -> FloquetModes:
@@ -113,13 +124,17 @@ def floquet_modes(system: PeriodicSystem, steps: int) -> FloquetModes:
     """
     if isinstance(system, SampledPeriodicSystem) and system.is_constant:
         return _constant_modes(system.matrices(1, 0.0)[0], system.period, steps)
-    trace = system.traces(2 * steps)
+    trace = system.traces(min(2 * steps, MOST_TRACES))
     integral = float(trace.mean() * system.period)
-    exponent = magnus_exponents(system, steps)
-    if not np.ptp(exponent, axis=0).any():
-        return _constant_modes(exponent[0] * (steps / system.period), system.period, steps)
+    matrices = transition_matrices(system, steps)
+    if not np.ptp(matrices, axis=0).any():
+        exponent = magnus_exponents(system, steps)
+        # Matrices of which nothing is left are equal too.
+        if not np.ptp(exponent, axis=0).any():
+            return _constant_modes(exponent[0] * (steps / system.period), system.period, steps)
     spread = float(np.abs(trace).mean() * system.period)
-    chunks, products = short_products(exponent, spread)
+    short = short_products(matrices, spread)
+    chunks, products = short or parted_steps(magnus_exponents(system, steps))
     triangular = periodic_schur_form(products)
     log, vectors = block_eigenvalues(triangular)
     order = np.argsort(-log.real, kind="stable")
@@ -135,9 +150,9 @@ class _ConstantShapes:
     vectors: NDArray[np.complex128]
     turns: FloatArray
 
-    def shapes(self, every: int) -> NDArray[np.complex128]:
+    def shapes(self, every: int, wanted: IntArray) -> NDArray[np.complex128]:
         phase = 2j * np.pi * np.arange(0, self.steps, every)[:, None] / self.steps
-        return np.asarray(self.vectors * np.exp(phase * self.turns)[:, None])
+        return np.asarray(self.vectors[:, wanted] * np.exp(phase * self.turns[wanted])[:, None])
 
 
 def _constant_modes(matrix: FloatArray, period: float, steps: int) -> FloquetModes:
@@ -163,24 +178,46 @@ class _PropagatedShapes:
     vectors: NDArray[np.complex128]
     order: IntArray
 
-    def shapes(self, every: int) -> NDArray[np.complex128]:
-        starts = modes_backwards(self.triangular, self.log, self.vectors)
+    @cached_property
+    def _conjugate(self) -> NDArray[np.bool_]:
+        """Whether a mode is the conjugate of the one before it, (n,)."""
+        before = np.roll(self.log, 1)
+        return np.asarray((self.log.imag < 0) & (self.log == before.conj()))
+
+    @cached_property
+    def _starts(self) -> NDArray[np.complex128]:
+        """Shapes at the starts of the K rows of the modes that are no conjugates of others."""
+        own = np.flatnonzero(~self._conjugate)
+        return modes_backwards(self.triangular, self.log, self.vectors, own)
+
+    def shapes(self, every: int, wanted: IntArray) -> NDArray[np.complex128]:
+        raw = self.order[wanted]
+        found = self._own_shapes(every, (np.cumsum(~self._conjugate) - 1)[raw], raw)
+        mirrored = self._conjugate[raw]
+        found[..., mirrored] = found[..., mirrored].conj()
+        return found
+
+    def _own_shapes(self, every: int, place: IntArray, raw: IntArray) -> NDArray[np.complex128]:
+        """Shapes (.., n, k) of modes at places among those that are no conjugates."""
         count, length, size, _ = self.chunks.shape
         parts = count * length // self.steps
+        if every * parts % length == 0:
+            return self._starts[:: every * parts // length][..., place]
+        now = np.ascontiguousarray(self._starts[..., place])
         # Nothing is wanted in the middle of so many transition matrices.
         joined = gcd(every * parts, length)
         length //= joined
         chunks = chunk_products(self.chunks.reshape(-1, joined, size, size))
         chunks = chunks.reshape(count, length, size, size)
-        shapes = np.empty((count, length, size, size), dtype=complex)
-        back = np.exp(-self.log[self.order] / (count * length))
-        now = np.ascontiguousarray(starts[..., self.order])
+        shapes = np.empty((count, length, *now.shape[1:]), dtype=complex)
+        log = self.log[raw]
+        back = np.exp(-np.where(self._conjugate[raw], log.conj(), log) / (count * length))
         for step in range(length):
             shapes[:, step] = now
             # Real matrices move real and imaginary parts by themselves.
             moved = chunks[:, step] @ now.view(float)
             now = back * moved.view(complex)
-        return shapes.reshape(-1, size, size)[:: every * parts // joined]
+        return shapes.reshape(-1, *now.shape[1:])[:: every * parts // joined].copy()
 
 
 def krein_signature(shapes: NDArray[np.complex128]) -> FloatArray:

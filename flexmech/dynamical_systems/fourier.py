@@ -73,7 +73,7 @@ class FourierSeries:
         order = 2j * np.pi * np.arange(len(self.coefficients))
         return FourierSeries(self.coefficients * order.reshape(-1, *[1] * self._rank))
 
-    def samples(self, count: int, shift: float = 0.0) -> FloatArray:
+    def samples(self, count: int, shift: float = 0.0, part: slice = slice(None)) -> FloatArray:
         """Values at the phases ``(k + shift) / count``, shape (count, ...).
 
         Parameters
@@ -81,24 +81,39 @@ class FourierSeries:
         count : int
         shift : float
             In spacings.
+        part : slice
+            Of the numbers k; all by default.
         """
         flat = self.coefficients.reshape(len(self.coefficients), -1)
         order = np.arange(len(flat))
         turn = np.where(order, 2.0, 1.0) * np.exp(2j * np.pi * order * shift / count)
         turned = turn[:, None] * flat
         # One product with all waves is faster than Fourier transforms of so many short columns.
-        values = _waves(count, len(flat)) @ np.concatenate([turned.real, turned.imag])
-        return np.asarray(values.reshape(count, *self.coefficients.shape[1:]))
+        values = _waves(count, len(flat), part.indices(count)) @ np.concatenate(
+            [turned.real, turned.imag]
+        )
+        return np.asarray(values.reshape(-1, *self.coefficients.shape[1:]))
 
     @property
     def _rank(self) -> int:
         return self.coefficients.ndim - 1
 
 
-@lru_cache(maxsize=8)
-def _waves(count: int, orders: int) -> FloatArray:
-    """Cosines, then minus sines, of the first orders at evenly spaced phases, (count, 2 orders)."""
-    steps = np.outer(np.arange(count), np.arange(orders)) % count
+@lru_cache(maxsize=2)
+def _waves(count: int, orders: int, part: tuple[int, int, int]) -> FloatArray:
+    """Cosines, then minus sines, of the first orders at some of evenly spaced phases.
+
+    Parameters
+    ----------
+    count, orders : int
+    part : tuple of int
+        Start, stop and step of the m numbers of the phases.
+
+    Returns
+    -------
+    ndarray, shape (m, 2 orders)
+    """
+    steps = np.outer(np.arange(*part), np.arange(orders)) % count
     wave = np.exp(-2j * np.pi * np.arange(count) / count)[steps]
     waves = np.concatenate([wave.real, wave.imag], axis=1)
     waves.flags.writeable = False

@@ -23,13 +23,13 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray
-from flexmech.dynamical_systems.periodic_system import matrix_exponentials
+from flexmech.arrays import FloatArray, IntArray
+from flexmech.dynamical_systems.periodic_system import cache_blocks, matrix_exponentials
 from flexmech.errors import ComputationError
 
 # Logarithm of how far apart the multipliers, and singular values, of one short transition matrix
 # may be: twelve digits of the weakest remain.
-SHORT = 8.0
+SHORT = 9.0
 # Groups part where the logarithms of neighbouring moduli are this far apart, and where they are
 # less far apart if a group would be wider than that from its strongest to its weakest mode: of
 # the weakest, ten digits remain.
@@ -45,15 +45,13 @@ PATIENCE = 3.0
 MOST_PARTS = 1024
 
 
-def short_products(exponent: FloatArray, spread: float) -> tuple[FloatArray, FloatArray]:
+def short_products(matrices: FloatArray, spread: float) -> tuple[FloatArray, FloatArray] | None:
     """Transition matrices of a period in rows so short that no product loses a weak multiplier.
-
-    A step that is too long for itself is taken in parts: its matrix is the power of another one.
 
     Parameters
     ----------
-    exponent : ndarray, shape (N, n, n)
-        Logarithms of the transition matrices of the steps.
+    matrices : ndarray, shape (N, n, n)
+        Transition matrices of the steps.
     spread : float
         By how much the logarithms of the multipliers differ by damping alone. Where vibrations
         grow, rows are halved on.
@@ -63,15 +61,9 @@ def short_products(exponent: FloatArray, spread: float) -> tuple[FloatArray, Flo
     ndarray, shape (K, m, n, n)
         K rows of m matrices each.
     ndarray, shape (K, n, n)
-        Their products.
-
-    Raises
-    ------
-    ComputationError
-        If modes grow or decay too far within one step.
+        Their products. None of both where a step is too long for itself.
     """
-    steps = len(exponent)
-    matrices = matrix_exponentials(exponent)
+    steps = len(matrices)
     divisors = [n for n in range(1, steps + 1) if steps % n == 0]
     wanted, count = max(1, int(np.ceil(spread / SHORT))), 0
     while count < steps:
@@ -83,6 +75,30 @@ def short_products(exponent: FloatArray, spread: float) -> tuple[FloatArray, Flo
         if _log_condition(products) <= SHORT:
             return chunks, products
         wanted = 2 * count
+    return None
+
+
+def parted_steps(exponent: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Transition matrices of parts of steps that are too long for themselves.
+
+    The matrix of a step is the power of that of its part.
+
+    Parameters
+    ----------
+    exponent : ndarray, shape (N, n, n)
+        Logarithms of the transition matrices of the steps.
+
+    Returns
+    -------
+    ndarray, shape (K, 1, n, n)
+    ndarray, shape (K, n, n)
+        As of :func:`short_products`.
+
+    Raises
+    ------
+    ComputationError
+        If modes grow or decay too far within one step.
+    """
     parts = 1
     while parts < MOST_PARTS:
         parts *= 2
@@ -91,16 +107,25 @@ def short_products(exponent: FloatArray, spread: float) -> tuple[FloatArray, Flo
             products = np.repeat(split, parts, axis=0)
             return products[:, None], products
     raise ComputationError(
-        f"modes grow or die out too far within one of {steps} steps a turn; take more steps"
+        f"modes grow or die out too far within one of {len(exponent)} steps a turn; take more steps"
     )
 
 
 def _log_condition(matrices: FloatArray) -> float:
-    """Logarithm of the greatest ratio of a matrix's singular values."""
+    """Logarithm of the greatest ratio of a matrix's singular values, or a bound within SHORT."""
     if not np.isfinite(matrices).all():
         return np.inf
-    with np.errstate(divide="ignore"):
-        return float(np.log(np.linalg.cond(matrices).max()))
+    found = -np.inf
+    with np.errstate(divide="ignore", over="ignore"):
+        for block in cache_blocks(matrices):
+            # The bound takes a tenth of the time of singular values.
+            greatest = np.linalg.cond(matrices[block], "fro").max()
+            if not np.log(greatest) <= SHORT:
+                greatest = np.linalg.cond(matrices[block]).max()
+            found = max(found, float(np.log(greatest)))
+            if not found <= SHORT:
+                break
+    return found
 
 
 def chunk_products(chunks: FloatArray) -> FloatArray:
@@ -116,8 +141,8 @@ def chunk_products(chunks: FloatArray) -> FloatArray:
     """
     while chunks.shape[1] > 1:
         even = chunks.shape[1] // 2 * 2
-        paired = chunks[:, 1:even:2] @ chunks[:, 0:even:2]
-        chunks = np.concatenate([paired, chunks[:, even:]], axis=1)
+        paired, rest = chunks[:, 1:even:2] @ chunks[:, 0:even:2], chunks[:, even:]
+        chunks = np.concatenate([paired, rest], axis=1) if rest.shape[1] else paired
     return np.asarray(chunks[:, 0])
 
 
@@ -181,7 +206,8 @@ def periodic_schur_form(matrices: FloatArray) -> PeriodicSchurForm:
         if closed and all(np.ptp(logs[group]) <= WIDEST for group in groups):
             return PeriodicSchurForm(bases, factors, seam, groups, apart)
         most_turns = FIRST_TURNS - PATIENCE * np.log(PARTED) / apart
-        start = bases[-1]
+        start = bases[-1].copy()
+        del bases, factors  # They are as large as all that is left.
     raise ComputationError(
         "the Floquet multipliers do not part into groups; take more steps, or less damping"
     )
@@ -197,7 +223,8 @@ def _iterated(matrices: FloatArray, start: FloatArray) -> tuple[FloatArray, Floa
         packed, reflectors, _, _ = scipy.linalg.lapack.dgeqrf(matrix @ bases[k])
         factors[k] = packed
         bases[k + 1] = scipy.linalg.lapack.dorgqr(packed, reflectors)[0]
-    return bases, np.triu(factors)
+    factors *= np.tri(size).T
+    return bases, factors
 
 
 def _fall(logs: FloatArray, edge: int) -> float:
@@ -242,20 +269,32 @@ def block_eigenvalues(
     logs = np.zeros(size, dtype=complex)
     vectors = np.zeros((size, size), dtype=complex)
     for group in form.groups:
-        product, scale = np.eye(group.stop - group.start), 0.0
-        for factor in form.factors:
-            product = factor[group, group] @ product
-            largest = np.abs(product).max()
-            product, scale = product / largest, scale + np.log(largest)
+        product, scale = _scaled_product(form.factors[:, group, group])
         values, vectors[group, group] = np.linalg.eig(form.seam[group, group] @ product)
         logs[group] = np.log(values.astype(complex)) + scale
     return logs, vectors
 
 
+def _scaled_product(matrices: FloatArray) -> tuple[FloatArray, float]:
+    """Product of matrices (K, n, n), the first rightmost, over a factor with this logarithm."""
+    scale = 0.0
+    while True:
+        largest = np.abs(matrices).max(axis=(1, 2))
+        matrices, scale = matrices / largest[:, None, None], scale + float(np.log(largest).sum())
+        if len(matrices) == 1:
+            return matrices[0], scale
+        even = len(matrices) // 2 * 2
+        paired = matrices[1:even:2] @ matrices[0:even:2]
+        matrices = np.concatenate([paired, matrices[even:]])
+
+
 def modes_backwards(
-    form: PeriodicSchurForm, log: NDArray[np.complex128], vectors: NDArray[np.complex128]
+    form: PeriodicSchurForm,
+    log: NDArray[np.complex128],
+    vectors: NDArray[np.complex128],
+    wanted: IntArray,
 ) -> NDArray[np.complex128]:
-    """Shapes of the modes at the starts of the K matrices.
+    """Shapes of modes at the starts of the K matrices.
 
     Backwards a mode outgrows those that are stronger than it, to which its own group's columns
     and those before them are open; after some turns its share in them is what it must be.
@@ -266,19 +305,22 @@ def modes_backwards(
     log : ndarray of complex, shape (n,)
     vectors : ndarray of complex, shape (n, n)
         Both of :func:`block_eigenvalues`.
+    wanted : ndarray of int, shape (k,)
+        Numbers of the modes.
 
     Returns
     -------
-    ndarray of complex, shape (K, n, n)
+    ndarray of complex, shape (K, n, k)
         Modes in columns.
     """
     count = len(form.factors)
-    back = np.exp(log / count)
+    back = np.exp(log[wanted] / count)
     # Round-off would put strong modes into weaker columns, which grow most backwards.
     seam, stronger = np.zeros_like(form.seam), np.zeros(vectors.shape, dtype=bool)
     for group in form.groups:
         seam[group, group] = form.seam[group, group].T
         stronger[: group.start, group] = True
+    stronger, vectors = stronger[:, wanted], vectors[:, wanted]
     shapes = np.zeros((count, *vectors.shape), dtype=complex)
     forgotten = -np.log(np.finfo(float).eps) / form.apart
     for _ in range(2 + int(np.ceil(forgotten)) if len(form.groups) > 1 else 1):
@@ -288,7 +330,9 @@ def modes_backwards(
             solved = scipy.linalg.lapack.dtrtrs(form.factors[k], coordinates.view(float))[0]
             coordinates = back * np.ascontiguousarray(solved).view(complex)
             shapes[k] = coordinates
-    shapes = form.bases[:-1] @ shapes
+    for block in cache_blocks(shapes):
+        shapes[block] = form.bases[:-1][block] @ shapes[block]
     size = np.linalg.norm(shapes[0], axis=0)
     # A mode that dies away beyond the least number within a turn has no shape left.
-    return np.asarray(shapes / np.where(size > 0, size, 1.0))
+    shapes /= np.where(size > 0, size, 1.0)
+    return shapes

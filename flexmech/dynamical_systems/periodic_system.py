@@ -34,6 +34,8 @@ LARGEST_NORM = 0.78
 # Row j: coefficients of A^(4 j) to A^(4 j + 3).
 COEFFICIENTS = np.array([[1 / factorial(4 * j + k) for k in range(4)] for j in range(4)])
 LAST = 1 / factorial(16)
+# Steps whose exponents are kept at a time. Memory alone: a slow turn takes tens of thousands.
+EXPONENTS = 2048
 # Bytes of matrices taken at a time. Speed alone: a dozen arrays of them fit into a processor's
 # cache.
 BLOCK = 2**17
@@ -50,8 +52,17 @@ class PeriodicSystem(Protocol):
     def size(self) -> int:
         """Number of states n."""
 
-    def matrices(self, count: int, shift: float) -> FloatArray:
-        """A at the times ``(k + shift) period / count``, shape (count, n, n)."""
+    def matrices(self, count: int, shift: float, part: slice = ...) -> FloatArray:
+        """A at the times ``(k + shift) period / count``, shape (count, n, n).
+
+        Parameters
+        ----------
+        count : int
+        shift : float
+            In spacings.
+        part : slice
+            Of the numbers k; all by default.
+        """
 
     def traces(self, count: int) -> FloatArray:
         """Trace of A at the times ``k period / count``, shape (count,)."""
@@ -77,9 +88,18 @@ class StatedPeriodicSystem:
         """Number of states n."""
         return int(self.matrices(1, 0.0).shape[-1])
 
-    def matrices(self, count: int, shift: float) -> FloatArray:
-        """A at the times ``(k + shift) period / count``, shape (count, n, n)."""
-        time: FloatArray = self.period / count * (np.arange(count, dtype=float) + shift)
+    def matrices(self, count: int, shift: float, part: slice = slice(None)) -> FloatArray:
+        """A at the times ``(k + shift) period / count``, shape (count, n, n).
+
+        Parameters
+        ----------
+        count : int
+        shift : float
+            In spacings.
+        part : slice
+            Of the numbers k; all by default.
+        """
+        time: FloatArray = self.period / count * (np.arange(count, dtype=float)[part] + shift)
         return np.asarray(self.matrix(time))
 
     def traces(self, count: int) -> FloatArray:
@@ -112,9 +132,18 @@ class SampledPeriodicSystem:
         """Whether the series is of one value."""
         return not self.matrix.harmonics
 
-    def matrices(self, count: int, shift: float) -> FloatArray:
-        """A at the times ``(k + shift) period / count``, shape (count, n, n)."""
-        return self.matrix.samples(count, shift)
+    def matrices(self, count: int, shift: float, part: slice = slice(None)) -> FloatArray:
+        """A at the times ``(k + shift) period / count``, shape (count, n, n).
+
+        Parameters
+        ----------
+        count : int
+        shift : float
+            In spacings.
+        part : slice
+            Of the numbers k; all by default.
+        """
+        return self.matrix.samples(count, shift, part)
 
     def traces(self, count: int) -> FloatArray:
         """Trace of A at the times ``k period / count``, shape (count,)."""
@@ -122,7 +151,7 @@ class SampledPeriodicSystem:
         return FourierSeries(coefficients).samples(count)
 
 
-def magnus_exponents(system: PeriodicSystem, steps: int) -> FloatArray:
+def magnus_exponents(system: PeriodicSystem, steps: int, part: slice = slice(None)) -> FloatArray:
     """Matrices whose exponentials are the transition matrices of a period's steps.
 
     Parameters
@@ -131,11 +160,14 @@ def magnus_exponents(system: PeriodicSystem, steps: int) -> FloatArray:
     steps : int
         N, all of the same length.
 
+    part : slice
+        Of the steps; all by default.
+
     Returns
     -------
     ndarray, shape (N, n, n)
     """
-    first, middle, last = (system.matrices(steps, place) for place in GAUSS_POINTS)
+    first, middle, last = (system.matrices(steps, place, part) for place in GAUSS_POINTS)
     step = system.period / steps
     result = np.empty(middle.shape)
     for block in cache_blocks(middle):
@@ -162,7 +194,11 @@ def transition_matrices(system: PeriodicSystem, steps: int) -> FloatArray:
     -------
     ndarray, shape (N, n, n)
     """
-    return matrix_exponentials(magnus_exponents(system, steps))
+    result = np.empty((steps, system.size, system.size))
+    for first in range(0, steps, EXPONENTS):
+        part = slice(first, first + EXPONENTS)
+        result[part] = matrix_exponentials(magnus_exponents(system, steps, part))
+    return result
 
 
 def _commutator(first: FloatArray, second: FloatArray) -> FloatArray:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmech.analyses.hammer.plan import STEPS_A_PULSE
-from flexmech.analyses.response.run import STEPS_PER_PERIOD
+from flexmech.analyses.response.plan import STEPS_PER_PERIOD
 from flexmech.analyses.running_hammer.prediction import Prediction
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.arrays import FloatArray, IntArray

@@ -164,17 +164,14 @@ def selected_modes(linkage: VibratingLinkage, damping: float, steps: int) -> Sel
 
 def _kept(linkage: VibratingLinkage, damping: float, steps: int) -> SelectedModes:
     found = floquet_modes(linkage.system(damping), steps)
+    states = found.shapes(steps // SHAPE_ANGLES)
+    displaced = _displacements(states, linkage)
+    kept, rigid = _within(linkage.lowest, displaced), _within(linkage.rigid, displaced)
     if found.whole_turns is None:
-        states = found.shapes()
-        largest, shares = _largest_harmonic(states)
-        states = states[:: steps // SHAPE_ANGLES]
+        largest, shares = _largest_harmonic(found.shapes(linkage.spacing(steps), kept))
     else:
-        states = found.shapes(steps // SHAPE_ANGLES)
-        largest, shares = _one_harmonic(found.whole_turns)
-    sampled = _about_harmonic(states, largest, linkage)
-    kept = _within(linkage.lowest, sampled)
-    rigid = _within(linkage.rigid, sampled)
-    weighted = linkage.weighted @ sampled[..., kept]
+        largest, shares = _one_harmonic(found.whole_turns[kept])
+    weighted = linkage.weighted @ _about_harmonic(displaced[..., kept], largest)
     if not np.isfinite(weighted).all():
         raise ComputationError(
             f"modes grow beyond all numbers within a turn at crank speed {CRANK_SPEED}: the "
@@ -183,9 +180,9 @@ def _kept(linkage: VibratingLinkage, damping: float, steps: int) -> SelectedMode
         )
     return SelectedModes(
         linkage.crank_speed,
-        found.exponent[kept] + 2j * np.pi * largest[kept] / linkage.period,
+        found.exponent[kept] + 2j * np.pi * largest / linkage.period,
         weighted / np.sqrt((np.abs(weighted) ** 2).sum(axis=(0, 1))),
-        shares[:, kept],
+        shares,
         krein_signature(states[0][:, kept]),
         found.liouville_defect,
         steps,
@@ -230,12 +227,12 @@ def matched(first: NDArray[np.complex128], second: NDArray[np.complex128]) -> In
 
 
 def _largest_harmonic(states: NDArray[np.complex128]) -> tuple[IntArray, FloatArray]:
-    """Number of the largest harmonic of each mode (N, 2 m, n); shares of those by it.
+    """Number of the largest harmonic of each mode (N, 2 m, k); shares of those by it.
 
     Harmonics are measured by the scaled states, as actions: displacements count for slow ones,
     velocities for fast ones.
     """
-    # Mode by mode: slow turns take tens of thousands of steps.
+    # Mode by mode: slow turns take thousands of steps.
     shapes = np.moveaxis(states, 2, 0)
     size = np.stack([(np.abs(np.fft.fft(y, axis=0)) ** 2).sum(axis=1) for y in shapes], axis=1)
     steps, count = size.shape
@@ -253,13 +250,11 @@ def _one_harmonic(turns: FloatArray) -> tuple[IntArray, FloatArray]:
     return turns.astype(np.intp), shares
 
 
-def _about_harmonic(
-    states: NDArray[np.complex128], number: IntArray, linkage: VibratingLinkage
-) -> NDArray[np.complex128]:
-    """Displacements y of modes (angles, 2 m, n) without the turns of a harmonic, (angles, m, n)."""
-    angles = len(states)
+def _about_harmonic(displaced: NDArray[np.complex128], number: IntArray) -> NDArray[np.complex128]:
+    """Displacements y of modes (angles, m, k) without the turns of a harmonic each."""
+    angles = len(displaced)
     turned = np.exp(-2j * np.pi * np.outer(np.arange(angles), number) / angles)
-    return np.asarray(_displacements(states, linkage) * turned[:, None])
+    return np.asarray(displaced * turned[:, None])
 
 
 def _displacements(

@@ -12,7 +12,6 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem
 from flexmech.errors import CRANK_SPEED, ComputationError
-from flexmech.linear_system import whole
 from flexmech.time_domain import MovingModes
 
 # Of a turn; more do not fit into memory with the smallest of linkages.
@@ -45,6 +44,8 @@ class VibratingLinkage:
         From y to the amplitudes of rigid modes: that of a free shaft.
     fastest : float
         Greatest natural frequency in rad/s that the steps must resolve.
+    highest : float
+        Greatest natural frequency in rad/s of the modes whose Floquet modes are kept.
     least_square, least_angle : float
         Least square of a natural frequency in (rad/s)^2, and its crank angle in rad.
     is_definite : bool
@@ -62,6 +63,7 @@ class VibratingLinkage:
     lowest: FloatArray
     rigid: FloatArray
     fastest: float
+    highest: float
     least_square: float
     least_angle: float
     is_definite: bool
@@ -87,7 +89,7 @@ class VibratingLinkage:
         basis, squares = moving.basis[some], turn.frozen_squares
         coordinates = turn.frames.link_coordinates(turn.displaced.at(some), basis)
         weighted = [
-            np.linalg.cholesky(whole(link.mass)).T @ reduction @ q
+            link.mass_root.T @ reduction @ q
             for link, reduction, q in zip(turn.unreduced, turn.bases, coordinates, strict=True)
         ]
         first = turn.rigid_modes
@@ -95,7 +97,8 @@ class VibratingLinkage:
         amplitude = natural @ turn.mass[some] @ basis
         least = int(turn.static_squares.argmin())
         # A constant system is solved exactly, whatever else moves in it.
-        counted = min(first + modes, moving.size) if turn.is_constant else moving.size
+        asked = min(first + modes, moving.size)
+        counted = asked if turn.is_constant else moving.size
         return cls(
             crank_speed=turn.crank_speed,
             scale=moving.scale,
@@ -106,6 +109,7 @@ class VibratingLinkage:
             lowest=amplitude[:, first:],
             rigid=amplitude[:, :first],
             fastest=float(np.sqrt(max(squares[:, counted - 1].max(), 0.0))),
+            highest=float(np.sqrt(max(squares[:, asked - 1].max(), 0.0))),
             least_square=float(turn.static_squares[least]),
             least_angle=float(turn.motion.crank_angle[least]),
             is_definite=moving.is_definite,
@@ -128,6 +132,13 @@ class VibratingLinkage:
         """Time of a turn in s."""
         return 2 * np.pi / abs(self.crank_speed)
 
+    def spacing(self, steps: int) -> int:
+        """Steps between instants that show all harmonics of the modes kept."""
+        wanted = max(LEAST_STEPS, SHAPES_A_PERIOD * self.highest * self.period / (2 * np.pi))
+        places = steps // SHAPE_ANGLES
+        divisors = [n for n in range(1, places + 1) if places % n == 0]
+        return max([1, *(n for n in divisors if steps / n >= wanted)])
+
     def system(self, damping: float) -> SampledPeriodicSystem:
         """Periodic system with the damping of links times a factor; 0 leaves it out."""
         matrix = self.conservative.plus(self.attached, 1.0).plus(self.dissipative, damping)
@@ -145,6 +156,9 @@ RADIANS_A_STEP = 1.5
 RADIANS_BESIDE_A_FREE_SHAFT = 0.5
 # Of a turn at speeds above all modes: eight a crank angle at which shapes are compared.
 LEAST_STEPS = 128
+# Instants in a period of the highest frequency kept: the harmonics of a mode are some orders of the
+# crank around its frequency, and two would be the limit.
+SHAPES_A_PERIOD = 2.5
 # Bytes that the steps of a turn may take, and what is kept of each step: matrices of the size of A,
 # and waves of each harmonic (measured).
 MOST_BYTES, MATRICES_A_STEP, WAVES_A_STEP = 4e9, 10, 12
