@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TypeVar
 
+from flexmech.arrays import ROUND_OFF
 from flexmech.errors import InputError
 from flexmech.linkages import (
     LEAST_DISTANCE,
@@ -140,7 +141,7 @@ def _check_on_link(topology: Topology, what: str, link: str, x: float) -> None:
         raise InputError(f"{what}: unknown link {link!r}; links are {topology.link_names}")
     check_number(x, f"{what}: position on the {link}", "m")
     length = topology.links[topology.index(link)].length
-    if not 0 <= x <= length:
+    if not 0 <= x <= length * (1 + ROUND_OFF):
         raise InputError(f"{what}: position {x:g} m is not on the {link} (0 to {length:g} m)")
 
 

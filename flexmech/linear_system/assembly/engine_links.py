@@ -281,27 +281,6 @@ class EngineLinks(ElementKinds):
             f"the {self.name} engine does not linearize about states of the running linkage"
         )
 
-    def require_no_connectors(self, what: str) -> None:
-        """Refuse loads and springs where a computation does not include them.
-
-        Parameters
-        ----------
-        what : str
-            Computation that does not include them.
-
-        Raises
-        ------
-        InputError
-            If loads or springs act on the links.
-        """
-        mechanism = self.mechanism
-        if mechanism.loads or mechanism.springs or mechanism.joint_springs:
-            raise InputError(
-                f"{what} does not count loads and springs yet, and this mechanism has some; leave "
-                "them out of the model, or ask for natural frequencies, stability or a run in "
-                "time (flexmech response), which count them"
-            )
-
     def connected_matrices(
         self,
         frames: LinkFrames,

@@ -257,6 +257,8 @@ class Drawing:
     def _check_ground(self) -> None:
         for point in self.ground:
             self._check_known("ground", point)
+            if self.ground.count(point) > 1:
+                raise InputError(f"ground: point {point!r} is given twice; keep one")
 
     def _check_joint(self, joint: PlanarJoint) -> None:
         what = f"joint {joint.point}"
