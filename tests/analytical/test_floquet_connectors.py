@@ -11,6 +11,7 @@ import scipy.optimize
 from numpy.typing import NDArray
 
 from flexmech import ExudynEngine, Mechanism, ReferenceEngine, RotatingArm, load_mechanism
+from flexmech.analyses.frequencies.eigenproblem import solve_modes
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.dynamical_systems import floquet_modes
 from flexmech.linear_system import Engine, Prestress
@@ -206,3 +207,18 @@ def test_a_constant_turn_is_found_by_computation() -> None:
     # The frozen system's matrix in all coordinates knows its slow modes to about 1e-7.
     assert forward[np.argsort(forward.imag)] == pytest.approx(expected, rel=1e-6)
     assert expected.real.max() < -1e-3
+
+
+def test_a_force_that_follows_the_tip_does_not_buckle_a_column() -> None:
+    """The symmetric part of its stiffness alone is indefinite; frozen modes vibrate below flutter.
+
+    Their least square decides whether a running linkage is called statically unstable.
+    """
+    force = 15.0 * BENDING / LENGTH**2
+    load = Load("follows", TIP, ((-force, 0.0),), axes="link")
+    column = Mechanism(RotatingArm(LENGTH), {"arm": SECTION}, loads=(load,))
+    engine = ReferenceEngine(column, 4, "euler")
+    turn = LinkageSolver(engine, "axial", 2).moving_modes(1e-2).turn
+    still = solve_modes(engine.linear_system([0.0], prestress="axial"), 1).eigenvalues
+    assert turn.frozen_squares.min() < 0
+    np.testing.assert_allclose(turn.static_squares, float(np.abs(still[0, 0]) ** 2), rtol=1e-6)

@@ -46,6 +46,13 @@ def test_derivatives_of_harmonics_are_exact():
     assert at_angles(z[:, None], elsewhere)[:, 0] == pytest.approx(exact, abs=1e-12)
 
 
+def test_any_samples_are_found_again_at_their_own_angles() -> None:
+    """Those too whose fastest harmonic, of which samples show the cosine alone, is great."""
+    samples = np.random.default_rng(0).normal(size=(8, 2))
+    angle = 2 * np.pi / 8 * np.arange(8)
+    np.testing.assert_allclose(at_angles(samples, angle), samples, rtol=0, atol=1e-13)
+
+
 @pytest.mark.parametrize("time", [0.0, 1e-4])
 def test_orbit_of_linear_links_is_that_of_the_linear_equations(aluminium, time):
     """The trapezoidal rule of the linear equations comes to it in second order."""

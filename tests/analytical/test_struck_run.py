@@ -11,8 +11,9 @@ from flexmech import CrankDrive, LinkPoint, ReferenceEngine, load_mechanism
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.dynamical_systems import HalfSinePulse, VibrationState, harmonic_response
-from flexmech.linear_system import Prestress
+from flexmech.linear_system import Prestress, displacement_row
 from flexmech.time_domain import DrivenLinkage, LinkageUnderImpact, forced_linkage
+from flexmech.time_domain.integrators.linear_march import LinearMarch
 
 SPEED, TURNS = 20.0, 4
 TURN = 2 * np.pi / SPEED
@@ -67,3 +68,32 @@ def test_linear_links_answer_in_proportion_to_the_force() -> None:
     twin, once, twice = (run(linkage, 500, *pulses) for pulses in ((), (PULSE,), (PULSE, PULSE)))
     np.testing.assert_allclose(twice - twin, 2 * (once - twin), atol=1e-9 * np.abs(once).max())
     assert np.abs(once - twin).max() > 1e-7
+
+
+def test_two_points_of_a_linkage_that_hardly_turns_answer_each_other_alike() -> None:
+    """Maxwell and Betti: what a pulse at one point moves at another it moves there from this."""
+    model = load_mechanism("models/aluminium_fourbar.toml")
+    linkage = DrivenLinkage(
+        ReferenceEngine(model, 2), CrankDrive(1e-3), "none", modes=3, with_energy=False
+    )
+    points, nothing = (LinkPoint("coupler", 0.5), LinkPoint("rocker", 0.3)), np.zeros(linkage.size)
+    still, pulse = VibrationState(nothing, nothing, nothing), HalfSinePulse(0.01, 0.005, 0.001)
+    first, second = (
+        LinkageUnderImpact(linkage, 1e-4, *ends, "transverse").run(still, 200, (pulse,))
+        for ends in (points, points[::-1])
+    )
+    assert np.abs(first).max() > 1e-7
+    np.testing.assert_allclose(second, first, rtol=0, atol=1e-3 * np.abs(first).max())
+
+
+def test_steps_meet_where_one_block_ends_and_the_next_begins() -> None:
+    """What follows a pulse statically does so from the first instant of a block on."""
+    linkage = DrivenLinkage(engine(), CrankDrive(SPEED), with_energy=False)
+    load = [np.zeros(link.size) for link in linkage.links]
+    load[1] = displacement_row(linkage.links[1], 0.4, "axial")
+    time, nothing = 1e-4 * np.arange(7.0), np.zeros(linkage.size)
+    force, march = 1e5 * time, LinearMarch(linkage, 1e-4, load)
+    first, own = march.advance(time[:4], VibrationState(nothing, nothing, nothing), force[:4])
+    following = march.advance(time[3:], first[-1], force[3:])[1].offset
+    assert np.abs(own.offset[3] - own.offset[0]).max() > 0.01 * np.abs(own.offset).max()
+    np.testing.assert_allclose(following[0], own.offset[3], rtol=1e-12)

@@ -44,8 +44,10 @@ def request(**options: Any) -> flexmech.ResponseRequest:
     return flexmech.ResponseRequest(flexmech.CrankDrive(20.0), **given)
 
 
-def system(mechanism: flexmech.Mechanism, elements: int = 3, **options: Any) -> Any:
-    engine = flexmech.ExudynEngine(mechanism, elements)
+def system(
+    mechanism: flexmech.Mechanism, elements: int = 3, element: str = "ancf", **options: Any
+) -> Any:
+    engine = flexmech.ExudynEngine(mechanism, elements, element)
     return flexmech.exudyn_system(engine, request(**options))
 
 
@@ -133,14 +135,24 @@ def test_point_masses_and_weight_have_names(aluminium: flexmech.Mechanism) -> No
     }
 
 
-def test_sensors_measure_what_the_engine_does(aluminium: flexmech.Mechanism) -> None:
-    made = system(aluminium)
+@pytest.mark.parametrize(
+    ("model", "element"),
+    [
+        ("aluminium_fourbar", "ancf"),
+        ("aluminium_fourbar", "geometrically-exact"),
+        ("composite_fourbar", "geometrically-exact"),
+    ],
+)
+def test_sensors_measure_what_the_engine_does(model: str, element: str) -> None:
+    """Also in the middle of three elements, where there is no node, and off nodes on arms."""
+    mechanism = flexmech.load_mechanism(MODELS / f"{model}.toml")
+    made = system(mechanism, 3, element)
     assert made.mbs.SolveDynamic(made.settings)
-    engine = flexmech.ExudynEngine(aluminium, 3)
+    engine = flexmech.ExudynEngine(mechanism, 3, element)
     drive, time = flexmech.CrankDrive(20.0), made.step * np.arange(made.steps + 1)
     run = engine.simulate(drive, LinkState.rigid(engine.links), time, made.step)
     deflection = flexmech.analyses.deflections(engine, run)
-    topology = aluminium.linkage.topology
+    topology = mechanism.linkage.topology
     for number, link in enumerate(topology.link_names):
         found = made.history(f"{link}_deflection")
         np.testing.assert_allclose(found[:, 0], time, rtol=0, atol=1e-12)

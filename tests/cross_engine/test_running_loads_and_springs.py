@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,11 +21,12 @@ from flexmech import (
     response,
 )
 from flexmech.analyses.response.measurements import deflections_of
-from flexmech.dynamical_systems import step_operators
+from flexmech.dynamical_systems import VibrationState, step_operators
 from flexmech.linear_system import Engine, Prestress
 from flexmech.linkages import GROUND, AttachmentPoint, JointSpring, Load, Spring
+from flexmech.linkages.motion import cross
 from flexmech.time_domain import DrivenLinkage, linear_run, periodic_state
-from flexmech.time_domain.integrators.linear_march import StepTable
+from flexmech.time_domain.integrators.linear_march import LinearMarch, StepTable
 from tests.cross_engine.joined_linkages import SliderCrank, Ternary
 from tests.cross_engine.test_exudyn_connectors import strips
 from tests.cross_engine.test_exudyn_joints import FOUR_BAR
@@ -121,6 +123,48 @@ def test_a_force_in_axes_of_its_link(engine: type[Engine]) -> None:
     assert found["joint_force"].values[0, :, 0] == pytest.approx(held, abs=2e-3 * force)
 
 
+def test_a_force_that_turns_with_a_bent_section_does_its_work() -> None:
+    """The power of the turned force balances the energies; of the force as drawn it does not."""
+    load = Load("across", AttachmentPoint("coupler", 0.14), ((0.0, -10.0),), axes="link")
+    request = ResponseRequest(CrankDrive(SPEED), 0.03, step=2e-4, start="rigid", modes=2)
+    engine = ReferenceEngine(strips(FOUR_BAR, loads=(load,)), 2, "euler")
+    found = response(engine, request).dataset
+    assert float(abs(found["deflection"]).max()) > 1e-3
+    assert float(found["energy_error"].max()) < 1e-5
+
+
+def test_a_torque_on_a_welded_link_is_in_the_joint_forces() -> None:
+    """Slow and hardly bent, the joints bear what they bear between rigid links."""
+    load = Load("torque", AttachmentPoint("beyond", 0.12), ((0.0, 0.0),), (0.1,))
+    mechanism = strips(Ternary(FOUR_BAR), loads=(load,))
+    request = ResponseRequest(CrankDrive(0.5), 0.01, step=5e-3, start="equilibrium", modes=2)
+    found = response(ReferenceEngine(mechanism, 2, "euler"), request).dataset
+    force, rigid = found["joint_force"].values[0], found["rigid_joint_force"].values
+    assert force == pytest.approx(rigid, abs=1e-2 * np.abs(rigid).max())
+
+
+def test_joint_forces_hold_a_load_where_it_has_moved_to() -> None:
+    """The linkage hardly turns: torque, forces of the ground and the load are in balance."""
+    load, tip = (0.0, -5.0), AttachmentPoint("beyond", 0.12)
+    mechanism = strips(Ternary(FOUR_BAR), loads=(Load("tip", tip, (load,)),))
+    mechanism = replace(mechanism, gravity=(0.0, 0.0))
+    engine = ReferenceEngine(mechanism, 2, "euler", component_modes=False)
+    linkage = DrivenLinkage(engine, CrankDrive(0.01), "equilibrium")
+    still = linkage.equations(np.zeros(1), frozen=True).quasi_static()[0]
+    found = linear_run(linkage, still, 0 * still, np.array([0.0, 0.01]), 0.005)
+    motion, number = linkage.motion(np.zeros(1)), engine.topology.index("beyond")
+    point, q = engine.connectors.at(number, tip.x), found.displacement[number][:1]
+    moved = point.displacement(motion, q)[:, :2]
+    place = motion.position(number, tip.x) + moved
+    joints = engine.topology.joint_names
+    first, last = (found.joint_force[:1, joints.index(name)] for name in ("O2", "O4"))
+    pivot, push = np.array([[FOUR_BAR.ground, 0.0]]), np.array([load])
+    left = found.driving_torque[:1] + cross(pivot, last) + cross(place, push)
+    assert np.abs(cross(moved, push)).max() > 1e-3
+    assert np.abs(left).max() < 1e-5
+    assert np.abs(first + last + push).max() < 1e-3
+
+
 @pytest.mark.parametrize(
     "engine", [ReferenceEngine, pytest.param(ExudynEngine, marks=pytest.mark.thorough)]
 )
@@ -179,6 +223,21 @@ def test_tables_of_loads_are_not_smoothed_by_the_interpolation_of_steps() -> Non
     found = table.rows(time)[0].forced
     wanted = step_operators(linkage.equations(time), 1e-4).forced
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-5 * np.abs(wanted).max())
+
+
+def test_condensed_coordinates_answer_loads_over_time_at_every_instant() -> None:
+    """From the first on, and beyond the steps that are interpolated at once."""
+    point, rows = AttachmentPoint("coupler", 0.1), ((-100.0, 50.0), (200.0, 0.0))
+    load = Load("push", point, rows, (0.0, 0.0), over="time", at=(0.0, 0.02))
+    engine = ReferenceEngine(strips(FOUR_BAR, loads=(load,)), 4, "euler")
+    linkage = DrivenLinkage(engine, CrankDrive(SPEED))
+    time, nothing = 0.01 + 1e-4 * np.arange(70.0), np.zeros(linkage.size)
+    still = VibrationState(nothing, nothing, nothing)
+    assert linkage.is_condensed
+    assert linkage.connectors.is_interpolated
+    found = LinearMarch(linkage, 1e-4).advance(time, still)[1].offset
+    wanted = linkage.equations(time).expansion.offset
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-4 * np.abs(wanted).max())
 
 
 def test_a_spring_that_is_wound_up_counts_turns() -> None:

@@ -294,10 +294,16 @@ def test_bodies_turn_with_a_free_shaft(make: type[Engine], tmp_path: Path) -> No
     np.testing.assert_allclose(body, weld, rtol=SAME)
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("name", ["across", "inside a coupler"])
-@ENGINES
-def test_both_have_the_same_floquet_modes(name: str, make: type[Engine], tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [
+        (ReferenceEngine, "across"),
+        pytest.param(ReferenceEngine, "inside a coupler", marks=pytest.mark.thorough),
+        pytest.param(ExudynEngine, "across", marks=pytest.mark.thorough),
+        pytest.param(ExudynEngine, "inside a coupler", marks=pytest.mark.thorough),
+    ],
+)
+def test_both_have_the_same_floquet_modes(make: type[Engine], name: str, tmp_path: Path) -> None:
     body, weld = (
         stability(make(m, 2, component_modes=False), np.array([8.0]), modes=2).dataset
         for m in DRAWINGS[name].both(tmp_path)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,11 +16,21 @@ from flexmech.choices import engine_of
 from flexmech.errors import InputError
 from flexmech.linkages import FourBar
 from flexmech.mechanism import Provenance
-from flexmech.multibody import ExudynEngine
+from flexmech.multibody import ExudynEngine, library
 from flexmech.multibody.beams import BEAM_KINDS
 from flexmech.reference import ReferenceEngine
 from flexmech.time_domain import simulator
 from tests.strategies import fourbar
+
+
+def test_exudyn_loads_silently_and_without_range_checks() -> None:
+    """Range checks cost a third of the time, and its greeting would be in a program's output."""
+    program = (
+        f"import runpy, sys; runpy.run_path({library.__file__!r})['load_exudyn'](); "
+        "assert 'exudyn.exudynCPPfast' in sys.modules"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, ""), done.stderr
 
 
 def test_engine_refuses_wrong_settings() -> None:

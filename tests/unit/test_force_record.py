@@ -36,3 +36,14 @@ def test_what_comes_after_the_last_sample_counts_in_the_filter_alone(blocks: int
     assert shorter.peak_driving_torque == pytest.approx(
         np.abs(longer.driving_torque[until]).max(), rel=1e-3
     )
+
+
+def test_the_peak_of_a_force_is_its_size() -> None:
+    """Of both components together, at any step; of the torque whatever its sign is."""
+    record = ForceRecord(np.array([0.0, 4 * STEP]), STEP, None)
+    force = np.zeros((5, 2, 2))
+    force[1, 0], force[3, 1] = (3.0, -4.0), (-5.0, 12.0)
+    record.add(force, np.array([0.0, 1.0, -7.0, 2.0, 0.0]))
+    record.finish()
+    np.testing.assert_allclose(record.peak_joint_force, [5.0, 13.0])
+    assert record.peak_driving_torque == 7.0

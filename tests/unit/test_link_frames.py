@@ -20,18 +20,26 @@ from flexmech.linear_system import (
     element_tensions,
     inertia_loads,
 )
+from flexmech.linear_system.links.rigid_link import rigid_link
 from flexmech.linkages import (
+    Clamp,
     FourBar,
     Link,
     LinkEnd,
+    LinkMass,
     Pin,
     Pivot,
     RigidMotion,
+    RotatingArm,
     Topology,
+    Weld,
     inverse_dynamics,
 )
+from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
 from flexmech.reference import ReferenceEngine
+from tests.cross_engine.joined_linkages import QuickReturn, welded, with_links
+from tests.cross_engine.test_exudyn_connectors import strips
 from tests.strategies import Running, arm, fourbar, running_mechanisms
 
 FloatArray = NDArray[np.float64]
@@ -327,3 +335,57 @@ def test_matrices_the_same_in_all_positions_turn_with_the_joined_ends() -> None:
     ):
         expected = sum(n.swapaxes(1, 2) @ x @ n for n, x in zip(maps, matrices, strict=True))
         assert assembled == pytest.approx(expected, abs=1e-13 * np.abs(expected).max())
+
+
+def test_centripetal_terms_vanish_where_nothing_turns_yet() -> None:
+    """At speed zero and under an acceleration of the crank tangential terms alone are left."""
+    engine = engine_of(strips(FourBar(0.254, 0.102, 0.2794, 0.2667)))
+    motion = engine.mechanism.linkage.motion(np.array([0.7]), np.zeros(1), np.array([300.0]))
+    straight = [link.stiffness for link in engine.links]
+    none, centripetal, tangential = (
+        engine.frames.assemble(motion, straight, RotationTerms(False, *on)).stiffness
+        for on in ((False, False), (True, False), (False, True))
+    )
+    np.testing.assert_allclose(centripetal, none, rtol=1e-12, atol=1e-12 * np.abs(none).max())
+    assert np.abs(tangential - none).max() > 1.0
+
+
+def test_the_stiffness_of_a_guide_is_between_its_rotation_and_the_slide_on_it() -> None:
+    """Twice the product of both, as the frame of the guide sees the point that slides."""
+    linkage = QuickReturn()
+    engine = engine_of(strips(linkage))
+    motion, size = linkage.motion(np.array([0.7])), engine.frames.size
+    guide_stiffness = 3.0
+    matrix = engine.frames.guide_matrix(motion, np.full((1, 1), guide_stiffness))[0]
+    z = np.random.default_rng(0).normal(size=size)
+    crank, rocker = (q[0, :, 0] for q in engine.frames.link_coordinates(motion, z[None, :, None]))
+    angles, end = motion.angle[0], crank[engine.links[0].end]
+    moved = end[0] * direction(angles[0]) + end[1] * normal(angles[0])
+    slide = moved @ direction(angles[1]) + rocker[2] * linkage.offset
+    assert z @ matrix @ z == pytest.approx(2 * guide_stiffness * rocker[2] * slide, rel=1e-9)
+
+
+@pytest.mark.parametrize("rigid", [False, True])
+def test_all_ends_on_a_hub_move_as_it_turns(rigid: bool) -> None:
+    """Across the first link by the hub's radius; one that is welded there at an angle alike."""
+    hub, motion = 0.05, RotatingArm(0.3, hub_radius=0.05).motion(np.array([0.7]))
+    first, second = LinkEnd("arm", "start"), LinkEnd("other", "start")
+    topology = Topology(
+        links=(Link("arm", 0.3, rigid), Link("other", 0.2)),
+        clamps=(Clamp("O2", first, hub=hub),),
+        welds=(Weld("H", first, second),),
+    ).with_free_shaft()
+    elastic = [engine_of(strips(RotatingArm(length))).clamped_links[0] for length in (0.3, 0.2)]
+    links = [elastic[0], replace(elastic[1], name="other")]
+    if rigid:
+        links[0] = rigid_link("arm", LinkMass(0.3, 1.0))
+    frames = LinkFrames(topology, links)
+    both = with_links(motion, welded(motion, 0, 0.0, 0.8))
+    z = np.random.default_rng(0).normal(size=(1, frames.size, 1))
+    parts = [q[0, :, 0] for q in frames.link_coordinates(both, z)]
+    turn = parts[0][links[0].start_rotation[0]]
+    assert turn != 0
+    for q, link, angle in zip(parts, links, both.angle[0], strict=True):
+        x, y = q[link.start]
+        moved = x * direction(angle) + y * normal(angle)
+        np.testing.assert_allclose(moved, hub * turn * normal(motion.angle[0, 0]), atol=1e-12)

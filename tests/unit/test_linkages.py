@@ -13,7 +13,17 @@ from pylinkage.dyads import RRRDyad
 from pylinkage.simulation import Linkage as OtherLinkage
 
 from flexmech.errors import InputError
-from flexmech.linkages import Clamp, FourBar, Link, LinkEnd, Pin, Pivot, RotatingArm, Topology
+from flexmech.linkages import (
+    Clamp,
+    FourBar,
+    Link,
+    LinkEnd,
+    Pin,
+    Pivot,
+    RotatingArm,
+    Topology,
+    continuous_angles,
+)
 from tests.strategies import STEEL_LINKAGE, Posture, numbers, postures
 
 TURN = np.linspace(0.0, 2 * np.pi, 361)
@@ -247,6 +257,26 @@ def test_arm_moves_on_a_circle_around_the_axis(
     assert complex(*velocity) == pytest.approx(1j * speed * radius * turn)
     expected = (1j * acceleration - speed**2) * radius * turn
     assert complex(*change) == pytest.approx(expected, abs=1e-10)
+
+
+def test_angles_of_a_swinging_crank_are_counted_on_from_zero() -> None:
+    """They swing to both sides of crank angle zero, where they keep their values."""
+    swinging = FourBar(ground=0.3, crank=0.25, coupler=0.17, rocker=0.2)
+    assert swinging.grashof_class == "triple-rocker"
+    crank_angle = np.linspace(-1.4, 1.4, 57)
+    motion = swinging.motion(crank_angle)
+    counted = continuous_angles(swinging, motion)
+    np.testing.assert_array_equal(counted[:, 0], crank_angle)
+    np.testing.assert_allclose(counted[28], motion.angle[28], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(np.exp(1j * counted), np.exp(1j * motion.angle), atol=1e-12)
+    assert np.abs(np.diff(counted, axis=0)).max() < 1.0
+
+
+def test_a_resized_arm_stands_on_a_hub_of_the_ground() -> None:
+    """Its hub grows as the ground does, whatever the arm's own length."""
+    grown = RotatingArm(1.0, 0.2).resized({"arm": 1.03}, 1.01)
+    assert grown.motion(0.0).position(0, 0.0)[0] == pytest.approx(0.202, rel=1e-12)
+    assert grown.motion(0.0).position(0, grown.length)[0] == pytest.approx(1.232, rel=1e-12)
 
 
 @pytest.mark.parametrize("branch", ["open", "crossed"])

@@ -25,7 +25,17 @@ def record(tmp_path: Path, text: str) -> MeasuredRecord:
     [
         ("time_s", "time", "s", 1.0),
         ("time [ms]", "time", "s", 1e-3),
+        ("time_us", "time", "s", 1e-6),
+        ("time [us]", "time", "s", 1e-6),
         ("t / s", "t", "s", 1.0),
+        ("frequency [kHz]", "frequency", "Hz", 1e3),
+        ("crank angle (degrees)", "crank_angle", "rad", np.pi / 180),
+        ("speed_rad_s", "speed", "rad/s", 1.0),
+        ("velocity_m_s", "velocity", "m/s", 1.0),
+        ("deflection_mm", "deflection", "m", 1e-3),
+        ("deflection [um]", "deflection", "m", 1e-6),
+        ("torque_Nm", "torque", "N m", 1.0),
+        ("damping [%]", "damping", "", 1e-2),
         ("crank_angle_deg", "crank_angle", "rad", np.pi / 180),
         ("coupler_mid_deflection_m", "coupler_mid_deflection", "m", 1.0),
         ("coupler_mid_strain", "coupler_mid_strain", "", 1.0),
@@ -143,6 +153,19 @@ def test_even_samples_and_their_rounding(tmp_path):
     assert sampling_interval(found.position, rounding=found.rounding) == pytest.approx(step, 1e-3)
     with pytest.raises(InputError, match="steps are unequal"):
         sampling_interval(found.position)
+
+
+@pytest.mark.parametrize(
+    ("unit", "cells", "rounding"),
+    [
+        ("s", ("0.0e+00", "3.3e-04", "6.7e-04"), 1e-5),
+        ("ms", ("0", "0.33", "0.67"), 1e-5),
+        ("s", ("0E0", "2e1", "4E1"), 1.0),
+    ],
+)
+def test_the_last_digit_counts_by_its_power_of_ten_and_its_unit(tmp_path, unit, cells, rounding):
+    text = f"time [{unit}],strain\n" + "".join(f"{cell},0\n" for cell in cells)
+    assert record(tmp_path, text).rounding == pytest.approx(rounding, rel=1e-12)
 
 
 def test_gaps_unequal_steps_and_time_that_turns_back():

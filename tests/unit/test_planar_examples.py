@@ -146,6 +146,30 @@ def test_a_ram_that_two_bushings_guide_does_not_turn():
     check_rates(drawn, drawn.drawn_angle + 0.2)
 
 
+def test_parallel_lines_of_ground_and_crank_turn_what_slides_on_both():
+    """They are parallel in the drawing alone: the ram does not translate as between bushings."""
+    drawn = linkage(
+        {"O2": 0j, "A": 0.1 + 0j, "P": 0.35 + 0.1j, "R": 0.4 - 0.02j, "Q": 0.25 - 0.1j},
+        {"crank!": "O2 A", "ram!": "P R Q", "rod": "A R"},
+        "O2",
+        [
+            PlanarJoint("P", "slider", direction=0.0),
+            PlanarJoint("Q", "slider", direction=0.0, guide="crank"),
+        ],
+    )
+    angle = np.linspace(-0.05, 0.1, 9)
+    motion = drawn.motion(angle)
+    _, r, q, end = (
+        motion.position(link, own.length) for link, own in enumerate(drawn.topology.links)
+    )
+    assert np.abs(motion.origin[:, 1, 1] - 0.1).max() < 1e-13
+    assert np.abs(end - r).max() < 1e-13
+    on_crank = (q[:, 0] + 1j * q[:, 1]) * np.exp(-1j * angle)
+    assert np.abs(on_crank.imag + 0.1).max() < 1e-13
+    assert np.ptp(motion.angle[:, 1]) > 0.1
+    check_rates(drawn, 0.05)
+
+
 def test_a_six_bar_driven_at_its_output_stands_as_when_its_crank_drives_it():
     """Four links have to be found together: no dyad hangs on the driven one alone."""
     crank_driven = load_mechanism(MODELS / "stephenson_six_bar.toml").linkage
@@ -234,16 +258,21 @@ def test_several_links_may_be_on_the_shaft():
     assert topology.welds == (
         Weld("O2-weight", LinkEnd("crank", "start"), LinkEnd("weight", "start")),
     )
+    for first, angle in (("crank", np.pi / 2), ("weight", -np.pi / 2)):
+        shaft = (first, "weight" if first == "crank" else "crank")
+        assert linkage(points, links, "O2 O4", clamped=shaft).drawn_angle == pytest.approx(angle)
 
 
-def test_a_link_may_turn_about_the_shaft():
+@pytest.mark.parametrize("idler", ["idler", "idler!"])
+def test_a_link_may_turn_about_the_shaft(idler):
     """A rocker on the crank's own axis is pivoted there, and does not turn with the shaft."""
     drawn = linkage(
         {"O2": 0j, "A": 0.1j, "B": 0.26 + 0.26j, "O4": 0.25 + 0j, "C": 0.1 + 0.35j},
-        {"crank": "O2 A", "coupler": "A B", "rocker": "O4 B", "rod": "B C", "idler": "O2 C"},
+        {"crank": "O2 A", "coupler": "A B", "rocker": "O4 B", "rod": "B C", idler: "O2 C"},
         "O2 O4",
         clamped=("crank",),
     )
+    assert drawn.topology.clamps == (Clamp("O2", LinkEnd("crank", "start")),)
     assert Pivot("O2-idler", LinkEnd("idler", "start")) in drawn.topology.pivots
     motion = drawn.motion(np.pi / 2, 1.0)
     assert motion.angular_velocity[0] == 1.0
@@ -292,6 +321,14 @@ def test_lines_on_guides_grow_with_them():
 # --- where it cannot stand ----------------------------------------------------------------------
 
 
+def test_a_line_of_the_ground_grows_with_it():
+    grown = slider_crank(offset=0.03).resized({"crank": 0.16, "rod": 0.31}, 1.01)
+    motion = grown.motion(TURN)
+    end = motion.position(1, 0.31)
+    np.testing.assert_allclose(end[:, 1], 0.0303, rtol=1e-12)
+    np.testing.assert_allclose(np.abs(motion.origin[:, 1]).max(), 0.16, rtol=1e-12)
+
+
 def test_a_gap_names_the_crank_angle_and_the_joint():
     short = slider_crank(crank=0.3, rod=0.35, offset=0.1)
     with pytest.raises(
@@ -315,8 +352,14 @@ def test_beyond_a_dead_point_newtons_method_does_not_go():
         InputError,
         match=r"at crank angle 180 deg: from the drawing on it locks at "
         r"crank angle [\d.]+ deg, where .* dead point at joint [A-E]",
-    ):
+    ) as refused:
         driven.motion(np.pi)
+    locked = np.radians(float(str(refused.value).split("locks at crank angle ")[1].split()[0]))
+    back = np.sign(driven.drawn_angle - locked)
+    driven.motion(locked + 1e-4 * back)
+    with pytest.raises(InputError, match="from the drawing on it locks"):
+        driven.motion(locked - 1e-4 * back)
+    assert driven.described()[-1] == "the crank does not turn fully"
 
 
 def test_a_drawing_in_a_dead_point_is_refused():

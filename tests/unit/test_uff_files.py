@@ -211,6 +211,10 @@ def test_functions_that_cannot_be_used_say_why(file, tmp_path):
     path = write_uff(tmp_path / "two.uff", UffFile(functions=(first, short)))
     with pytest.raises(InputError, match="another time than the first"):
         read_uff_record(path).quantity("short")
+    late = replace(second, name="late", position=first.position + 0.3 * first.position[1])
+    moved = write_uff(tmp_path / "late.uff", UffFile(functions=(first, late)))
+    with pytest.raises(InputError, match="another time than the first"):
+        read_uff_record(moved).quantity("late")
     text = path.read_text().replace(
         "        13    0    0    0 Force", "         0    0    0    0 Force"
     )
