@@ -351,10 +351,13 @@ def test_sidebands_agree_within_a_twentieth_and_a_bin():
 def test_orders_that_change_are_hit_half_as_hard(monkeypatch):
     forces, curvature = [], 0.0
 
+    def added(run, pulses, *of):
+        forces.append(pulses[0])
+        size = [force + curvature * force**3 for force in pulses]
+        return np.array(size)[:, None], np.ones(3)
+
     def response(taken, added):
-        forces.append(taken.force)
-        size = taken.force + curvature * taken.force**3
-        return SimpleNamespace(response=np.full((1, 1), size / taken.force))
+        return SimpleNamespace(response=np.full((1, 1), added.mean() / taken.force))
 
     class Plan:
         steps = 1
@@ -365,8 +368,10 @@ def test_orders_that_change_are_hit_half_as_hard(monkeypatch):
         def softer(self, factor):
             return Plan(factor * self.force)
 
-    added = np.ones((1, 3)), np.ones(3)
-    monkeypatch.setattr(measured, "added_by_impacts", lambda *of: added)
+        def pulses(self):
+            return [self.force] * 12
+
+    monkeypatch.setattr(measured, "added_by_impacts", added)
     monkeypatch.setattr(measured, "_estimated", response)
     request = SimpleNamespace(orders=0, noise=0.0, crank_speed=20.0)
 
@@ -380,7 +385,8 @@ def test_orders_that_change_are_hit_half_as_hard(monkeypatch):
         assert taken(bend) == force
     with pytest.raises(ComputationError, match="however small they are"):
         taken(10.0)
-    assert forces == pytest.approx(0.5 ** np.arange(5.0))
+    # All, then a third half as hard, then the others; and so on.
+    assert forces == pytest.approx([1.0, *np.repeat(0.5 ** np.arange(1.0, 5.0), 2)])
 
 
 def test_orders_that_are_not_there_have_no_change_of_their_own():

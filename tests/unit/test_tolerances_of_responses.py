@@ -59,7 +59,7 @@ class Off:
         return Off(self.step, self.error + gain * (self.error - coarser.error))
 
 
-def steps_of(monkeypatch, error, *, stretches=False, unbalanced=0, band=0.1, forces=1.0):
+def steps_of(monkeypatch, error, *, stretches=False, unbalanced=0, band=0.1):
     """Steps a period of the highest frequency that are run, where each is off by so much."""
     steps = []
     monkeypatch.setattr(run, "stretches_in_runs", lambda *of: stretches)
@@ -72,8 +72,7 @@ def steps_of(monkeypatch, error, *, stretches=False, unbalanced=0, band=0.1, for
         return Off(step, error(step))
 
     def apart(engine, first, second, finer=None):
-        off = abs(first.error - second.error)
-        return run.RunError(off, forces * off, {})
+        return run.RunError(abs(first.error - second.error), {})
 
     monkeypatch.setattr(run, "_run", taken)
     monkeypatch.setattr(run, "_difference", apart)
@@ -84,44 +83,38 @@ def steps_of(monkeypatch, error, *, stretches=False, unbalanced=0, band=0.1, for
     return steps, found.step_error.linkage, abs(found.trajectory.error)
 
 
-def test_runs_of_second_order_are_extrapolated_until_they_agree(monkeypatch):
-    """Of the next order 16 times less is left; a third of the change is a bound."""
-    steps, told, true = steps_of(monkeypatch, lambda step: step**2 + step**4)
-    assert steps == pytest.approx([4.0, 8.0, 16.0])
-    assert 4 * true < told < 6 * true
-    # What is left of the fourth order is told; 2 % is enough, and no more than is needed.
-    steps, told, _ = steps_of(monkeypatch, lambda step: step**2 + 50 * step**4)
-    assert steps == pytest.approx([4.0, 8.0, 16.0])
+def test_runs_are_halved_until_one_of_two_estimates_is_below_two_hundredths(monkeypatch):
+    """A third of what halving changes of a run, or of the extrapolated one."""
+    # Of second order alone, which extrapolation takes away: told as if it did not.
+    steps, told, true = steps_of(monkeypatch, lambda step: 4 * step**2)
+    assert steps == pytest.approx([8.0, 16.0])
+    assert told == pytest.approx(4 / 16**2)
+    assert true < 1e-12
+    # Of which halving changes too much; the extrapolated run agrees with the next one.
+    steps, told, true = steps_of(monkeypatch, lambda step: 80 * step**2 + 800 * step**4)
+    assert steps == pytest.approx([8.0, 16.0, 32.0])
     assert 5e-3 < told <= 2e-2
-    assert len(steps_of(monkeypatch, lambda step: step**2 + 100 * step**4)[0]) == 4
-
-
-def test_joint_forces_choose_the_step_too(monkeypatch):
-    def error(step):
-        return 50 * step**4
-
-    assert len(steps_of(monkeypatch, error, forces=1.2)[0]) == 3
-    assert len(steps_of(monkeypatch, error, forces=4.0)[0]) == 4
+    assert 4 * true < told < 6 * true
+    assert len(steps_of(monkeypatch, lambda step: 80 * step**2 + 1600 * step**4)[0]) == 4
 
 
 def test_steps_show_the_band_of_forces(monkeypatch):
-    for stretches, least in ((False, 3.0), (True, 6.0)):
-        steps = steps_of(monkeypatch, lambda step: 0.0, band=100.0, stretches=stretches)[0]
-        assert least < steps[0] / 100.0 < 1.2 * least
+    steps = steps_of(monkeypatch, lambda step: 0.0, band=100.0)[0]
+    assert 6.0 < steps[0] / 100.0 < 7.0
 
 
-def test_of_links_that_stretch_the_first_run_is_compared_itself(monkeypatch):
-    steps, told, true = steps_of(monkeypatch, lambda step: 30 * step**4 + step**6, stretches=True)
+def test_of_links_that_stretch_two_thirds_may_be_left(monkeypatch):
+    steps, told, true = steps_of(monkeypatch, lambda step: 100 * step**4, stretches=True)
     assert steps == pytest.approx([8.0, 16.0])
-    assert 0.6 * 30 / 8**4 < told < 0.7 * 30 / 8**4
-    assert true < 1e-4 * told
+    assert told == pytest.approx(2 / 3 * (100 / 8**4 - 100 / 16**4))
+    assert true < 1e-12
 
 
 def test_steps_that_are_too_long_by_far_are_no_steps_to_begin_with(monkeypatch):
-    assert len(steps_of(monkeypatch, lambda step: 2e5 * step**4)[0]) == 6
+    assert len(steps_of(monkeypatch, lambda step: 3e6 * step**4)[0]) == 6
     with pytest.raises(ComputationError, match="no time step is short enough"):
         steps_of(monkeypatch, lambda step: 40 * step**0.5)
-    assert len(steps_of(monkeypatch, lambda step: 0.0, unbalanced=5)[0]) == 8
+    assert len(steps_of(monkeypatch, lambda step: 0.0, unbalanced=5)[0]) == 7
     with pytest.raises(run.UnbalancedStepError):
         steps_of(monkeypatch, lambda step: 0.0, unbalanced=6)
 

@@ -31,21 +31,20 @@ logger = logging.getLogger(__name__)
 
 
 # Steps in a period of the highest frequency asked for, and of the end of the band of forces, to
-# begin with; twice as many where links stretch, which costs little there. The first of the runs may
-# be coarse, but a filter of forces needs more than three, and where links stretch more than six.
-_STEPS_PER_PERIOD, _STEPS_PER_BAND = 4, 3.1
+# begin with: a filter of forces needs more than six where links stretch.
+_STEPS_PER_PERIOD, _STEPS_PER_BAND = 8, 6.2
 # A free vibration runs out of phase in proportion to the time that it has run; the step is halved
-# until the estimated errors of deflections and joint forces are below this part of their peak.
+# until the estimated error of the deflections is below this part of their peak. Joint forces, whose
+# fast parts count for more, are told with an error of their own.
 _STEP_TOLERANCE = 2e-2
 # A step of which a 32nd part is still too long is no step to begin with.
 _MOST_HALVINGS = 5
 # Orders of the methods: what halving the step leaves of an error is extrapolated by them.
 _ORDER, _ORDER_WHERE_LINKS_STRETCH = 2, 4
-# What is left of an error, over what the last halving has changed. Of second order that is a third,
-# and of the extrapolated run, which is compared with the one before, far less but where motion is
-# too fast for the steps. Where links stretch, the first run is compared itself, and fast motion is
-# resolved last: 0.1 to 1.2 were left of deflections and 0.1 to 0.9 of joint forces, in runs of
-# random mechanisms.
+# What is left of an error, over what the last halving has changed, of a run or of the extrapolated
+# one. Of second order that is a third, and of the extrapolated run far less but where motion is too
+# fast for the steps. Where links stretch fast motion is resolved last: 0.1 to 1.2 were left of
+# deflections and 0.1 to 0.9 of joint forces, in runs of random mechanisms.
 _LEFT, _LEFT_WHERE_LINKS_STRETCH = 1 / 3, 2 / 3
 # Forces below this part of the greatest are the round-off of none.
 _NO_FORCE = 1e-9
@@ -60,27 +59,20 @@ class RunError:
     Parameters
     ----------
     linkage : float
-        Of the deflections of all links, over the greatest peak among them.
-    forces : float
-        Of the joint forces, over the greatest peak among them.
+        Of the deflections of all links, over the greatest peak among them: what a step is
+        chosen by.
     of : dict of str to ndarray
         ``deflection`` and ``peak_deflection`` of each link (n_links,), ``force`` and
         ``peak_force`` of each joint (n_joints,), ``torque`` and ``peak_torque`` (1,).
     """
 
     linkage: float
-    forces: float
     of: dict[str, FloatArray]
-
-    @property
-    def greatest(self) -> float:
-        """What a step is chosen by: that of the linkage's deflections or of its joint forces."""
-        return max(self.linkage, self.forces)
 
     def __mul__(self, factor: float) -> RunError:
         """The same, a factor greater."""
         of = {name: factor * value for name, value in self.of.items()}
-        return RunError(factor * self.linkage, factor * self.forces, of)
+        return RunError(factor * self.linkage, of)
 
 
 @dataclass(frozen=True)
@@ -126,7 +118,7 @@ def run_engine(
     -------
     EngineRun
         With the step asked for; else extrapolated from two steps to none, with the first of
-        which deflections and joint forces are estimated to be within two hundredths of their peak.
+        which deflections are estimated to be within two hundredths of their peak.
 
     Raises
     ------
@@ -152,7 +144,7 @@ def run_engine(
     interval = float(plan.time[1] - plan.time[0])
     fastest = max(_STEPS_PER_PERIOD * plan.highest, _STEPS_PER_BAND * plan.band)
     stretches = stretches_in_runs(engine, request.prestress)
-    step = interval / np.ceil(interval * fastest * (2 if stretches else 1))
+    step = interval / np.ceil(interval * fastest)
     for _ in range(_MOST_HALVINGS):
         try:
             return judged(*_extrapolated(engine, run, step, stretches=stretches))
@@ -165,7 +157,7 @@ def run_engine(
 def _extrapolated(
     engine: Engine, run: Callable[[float], Trajectory], step: float, *, stretches: bool
 ) -> tuple[Trajectory, Trajectory, RunError]:
-    """The first run, extrapolated from two steps, that is near enough to the one before.
+    """The first run, extrapolated from two steps, that is near enough.
 
     Returns
     -------
@@ -174,26 +166,27 @@ def _extrapolated(
     Trajectory
         With the greater one of its steps.
     RunError
-        Estimated: a part of what halving both steps has changed.
+        Estimated: a part of what halving the step has changed, of the run or, where that is less,
+        of the extrapolated one.
     """
     order = _ORDER_WHERE_LINKS_STRETCH if stretches else _ORDER
     left = _LEFT_WHERE_LINKS_STRETCH if stretches else _LEFT
-    coarse = run(step)
-    before = coarse if stretches else None
+    coarse, before = run(step), None
     for _ in range(_MOST_HALVINGS + 1):
         fine = run(coarse.step / 2)
         found = fine.extrapolated(coarse, order)
+        errors = [_difference(engine, coarse, fine) * left]
         if before is not None:
-            error = _difference(engine, before, found) * left
-            if error.greatest <= _STEP_TOLERANCE:
-                return found, coarse, error
-            logger.info("%s: step %.3g s, error %.1e", engine.name, fine.step, error.greatest)
+            errors.append(_difference(engine, before, found) * left)
+        error = min(errors, key=lambda each: each.linkage)
+        if error.linkage <= _STEP_TOLERANCE:
+            return found, coarse, error
+        logger.info("%s: step %.3g s, error %.1e", engine.name, fine.step, error.linkage)
         coarse, before = fine, found
     raise ComputationError(
         f"no time step is short enough for the {engine.name} run: with {coarse.step:.3g} s "
-        f"deflections are still off by about {100 * error.linkage:.3g} % of their peak and joint "
-        f"forces by {100 * error.forces:.3g} %; run fewer revolutions, add damping, or give a step "
-        "of your own"
+        f"deflections are still off by about {100 * error.linkage:.3g} % of their peak; run fewer "
+        "revolutions, add damping, or give a step of your own"
     )
 
 
@@ -242,14 +235,15 @@ def _difference(
         "torque": np.maximum(second.peak_driving_torque, nothing * extent),
     }
     errors: dict[str, FloatArray] = {}
-    worst = {}
+    linkage = 0.0
     for name, scale in scales.items():
         (was, reached), (now, reaches) = before[name], after[name]
         apart = _sizes(now - was).max(axis=0)
         higher = np.maximum(np.abs(reaches - reached), _at_peaks(_sizes(was), _sizes(now)))
         errors |= {name: apart / scale, f"peak_{name}": higher / scale}
-        worst[name] = float(apart.max() / scale.max())
-    return RunError(worst["deflection"], worst["force"], errors)
+        if name == "deflection":
+            linkage = float(apart.max() / scale.max())
+    return RunError(linkage, errors)
 
 
 def _histories(engine: Engine, run: Trajectory) -> dict[str, tuple[FloatArray, FloatArray]]:

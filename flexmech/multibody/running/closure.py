@@ -285,9 +285,7 @@ class ClosedJoints:
             for each, own in zip(self.gaps, gaps, strict=True):
                 each.add_rows(position, gradient[first:])
                 first += len(own)
-            moved = np.flatnonzero(gradient.any(axis=0))
-            gradient = gradient[:, moved]
-            position[moved] -= gradient.T @ np.linalg.solve(gradient @ gradient.T, gap)
+            position -= gradient.T @ np.linalg.solve(gradient @ gradient.T, gap)
             if greatest < 1e-9:
                 break
 
