@@ -98,6 +98,13 @@ def test_runs_are_halved_until_one_of_two_estimates_is_below_two_hundredths(monk
     assert len(steps_of(monkeypatch, lambda step: 80 * step**2 + 1600 * step**4)[0]) == 4
 
 
+def test_of_a_history_that_steps_do_not_show_all_of_the_change_is_left():
+    changes = {"deflection": np.array([0.09, 0.12])}
+    error = run.RunError(0.03, changes).remaining(1 / 3)
+    assert error.linkage == pytest.approx(0.01)
+    assert error.of["deflection"] == pytest.approx([0.03, 0.12])
+
+
 def test_steps_show_the_band_of_forces(monkeypatch):
     steps = steps_of(monkeypatch, lambda step: 0.0, band=100.0)[0]
     assert 6.0 < steps[0] / 100.0 < 7.0

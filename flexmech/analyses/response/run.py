@@ -46,6 +46,9 @@ _ORDER, _ORDER_WHERE_LINKS_STRETCH = 2, 4
 # fast for the steps. Where links stretch fast motion is resolved last: 0.1 to 1.2 were left of
 # deflections and 0.1 to 0.9 of joint forces, in runs of random mechanisms.
 _LEFT, _LEFT_WHERE_LINKS_STRETCH = 1 / 3, 2 / 3
+# A history that halving changes by more than this part of its peak is too fast for the steps: of
+# the change nothing is sure to have gone.
+_UNRESOLVED = 0.1
 # Forces below this part of the greatest are the round-off of none.
 _NO_FORCE = 1e-9
 
@@ -73,6 +76,15 @@ class RunError:
         """The same, a factor greater."""
         of = {name: factor * value for name, value in self.of.items()}
         return RunError(factor * self.linkage, of)
+
+    def remaining(self, left: float) -> RunError:
+        """What is left of these changes by a halving: a part, or all where it is not resolved."""
+
+        def of(change: FloatArray) -> FloatArray:
+            return np.where(change > _UNRESOLVED, change, left * change)
+
+        values = {name: of(value) for name, value in self.of.items()}
+        return RunError(float(of(np.array(self.linkage))), values)
 
 
 @dataclass(frozen=True)
@@ -175,9 +187,9 @@ def _extrapolated(
     for _ in range(_MOST_HALVINGS + 1):
         fine = run(coarse.step / 2)
         found = fine.extrapolated(coarse, order)
-        errors = [_difference(engine, coarse, fine) * left]
+        errors = [_difference(engine, coarse, fine).remaining(left)]
         if before is not None:
-            errors.append(_difference(engine, before, found) * left)
+            errors.append(_difference(engine, before, found).remaining(left))
         error = min(errors, key=lambda each: each.linkage)
         if error.linkage <= _STEP_TOLERANCE:
             return found, coarse, error
