@@ -107,7 +107,7 @@ def measured_response(
         if change.max() < _HALVING:
             break
         plan, added = half_plan, halved / 2
-        others = [n for n in range(len(pulses)) if n not in range(len(pulses))[_HALVED]]
+        others = np.delete(np.arange(len(pulses)), _HALVED).tolist()
         added[others] = added_by_impacts(run, [pulses[n] for n in others], label, twin)[0]
         whole = _estimated(plan, added)
     else:

@@ -46,7 +46,7 @@ class Trajectory:
     time : ndarray, shape (N,)
         In s.
     displacement, rate : list of ndarray, shape (N, n_link)
-        As in :class:`StepBlock`.
+        As in :class:`flexmech.time_domain.StepBlock`.
     joint_force : ndarray, shape (N, n_joints, 2)
     driving_torque : ndarray, shape (N,)
         Both as far as the band of the recorder lets them through.
