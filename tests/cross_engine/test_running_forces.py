@@ -136,15 +136,17 @@ def test_more_random_mechanisms(seed):
     """With the steps that a run chooses for itself.
 
     The reference's joints stay where the rigid linkage has them: deflections differ where a link
-    deflects by some per cent of its length.
+    deflects by some per cent of its length. A link that hardly bends beside the others is known to
+    the error that the run tells of it: the step is chosen by the links that bend.
     """
     case = random_case(seed, damped=True)
     engines = [ReferenceEngine(case.mechanism), ExudynEngine(case.mechanism)]
     run = response(engines, ResponseRequest(CrankDrive(case.crank_speed), 1.0, 360))
     lengths = [link.length for link in case.mechanism.linkage.topology.links]
     bow = np.abs(run.dataset["deflection"]).max(["engine", "time"]).values / lengths
-    agreement = float(run.agreement().max())
-    assert agreement < (1e-2 if bow.max() < SMALL_BOW else 3 * bow.max())
+    told = run.dataset["step_error_of_deflection"].sum("engine").values
+    bound = 1e-2 if bow.max() < SMALL_BOW else 3 * bow.max()
+    assert np.all(run.agreement().values < bound + told)
     agreement = run.force_agreement()
     assert float(agreement["peak_joint_force"].max()) < 2e-2
     assert float(agreement["peak_driving_torque"]) < 2e-2
