@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.signal import firwin, kaiser_beta, oaconvolve
+import scipy
 
 from flexmech.arrays import FloatArray, IntArray
 
@@ -54,9 +54,11 @@ class LowPass:
         middle, nyquist = 1.5 * band, 0.5 / step
         self.kernel: FloatArray = np.ones(1)
         if middle < nyquist:
-            beta = kaiser_beta(ATTENUATION)
+            beta = scipy.signal.kaiser_beta(ATTENUATION)
             half = int(np.ceil((ATTENUATION - 7.95) / (2.285 * np.pi * band / nyquist) / 2))
-            self.kernel = firwin(2 * half + 1, middle, window=("kaiser", beta), fs=1 / step)
+            self.kernel = scipy.signal.firwin(
+                2 * half + 1, middle, window=("kaiser", beta), fs=1 / step
+            )
         self.half = len(self.kernel) // 2
         self._weights = np.array(weights) if WEIGHTED * band < nyquist else np.ones(1)
         self._taken = 0
@@ -97,7 +99,7 @@ class LowPass:
 
     def _filtered(self) -> FloatArray:
         assert self._values is not None
-        result = oaconvolve(self._values, self.kernel[:, None], mode="valid", axes=0)
+        result = scipy.signal.oaconvolve(self._values, self.kernel[:, None], mode="valid", axes=0)
         self._values = self._values[len(result) :]
         return np.asarray(result)
 

@@ -9,13 +9,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from flexmech.arrays import FloatArray
 from flexmech.choices import MODES, MOST_MODES, PRESTRESS_LEVELS, MapPrestress, Prestress
 from flexmech.linear_system import Engine, LinearSystem, RotationTerms, StressedLinks, has_dampers
 from flexmech.linkages import CrankDrive
-from flexmech.time_domain import DrivenLinkage, simulated_orbit, simulator
 from flexmech.validation import check_choice, check_count
 
 # Vibration moves frequencies by a part of what speed does; a step of an eighth of a degree makes
@@ -37,7 +36,7 @@ class RunningStates:
         Of the rotation: 1 counter-clockwise, -1 clockwise.
     """
 
-    displacement: tuple[CubicSpline, ...]
+    displacement: tuple[scipy.interpolate.CubicSpline, ...]
     sense: float
 
     @classmethod
@@ -62,6 +61,9 @@ class RunningStates:
         ComputationError
             If no periodic motion is found.
         """
+        # Imported where it is needed: most maps need no simulation.
+        from flexmech.time_domain import DrivenLinkage, simulated_orbit, simulator
+
         engine = engine.with_(shaft="prescribed")
         simulating, drive = simulator(engine), CrankDrive(crank_speed)
         turn = drive.revolution_time
@@ -77,7 +79,7 @@ class RunningStates:
         for q in orbit.turn.displacement:
             closed = q.copy()
             closed[-1] = closed[0]
-            splines.append(CubicSpline(angle, closed, bc_type="periodic"))
+            splines.append(scipy.interpolate.CubicSpline(angle, closed, bc_type="periodic"))
         return cls(tuple(splines), float(np.sign(crank_speed)))
 
     def at(self, crank_angle: FloatArray) -> list[FloatArray]:

@@ -22,8 +22,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 from flexmech.arrays import SAME_PLACE, FloatArray, IntArray
 from flexmech.errors import FlexmechError
@@ -62,7 +62,7 @@ def assign(amplitude: FloatArray) -> IntArray:
     best: IntArray = amplitude.argmax(axis=1)
     unclear = np.flatnonzero(np.any(np.sort(best, axis=1) != np.arange(best.shape[1]), axis=1))
     for number in unclear:
-        rows, columns = linear_sum_assignment(amplitude[number] ** 2, maximize=True)
+        rows, columns = scipy.optimize.linear_sum_assignment(amplitude[number] ** 2, maximize=True)
         best[number, columns] = rows
     return best
 

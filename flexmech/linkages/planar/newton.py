@@ -12,8 +12,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline
 
 from flexmech.arrays import ROUND_OFF, FloatArray
 from flexmech.errors import ComputationError, InputError
@@ -73,7 +73,9 @@ class ContinuationPath:
 
     def guess(self, angle: FloatArray) -> FloatArray:
         """Unknowns between the postures, by cubic polynomials; shape (B, n)."""
-        return np.asarray(CubicHermiteSpline(self.angle, self.unknowns, self.slope)(angle))
+        return np.asarray(
+            scipy.interpolate.CubicHermiteSpline(self.angle, self.unknowns, self.slope)(angle)
+        )
 
 
 class NewtonGroup:

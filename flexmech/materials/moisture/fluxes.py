@@ -15,8 +15,7 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
-import scipy.sparse
-from scipy.integrate import solve_ivp
+import scipy
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError
@@ -117,7 +116,8 @@ class Fluxes:
         problem = (rate, (0.0, period.stop - period.start), state)
         total = float(self.mesh.capacity.sum())
         options = {"rtol": tolerance, "atol": ABSOLUTE * tolerance * total}
-        solver: Any = solve_ivp  # whose stubs tell its overloads apart by the right side's type
+        # Its stubs tell its overloads apart by the right side's type.
+        solver: Any = scipy.integrate.solve_ivp
         try:
             with np.errstate(all="ignore"):
                 solution = solver(

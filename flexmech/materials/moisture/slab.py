@@ -11,9 +11,8 @@ from __future__ import annotations
 from typing import Literal, get_args
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
-from scipy.special import erfc
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
@@ -127,7 +126,9 @@ def early_uptake(fourier: FloatArray) -> FloatArray:
     for n in range(1, TERMS):
         argument = n / root
         total += (
-            2 * (-1) ** n * (np.exp(-(argument**2)) / np.sqrt(np.pi) - argument * erfc(argument))
+            2
+            * (-1) ** n
+            * (np.exp(-(argument**2)) / np.sqrt(np.pi) - argument * scipy.special.erfc(argument))
         )
     return np.asarray(2 * np.sqrt(fourier) * total)
 
@@ -155,7 +156,9 @@ def _fourier_number_of(fraction: float) -> float:
             return float(early_uptake(np.array([fourier]))[0]) - fraction
         return (1 - fraction) - float(remaining_uptake(np.array([fourier]))[0])
 
-    return float(brentq(excess, 0.999 * earliest, 1.001 * latest, xtol=1e-300, rtol=1e-14))
+    return float(
+        scipy.optimize.brentq(excess, 0.999 * earliest, 1.001 * latest, xtol=1e-300, rtol=1e-14)
+    )
 
 
 # Of Shen & Springer's fit, as published.

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
@@ -93,8 +93,8 @@ class StressHistory:
             basis.T @ link.damping @ basis for link, basis in zip(links, bases, strict=True)
         ]
         self._guide_stiffness: FloatArray | None = None
-        self._turn: CubicSpline | None = None
-        self._rise: CubicSpline | None = None
+        self._turn: scipy.interpolate.CubicSpline | None = None
+        self._rise: scipy.interpolate.CubicSpline | None = None
         if prestress == "none" and not engine.mechanism.is_free_strained:
             self._shapes = [
                 StressShapes.straight(basis.T @ link.stiffness @ basis, damping)
@@ -121,9 +121,9 @@ class StressHistory:
         turn = share[: len(angles)]
         # The last position of a turn is the first.
         turn[-1] = turn[0]
-        self._turn = CubicSpline(angles, turn, bc_type="periodic")
+        self._turn = scipy.interpolate.CubicSpline(angles, turn, bc_type="periodic")
         if not drive.is_constant:
-            self._rise = CubicSpline(rise_time, share[len(angles) :])
+            self._rise = scipy.interpolate.CubicSpline(rise_time, share[len(angles) :])
 
     def at(self, time: FloatArray) -> list[LinkStress]:
         """Stress of each link at times of shape (m,)."""
@@ -284,8 +284,10 @@ class StressHistory:
         start, first = 0, 0
         for size, basis in zip(self._sizes, self._bases, strict=True):
             own = slice(first, first + len(basis))
-            path = CubicSpline(where, place[:, own])
-            power = CubicSpline(where, np.sum(force[:, own] * path(where, 1), axis=1))
+            path = scipy.interpolate.CubicSpline(where, place[:, own])
+            power = scipy.interpolate.CubicSpline(
+                where, np.sum(force[:, own] * path(where, 1), axis=1)
+            )
             energy = power.antiderivative()(where) + force[0, own] @ place[0, own] / 2
             values[:, start + size * size + size] += energy
             start += sum(self._widths(size))

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import (
@@ -189,8 +189,8 @@ class FreeAndForced:
         turns = np.floor(along / steps).astype(int)
         within = along - turns * steps
         grid = np.arange(steps + 1.0)
-        of_state = CubicSpline(grid, free)(within)
-        forced = CubicSpline(grid, periodic)(within)
+        of_state = scipy.interpolate.CubicSpline(grid, free)(within)
+        forced = scipy.interpolate.CubicSpline(grid, periodic)(within)
         motions = np.empty_like(of_state)
         power, drift = np.eye(n), np.zeros(n)
         for number in range(int(turns[-1]) + 1):
