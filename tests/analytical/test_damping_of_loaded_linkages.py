@@ -53,7 +53,8 @@ def fit(name: str, seed: int) -> Fit:
     return fitted(replace(known, record=known.record + NOISE * known.record.std() * noise))
 
 
-@pytest.mark.parametrize("name", [PUSHED, pytest.param(HEAVY, marks=pytest.mark.thorough)])
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", [PUSHED, HEAVY])
 def test_nothing_but_the_noise_is_unexplained(name: str) -> None:
     found = fit(name, 0)
     assert found.unexplained == pytest.approx(NOISE**2, rel=0.1)

@@ -32,7 +32,7 @@ def solved(
     return rigid, motion, w, pose
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(topologies(), st.integers(0, 1000))
 def test_how_a_pose_can_move_is_its_derivative(topology: Topology, seed: int) -> None:
     rigid, motion, w, pose = solved(topology, seed, 0.02)
@@ -54,7 +54,7 @@ def test_how_a_pose_can_move_is_its_derivative(topology: Topology, seed: int) ->
             np.testing.assert_allclose(found, moved, atol=1e-6)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(topologies(), st.integers(0, 1000))
 def test_stiffness_is_the_second_derivative_of_the_work_of_dead_forces(
     topology: Topology, seed: int

@@ -15,6 +15,7 @@ from flexmech.arrays import FloatArray
 from flexmech.choices import MODES, MOST_MODES, PRESTRESS_LEVELS, MapPrestress, Prestress
 from flexmech.linear_system import Engine, LinearSystem, RotationTerms, StressedLinks, has_dampers
 from flexmech.linkages import CrankDrive
+from flexmech.time_domain import DrivenLinkage, simulated_orbit, simulator
 from flexmech.validation import check_choice, check_count
 
 # Vibration moves frequencies by a part of what speed does; a step of an eighth of a degree makes
@@ -61,9 +62,6 @@ class RunningStates:
         ComputationError
             If no periodic motion is found.
         """
-        # Imported where it is needed: most maps need no simulation.
-        from flexmech.time_domain import DrivenLinkage, simulated_orbit, simulator
-
         engine = engine.with_(shaft="prescribed")
         simulating, drive = simulator(engine), CrankDrive(crank_speed)
         turn = drive.revolution_time
