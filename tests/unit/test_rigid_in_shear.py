@@ -11,9 +11,7 @@ import numpy as np
 import pytest
 
 from flexmech import (
-    BeamSection,
     ExudynEngine,
-    FourBar,
     Mechanism,
     ReferenceEngine,
     check_mechanism,
@@ -22,11 +20,15 @@ from flexmech import (
     natural_frequencies,
 )
 from flexmech.analyses import solve_frequencies
+from flexmech.verification import verification_case
 
 MODELS = Path(__file__).parents[2] / "models"
 ANGLES = np.radians([0.0, 60.0])
 # The four-bar of Turcic, Midha and Bosnik (1984) in Hz, Euler-Bernoulli beams.
-EXPECTED = [[42.9111, 48.6563, 61.0125], [46.5596, 50.5971, 103.3597]]
+EXPECTED = [
+    verification_case(f"Four-bar of Turcic, Midha & Bosnik at rest: {angle}, reference").expected
+    for angle in ("0 deg", "60 deg")
+]
 ENGINES = [
     (ReferenceEngine, "euler"),
     (ReferenceEngine, "timoshenko"),
@@ -37,21 +39,12 @@ ENGINES = [
 
 
 def turcic(shear_stiffness: float) -> Mechanism:
-    def section(area: float, bending: float) -> BeamSection:
-        modulus, density = 71e9, 2714.0
-        return BeamSection(
-            axial_stiffness=modulus * area,
-            bending_stiffness=bending,
-            shear_stiffness=shear_stiffness,
-            mass_per_length=density * area,
-            rotary_inertia=density * bending / modulus,
-            in_plane_thickness=math.sqrt(12 * bending / modulus / area),
-        )
-
-    slender = section(4.0645e-5, 0.616)
-    sections = {"crank": section(1.0774e-4, 11.472), "coupler": slender, "rocker": slender}
-    linkage = FourBar(ground=0.254, crank=0.108, coupler=0.2794, rocker=0.2705)
-    return Mechanism(linkage, sections, joint_masses={"A": 0.042, "B": 0.042})
+    mechanism = load_mechanism(MODELS / "turcic_midha_bosnik_fourbar.toml")
+    sections = {
+        name: replace(section, shear_stiffness=shear_stiffness)
+        for name, section in mechanism.sections.items()
+    }
+    return replace(mechanism, sections=sections)
 
 
 @pytest.mark.parametrize("shear_stiffness", [1e9, 1e12, math.inf])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -16,6 +17,7 @@ from flexmech.linkages import RotatingArm
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection
 from flexmech.verification.methods.engines import SLENDER, engine_of_name, example
+from flexmech.verification.methods.stored_tables import stored_table
 
 _FREE_SHAFT = "slider_crank_free_shaft"
 
@@ -65,6 +67,41 @@ def four_bar_frequencies(
         prestress=prestress,
         rotation_terms=rotation_terms,
     )
+
+
+def stored_frequencies(*, table: str) -> FloatArray:
+    """Published natural frequencies over the crank angle, as stored.
+
+    Parameters
+    ----------
+    table : str
+        Name of the stored table: crank angles in deg, then frequencies in rad/s, one column a mode.
+
+    Returns
+    -------
+    ndarray, shape (n_angles, modes)
+        In Hz.
+    """
+    return np.asarray(stored_table(table).to_numpy(dtype=float)[:, 1:] / (2 * np.pi))
+
+
+def frequencies_at_stored_angles(*, table: str, **settings: Any) -> FloatArray:
+    """Natural frequencies of an example model at the crank angles of published ones.
+
+    Further settings are those of :func:`four_bar_frequencies`.
+
+    Parameters
+    ----------
+    table : str
+        As in :func:`stored_frequencies`.
+
+    Returns
+    -------
+    ndarray, shape (n_angles, modes)
+        In Hz.
+    """
+    angles = stored_table(table)["crank_angle_deg"].to_numpy(dtype=float)
+    return four_bar_frequencies(crank_angles=angles.tolist(), **settings)
 
 
 def unit_arm(slenderness: float, hub_radius: float = 0.0) -> Mechanism:
@@ -194,7 +231,7 @@ def four_bar_by_plane_elasticity(
         layers = mechanism.sections[link.name].layers
         if layers is None:
             raise InputError(f"{model}: {link.name} has no layers")
-        made.append(plane_link(layers.laminate, layers.width, link.length, elements))
+        made.append(plane_link(layers.smeared.laminate, layers.width, link.length, elements))
     angles = mechanism.linkage.motion(np.radians(crank_angle)).angle.tolist()
     return fourbar_frequencies(made, angles, [link.length for link in links], modes)
 

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
-from importlib import resources
 from typing import Literal
 
 import numpy as np
-import pandas as pd
 
 from flexmech.analyses import deflections
 from flexmech.analyses.response.compute import response
@@ -25,6 +22,7 @@ from flexmech.reference import ReferenceEngine
 from flexmech.time_domain import DrivenLinkage, LinkState, Trajectory, linear_run, periodic_state
 from flexmech.verification.methods.engines import SLENDER, engine_of_name, example
 from flexmech.verification.methods.floating_rod import CRANK_SPEED, END_TIME
+from flexmech.verification.methods.stored_tables import stored_table
 
 # A degree of the crank each.
 SAMPLES = 360
@@ -36,15 +34,8 @@ SPIN_UP_TIME = np.linspace(0.0, 20.0, 4001)
 STEADY_FROM = 16.0
 
 
-def _deflection_history() -> pd.DataFrame:
-    """Deflection of the aluminium four-bar's coupler by MBDyn and OpenSees, as stored."""
-    folder = resources.files("flexmech.verification") / "data"
-    text = folder.joinpath("aluminium_20_rad_s_history.csv").read_text(encoding="utf-8")
-    return pd.read_csv(io.StringIO(text), comment="#")
-
-
 def stored_deflection(*, program: str, every: int) -> FloatArray:
-    """Deflection of the coupler's middle by another program.
+    """Deflection of the aluminium four-bar's coupler in its middle by another program, as stored.
 
     Parameters
     ----------
@@ -57,7 +48,7 @@ def stored_deflection(*, program: str, every: int) -> FloatArray:
     ndarray, shape (n,)
         In mm.
     """
-    column = _deflection_history()[f"{program}_mm"].dropna()
+    column = stored_table("aluminium_20_rad_s_history")[f"{program}_mm"].dropna()
     return np.asarray(column.to_numpy(dtype=float)[::every])
 
 
