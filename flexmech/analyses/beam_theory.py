@@ -155,7 +155,7 @@ def _restrained_line(
 ) -> str:
     """What a link that bends and twists as in three dimensions is taken to be held by."""
     assert section.layers is not None
-    free = replace(section.layers, twist="free")
+    free = replace(section.layers.smeared, twist="free")
     gain = float(np.sqrt(1 + restrained.of_half_sine / free.bending_stiffness)) - 1
     if gain <= NEGLIGIBLE:
         return ""
@@ -196,7 +196,7 @@ def _ends_apart(engines: Sequence[Engine], comparison: TheoryComparison) -> list
         return []
     mechanism, apart = fine[0].mechanism, []
     for name in _restrained_links(fine[0]):
-        layers = mechanism.sections[name].layers
+        layers = _smeared(mechanism.sections[name])
         assert layers is not None
         found = beam_error(layers, mechanism.link_mass(name).length)
         # Without three dimensions: the second mode, whose ends turn alike, has no torque.
@@ -214,9 +214,10 @@ def _ends_apart(engines: Sequence[Engine], comparison: TheoryComparison) -> list
 
 def _between_joints(link: str, section: BeamSection, length: float) -> str:
     """How far a link's beam is from the link itself between joints; nothing if that is little."""
-    if section.layers is None:
+    layers = _smeared(section)
+    if layers is None:
         return ""
-    found = beam_error(section.layers, length)
+    found = beam_error(layers, length)
     if found is None:
         return _short(link, section, length)
     if max(map(abs, found.of_modes)) <= NEGLIGIBLE:
@@ -225,7 +226,7 @@ def _between_joints(link: str, section: BeamSection, length: float) -> str:
     by = "three-dimensional elements" if found.solid else "a beam whose ends hold its twist"
     return (
         f"{link}: between joints that hold its end faces flat its first bending frequency is "
-        f"{first}, its second {second} (by {by}, {length / section.layers.width:.3g} widths long)"
+        f"{first}, its second {second} (by {by}, {length / layers.width:.3g} widths long)"
     )
 
 
@@ -237,7 +238,7 @@ def _high_or_low(value: float) -> str:
 
 def _short(link: str, section: BeamSection, length: float) -> str:
     """What rigid end faces do to a short link that twists as it bends; nothing if it is long."""
-    layers = section.layers
+    layers = _smeared(section)
     if layers is None or layers.twist != "held" or _gain_by_twist(layers) <= NEGLIGIBLE:
         return ""
     widths = length / layers.width
@@ -250,6 +251,11 @@ def _short(link: str, section: BeamSection, length: float) -> str:
     )
 
 
+def _smeared(section: BeamSection) -> LaminateSection | None:
+    """Layers of a section as they bend in the plane; None where they are not known."""
+    return None if section.layers is None else section.layers.smeared
+
+
 def _gain_by_twist(layers: LaminateSection) -> float:
     """By which part holding the twist raises the first bending frequency."""
     free, restrained = (replace(layers, twist=twist).bending_stiffness for twist in TWISTS)
@@ -258,7 +264,7 @@ def _gain_by_twist(layers: LaminateSection) -> float:
 
 def _twist(link: str, section: BeamSection) -> str:
     """What holding the twist of off-axis plies does to a link; nothing where that is negligible."""
-    layers = section.layers
+    layers = _smeared(section)
     if layers is None or not layers.twists:
         return ""
     free, restrained = (replace(layers, twist=twist).bending_stiffness for twist in TWISTS)

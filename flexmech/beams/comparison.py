@@ -184,7 +184,7 @@ def _is_compressed(section: BeamSection | None, mass: LinkMass, highest: float) 
     """Whether frequencies in Hz come near to the one at which a link's layers are compressed."""
     if section is None or section.layers is None or not mass.mass_per_length:
         return False
-    return highest > STIFF_THROUGH * compression_frequency(section.layers)
+    return highest > STIFF_THROUGH * compression_frequency(section.layers.smeared)
 
 
 def _plane(links: _Links, number: int, modes: int) -> LinkModel:
@@ -195,7 +195,9 @@ def _plane(links: _Links, number: int, modes: int) -> LinkModel:
     name = links.topology.link_names[number]
     ends = (LinkEnd(name, "start"), LinkEnd(name, "end"))
     joined = [end in links.topology.joined_ends for end in ends]
-    return plane_link(name, section.layers, mass, joined, modes, links.spring_places(number))
+    return plane_link(
+        name, section.layers.smeared, mass, joined, modes, links.spring_places(number)
+    )
 
 
 def _beam(links: _Links, number: int, theory: str, modes: int) -> LinkModel:

@@ -156,7 +156,7 @@ def restrained_beam(mechanism: Mechanism, link: str) -> tuple[BeamSection, Restr
     section, layers = mechanism.sections[link], mechanism.sections[link].layers
     ends = {LinkEnd(link, "start"), LinkEnd(link, "end")}
     if (
-        layers is None
+        not isinstance(layers, LaminateSection)
         or layers.twist == "free"
         or not ends <= mechanism.linkage.topology.joined_ends
     ):

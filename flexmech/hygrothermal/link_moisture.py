@@ -155,7 +155,7 @@ def link_diffusion(mechanism: Mechanism, link: str) -> LinkDiffusion:
         saturation=tuple(equilibrium.saturation for _, _, equilibrium, _ in plies),
         humidity_exponent=exponents.pop(),
         faces=wetting.faces,
-        width=section.width if wetting.sides else None,
+        width=section.breadth if wetting.sides else None,
     )
 
 

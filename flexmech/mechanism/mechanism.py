@@ -48,7 +48,7 @@ from flexmech.mechanism.tables import (
     springs_table,
 )
 from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr
-from flexmech.sections import BeamSection, LaminateSection, sections_between_joints
+from flexmech.sections import BeamSection, Layers, sections_between_joints
 from flexmech.units import EXPANSION
 from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_instance, check_number, check_pair
 
@@ -276,7 +276,7 @@ class Mechanism:
         """Links whose section is stated, in order: all but some that are rigid."""
         return tuple(name for name in self.linkage.topology.link_names if name in self.sections)
 
-    def layers_of(self, link: str) -> LaminateSection | None:
+    def layers_of(self, link: str) -> Layers | None:
         """Layers of a link's section; None where they are not known, or it has no section."""
         section = self.sections.get(link)
         return None if section is None else section.layers

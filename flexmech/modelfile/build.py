@@ -30,7 +30,14 @@ from flexmech.modelfile.link_tables import (
 )
 from flexmech.modelfile.linkage_tables import PlanarTable
 from flexmech.modelfile.messages import Findings, known_name
-from flexmech.sections import BeamSection, DampingTimes, LaminateSection, SpecificDamping
+from flexmech.sections import (
+    BeamSection,
+    DampingTimes,
+    LaminateSection,
+    Layers,
+    SheetSection,
+    SpecificDamping,
+)
 from flexmech.sections.beam_section import DIMENSIONS, MAY_BE_ZERO
 
 
@@ -264,10 +271,13 @@ def _section(
 
 def _layers(
     table: LaminateLinkTable | GeneralLinkTable, laminates: Mapping[str, Laminate]
-) -> LaminateSection:
+) -> Layers:
     assert table.laminate is not None
-    assert table.out_of_plane_width is not None
     laminate = laminates[table.laminate]
+    if table.layers == "across width":
+        assert table.in_plane_thickness is not None
+        return SheetSection(laminate, table.in_plane_thickness)
+    assert table.out_of_plane_width is not None
     return LaminateSection(laminate, table.out_of_plane_width, table.reduction, table.twist)
 
 
@@ -287,8 +297,10 @@ def _general(table: GeneralLinkTable, laminates: Mapping[str, Laminate]) -> Beam
 
 
 def _with_damping(section: BeamSection, table: DampedTable) -> BeamSection:
+    if table.damping_time is not None:
+        return section.with_damping_time(table.damping_time)
     if table.damping_frequency is None:
-        return section.with_damping_time(table.damping_time or 0.0)
+        return section
     if table.damping_ratio is None:
         return section.with_damping_frequency(table.damping_frequency)
     return section.with_damping_ratio(table.damping_ratio, table.damping_frequency)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, model_validator
@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from flexmech.errors import InputError
 from flexmech.modelfile import base_table as base
 from flexmech.modelfile.material_tables import WettedTable
+from flexmech.sections import LayerDirection
 
 Beam = Annotated[int, Field(ge=1, strict=True)]
 OF_BEAM = (
@@ -76,12 +77,57 @@ class RectangleLinkTable(AnyLinkTable):
     )
 
 
+LAYERS = (
+    "'through thickness': stacked in the linkage's plane, which bending bends them through; "
+    "'across width': parallel to that plane, as cut from a flat sheet, stacked along the joint axes"
+)
+
+
+def check_size(layers: LayerDirection, given: Set[str]) -> None:
+    """Refuse a laminate whose other extent is missing, or stated where the laminate has it.
+
+    Parameters
+    ----------
+    layers : str
+        Where they are stacked.
+    given : set of str
+        Keys of the table.
+
+    Raises
+    ------
+    InputError
+        That names the keys.
+    """
+    across = layers == "across width"
+    needed, other = "out_of_plane_width", "in_plane_thickness"
+    if across:
+        needed, other = other, needed
+    if needed not in given:
+        raise InputError(f'{needed} is missing, which layers = "{layers}" needs')
+    if other in given:
+        raise InputError(
+            f'{other}: with layers = "{layers}" it is the thickness of the laminate; leave it out, '
+            f"and give {needed}"
+        )
+    for key in {"reduction", "twist"} & given if across else ():
+        raise InputError(
+            f'{key} is of layers through the thickness; leave it out of layers = "{layers}"'
+        )
+
+
 class LaminateLinkTable(AnyLinkTable):
-    """A link made of a laminate whose layers lie in the plane of the linkage."""
+    """A link made of a laminate."""
 
     section: Literal["laminate"]
     laminate: base.Text = Field(description="Name of a table under [laminates]")
-    out_of_plane_width: base.Width = Field(description="Extent of the section along the joint axes")
+    layers: LayerDirection = base.optional(LAYERS, "through thickness")
+    out_of_plane_width: base.Width | None = base.optional(
+        "Extent of the section along the joint axes; with layers across the width the laminate's "
+        "thickness is that"
+    )
+    in_plane_thickness: base.Thickness | None = base.optional(
+        "With layers across the width alone: extent of the section in the linkage's plane"
+    )
     reduction: Literal["narrow", "wide"] = base.optional(
         "'narrow': free to contract along the joint axes; 'wide': held from it", "narrow"
     )
@@ -89,6 +135,11 @@ class LaminateLinkTable(AnyLinkTable):
         "Of off-axis plies that twist as they bend: 'held' by joints at both ends; "
         "'free'. Left out: as the link's joints have it"
     )
+
+    @model_validator(mode="after")
+    def _has_its_size(self) -> LaminateLinkTable:
+        check_size(self.layers, self.model_fields_set)
+        return self
 
     def _check_frequency_alone(self) -> None:
         """Take the specific damping of the plies at that frequency."""
@@ -155,14 +206,21 @@ class GeneralLinkTable(AnyLinkTable):
         "Layers of the section, a table under [laminates], for stresses inside it; "
         "its stiffness stays as stated here"
     )
-    out_of_plane_width: base.Width | None = base.optional("With laminate")
+    layers: LayerDirection = base.optional("With laminate", "through thickness")
+    out_of_plane_width: base.Width | None = base.optional("With laminate through the thickness")
     reduction: Literal["narrow", "wide"] = base.optional("With laminate", "narrow")
     twist: Literal["free", "held"] | None = base.optional("With laminate")
 
     @model_validator(mode="after")
     def _nothing_twice_or_alone(self) -> GeneralLinkTable:
-        if (self.laminate is None) != (self.out_of_plane_width is None):
-            raise InputError("laminate and out_of_plane_width belong together; give both or none")
+        across = self.layers == "across width"
+        if self.laminate is None and across:
+            raise InputError("layers is of a laminate, which is missing; give both or none")
+        if (self.laminate is None or across) != (self.out_of_plane_width is None):
+            raise InputError(
+                "laminate and out_of_plane_width belong together; give both or none, and "
+                "out_of_plane_width of no laminate with layers across the width"
+            )
         if self.damping_times is not None and self.has_damping:
             raise InputError(
                 "damping_times and damping_time or damping_ratio are both given; keep one"

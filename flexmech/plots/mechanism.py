@@ -198,18 +198,19 @@ class _Row:
         Lines beside it.
     width : float
         In mm; not a number where none is known.
+    thickness : float
+        In mm.
     layers : list of (float, float, str)
         Lower and upper face in mm, and grey.
+    across : bool
+        Whether the layers lie side by side across the width.
     """
 
     texts: list[str]
     width: float
+    thickness: float
     layers: list[tuple[float, float, str]]
-
-    @property
-    def thickness(self) -> float:
-        """In mm."""
-        return self.layers[-1][1] - self.layers[0][0]
+    across: bool
 
     @property
     def least_height(self) -> float:
@@ -281,7 +282,9 @@ def _row(link: xr.Dataset, letters: int) -> _Row:
     faces = zip(
         *(link[one].values.tolist() for one in ("layer_low", "layer_high", "grey")), strict=True
     )
-    return _Row(texts, width, [(1e3 * low, 1e3 * up, g) for low, up, g in faces if low < up])
+    layers = [(1e3 * low, 1e3 * up, g) for low, up, g in faces if low < up]
+    across = link["direction_of_layers"].item() == "across width"
+    return _Row(texts, width, thick, layers, across)
 
 
 def _plies(dataset: xr.Dataset) -> dict[str, str]:
@@ -311,9 +314,11 @@ def _draw_sections(axes: Axes, stacks: _Stacks) -> None:
         drawn, lowest = row.width if known else DRAWN * across, row.layers[0][0]
         base = middle - row.thickness / 2
         for low, high, grey in row.layers:
-            corner = (0.0, base + low - lowest)
+            corner, size = (0.0, base + low - lowest), (drawn, high - low)
+            if row.across:
+                corner, size = (low - lowest, base), (high - low, row.thickness)
             edge: Look = {"ec": OUTLINE, "lw": 0.25 if 1 < len(row.layers) <= MOST_EDGES else 0}
-            axes.add_patch(Rectangle(corner, drawn, high - low, fc=grey, **edge))
+            axes.add_patch(Rectangle(corner, *size, fc=grey, **edge))
         frame = WHOLE_FRAME if known else UNKNOWN_WIDTH
         axes.add_patch(Rectangle((0.0, base), drawn, row.thickness, clip_on=False, **frame))
         words = "\n".join(row.texts)

@@ -65,13 +65,15 @@ TIME_UNITS = ("day", "hour", "second")
 
 @dataclass(frozen=True)
 class _Run:
-    """Neighbouring layers of one ply and angle: name, faces in mm and grey."""
+    """Neighbouring layers of one ply and angle: name, faces in mm along the stack and grey."""
 
     ply: str
     text: str
     low: float
     high: float
     shade: str
+    first: int
+    """Number of its first layer."""
 
 
 def plot_section(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -80,7 +82,8 @@ def plot_section(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     An axial force along the pins' axis, a bending moment and a shear force, each alone. Where
     the section is unsymmetric the dashed lines leave its axial-bending coupling out. The
     shear stress is the one that balances the normal stress; where the third-order theory has
-    another one, it is drawn too. The layers are shaded by ply and named from the stack.
+    another one, it is drawn too. The layers are shaded by ply and named from the stack. Layers
+    across the width, which all reach through the thickness, have a line for each kind of ply.
 
     Parameters
     ----------
@@ -89,7 +92,8 @@ def plot_section(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         ``place`` in m, ``strain``, ``normal_stress``, ``shear_stress`` and
         ``third_order_shear_stress`` in Pa under 1 N or 1 N m, with ``ply`` and ``angle`` (rad)
         of the layers, ``neutral_axis`` and ``mass_axis`` in m. Layers and points without a
-        place are left out.
+        place are left out. ``direction_of_layers`` and ``layer_thickness`` (layer) in m tell how
+        the layers are stacked.
     ax : sequence of Axes, optional
         The user's six. Left out: a new figure is made.
 
@@ -99,26 +103,32 @@ def plot_section(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """
     for dimension in ("layer", "point"):
         dataset = dataset.dropna(dimension, how="all", subset=["place"])
-    runs, profiles = _runs(dataset), [_lines(dataset, *profile) for profile in PROFILES]
+    runs, across = _runs(dataset), dataset["direction_of_layers"] == "across width"
+    kinds = _kinds(runs) if across else {}
+    lines_of = _lines_of_kinds if across else _lines
+    profiles = [lines_of(dataset, *profile) for profile in PROFILES]
     named = len(runs) <= MOST_NAMES
     layout = grid(2, 3, 2 * PANEL_HEIGHT + 0.9, narrow=2, sharey=True, gridspec_kw={"wspace": 0.06})
     with sheet(layout, ax=ax) as drawn:
         link = str(dataset["link"].item()).capitalize()
-        handles = _handles(dataset, set().union(*profiles), [] if named else runs)
+        handles = _handles(dataset, set().union(*profiles), [] if named else runs, kinds)
         title = f"{link}: through the thickness under unit loads on the pins' axis"
         drawn.header(handles, title, of=dataset)
         stack = drawn.panels[LAYERS_PANEL]
         for axes in drawn.panels:
             edge = STACK_EDGE if axes is stack else 1.0
-            for run in runs:
+            for run in () if across else runs:
                 axes.axhspan(run.low, run.high, xmax=edge, fc=run.shade, **BETWEEN_LAYERS)
-            axes.set_ylim(runs[0].low, runs[-1].high)
+            place = 1e3 * dataset["place"].values
+            axes.set_ylim(place.min(), place.max())
             scales.plain_numbers(axes)
         of_profiles = [axes for axes in drawn.panels if axes is not stack]
         for axes, lines, profile in zip(of_profiles, profiles, PROFILES, strict=True):
             _draw_profile(axes, dataset, lines, *profile)
         _draw_axes_of_section(stack, dataset)
-        if named:
+        if across:
+            _stand_layers(stack, runs)
+        elif named:
             _name_layers(stack, runs)
         drawn.label_y("Place y from the pins' axis (mm)")
         if drawn.is_new:
@@ -127,7 +137,8 @@ def plot_section(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
 
 
 def _runs(dataset: xr.Dataset) -> list[_Run]:
-    place = 1e3 * values_of(dataset["place"], "layer", "point")
+    thickness = 1e3 * dataset["layer_thickness"].values
+    faces = np.concatenate([[0.0], np.cumsum(thickness)]) - thickness.sum() / 2
     degrees = np.round(np.degrees(dataset["angle"].values.astype(float)), 6)
     layers = list(zip(dataset["ply"].values.tolist(), degrees.tolist(), strict=True))
     plies = list(dict.fromkeys(ply for ply, _ in layers))
@@ -138,7 +149,7 @@ def _runs(dataset: xr.Dataset) -> list[_Run]:
         turned = f" {angle:.4g}°".replace("-", "\N{MINUS SIGN}") if np.any(degrees != 0) else ""
         tail = turned + (f" {TIMES} {end - start}" if end - start > 1 else "")
         text = _short(ply, LONGEST_NAME - len(tail)) + tail if ply else "one material"
-        runs.append(_Run(ply, text, place[start, 0], place[end - 1, -1], f"{greys[ply]:.3f}"))
+        runs.append(_Run(ply, text, faces[start], faces[end], f"{greys[ply]:.3f}", start))
         start = end
     return runs
 
@@ -156,7 +167,8 @@ def _draw_profile(
     what = name.replace("_", " ").capitalize()
     factor, unit = _scaled(dataset, name, load)
     for number, values in lines.items():
-        axes.plot(factor * values, 1e3 * _flat(dataset["place"]), **series_line(number), zorder=3)
+        place = 1e3 * _flat(dataset["place"])[: len(values)]
+        axes.plot(factor * values, place, **series_line(number), zorder=3)
     axes.axvline(0.0, color=style.MID_GREY, lw=0.5, zorder=2)
     neutral = 1e3 * float(dataset["neutral_axis"])
     axes.axhline(neutral, color=style.MID_GREY, ls=NEUTRAL_AXIS["ls"], lw=0.7, zorder=2)
@@ -179,6 +191,23 @@ def _lines(dataset: xr.Dataset, name: str, load: str) -> dict[int, FloatArray]:
     least = SAME * np.abs(coupled).max()
     apart = {n: values for n, values in others.items() if np.abs(values - coupled).max() > least}
     return apart | {COUPLED: coupled}
+
+
+def _kinds(runs: list[_Run]) -> dict[str, int]:
+    """First layer of each kind of ply."""
+    first: dict[str, int] = {}
+    for run in runs:
+        first.setdefault(run.text.split(f" {TIMES} ")[0], run.first)
+    return first
+
+
+def _lines_of_kinds(dataset: xr.Dataset, name: str, load: str) -> dict[int, FloatArray]:
+    """Of layers across the width: a line for each kind of ply, or one where all are alike."""
+    values = values_of(dataset[name].sel(load=load, coupling="with"), "layer", "point")
+    rows = values[list(_kinds(_runs(dataset)).values())]
+    if np.abs(rows - rows[0]).max() <= SAME * np.abs(rows).max():
+        rows = rows[:1]
+    return dict(enumerate(rows))
 
 
 def _flat(values: xr.DataArray) -> FloatArray:
@@ -219,6 +248,16 @@ def _name_layers(axes: Axes, runs: list[_Run]) -> None:
         axes.text(NAME_EDGE, name, run.text, fontsize=size, va="center")
 
 
+def _stand_layers(axes: Axes, runs: list[_Run]) -> None:
+    """Layers across the width side by side, the names of their kinds beside them."""
+    low, high = runs[0].low, runs[-1].high
+    for run in runs:
+        left, right = (STACK_EDGE * (x - low) / (high - low) for x in (run.low, run.high))
+        axes.axvspan(left, right, fc=run.shade, **BETWEEN_LAYERS)
+    text = "\n".join(run.text for run in runs[:MOST_NAMES])
+    axes.text(NAME_EDGE, 0.0, f"From left to right:\n{text}", fontsize=LABEL_POINTS, va="center")
+
+
 def _axes_of(dataset: xr.Dataset) -> dict[str, tuple[float, Look]]:
     """Places in mm and looks of the neutral axis and the mass axis, or of both in one."""
     neutral, mass = (1e3 * float(dataset[name]) for name in ("neutral_axis", "mass_axis"))
@@ -227,11 +266,15 @@ def _axes_of(dataset: xr.Dataset) -> dict[str, tuple[float, Look]]:
     return {"neutral axis": (neutral, NEUTRAL_AXIS), "centre of mass": (mass, MASS_AXIS)}
 
 
-def _handles(dataset: xr.Dataset, numbers: set[int], runs: list[_Run]) -> list[Artist]:
+def _handles(
+    dataset: xr.Dataset, numbers: set[int], runs: list[_Run], kinds: dict[str, int]
+) -> list[Artist]:
     """Legend entries of lines by the numbers of their styles, of axes, and of plies."""
     labels = {UNCOUPLED: "without coupling", THIRD_ORDER: "shear stress by third-order theory"}
     alone = "classical theory, shear by equilibrium"
     labels[COUPLED] = "with coupling" if UNCOUPLED in numbers else alone
+    if len(kinds) > 1:
+        labels = dict(enumerate(kinds))
     handles = [series_handle(n, labels[n]) for n in sorted(numbers)]
     handles += [line_handle(label, **look) for label, (_, look) in _axes_of(dataset).items()]
     for ply, shade in dict.fromkeys((run.ply, run.shade) for run in runs):

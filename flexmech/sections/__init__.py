@@ -1,17 +1,17 @@
 """Beam sections: what a link's cross-section is to a beam."""
 
 from flexmech.sections.beam_reduction import REDUCTIONS, Reduction
-from flexmech.sections.beam_section import BeamSection
+from flexmech.sections.beam_section import BeamSection, Layers
 from flexmech.sections.between_joints import sections_between_joints
 from flexmech.sections.damping import DampingTimes, SpecificDamping
 from flexmech.sections.free_edges import TWISTS
 from flexmech.sections.hygrothermal import HygrothermalProfile, swollen_section
-from flexmech.sections.laminate_section import (
-    SHEAR_THEORIES,
-    LaminateSection,
-)
+from flexmech.sections.laminate_section import LaminateSection
 from flexmech.sections.shear_theories import WARPINGS, ThirdOrder, Zigzag
+from flexmech.sections.sheet_section import SheetSection
 from flexmech.sections.solid_section import SolidSection, solid_section
+from flexmech.sections.stiffened import stiffened_section
+from flexmech.sections.stress_profile import SHEAR_THEORIES, LayerDirection
 
 __all__ = [
     "REDUCTIONS",
@@ -22,12 +22,16 @@ __all__ = [
     "DampingTimes",
     "HygrothermalProfile",
     "LaminateSection",
+    "LayerDirection",
+    "Layers",
     "Reduction",
+    "SheetSection",
     "SolidSection",
     "SpecificDamping",
     "ThirdOrder",
     "Zigzag",
     "sections_between_joints",
     "solid_section",
+    "stiffened_section",
     "swollen_section",
 ]

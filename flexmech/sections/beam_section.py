@@ -15,6 +15,7 @@ from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity,
 from flexmech.sections.damping import DampingTimes, SpecificDamping
 from flexmech.sections.laminate_section import LaminateSection
 from flexmech.sections.shear_theories import ThirdOrder, Zigzag, rectangular_zigzag
+from flexmech.sections.sheet_section import SheetSection
 from flexmech.validation import (
     FINITE,
     NOT_NEGATIVE,
@@ -23,6 +24,8 @@ from flexmech.validation import (
     check_instance,
     check_number,
 )
+
+Layers = LaminateSection | SheetSection
 
 # What no section is without.
 DIMENSIONS = {
@@ -41,7 +44,7 @@ MAY_BE_ZERO = {
     "free_strain": units.RATIO,
     "free_curvature": units.CURVATURE,
 }
-UNDAMPED = DampingTimes()
+UNDAMPED = DampingTimes(stated=False)
 # Shear stiffness over EI / length^2 of a link, in elements that shear, that has none: its n-th
 # frequency is low by (n pi)^2 / 2 over it, 5e-6 n^2. Round-off grows with the square of it, to 1e-4
 # with ten times as much (16 elements).
@@ -78,7 +81,7 @@ class BeamSection:
         Kelvin-Voigt damping.
     specific_damping : SpecificDamping, optional
         Loss in a cycle, where the material tells it.
-    layers : LaminateSection, optional
+    layers : LaminateSection or SheetSection, optional
         What the section is made of, where that is known: stresses inside it, the third-order
         theory, heat and moisture need it.
     free_strain : float
@@ -117,7 +120,7 @@ class BeamSection:
     mass_axis: float = 0.0
     damping: DampingTimes = UNDAMPED
     specific_damping: SpecificDamping | None = None
-    layers: LaminateSection | None = None
+    layers: Layers | None = None
     free_strain: float = 0.0
     free_curvature: float = 0.0
     damping_frequency: float | None = None
@@ -186,12 +189,13 @@ class BeamSection:
         )
 
     @classmethod
-    def of_laminate(cls, layers: LaminateSection) -> BeamSection:
-        """Section of a laminate stacked in the plane of the linkage.
+    def of_laminate(cls, layers: Layers) -> BeamSection:
+        """Section of a laminate.
 
         Parameters
         ----------
-        layers : LaminateSection
+        layers : LaminateSection or SheetSection
+            Its layers through the thickness in the plane of the linkage, or across the width.
 
         Returns
         -------
@@ -205,7 +209,7 @@ class BeamSection:
             shear_stiffness=layers.shear_stiffness,
             mass_per_length=layers.mass_per_length,
             rotary_inertia=layers.rotary_inertia,
-            in_plane_thickness=layers.laminate.thickness,
+            in_plane_thickness=layers.in_plane_thickness,
             neutral_axis=layers.neutral_axis,
             mass_axis=layers.mass_axis,
             specific_damping=layers.specific_damping if damped else None,
@@ -226,7 +230,7 @@ class BeamSection:
                 "the third-order theory needs the layers of every section; give links of "
                 "section 'rectangle' or 'laminate', or choose element 'timoshenko'"
             )
-        return self.layers.third_order
+        return self.layers.smeared.third_order
 
     @cached_property
     def zigzag(self) -> Zigzag:
@@ -236,7 +240,7 @@ class BeamSection:
             return rectangular_zigzag(self.in_plane_thickness, ratio)
         # The section may be stated to be stiffer than its layers make it.
         own = self.layers.bending_stiffness / self.layers.shear_stiffness
-        zigzag = self.layers.zigzag
+        zigzag = self.layers.smeared.zigzag
         return replace(zigzag, fall_off=zigzag.fall_off * np.sqrt(ratio / own))
 
     @property
@@ -377,7 +381,8 @@ class BeamSection:
         """Key of a link that says its damping; None if it takes more than one."""
         frequency, loss = self.damping_frequency, self.specific_damping
         if frequency is None and self.damping.is_uniform:
-            return stated(damping_time=(self.damping.axial or None, units.TIME))
+            said = self.damping.any or (loss is not None and self.damping.stated)
+            return stated(damping_time=(self.damping.axial if said else None, units.TIME))
         if frequency and loss and loss.times(2 * np.pi * frequency) == self.damping:
             return stated(damping_frequency=(frequency, units.FREQUENCY))
         return None

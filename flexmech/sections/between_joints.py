@@ -8,6 +8,7 @@ from dataclasses import replace
 from flexmech.linkages import Topology
 from flexmech.linkages.topology import LinkEnd
 from flexmech.sections.beam_section import BeamSection
+from flexmech.sections.laminate_section import LaminateSection
 
 
 def sections_between_joints(
@@ -38,7 +39,7 @@ def sections_between_joints(
 
 def _restrained(section: BeamSection) -> BeamSection:
     layers = section.layers
-    if layers is None or layers.twist is not None or not layers.twists:
+    if not isinstance(layers, LaminateSection) or layers.twist is not None or not layers.twists:
         return section
     if section != BeamSection.of_laminate(layers).damped_as(section):
         return section

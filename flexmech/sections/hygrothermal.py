@@ -25,7 +25,7 @@ from flexmech.materials import (
     through_thickness_strain,
 )
 from flexmech.sections.beam_reduction import Reduction
-from flexmech.sections.beam_section import BeamSection
+from flexmech.sections.beam_section import BeamSection, Layers
 from flexmech.sections.laminate_section import LaminateSection
 from flexmech.sections.solid_section import CURVATURE, STRETCH, TWIST
 from flexmech.validation import check_fields
@@ -143,15 +143,15 @@ def swollen_section(section: BeamSection, profile: HygrothermalProfile) -> Swoll
     free = _free_strains(slices, dry.reduction)
     grown = Laminate(tuple(s.swollen for s in slices))
     across = 1 + (free[0, 1] if dry.reduction == "narrow" else 0.0)
-    soft = LaminateSection(grown, dry.width * across, dry.reduction, dry.twist)
-    if soft.twist == "held" and free[1, 2] and soft.twists:
+    soft = dry.resized(grown, across)
+    if isinstance(soft, LaminateSection) and soft.twist == "held" and free[1, 2] and soft.twists:
         free = _without_twist(free, soft)
     elongation = float(free[0, 0])
     # Where nothing bends, the axis does not matter, and need not be found.
     if free[1, 0]:
         elongation += float(soft.neutral_axis * free[1, 0])
     packed = tuple(s.packed(across * (1 + elongation)) for s in slices)
-    wet = LaminateSection(Laminate(packed), soft.width, dry.reduction, dry.twist)
+    wet = soft.resized(Laminate(packed), 1.0)
     return SwollenSection(
         _changed(section, dry, wet, curvature=-float(free[1, 0])), elongation, _water(slices)
     )
@@ -240,9 +240,7 @@ def _without_twist(free: FloatArray, section: LaminateSection) -> FloatArray:
     return untwisted
 
 
-def _changed(
-    section: BeamSection, dry: LaminateSection, wet: LaminateSection, curvature: float
-) -> BeamSection:
+def _changed(section: BeamSection, dry: Layers, wet: Layers, curvature: float) -> BeamSection:
     """The section with each stiffness and inertia changed as that of its layers."""
 
     def then(name: str) -> Any:
@@ -263,7 +261,7 @@ def _changed(
     result = replace(
         section,
         **changed,
-        in_plane_thickness=wet.laminate.thickness,
+        in_plane_thickness=wet.in_plane_thickness,
         neutral_axis=wet.neutral_axis,
         mass_axis=wet.mass_axis,
         free_curvature=section.free_curvature + curvature,

@@ -7,16 +7,15 @@ mid-plane, where the pins sit. Strains along the link are ``e - y kappa``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Literal, get_args
 
 import numpy as np
 
 from flexmech.arrays import ROUND_OFF, FloatArray
 from flexmech.errors import InputError
 from flexmech.materials import Laminate
-from flexmech.model_text import SharedTables, TomlTable, quantity, shapes, short_repr
+from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr
 from flexmech.sections.beam_reduction import (
     REDUCTIONS,
     PlaneState,
@@ -43,39 +42,20 @@ from flexmech.sections.shear_theories import (
     zigzag_of,
 )
 from flexmech.sections.solid_section import SolidSection
+from flexmech.sections.stress_profile import (
+    SHEAR_THEORIES,
+    LayerDirection,
+    ShearTheory,
+    ThroughThickness,
+    check_loads,
+)
 from flexmech.units import LENGTH
 from flexmech.validation import POSITIVE, check_choice, check_instance, check_number
-
-ShearTheory = Literal["equilibrium", "third-order"]
-SHEAR_THEORIES: tuple[ShearTheory, ...] = get_args(ShearTheory)
-
-
-@dataclass(frozen=True, repr=False)
-class ThroughThickness:
-    """Strain and stress at places through the thickness, all of one shape.
-
-    Parameters
-    ----------
-    place : ndarray
-        Distance y from the mid-plane in m.
-    strain : ndarray
-        Along the link.
-    normal_stress, shear_stress : ndarray
-        Along the link, and on its cross-section in the plane of the linkage, in Pa.
-    """
-
-    place: FloatArray
-    strain: FloatArray
-    normal_stress: FloatArray
-    shear_stress: FloatArray
-
-    def __repr__(self) -> str:
-        return short_repr(self, *shapes(self))
 
 
 @dataclass(frozen=True)
 class LaminateSection:
-    """Laminate of a width along the joint axes.
+    """Laminate of a width along the joint axes, stacked through the thickness in the plane.
 
     Parameters
     ----------
@@ -121,6 +101,26 @@ class LaminateSection:
     def __repr__(self) -> str:
         width = f"{self.width * 1e3:.6g} mm wide"
         return short_repr(self, self.laminate.stacking, width, self.reduction)
+
+    @property
+    def in_plane_thickness(self) -> float:
+        """Extent in the plane of the linkage in m."""
+        return self.laminate.thickness
+
+    @property
+    def direction(self) -> LayerDirection:
+        """Of the stack."""
+        return "through thickness"
+
+    @property
+    def breadth(self) -> float:
+        """Extent of the plies across the link in m."""
+        return self.width
+
+    @property
+    def smeared(self) -> LaminateSection:
+        """The section itself: its layers are those through the thickness in the plane."""
+        return self
 
     @cached_property
     def axial_stiffness(self) -> float:
@@ -302,9 +302,7 @@ class LaminateSection:
         InputError
             If a place is outside the laminate, a load not a number or the theory unknown.
         """
-        loads = np.array([axial_force, bending_moment, shear_force], dtype=float)
-        if not np.all(np.isfinite(loads)):
-            raise InputError(f"loads on a section must be finite, got {loads.tolist()}")
+        check_loads((axial_force, bending_moment, shear_force))
         check_choice(theory, SHEAR_THEORIES, "theory")
         place = np.asarray(place, dtype=float)
         layer = layer_of(self.laminate, place)
@@ -320,6 +318,20 @@ class LaminateSection:
             normal_stress=self._state(strains).stress(place, layer)[..., 0],
             shear_stress=shear_force * shear,
         )
+
+    def resized(self, laminate: Laminate, growth: float) -> LaminateSection:
+        """The section of another laminate, its plies broader by a factor.
+
+        Parameters
+        ----------
+        laminate : Laminate
+        growth : float
+
+        Returns
+        -------
+        LaminateSection
+        """
+        return replace(self, laminate=laminate, width=growth * self.width)
 
     def to_table(self, shared: SharedTables) -> TomlTable:
         """Keys of a link in a model file; the laminate is added to the shared tables."""

@@ -27,8 +27,8 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import ComputationError
 from flexmech.model_text import shapes, short_repr
 
-STRETCH, TWIST, CURVATURE = 0, 3, 5
-"""Strains of a section by number; the curvature is that in the plane of the linkage."""
+STRETCH, TWIST, ACROSS_PLANE, CURVATURE = 0, 3, 4, 5
+"""Strains of a section by number; the last curvature is that which bends through the layers."""
 # Loads of a bar, nodes of an element of two parabolas, and its displacements.
 LOADS = 6
 NODES = 9

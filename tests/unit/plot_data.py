@@ -609,6 +609,7 @@ def mechanism_dataset(linkage: Linkage = FOURBAR, degrees: float = 60.0) -> xr.D
         in_plane_thickness=("link", thickness),
         out_of_plane_width=("link", np.array([0.02, 0.025, np.nan])[:links]),
         stacking=("link", ["[C*2/G/C]", "[C*2/G*2]", ""][:links]),
+        direction_of_layers=("link", ["through thickness"] * links),
         layer_low=(("link", "layer"), low),
         layer_high=(("link", "layer"), high),
         ply=(("link", "layer"), plies),

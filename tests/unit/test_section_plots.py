@@ -16,7 +16,8 @@ from flexmech.linkages import RotatingArm
 from flexmech.materials import Laminate, Layer, Material, Ply
 from flexmech.mechanism import Mechanism
 from flexmech.plots import plot_section
-from flexmech.sections import BeamSection, LaminateSection
+from flexmech.plots.style import TIMES
+from flexmech.sections import BeamSection, LaminateSection, SheetSection
 from tests.unit.figure_checks import check_texts, legend_texts
 
 CARBON = Ply(172.7e9, 7.2e9, 3.76e9, 3.76e9, 2.57e9, 0.29, 1566.7, name="C")
@@ -29,6 +30,10 @@ BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"
 def profile(layers: list[Layer], reduction: str = "narrow") -> xr.Dataset:
     section = LaminateSection(Laminate(tuple(layers)), 0.02, reduction)  # type: ignore[arg-type]
     return of_arm(BeamSection.of_laminate(section))
+
+
+def sheet(layers: list[Layer]) -> xr.Dataset:
+    return of_arm(BeamSection.of_laminate(SheetSection(Laminate(tuple(layers)), 0.02)))
 
 
 def rectangle() -> xr.Dataset:
@@ -179,3 +184,21 @@ def test_texts_stay_inside_and_apart(name: str) -> None:
         assert stack.bbox.y0 - 1 <= box.y0
         assert box.y1 <= stack.bbox.y1 + 1
     assert all(axes.bbox.height > 200 and axes.bbox.width > 220 for axes in figure.axes)
+
+
+def test_layers_across_the_width_have_a_line_for_each_ply() -> None:
+    dataset = sheet([Layer(ply, 1e-3) for ply in (CARBON, GLASS, GLASS, CARBON)])
+    figure = plot_section(dataset)
+    assert legend_texts(figure)[:2] == ["C", "G"]
+    stress = figure.axes[1]
+    carbon, glass = (line.get_xdata() for line in stress.lines[:2])
+    np.testing.assert_allclose(np.divide(carbon, glass), 172.7 / 37.8, rtol=5e-3)
+    np.testing.assert_allclose(figure.axes[0].get_ylim(), (-10.0, 10.0))
+    names = [text.get_text() for axes in figure.axes for text in axes.texts]
+    assert any(name.endswith(f"C\nG {TIMES} 2\nC") for name in names)
+    check_texts(figure)
+
+
+def test_one_kind_of_layer_across_the_width_has_one_line() -> None:
+    figure = plot_section(sheet([Layer(GLASS, 1e-3)] * 2))
+    assert legend_texts(figure)[0] == "classical theory, shear by equilibrium"

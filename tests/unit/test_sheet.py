@@ -63,20 +63,28 @@ def composite_study() -> xr.Dataset:
     values = np.linspace(1.0, 0.5, 6)[:, None, None] * np.linspace(1.0, 1.2, 4)[:, None]
     values = values * np.array([1.0, 0.9, 1.1])
     place = ("laminate", "case", "position")
-    models = np.broadcast_to(values, (3, 2, *values.shape))
+    models = np.broadcast_to(values, (3, 2, 2, *values.shape))
+    peaks = np.broadcast_to(np.linspace(1.0, 9.0, 7)[:, None] * np.arange(1.0, 5.0), (2, 7, 4))
     return xr.Dataset(
         {
-            "frequency": (("plies", "beams", *place), models),
-            "strain_energy_damping": (("plies", "beams", *place), models),
+            "frequency": (("plies", "layers", "beams", *place), models),
+            "strain_energy_damping": (("plies", "layers", "beams", *place), models),
             "finite_element": (place, values),
             "measured": (place, values),
             "damping": (place, values),
-            "laminate_factor": (("plies", "beams", "laminate"), models[..., 0, 0]),
+            "rigid_joints_frequency": (place, values),
+            "laminate_factor": (("plies", "layers", "beams", "laminate"), models[..., 0, 0]),
+            "laminate_factor_spread": ("laminate", 0.1 * values[:, 0, 0]),
+            "peak_torque": (("running_plies", "material", "case"), peaks),
+            "peak_deflection": (("running_plies", "material", "case"), 1e-3 * peaks),
             "published_laminate_factor": ("laminate", values[:, 0, 0]),
         },
         coords={
-            "plies": ["unidirectional", "woven", "table 2"],
-            "beams": ["converged", "with shear"],
+            "plies": ["woven", "unidirectional", "table 2"],
+            "layers": ["across width", "through thickness"],
+            "beams": ["converged", "third order"],
+            "running_plies": ["woven", "table 2"],
+            "material": [*(f"C{n}" for n in range(1, 7)), "steel"],
             "laminate": [f"C{n}" for n in range(1, 7)],
             "case": [1, 2, 3, 4],
             "position": ["min", "90", "max"],
@@ -100,6 +108,8 @@ def section() -> xr.Dataset:
             "angle": ("layer", [0.0, np.nan]),
             "neutral_axis": 0.0,
             "mass_axis": 0.0,
+            "direction_of_layers": "through thickness",
+            "layer_thickness": ("layer", [4e-3, np.nan]),
         },
     )
 
@@ -135,6 +145,7 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_moisture: (moisture_dataset, 4),
     plots.plot_nyquist: (hammer_dataset, 2),
     plots.plot_response: (response_dataset, 5),
+    plots.plot_running_against_steel: (composite_study, 2),
     plots.plot_section: (section, 6),
     plots.plot_spectrogram: (response_dataset, 3),
     plots.plot_spectrum: (response_dataset, 3),
@@ -153,6 +164,7 @@ OF_SEVERAL_MECHANISMS = {
     plots.plot_composite_damping,
     plots.plot_composite_frequencies,
     plots.plot_laminate_factors,
+    plots.plot_running_against_steel,
     plots.plot_verification,
 }
 

@@ -171,7 +171,7 @@ def drawn_mechanism(mechanism: Mechanism, crank_angle: float) -> xr.Dataset:
         the linkage cannot stand, ``transmission_angle_limit`` and
         ``usual_transmission_angle`` (limit). Of the sections
         ``layer_low`` and ``layer_high`` in m, ``ply`` and ``ply_angle`` over (link, layer), and
-        ``stacking`` (link).
+        ``stacking`` and ``direction_of_layers`` (link), along whose direction the faces count.
 
     Raises
     ------
@@ -249,13 +249,14 @@ def _stacks(sections: Mapping[str, BeamSection | None]) -> xr.Dataset:
     most = max(len(_layers(section)) for section in sections.values())
     faces = np.full((2, len(sections), most), np.nan)
     plies, angles = np.full(faces.shape[1:], "", dtype=object), np.zeros(faces.shape[1:])
-    texts = []
+    texts, directions = [], []
     for row, section in enumerate(sections.values()):
         layers = _layers(section)
         for column, (ply, angle, low, high) in enumerate(layers):
             faces[:, row, column] = low, high
             plies[row, column], angles[row, column] = ply, angle
         known = None if section is None else section.layers
+        directions.append(known.direction if known and len(layers) > 1 else "through thickness")
         texts.append(known.laminate.stacking if known and len(layers) > 1 else "")
     over = ("link", "layer")
     return xr.Dataset(
@@ -265,6 +266,7 @@ def _stacks(sections: Mapping[str, BeamSection | None]) -> xr.Dataset:
             "ply": (over, plies.astype(str)),
             "ply_angle": (over, angles),
             "stacking": ("link", texts),
+            "direction_of_layers": ("link", directions),
         },
         coords={"link": list(sections)},
     )

@@ -118,7 +118,7 @@ def _link(
     layer_of_cell = np.searchsorted(tops - tops[-1] / 2, history.place).clip(max=len(layers) - 1)
     profile = history.saturation[parts] * saturation[layer_of_cell]
     assert section.layers is not None
-    water = history.water * section.layers.width / section.mass_per_length
+    water = history.water * section.layers.breadth / section.mass_per_length
     return xr.Dataset(
         {
             "place": ("cell", history.place, _METRE),

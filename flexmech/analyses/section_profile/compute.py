@@ -18,7 +18,7 @@ from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import checked_mechanism
 from flexmech.mechanism import Mechanism
-from flexmech.sections import SHEAR_THEORIES, LaminateSection
+from flexmech.sections import SHEAR_THEORIES, Layers
 
 # Places in a layer, and about how many in all layers of a link with few.
 _FEWEST_PLACES, _SMOOTH = 9, 60
@@ -76,6 +76,10 @@ def section_profiles(
     known = {name: one.layers for name, one in sections.items() if one.layers is not None}
     dataset = section_properties(sections)
     dataset["reduction"] = ("link", [known[n].reduction if n in known else "" for n in chosen])
+    dataset["direction_of_layers"] = (
+        "link",
+        [known[n].direction if n in known else "" for n in chosen],
+    )
     if known:
         each = [_through_thickness(layers) for layers in known.values()]
         inside = xr.concat(each, pd.Index(known, name="link"), join="outer", fill_value=_PADDING)
@@ -84,7 +88,7 @@ def section_profiles(
     return SectionProfiles(with_units(dataset, "section_profile").assign_attrs(attributes))
 
 
-def _through_thickness(layers: LaminateSection) -> xr.Dataset:
+def _through_thickness(layers: Layers) -> xr.Dataset:
     """Strain and stress over (coupling, load, layer, point)."""
     stack = layers.laminate.layers
     place = layers.places(max(_FEWEST_PLACES, 2 * (_SMOOTH // (2 * len(stack))) + 1))
@@ -104,6 +108,7 @@ def _through_thickness(layers: LaminateSection) -> xr.Dataset:
         .to_dataset("quantity")
         .assign(
             place=(("layer", "point"), place),
+            layer_thickness=("layer", [layer.thickness for layer in stack]),
             thermal_expansion=(of_plies, [layer.ply.thermal_expansion for layer in stack]),
             moisture_expansion=(of_plies, [layer.ply.moisture_expansion for layer in stack]),
         )
@@ -116,7 +121,7 @@ def _through_thickness(layers: LaminateSection) -> xr.Dataset:
     )
 
 
-def _under(layers: LaminateSection, load: str, place: FloatArray, coupled: bool) -> FloatArray:
+def _under(layers: Layers, load: str, place: FloatArray, coupled: bool) -> FloatArray:
     """The quantities (quantity, layer, point) under one unit load."""
     loads = {load: 1.0}
     if load == "axial_force" and coupled:

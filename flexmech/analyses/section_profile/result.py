@@ -44,8 +44,9 @@ class SectionProfiles(Result):
     Parameters
     ----------
     dataset : xarray.Dataset
-        Properties over (link, coupling); ``place`` (link, layer, point) and ``strain``,
-        ``normal_stress``, ``shear_stress`` and ``third_order_shear_stress`` over (link,
+        Properties over (link, coupling); ``direction_of_layers`` (link), ``through thickness`` or
+        ``across width``; ``layer_thickness`` (link, layer), ``place`` (link, layer, point) and
+        ``strain``, ``normal_stress``, ``shear_stress`` and ``third_order_shear_stress`` over (link,
         coupling, load, layer, point); ``thermal_expansion`` and ``moisture_expansion`` of the plies
         over (link, layer, direction). Links with fewer layers or places have NaN after them.
     stored_as : mapping of str to str, optional
@@ -248,6 +249,8 @@ def _composition(section: xr.Dataset) -> str:
     if stack == [("", 0.0)]:
         return "rectangle of one material"
     tail = "" if reduction == "narrow" else f", {reduction}"
+    if section["direction_of_layers"] == "across width":
+        tail = " across the width"
     return f"{stacking_text(stack)}, {len(stack)} layers{tail}"
 
 

@@ -65,20 +65,18 @@ def section_panel(result: SectionProfiles, results: Results) -> Panel:
 
 
 def _plot(result: SectionProfiles, link: str, number: int) -> Plot:
-    one = result.profile(link)
-    # Without coupling both are the same.
-    couplings = ["with"] if _uncoupled(one) else ["with", "without"]
+    curves = _curves(result.profile(link))
     traces = [
         Trace(
-            "with coupling" if coupling == "with" else "without coupling",
-            *_along(one, variable, load, str(coupling), factor),
+            name,
+            *_along(one, variable, load, coupling, factor),
             colour=column,
-            look="solid" if coupling == "with" else "dash",
+            look="dash" if coupling == "without" else "solid",
             axis=axis,
-            legend=axis == 0 and len(couplings) > 1,
+            legend=axis == 0 and len(curves) > 1,
         )
         for axis, (variable, load, _, factor) in enumerate(LOADS)
-        for column, coupling in enumerate(couplings)
+        for column, (name, coupling, one) in enumerate(curves)
     ]
     return Plot(
         f"section-{number + 1}",
@@ -89,6 +87,23 @@ def _plot(result: SectionProfiles, link: str, number: int) -> Plot:
         height=400,
         title=f"Stress in the {link}",
     )
+
+
+def _curves(one: xr.Dataset) -> list[tuple[str, str, xr.Dataset]]:
+    """What is drawn of a link: its name, its coupling, and the layers that it is of."""
+    if one["direction_of_layers"] == "across width":
+        # Layers of one kind have the same stress.
+        first = {_of_ply(layer): layer for _, layer in reversed(list(one.groupby("layer")))}
+        return [(name, "with", layer) for name, layer in reversed(first.items())]
+    if _uncoupled(one):
+        return [("with coupling", "with", one)]
+    return [(f"{coupling} coupling", coupling, one) for coupling in ("with", "without")]
+
+
+def _of_ply(layer: xr.Dataset) -> str:
+    """Ply and angle of one layer in words."""
+    angle = round(float(np.degrees(layer["angle"].item())), 6)
+    return f"{layer['ply'].item()} at {angle:g} deg"
 
 
 def _uncoupled(one: xr.Dataset) -> bool:
@@ -196,7 +211,7 @@ def stack_drawings(data: xr.Dataset) -> tuple[tuple[str, str], ...]:
         svg = _section(data.isel(link=number), kinds, size)
         drawings.append((svg, _words(data.isel(link=number), thick[number], width[number])))
     for number, (ply, angle) in enumerate(kinds if len(kinds) > 1 else ()):
-        svg = _svg(2 * LEGEND, LEGEND, _layer(number, 0.0, 2 * LEGEND, LEGEND))
+        svg = _svg(2 * LEGEND, LEGEND, _layer(number, (0.0, 0.0), (2 * LEGEND, LEGEND)))
         drawings.append((svg, f"{ply} at {angle:g} deg"))
     return tuple(drawings)
 
@@ -213,25 +228,34 @@ def _kind(layer: xr.Dataset) -> Kind:
 
 
 def _section(link: xr.Dataset, kinds: list[Kind], size: tuple[float, float]) -> str:
-    """Layers of one section, the lowest y at the bottom, with a frame around them."""
+    """Layers of one section with a frame around them.
+
+    The lowest y is at the bottom; layers across the width stand side by side.
+    """
     wide, height = size
+    across = link["direction_of_layers"].item() == "across width"
     low, high = (link[f"layer_{face}"].values.astype(float) for face in ("low", "high"))
     real = np.flatnonzero(np.isfinite(low)).tolist()
     bottom, top = float(low[real].min()), float(high[real].max())
-    scale = height / (top - bottom)
+    scale = (wide if across else height) / (top - bottom)
     parts = []
     for number in real:
         tall = scale * (high[number] - low[number])
         kind = kinds.index(_kind(link.isel(layer=number)))
-        parts.append(_layer(kind, scale * (top - high[number]), wide, tall))
+        if across:
+            parts.append(_layer(kind, (scale * (low[number] - bottom), 0.0), (tall, height)))
+        else:
+            parts.append(_layer(kind, (0.0, scale * (top - high[number])), (wide, tall)))
     frame = f'<rect y="0" width="{wide:.2f}" height="{height:.2f}" class="frame"/>'
     return _svg(wide, height, "".join(parts) + frame)
 
 
-def _layer(kind: int, y: float, wide: float, tall: float) -> str:
-    outline = " outlined" if tall >= LEAST_OUTLINED else ""
+def _layer(kind: int, corner: tuple[float, float], size: tuple[float, float]) -> str:
+    (x, y), (wide, tall) = corner, size
+    outline = " outlined" if min(size) >= LEAST_OUTLINED else ""
     return (
-        f'<rect y="{y:.2f}" width="{wide:.2f}" height="{tall:.2f}" class="ply{outline}" '
+        f'<rect x="{x:.2f}" y="{y:.2f}" width="{wide:.2f}" height="{tall:.2f}" '
+        f'class="ply{outline}" '
         f'fill-opacity="{SHADES[kind % len(SHADES)]}"/>'
     )
 
