@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from making.commands import command_page
+from making.figures_of_the_papers import figures_page, study_results
 from making.gallery import gallery_pages, scenario_names, scenario_results
 from making.model_file import model_file_page
 from making.public_names import public_name_page
@@ -37,6 +38,7 @@ def write_pages(folder: Path) -> None:
         "model_file.md": model_file_page(),
         "python.md": public_name_page(),
         "verification.md": verification_page(folder),
+        "figures_of_the_papers.md": figures_page(folder),
         **gallery_pages(folder / "gallery"),
     }
     for name, text in pages.items():
@@ -47,12 +49,13 @@ def write_pages(folder: Path) -> None:
 
 
 def _run_what_takes_long() -> None:
-    """Verification and scenarios, as many at a time as there are cores.
+    """Verification, study and scenarios, as many at a time as there are cores.
 
     Each runs in a process of its own, for which a thread waits.
     """
     names = [*LONG, *(name for name in scenario_names() if name not in LONG)]
     runs = [verification_results, *(partial(scenario_results, name) for name in names)]
+    runs.append(study_results)
     with ThreadPoolExecutor(os.cpu_count()) as waiting:
         for run in [waiting.submit(run) for run in runs]:
             run.result()

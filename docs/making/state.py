@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import os
+import shutil
+import subprocess
+import sys
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
-__all__ = ["REPOSITORY", "cache_folder", "environment"]
+__all__ = ["REPOSITORY", "cache_folder", "command_results", "environment"]
 
 REPOSITORY = Path(__file__).parents[2]
 CODE = ("flexmech", "models", "scenarios")
@@ -31,3 +34,18 @@ def cache_folder() -> Path:
 def environment() -> dict[str, str]:
     """Environment of a process that runs the code of this repository and shows no window."""
     return {**os.environ, "PYTHONPATH": str(REPOSITORY), "MPLBACKEND": "Agg"}
+
+
+def command_results(name: str, *arguments: str) -> Path:
+    """Folder of what a command of flexmech wrote; it runs only if the folder is not there yet."""
+    folder = cache_folder() / name
+    if folder.exists():
+        return folder
+    started = folder.with_name(f"{name}.unfinished")
+    shutil.rmtree(started, ignore_errors=True)
+    command = [sys.executable, "-m", "flexmech", *arguments, "--quiet", "--out", str(started)]
+    run = subprocess.run(command, capture_output=True, text=True, env=environment())
+    if run.returncode:
+        raise RuntimeError(f"flexmech {' '.join(arguments)} failed: {run.stderr.strip()}")
+    started.rename(folder)
+    return folder

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pandas as pd
 
 from flexmech.verification import Verification
-from making.state import cache_folder, environment
+from making.state import command_results
 
 __all__ = ["verification_page", "verification_results"]
 
@@ -46,15 +44,7 @@ def verification_page(folder: Path) -> str:
 
 def verification_results() -> Path:
     """Folder of what `flexmech verify` wrote; it runs only if the folder is not there yet."""
-    folder = cache_folder() / "verification"
-    if not (folder / NAME).exists():
-        command = [sys.executable, "-m", "flexmech", "verify", "--thorough", "--quiet"]
-        run = subprocess.run(
-            [*command, "--out", str(folder)], capture_output=True, text=True, env=environment()
-        )
-        if run.returncode:
-            raise RuntimeError(f"the verification failed: {run.stderr.strip()}")
-    return folder
+    return command_results("verification", "verify", "--thorough")
 
 
 def _told(rows: pd.DataFrame) -> str:

@@ -8,7 +8,7 @@ import inspect
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -16,6 +16,7 @@ import flexmech
 
 ROOT = Path(flexmech.__file__).parent
 MANUAL = ROOT.parent / "docs" / "theory"
+SOURCE_PAGE = MANUAL / "sources.md"
 ERRATA = ROOT.parent / "docs" / "errata.md"
 
 # How texts name a source, and what the manual calls it. "K" stands alone in docstrings too.
@@ -84,11 +85,49 @@ def tagged() -> set[tuple[str, str]]:
     return found
 
 
+class SourceRow(NamedTuple):
+    """A row of the table of equations: the source, its numbers, and both other cells."""
+
+    source: str
+    equations: str
+    place: str
+    words: str
+
+    def numbers(self) -> list[tuple[str, str]]:
+        return [(self.source, number) for number in numbers_in(self.equations)]
+
+
+def source_rows() -> list[SourceRow]:
+    """Rows of numbered equations of the page of sources."""
+    page = SOURCE_PAGE.read_text(encoding="utf-8")
+    cells = re.findall(r"^\| (\w+) (\d[^|]*) \| ([^|]*) \| ([^|]*) \|$", page, re.MULTILINE)
+    return [SourceRow(*row) for row in cells]
+
+
 def tabulated() -> set[tuple[str, str]]:
-    """Source and number of every row of the manual's table of equations."""
-    page = (MANUAL / "sources.md").read_text(encoding="utf-8")
-    cells = re.findall(r"^\| (\w+) (\d[^|]*) \| \[", page, re.MULTILINE)
-    return {(short, number) for short, text in cells for number in numbers_in(text)}
+    """Source and number of every row that leads to an equation of the manual."""
+    shown = (row for row in source_rows() if re.match(r"\[[^]]*\]\(#", row.place))
+    return {number for row in shown for number in row.numbers()}
+
+
+def starred() -> set[tuple[str, str]]:
+    """Source and number of every equation that the page of sources marks as misprinted."""
+    return {
+        (row.source, number)
+        for row in source_rows()
+        for number in re.findall(rf"({NUMBER})\*", row.equations)
+    }
+
+
+def misprinted() -> set[tuple[str, str]]:
+    """Source and number of every equation in the tables of the errata."""
+    found = set()
+    text = ERRATA.read_text(encoding="utf-8")
+    for section in re.split(r"^## ", text, flags=re.MULTILINE)[1:]:
+        short = section.partition(":")[0]
+        for cell in re.findall(r"^\| ([^|]*) \| [^|]* \| [^|]* \|", section, re.MULTILINE):
+            found |= {(short, n) for n in re.findall(r"^\d\.\d+|(?<=\()\d+(?=\))", cell)}
+    return found
 
 
 def named_in_manual() -> list[str]:
@@ -150,9 +189,54 @@ def test_every_equation_of_the_manual_is_in_its_table() -> None:
     assert sorted(tagged() ^ tabulated()) == []
 
 
+# How far each paper counts; E gives four of its numbers twice.
+NUMBERED = {
+    "K": [f"1.{n}" for n in range(1, 66)],
+    "E": [str(n) for n in (*range(1, 50), 43, 44, 45, 46)],
+    "S": [str(n) for n in range(1, 13)],
+}
+
+
+@pytest.mark.parametrize("paper", NUMBERED)
+def test_every_numbered_equation_of_the_papers_has_its_row(paper: str) -> None:
+    rows = [number for row in source_rows() for number in row.numbers() if row.source == paper]
+    assert sorted(number for _, number in rows) == sorted(NUMBERED[paper])
+
+
+def test_every_row_has_a_place_in_the_manual_or_a_reason() -> None:
+    for row in source_rows():
+        reason = re.sub(r"\{\w+\}`[^`]*`", "", row.words)
+        if row.place == "none":
+            assert re.search(r"[a-z]{4,}", reason), row
+            continue
+        leads_to = re.fullmatch(r"\[[^]]+\]\((\w+\.md)?#[\w-]+\)", row.place)
+        assert leads_to, row
+        assert row.words, row
+        assert leads_to[1] is None or (MANUAL / leads_to[1]).is_file(), row
+
+
+def test_files_that_the_page_of_sources_names_exist() -> None:
+    page = SOURCE_PAGE.read_text(encoding="utf-8")
+    for path in re.findall(r"`((?:tests|scenarios|models)/[^`]+)`", page):
+        assert (ROOT.parent / path).is_file(), path
+
+
+def test_stars_are_the_misprints_of_the_errata() -> None:
+    assert sorted(starred() ^ misprinted()) == []
+    # What stands in the manual is marked there too.
+    shown = {
+        (part.strip().partition(" ")[0], number)
+        for page in sorted(MANUAL.glob("*.md"))
+        for tag in TAG.findall(page.read_text(encoding="utf-8"))
+        for part in tag.split(";")
+        for number in re.findall(rf"({NUMBER})\*", part)
+    }
+    assert sorted(shown ^ (starred() & tagged())) == []
+
+
 def test_anchors_of_the_table_stand_before_equations() -> None:
     pages = "\n".join(page.read_text(encoding="utf-8") for page in MANUAL.glob("*.md"))
-    wanted = set(re.findall(r"\]\(#([\w-]+)\)", pages))
+    wanted = set(re.findall(r"\]\(#([\w-]+)\)", SOURCE_PAGE.read_text(encoding="utf-8")))
     assert sorted(wanted - set(re.findall(r"^\(([\w-]+)\)=$", pages, re.MULTILINE))) == []
 
 

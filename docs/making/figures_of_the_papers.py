@@ -1,0 +1,229 @@
+"""The page that has every figure and table of the three papers beside ours."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from making.gallery import PRINTED, scenario_results
+from making.state import command_results
+from making.tables_of_the_papers import PaperTables
+
+__all__ = ["STUDY", "Row", "figures_page", "paper_rows", "study_results"]
+
+HEAD = """# Figures and tables of the papers
+
+Every figure and table of the three papers that this project starts from, beside ours: what the
+paper has there, our picture or table, and how they compare. No picture of a paper is shown. Ours
+are what the [scenarios](gallery/index.md) and `flexmech study composites` drew when these pages
+were built, and each verdict is read from what they wrote. The equations stand in
+{doc}`../theory/sources`, misprints in {doc}`../errata`.
+
+"""
+CLAIMS_HEAD = """## All claims of E
+
+What E says of its figures and tables, claim by claim, as `flexmech study composites` finds it: from
+the paper's own tables, and from our models of its linkages.
+
+"""
+LIST_HEAD = """```{list-table}
+:header-rows: 1
+:widths: 20 48 32
+
+* - in the paper
+  - ours
+  - comparison"""
+ROWS = Path(__file__).with_suffix(".toml")
+STUDY = "study composites"
+"""What a picture of the command ``flexmech study composites`` has in place of a scenario."""
+STUDY_CLAIMS = "composite_claims.csv"
+
+Results = Callable[[str], Path]
+Quote = Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Row:
+    """A figure or table, or some that have one answer; see the file of the rows.
+
+    Parameters
+    ----------
+    paper, number, shows : str
+    ours : sequence of str
+        Pictures, each as ``SCENARIO/PICTURE``.
+    table, reason, not_judged : str
+        Empty where there is none.
+    quotes : sequence of mapping
+    claims : mapping
+    study_claims : sequence of str
+    """
+
+    paper: str
+    number: str
+    shows: str
+    ours: Sequence[str] = ()
+    table: str = ""
+    reason: str = ""
+    not_judged: str = ""
+    quotes: Sequence[Quote] = ()
+    claims: Mapping[str, str] | None = None
+    study_claims: Sequence[str] = ()
+
+    @property
+    def anchor(self) -> str:
+        """Label of its table."""
+        return f"{self.paper}-{self.number}".lower().replace(" ", "-").replace(".", "-")
+
+
+def paper_rows() -> list[Row]:
+    """All rows, in the order of the papers."""
+    return [Row(**row) for row in _stored()["rows"]]
+
+
+def figures_page(folder: Path, results: Results | None = None) -> str:
+    """Put the pictures of the study into a folder; Markdown of all rows and tables.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the made pages.
+    results : callable, optional
+        Folder of what a scenario or the study wrote, by its name.
+
+    Raises
+    ------
+    RuntimeError
+        If a picture, a line or a claim that a row names was not written.
+    """
+    found = results or _results
+    stored = _stored()
+    tables = PaperTables(stored["printed"], found(STUDY))
+    parts = [HEAD]
+    for short, paper in stored["papers"].items():
+        rows = [row for row in paper_rows() if row.paper == short]
+        parts += [f"## {short}: {paper}\n", _listed(rows, folder, found)]
+        parts += [
+            f"({row.anchor})=\n### {short}, {row.number}\n\n{getattr(tables, row.table)()}\n"
+            for row in rows
+            if row.table
+        ]
+    return "\n".join([*parts, CLAIMS_HEAD + _claims_table(found(STUDY))])
+
+
+def study_results() -> Path:
+    """Folder of what ``flexmech study composites`` wrote."""
+    return command_results("study_composites", "study", "composites")
+
+
+def _results(name: str) -> Path:
+    return study_results() if name == STUDY else scenario_results(name)
+
+
+def _stored() -> dict[str, Any]:
+    return tomllib.loads(ROWS.read_text(encoding="utf-8"))
+
+
+def _listed(rows: list[Row], folder: Path, results: Results) -> str:
+    lines = [LIST_HEAD]
+    for row in rows:
+        ours = [_picture(row, path, folder, results) for path in row.ours]
+        if row.table:
+            ours.append(f"[our table](#{row.anchor})")
+        cells = (
+            f"**{row.number}**<br>{row.shows}",
+            "<br>".join(ours) or "none",
+            "<br>".join(_comparison(row, results)),
+        )
+        lines.append("* - " + "\n  - ".join(cells))
+    return "\n".join(lines) + "\n```\n"
+
+
+def _picture(row: Row, path: str, folder: Path, results: Results) -> str:
+    """A small picture that leads to the page of its scenario, or to itself in full size."""
+    name, _, picture = path.partition("/")
+    drawn = results(name) / picture
+    if not drawn.is_file():
+        raise RuntimeError(f"{row.paper}, {row.number}: {name} draws no {picture}")
+    place, page = f"gallery/{path}", f"gallery/{name}.md"
+    if name == STUDY:
+        place = page = f"study_composites/{picture}"
+        (folder / place).parent.mkdir(parents=True, exist_ok=True)
+        (folder / place).write_bytes(drawn.read_bytes())
+    words = picture.removesuffix(".png").replace("_", " ")
+    return f"[![{row.paper}, {row.number}: {words}]({place})]({page})"
+
+
+def _comparison(row: Row, results: Results) -> list[str]:
+    if row.reason:
+        return [row.reason]
+    found = [_quoted(row, quote, results) for quote in row.quotes]
+    if row.claims:
+        found += _claimed(row, results(row.claims["scenario"]), row.claims["figure"])
+    if row.study_claims:
+        found += _of_the_study(row, results(STUDY))
+    if row.not_judged:
+        found.append(f"**not judged.** {row.not_judged}")
+    if row.table and not found:
+        found.append("in the table")
+    return found
+
+
+def _quoted(row: Row, quote: Quote, results: Results) -> str:
+    """A line that a scenario printed."""
+    lines = (results(quote["scenario"]) / PRINTED).read_text(encoding="utf-8").splitlines()
+    text = [line.strip() for line in lines]
+    starts = [n for n, line in enumerate(text) if line.startswith(quote.get("after", ""))]
+    for line in text[starts[0] :] if starts else []:
+        if line.startswith(quote["line"]):
+            told = quote.get("told")
+            return f"{told}: {line}" if told else line
+    raise RuntimeError(
+        f"{row.paper}, {row.number}: {quote['scenario']} prints no {quote['line']!r}"
+    )
+
+
+def _claimed(row: Row, folder: Path, figure: str) -> list[str]:
+    """Verdicts of a scenario that judges what a paper says."""
+    claims = pd.read_csv(folder / "claims.csv", dtype=str)
+    rows = claims[claims["figure"] == figure]
+    if rows.empty:
+        raise RuntimeError(f"{row.paper}, {row.number}: no claim of {figure!r} in {folder.name}")
+    return [f"{own.claim}: **{own.verdict}** ({own.reason})" for own in rows.itertuples()]
+
+
+def _of_the_study(row: Row, folder: Path) -> list[str]:
+    claims = pd.read_csv(folder / STUDY_CLAIMS, dtype=str, keep_default_na=False)
+    found = []
+    for start in row.study_claims:
+        if start.startswith("@"):
+            wanted = claims[claims["place"] == start[1:]]
+        else:
+            wanted = claims[claims["statement"].str.startswith(start)]
+        if wanted.empty:
+            raise RuntimeError(f"{row.paper}, {row.number}: the study has no claim {start!r}")
+        for claim in wanted.itertuples():
+            theirs = {"printed": claim.printed, "its tables": claim.from_tables}
+            known = [f"{words} {value}, " for words, value in theirs.items() if value]
+            said = known[0] if known else ""
+            found.append(f"{claim.statement}: {said}ours {claim.computed}: **{claim.verdict}**")
+    return found
+
+
+def _claims_table(folder: Path) -> str:
+    claims = pd.read_csv(folder / STUDY_CLAIMS, dtype=str, keep_default_na=False)
+    lines = ["| place | claim | printed | its tables | ours | our other models | verdict |"]
+    lines += ["|-|-|-|-|-|-|-|"]
+    for claim in claims.itertuples():
+        ours = f"{claim.computed} ± {claim.spread}" if claim.spread else claim.computed
+        told = [f"**{claim.verdict}**", claim.fails_if and f"what would fail it: {claim.fails_if}"]
+        verdict = "<br>".join(filter(None, [*told, claim.reason]))
+        lines.append(
+            f"| {claim.place} | {claim.statement} | {claim.printed} | {claim.from_tables} | "
+            f"{ours} | {claim.other_models} | {verdict} |"
+        )
+    return "\n".join(lines) + "\n"
