@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from _neat_resin import RESINS
+from _neat_resin import RESINS, rise_of
 from _neat_resin_claims import CLAIMS, Shape
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -60,7 +60,7 @@ def draw(
         else:
             _draw_distance(right, distance(curves, turn), turn)
         title = f"Figure {figure} of Singh & Sanyal 2022: {CLAIMS[figure]}"
-        drawn.header(_handles(shapes, bends=changes), title)
+        drawn.header(_handles(figure, shapes, bends=changes), title)
     return drawn.figure
 
 
@@ -69,10 +69,10 @@ def _point_name(figure: str) -> str:
     return pins.get(figure, "the coupler point")
 
 
-def _handles(shapes: Mapping[str, Shape], *, bends: bool) -> list[Artist]:
+def _handles(figure: str, shapes: Mapping[str, Shape], *, bends: bool) -> list[Artist]:
     handles: list[Artist] = []
     for number, name in enumerate(STATES):
-        label = name if name == "dry" else f"{name}, +80 K, {SATURATIONS[name]}"
+        label = name if name == "dry" else f"{name}, +{rise_of(figure):g} K, {SATURATIONS[name]}"
         if shapes:
             count = len(shapes[name].crunodes)
             label += f" ({count} crunode{'' if count == 1 else 's'})"

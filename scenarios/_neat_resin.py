@@ -15,6 +15,8 @@ from flexmech.modelfile import mechanism_from_toml
 
 RISE = 80.0
 """Temperature rise of the paper's text in K."""
+RISE_OF_CAPTION = {"3": 95.0, "4": 95.0}
+"""Of the captions that name another one."""
 RESINS = ("R-914", "8551-7")
 FIGURES = tuple(str(number) for number in range(3, 13))
 # Linkages whose number of crunodes changes, by one of the figures that show them.
@@ -46,11 +48,16 @@ def resin_of(mechanism: Mechanism) -> Hygrothermal:
     return resin.hygrothermal
 
 
-def saturated(mechanism: Mechanism) -> HygrothermalState:
-    """The paper's state: 80 K hotter, and all the water that the resin takes up."""
+def rise_of(figure: str) -> float:
+    """Temperature rise of a figure in K: that of its caption, or of the text."""
+    return RISE_OF_CAPTION.get(figure, RISE)
+
+
+def saturated(mechanism: Mechanism, rise: float = RISE) -> HygrothermalState:
+    """The paper's state: so many K hotter, and all the water that the resin takes up."""
     equilibrium = resin_of(mechanism).equilibrium
     assert equilibrium is not None
-    return HygrothermalState(RISE, equilibrium.saturation)
+    return HygrothermalState(rise, equilibrium.saturation)
 
 
 def coupler_curve(figure: str, mechanism: Mechanism, state: HygrothermalState) -> CouplerCurve:

@@ -219,36 +219,38 @@ class PinPaths:
 
     Parameters
     ----------
+    apart : float
+        Greatest distance in m of the path from the dry one.
     moved : float
-        Greatest distance in m from its dry place.
+        Greatest distance in m of the pin from its dry place at the same crank angle.
     size : float
         Greater extent of the dry path in m.
     state : str
-    refusal : str
-        What keeps the mechanism out of the caption's state; empty if nothing does.
+    unknown : str
+        What is not known of the links in the caption's state; empty if there is nothing.
     """
 
+    apart: float
     moved: float
     size: float
     state: str
-    refusal: str
+    unknown: str
 
 
 def judged_pin(figure: str, found: PinPaths) -> FigureClaim:
-    """Claim of Figure 3 or 4, whose curves have no double points.
+    """Claim of Figure 3 or 4, whose curves have no double points, in its caption's state.
 
-    Not judged where the caption's state is one that the resin cannot be in.
+    Along an arc a pin may move and its path not deviate: the distance of the paths counts.
     """
-    holds = deviates(found.moved, found.size)
+    holds = deviates(found.apart, found.size)
     words = "deviates" if holds else "does not deviate"
     reason = (
-        f"R-914 at {found.state} {words}: moved by up to {1e3 * found.moved:.4g} mm in a path of "
-        f"{1e3 * found.size:.4g} mm"
+        f"R-914 at {found.state} {words}: its path is up to {1e3 * found.apart:.4g} mm off the dry "
+        f"one of {1e3 * found.size:.4g} mm, the pin moves by up to {1e3 * found.moved:.4g} mm"
     )
-    if found.refusal:
-        reason = f"not in the caption's state: {found.refusal}; {reason}"
-    verdict = verdict_on(None if found.refusal else holds)
-    return FigureClaim(figure, CLAIMS[figure], *NO_COUNTS, verdict, reason)
+    if found.unknown:
+        reason += f"; a path needs no stiffness, which is not known there: {found.unknown}"
+    return FigureClaim(figure, CLAIMS[figure], *NO_COUNTS, verdict_on(holds), reason)
 
 
 def other_claims(refusal: str) -> list[FigureClaim]:

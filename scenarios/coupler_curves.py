@@ -1,10 +1,11 @@
 """Do the coupler curves of neat resin change their kind in heat and moisture, and where?
 
-Singh & Sanyal 2022 draw ten figures of paths dry and in heat and moisture (80 K, saturated) and
-say of some that a crunode becomes a cusp, or a cusp a crunode. Each figure is drawn again with
-the corrected equations, its claim is judged, and by continuation the moisture is found at which
-the loop of a crunode is a cusp: there alone the point stands still. A curve near to that has a
-bend too sharp to be told from a cusp in a picture.
+Singh & Sanyal 2022 draw ten figures of paths dry and in heat and moisture (saturated, at 80 K by
+the text and at 95 K by the captions of Figures 3 and 4) and say of some that a crunode becomes a
+cusp, or a cusp a crunode. Each figure is drawn again with the corrected equations, its claim is
+judged, and by continuation the moisture is found at which the loop of a crunode is a cusp: there
+alone the point stands still. A curve near to that has a bend too sharp to be told from a cusp in a
+picture.
 
     python scenarios/coupler_curves.py [--out results/coupler_curves]
 """  # noqa: D400 - a scenario asks a question
@@ -29,6 +30,7 @@ from _neat_resin import (
     SAME_LINKAGE,
     coupler_curve,
     neat_resin,
+    rise_of,
     saturated,
     transitions,
 )
@@ -44,12 +46,19 @@ from _neat_resin_claims import (
 )
 from matplotlib.figure import Figure
 
-from flexmech import CouplerCurve, HygrothermalState, InputError, Mechanism, mechanism_in_state
+from flexmech import (
+    CouplerCurve,
+    CouplerPoint,
+    HygrothermalState,
+    InputError,
+    Mechanism,
+    coupler_paths,
+    mechanism_in_state,
+)
 
 Found = dict[str, list[tuple[StatePath, tuple[CuspTransition, ...]]]]
 
-PIN_FIGURES = ("3", "4")
-CAPTION_OF_FIGURES_3_AND_4 = HygrothermalState(95.0, 0.07)
+PIN_OF_FIGURE = {"3": "A", "4": "B"}
 
 
 @dataclass(frozen=True)
@@ -94,9 +103,9 @@ def main(
     for figure in FIGURES:
         curves = curves_of(figure)
         moved = {name: float(away.max()) for name, away in distance(curves, turn).items()}
-        if figure in PIN_FIGURES:
+        if figure in PIN_OF_FIGURE:
             shapes: dict[str, Shape] = {}
-            claims.append(judged_pin(figure, _pin_paths(figure, curves["dry"], moved["R-914"])))
+            claims.append(judged_pin(figure, _pin_paths(figure, angles)))
         else:
             shapes = {name: shape_of(curve, angles) for name, curve in curves.items()}
             claims.append(judged(figure, shapes, moved, _at_80_kelvin(found, figure)))
@@ -118,11 +127,11 @@ def _at_80_kelvin(found: Found, figure: str) -> Sequence[CuspTransition]:
 
 
 def curves_of(figure: str) -> dict[str, CouplerCurve]:
-    """Curves dry and with the links of each resin saturated at 80 K."""
+    """Curves dry and with the links of each resin saturated, hot as the figure has it."""
     models = {resin: neat_resin(figure, resin) for resin in RESINS}
     curves = {"dry": coupler_curve(figure, models["R-914"], HygrothermalState())}
     for resin, model in models.items():
-        curves[resin] = coupler_curve(figure, model, saturated(model))
+        curves[resin] = coupler_curve(figure, model, saturated(model, rise_of(figure)))
     return curves
 
 
@@ -135,12 +144,17 @@ def refusal(mechanism: Mechanism, state: HygrothermalState) -> str:
     return ""
 
 
-def _pin_paths(figure: str, dry: CouplerCurve, moved: float) -> PinPaths:
+def _pin_paths(figure: str, angles: int) -> PinPaths:
+    """Paths of a pin as ``flexmech coupler-curve`` has them, in the caption's state."""
     mechanism = neat_resin(figure)
-    size = float(np.ptp(dry.position(np.linspace(0, 2 * np.pi, 361)), axis=0).max())
-    return PinPaths(
-        moved, size, saturated(mechanism).label, refusal(mechanism, CAPTION_OF_FIGURES_3_AND_4)
-    )
+    state = saturated(mechanism, rise_of(figure))
+    turn = np.linspace(0, 2 * np.pi, angles + 1)
+    paths = coupler_paths(mechanism, turn, CouplerPoint(0.0, 0.0), state).dataset["pin_position"]
+    order = ("state", "crank_angle", "component")
+    dry, wet = paths.sel(pin=PIN_OF_FIGURE[figure]).transpose(*order).values
+    apart = max(float(np.hypot(*(dry - place).T).min()) for place in wet)
+    moved, size = np.hypot(*(wet - dry).T).max(), np.ptp(dry, axis=0).max()
+    return PinPaths(apart, float(moved), float(size), state.label, refusal(mechanism, state))
 
 
 def _cusp_rows(found: Found) -> list[dict[str, object]]:

@@ -59,7 +59,7 @@ def plot_kinematics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
     angles, links = reading.degrees(dataset["crank_angle"]), reading.names_of(dataset, "link")
     with sheet(grid(3, 1, 5.4, sharex=True), ax=ax) as drawn:
         handles = [style.line_handle(name, **_link_line(n)) for n, name in enumerate(links)]
-        drawn.header(handles, f"Motion of the links at {reading.speed_text(dataset)}", of=dataset)
+        drawn.header(handles, f"Motion of the links at {reading.drive_text(dataset)}", of=dataset)
         for axes, (name, words, factor, unit) in zip(drawn.panels, MOTIONS, strict=True):
             values = dataset[name].transpose("link", "crank_angle").values
             scales.zero_line(axes)
@@ -91,7 +91,7 @@ def plot_joint_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
     factor, unit = reading.fitting_unit(dataset["joint_force"].values, reading.FORCE_UNITS)
     with sheet(angle_panels.angle_layout([1] * len(joints)), ax=ax) as drawn:
         handles = style.series_handles(f"along {name}" for name in components)
-        title = f"Joint forces at {reading.speed_text(dataset)}"
+        title = f"Joint forces at {reading.drive_text(dataset)}"
         drawn.header([*handles, *_lumped_handle(dataset)], title, of=dataset)
         for axes, joint in zip(drawn.panels, joints, strict=True):
             axes.set_title(reading.joint_title(dataset, joint))
@@ -126,7 +126,7 @@ def plot_drive(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     both = "transmission_angle" in dataset
     rows = 2 + both
     with sheet(grid(rows, 1, 1.7 * rows + 0.3, sharex=True), ax=ax) as drawn:
-        title = f"Drive at {reading.speed_text(dataset)}"
+        title = f"Drive at {reading.drive_text(dataset)}"
         handles = style.series_handles(("crank drives", "rocker drives") if both else ())
         drawn.header([*handles, *_lumped_handle(dataset)], title, of=dataset)
         shown = (

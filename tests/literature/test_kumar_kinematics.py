@@ -1,7 +1,8 @@
-"""Kumar & Chandrakar, eqs. 1.37 to 1.44, 1.64 and 1.65, and the lumped masses of Figure 1.5.
+"""Kumar & Chandrakar, eqs. 1.19 to 1.44, 1.64 and 1.65, and the lumped masses of Figure 1.5.
 
 The paper prints no values of these; its closed forms and the places d4 to d11 of its lumped
-masses are what is held, for the first (steel) mechanism at 20 rad/s.
+masses are what is held, for the first (steel) mechanism at 20 rad/s, with a crank that keeps its
+speed and with one that slows down.
 """
 
 from __future__ import annotations
@@ -23,10 +24,19 @@ D9, D10, D11 = 200.025e-3, 133.35e-3, 66.675e-3
 TURN = np.radians(np.arange(0, 360, 7.5))
 
 
+STEEL = load_mechanism(Path(__file__).parents[2] / "models" / "steel_fourbar.toml")
+
+
+@pytest.fixture(scope="module", params=[0.0, -150.0], ids=["constant speed", "slowing down"])
+def alpha2(request: pytest.FixtureRequest) -> float:
+    """Acceleration of the crank in rad/s^2."""
+    return float(request.param)
+
+
 @pytest.fixture(scope="module")
-def found() -> Kinematics:
-    steel = load_mechanism(Path(__file__).parents[2] / "models" / "steel_fourbar.toml")
-    return kinematics(steel, KinematicsRequest(TURN, OMEGA2, (1, 4, 4)))
+def found(alpha2: float) -> Kinematics:
+    asked = KinematicsRequest(TURN, OMEGA2, (1, 4, 4), crank_acceleration=alpha2)
+    return kinematics(STEEL, asked)
 
 
 def at(found: Kinematics, name: str) -> tuple[np.ndarray, ...]:
@@ -34,17 +44,50 @@ def at(found: Kinematics, name: str) -> tuple[np.ndarray, ...]:
     return tuple(data.sel(link=link).values for link in ("crank", "coupler", "rocker"))
 
 
-def test_accelerations_of_the_centres_of_gravity(found: Kinematics) -> None:
-    """Eqs. 1.37 to 1.42; the crank turns at constant speed."""
+def test_second_derivative_of_the_closure(found: Kinematics, alpha2: float) -> None:
+    """Eq. 1.24, in complex numbers."""
+    th2, th3, th4 = at(found, "angle")
+    w2, w3, w4 = at(found, "angular_velocity")
+    al2, al3, al4 = at(found, "angular_acceleration")
+    assert al2 == pytest.approx(alpha2)
+    terms = [
+        r * (1j * al - w**2) * np.exp(1j * th)
+        for r, th, w, al in ((R2, th2, w2, al2), (R3, th3, w3, al3), (-R4, th4, w4, al4))
+    ]
+    assert sum(terms) == pytest.approx(np.zeros(len(TURN)), abs=1e-12 * OMEGA2**2)
+
+
+def test_angular_accelerations(found: Kinematics, alpha2: float) -> None:
+    """Eqs. 1.35 and 1.36, whose alpha2 has sin(th2 - th3) where th4 is printed."""
+    th2, th3, th4 = at(found, "angle")
+    _, w3, w4 = at(found, "angular_velocity")
+    _, al3, al4 = at(found, "angular_acceleration")
+    sine, cosine = np.sin(th4 - th3), np.cos(th4 - th3)
+    above = R2 * OMEGA2**2 * np.cos(th2 - th4) + R2 * alpha2 * np.sin(th2 - th4)
+    assert al3 == pytest.approx((above + R3 * w3**2 * cosine - R4 * w4**2) / (R3 * sine))
+    above = R2 * OMEGA2**2 * np.cos(th2 - th3) + R2 * alpha2 * np.sin(th2 - th3)
+    assert al4 == pytest.approx((above - R4 * w4**2 * cosine + R3 * w3**2) / (R4 * sine))
+    printed = above + R2 * alpha2 * (np.sin(th2 - th4) - np.sin(th2 - th3))
+    printed = (printed - R4 * w4**2 * cosine + R3 * w3**2) / (R4 * sine)
+    assert (np.abs(al4 - printed).max() > 1.0) == (alpha2 != 0)
+
+
+def test_accelerations_of_the_centres_of_gravity(found: Kinematics, alpha2: float) -> None:
+    """Eqs. 1.37 to 1.42."""
     th2, th3, th4 = at(found, "angle")
     _, w3, w4 = at(found, "angular_velocity")
     _, al3, al4 = at(found, "angular_acceleration")
     g2, g3, g4 = R2 / 2, R3 / 2, R4 / 2
     expected = {
-        "crank": (-g2 * OMEGA2**2 * np.cos(th2), -g2 * OMEGA2**2 * np.sin(th2)),
+        "crank": (
+            -g2 * OMEGA2**2 * np.cos(th2) - g2 * alpha2 * np.sin(th2),
+            -g2 * OMEGA2**2 * np.sin(th2) + g2 * alpha2 * np.cos(th2),
+        ),
         "coupler": (
-            -R2 * OMEGA2**2 * np.cos(th2) - g3 * w3**2 * np.cos(th3) - g3 * al3 * np.sin(th3),
-            -R2 * OMEGA2**2 * np.sin(th2) - g3 * w3**2 * np.sin(th3) + g3 * al3 * np.cos(th3),
+            -R2 * (OMEGA2**2 * np.cos(th2) + alpha2 * np.sin(th2))
+            - g3 * (w3**2 * np.cos(th3) + al3 * np.sin(th3)),
+            -R2 * (OMEGA2**2 * np.sin(th2) - alpha2 * np.cos(th2))
+            - g3 * (w3**2 * np.sin(th3) - al3 * np.cos(th3)),
         ),
         "rocker": (
             -g4 * w4**2 * np.cos(th4) - g4 * al4 * np.sin(th4),
@@ -87,9 +130,7 @@ def test_inertia_forces_of_the_lumped_masses(found: Kinematics) -> None:
     sums = data["lump_inertia_force"].sum("lump").values
     ground = sum(data["lumped_joint_force"].sel(joint=joint).values for joint in ("O2", "O4"))
     assert ground == pytest.approx(-sums, rel=1e-10, abs=1e-12)
-    motion = load_mechanism(
-        Path(__file__).parents[2] / "models" / "steel_fourbar.toml"
-    ).linkage.motion(TURN, OMEGA2)
+    motion = STEEL.linkage.motion(TURN, OMEGA2)
     links = {"crank": 0, "coupler": 1, "rocker": 2}
     power = np.zeros(len(TURN))
     for number, link in enumerate(data["lump_link"].values):

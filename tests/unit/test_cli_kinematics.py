@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.text import Text
 from typer.testing import CliRunner
 
 from flexmech import (
@@ -105,6 +106,8 @@ def test_an_arm_has_no_transmission_angle(tmp_path: Path) -> None:
         (("--lumped", "1,4,2000"), "lumped: 2000 elements of a link are beyond 1000"),
         (("--speed", "5 mm"), "--speed: "),
         (("--angles", "90,0"), "--angles: "),
+        (("--crank-acceleration", "50 rad/s"), "--crank-acceleration: got '50 rad/s', whose unit"),
+        (("--crank-acceleration", "1e12"), "--crank-acceleration: got '1e12', but an angular acc"),
     ],
 )
 def test_what_makes_no_sense_is_refused(options, message, tmp_path: Path) -> None:
@@ -113,6 +116,34 @@ def test_what_makes_no_sense_is_refused(options, message, tmp_path: Path) -> Non
     assert message in errors
     assert errors.count("\n") == 1
     assert not (tmp_path / "none").exists()
+
+
+def test_a_crank_that_accelerates(tmp_path: Path) -> None:
+    """Its acceleration is in tables, words and titles, and in the file that is loaded back."""
+    options = ("--speed", "20", "--crank-acceleration", "300 rpm/s", "--no-plots")
+    given = (*options, "--angles", "0:360:30", "--out", tmp_path)
+    code, printed, errors = run("kinematics", ALUMINIUM, *given)
+    assert (code, errors) == (0, "")
+    # Rich breaks the heading of a table where the table ends.
+    assert "at 20 rad/s and 31.4159 rad/s²" in " ".join(printed.split())
+    acceleration = 300 * np.pi / 30
+    request = KinematicsRequest(TURN, 20.0, crank_acceleration=acceleration)
+    data = kinematics(load_mechanism(ALUMINIUM), request).dataset
+    assert Kinematics.load(tmp_path / "kinematics.nc").dataset.identical(data)
+    assert data.attrs["crank_acceleration"] == pytest.approx(acceleration, rel=1e-15)
+    motion = pd.read_csv(tmp_path / "kinematics.csv")
+    crank = motion.query("link == 'crank'")["angular_acceleration_rad_s2"]
+    assert crank.to_numpy() == pytest.approx(acceleration, rel=1e-9)
+    torque = pd.read_csv(tmp_path / "drive.csv")["torque_Nm"].to_numpy()
+    assert torque == pytest.approx(data["driving_torque"].values, rel=1e-9)
+    constant = kinematics(load_mechanism(ALUMINIUM), KinematicsRequest(TURN, 20.0)).dataset
+    assert np.abs(torque - constant["driving_torque"].values).max() > 1e-3
+    for drawn in (plots.plot_kinematics, plots.plot_joint_forces, plots.plot_drive):
+        words = [text.get_text() for text in drawn(data).findobj(Text)]
+        assert any("at 20 rad/s, crank acceleration 31.42 rad/s²" in text for text in words)
+    words = [text.get_text() for text in plots.plot_drive(constant).findobj(Text)]
+    assert any("at 20 rad/s" in text for text in words)
+    assert not any("acceleration" in text for text in words)
 
 
 def test_angles_must_increase() -> None:

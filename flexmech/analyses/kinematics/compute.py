@@ -33,7 +33,7 @@ _MOST_LUMPS = 1000
 
 @dataclass(frozen=True)
 class KinematicsRequest:
-    """Crank angles and speed, and how masses are lumped for a comparison.
+    """Crank angles, speed and acceleration, and how masses are lumped for a comparison.
 
     Parameters
     ----------
@@ -47,12 +47,16 @@ class KinematicsRequest:
         one number for all; Kumar & Chandrakar's Figure 1.5 has (1, 4, 4).
     speed_unit : str
         In which crank speeds are printed and drawn.
+    crank_acceleration : float, optional
+        In rad/s^2, alpha2 of Kumar & Chandrakar's eqs. 1.24 and 1.35 to 1.40. At each crank angle
+        the crank has the speed and this acceleration: these are states, and not one run through
+        all angles.
 
     Raises
     ------
     InputError
-        If angles or speed are no numbers, angles do not increase, or a number of elements is
-        below one or beyond 1000.
+        If angles, speed or acceleration are no numbers, angles do not increase, or a number of
+        elements is below one or beyond 1000.
 
     Examples
     --------
@@ -64,6 +68,7 @@ class KinematicsRequest:
     crank_speed: float | None = None
     lumped: Sequence[int] | None = None
     speed_unit: str = "rad/s"
+    crank_acceleration: float = 0.0
 
     def __post_init__(self) -> None:
         angles = in_radians("crank_angles", self.crank_angles)
@@ -74,6 +79,7 @@ class KinematicsRequest:
         object.__setattr__(self, "crank_angles", angles)
         if self.crank_speed is not None:
             check_number(self.crank_speed, "crank_speed", "rad/s")
+        check_number(self.crank_acceleration, "crank_acceleration", "rad/s^2")
         if self.lumped is not None:
             remedy = "give the elements of each link, as (1, 4, 4)"
             counts = checked_tuple(self.lumped, object, "lumped", remedy)
@@ -124,7 +130,8 @@ class KinematicsRequest:
 def kinematics(mechanism: Mechanism, request: KinematicsRequest | None = None) -> Kinematics:
     """Angles, velocities, accelerations, joint forces and driving torque of the rigid linkage.
 
-    The shaft turns at constant speed. Loads over time begin at crank angle zero.
+    The shaft turns at constant speed, or has an acceleration besides. Loads over time begin at
+    crank angle zero. Kumar & Chandrakar, eqs. 1.22, 1.23 and 1.35 to 1.44 (1.36 corrected).
 
     Parameters
     ----------
@@ -140,7 +147,8 @@ def kinematics(mechanism: Mechanism, request: KinematicsRequest | None = None) -
     ------
     InputError
         If the linkage cannot be assembled or locks at a crank angle, its connections do not
-        determine the forces, or the numbers of lumped masses do not fit its links.
+        determine the forces, the numbers of lumped masses do not fit its links, or the crank
+        accelerates under a load over time.
 
     Examples
     --------
@@ -153,13 +161,26 @@ def kinematics(mechanism: Mechanism, request: KinematicsRequest | None = None) -
     request = KinematicsRequest() if request is None else request
     check_instance(request, KinematicsRequest, "request", "give a flexmech.KinematicsRequest")
     speed, elements = request.speed_of(mechanism), request.lumped_of(mechanism)
-    motion = mechanism.linkage.motion(request.crank_angles, speed)
+    if request.crank_acceleration:
+        _refuse_loads_over_time(mechanism)
+    motion = mechanism.linkage.motion(request.crank_angles, speed, request.crank_acceleration)
     time = request.crank_angles / speed if speed else np.zeros_like(request.crank_angles)
     forces = mechanism.inverse_dynamics(motion, time)
     lumped = None
     if elements is not None:
         lumped = mechanism.inverse_dynamics(motion, time, elements)
     return Kinematics(kinematics_dataset(mechanism, forces, lumped, elements, request))
+
+
+def _refuse_loads_over_time(mechanism: Mechanism) -> None:
+    """An accelerated crank passes an angle at no known time."""
+    names = [load.name for load in mechanism.loads if load.over == "time"]
+    if names:
+        raise InputError(
+            f"crank_acceleration: the load {names[0]} goes over time, and when a crank that "
+            "accelerates is at an angle is not known; leave the acceleration out, or give the "
+            "load over the crank angle"
+        )
 
 
 _ANGLE, _LINK = "crank_angle", "link"
@@ -222,6 +243,10 @@ def kinematics_dataset(
         dataset = dataset.assign_coords(lump_link=("lump", names))
     speed = request.speed_of(mechanism)
     attributes = {**origin(mechanism), "crank_speed": speed, "speed_unit": request.speed_unit}
+    if request.crank_acceleration:
+        acceleration = float(request.crank_acceleration)
+        attributes["crank_acceleration"] = acceleration
+        attributes["shaft_inertia_torque"] = mechanism.shaft_inertia * acceleration
     if elements is not None:
         attributes["lumped"] = ",".join(map(str, elements))
     return with_units(dataset, "kinematics").assign_attrs(attributes)

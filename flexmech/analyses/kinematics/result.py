@@ -39,7 +39,9 @@ class Kinematics(Result):
         or following link. Over crank_angle: ``driving_torque``, ``driving_power``, and of
         four-bars ``transmission_angle`` and ``reversed_transmission_angle``. With lumped masses
         the forces by these, with names that begin with ``lumped_``, and every mass with its
-        acceleration and inertia force over ``lump``.
+        acceleration and inertia force over ``lump``. The attributes ``crank_speed``, and where
+        the crank accelerates ``crank_acceleration`` in rad/s^2 and ``shaft_inertia_torque`` in
+        N m, which the shaft's own inertia takes besides the driving torque.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """
@@ -97,7 +99,7 @@ class Kinematics(Result):
         data = self.dataset
         motion = Table(
             f"greatest values over the crank angles, {data.attrs['mechanism']} at "
-            f"{crank_speed_text(data.attrs)}",
+            f"{crank_speed_text(data.attrs)}{_acceleration_text(data)}",
             ("link", "rad/s", "at deg", "rad/s²", "at deg", "centre m/s²", "at deg"),
             (tuple(_link_row(data.sel(link=link)) for link in data["link"].values),),
         )
@@ -115,13 +117,21 @@ class Kinematics(Result):
             what = f"driving torque by {data.sizes['lump']} lumped masses"
             lines.append(_extremes(what, data["lumped_driving_torque"], "N m", torque))
         lines.append(_extremes("driving power", data["driving_power"], "W", power))
+        if shaft := float(data.attrs.get("shaft_inertia_torque", 0.0)):
+            lines.append(f"driving torque: the shaft's own inertia takes {shaft:.5g} N m besides")
         mean = _mean(data["driving_power"])
-        if mean is not None:
+        if mean is not None and "crank_acceleration" not in data.attrs:
             lines.append(f"mean driving power over the turn: {_number(mean, power)} W")
         for angle, words in _TRANSMISSION.items():
             if angle in data:
                 lines.append(_extremes(words, DEGREES * data[angle], "deg"))
         return Summary((motion, joints, *lines))
+
+
+def _acceleration_text(data: xr.Dataset) -> str:
+    """Acceleration of the crank in words; nothing where its speed is constant."""
+    acceleration = data.attrs.get("crank_acceleration")
+    return "" if acceleration is None else f" and {float(acceleration):.6g} rad/s²"
 
 
 def _motion_table(data: xr.Dataset) -> pd.DataFrame:
