@@ -12,9 +12,24 @@ from matplotlib.figure import Figure
 from flexmech import Mechanism, load_mechanism
 from flexmech.arrays import FloatArray
 
-__all__ = ["MODELS", "SPEEDS", "four_bar", "mean_over_turn", "output_folder", "save_pictures"]
+__all__ = [
+    "FOUR_BARS",
+    "MODELS",
+    "SPEEDS",
+    "four_bar",
+    "mean_over_turn",
+    "output_folder",
+    "save_pictures",
+]
 
 MODELS = Path(__file__).parents[1] / "models"
+FOUR_BARS = {
+    "steel": "Steel four-bar",
+    "aluminium": "Aluminium four-bar",
+    "moist_composite": "Dry composite four-bar",
+}
+"""What runs at these speeds in light machines: both of Kumar & Chandrakar, and one of carbon and
+epoxy of a like size."""
 SPEEDS = np.array([0.0, 10.0, 20.0])
 """Crank speeds of Kumar & Chandrakar in rad/s."""
 DOTS_PER_INCH = 200
@@ -22,7 +37,7 @@ DOTS_PER_INCH = 200
 
 
 def four_bar(name: str) -> Mechanism:
-    """Load the ``"steel"`` or the ``"aluminium"`` four-bar of Kumar & Chandrakar."""
+    """Load one of ``FOUR_BARS``, which have room temperature and no water in them."""
     return load_mechanism(MODELS / f"{name}_fourbar.toml")
 
 

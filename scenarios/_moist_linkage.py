@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from _common import MODELS
+from _common import MODELS, SPEEDS
 
 from flexmech import (
     ExudynEngine,
@@ -115,9 +115,9 @@ def _dry(part: str) -> Mechanism:
 
 
 def over_turn(crank_angles: FloatArray, elements: int) -> MovingFrequencies:
-    """Frequencies over the crank angle, dry and evenly wet."""
+    """Frequencies over the crank angle at ``SPEEDS``, dry and evenly wet."""
     engine = ReferenceEngine(_dry("all"), elements, BEAM)
-    return moving_frequencies(engine, crank_angles, [SPEED], modes=MODES, environment=EVENLY_WET)
+    return moving_frequencies(engine, crank_angles, SPEEDS, modes=MODES, environment=EVENLY_WET)
 
 
 def along(states: Sequence[Environment], positions: FloatArray, elements: int) -> Series:

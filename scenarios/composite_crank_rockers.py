@@ -29,7 +29,9 @@ from flexmech.studies import (
     published_tables,
 )
 
-# Five plies in a ground of 0.4 m; the study assumes 1 mm.
+# Links of five plies, which are one material in C1 and in C6: it does not matter whether they are
+# stacked in the plane of motion or parallel to it. The ground is 0.4 m; the study assumes 1 mm.
+PLIES = 5
 PLY_THICKNESS = np.array([0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 3.0]) * 1e-3
 ELEMENTS = {"euler": "bending alone", "timoshenko": "with shear"}
 WORDS = {
@@ -91,7 +93,9 @@ def ratios_of(element: str, thickness: float, elements: int) -> dict[str, float]
     damping = frequency.copy(deep=True)
     for laminate in ("C1", "C6"):
         for case in cases:
-            mechanism = composite_crank_rocker(case, laminate, "unidirectional", thickness)
+            mechanism = composite_crank_rocker(
+                case, laminate, "unidirectional", in_plane_thickness=PLIES * thickness
+            )
             engine = ReferenceEngine(mechanism, elements, element)
             angles = position_angles(published_case(case))[:3]
             at = {"laminate": laminate, "case": case}
@@ -115,7 +119,9 @@ def _draw(answer: SizeAnswer) -> Figure:
             curves = [answer.ratios[element][name] for element in ELEMENTS]
             for number, values in enumerate(curves):
                 axes.plot(
-                    5e3 * answer.thickness, values, **(plots.series_line(number) | marks[number])
+                    1e3 * PLIES * answer.thickness,
+                    values,
+                    **(plots.series_line(number) | marks[number]),
                 )
             axes.set_title(heading[0].upper() + heading[1:], fontsize=8)
             axes.set_xscale("log")

@@ -1,8 +1,9 @@
 """How far do heat and moisture pull down the frequencies of composite links, and by what?
 
-The moist composite four-bar at 20 rad/s: over the crank angle, dry and in equilibrium with 85 %
-humidity at 80 degC; over the moisture, from dry to saturated; and over the time of exposure, in
-which water is still on its way in and one link, wet from one side, is bent. The change is split
+The moist composite four-bar: over the crank angle at 10 and 20 rad/s, dry and in equilibrium with
+85 % humidity at 80 degC, and what these speeds add to it at rest in both states; at 20 rad/s over
+the moisture, from dry to saturated; and over the time of exposure, in which water is still on its
+way in and one link, wet from one side, is bent. The change is split
 into what softening, swelling and the water's mass do, each by leaving the others out of the
 model. Both engines are set side by side at a few points.
 
@@ -16,7 +17,8 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from _common import output_folder, save_pictures
+import xarray as xr
+from _common import SPEEDS, mean_over_turn, output_folder, save_pictures
 from _moist_linkage import (
     DAY,
     EVENLY_WET,
@@ -35,7 +37,7 @@ from matplotlib.figure import Figure
 from flexmech import Exposure, HygrothermalState, MovingFrequencies, plots
 from flexmech.arrays import FloatArray
 
-TURN = np.radians(np.arange(0.0, 361.0, 5.0))
+TURN = np.radians(np.arange(0.0, 361.0, 2.5))
 MOISTURES = np.linspace(0.0, GREATEST_MOISTURE, 11)
 TIMES = DAY * np.linspace(0.0, 14.0, 15) ** 2
 # Crank angles over which the changes are averaged.
@@ -56,7 +58,7 @@ class Answer:
     Parameters
     ----------
     effect : MovingFrequencies
-        Over the crank angle, dry and wet.
+        Over the crank angle at rest, 10 and 20 rad/s, dry and wet.
     by_moisture, by_time : Series
     agreement : list of Agreement
     """
@@ -65,6 +67,26 @@ class Answer:
     by_moisture: Series
     by_time: Series
     agreement: list[Agreement]
+
+    @property
+    def by_speed(self) -> xr.DataArray:
+        """Relative change of the frequencies from rest, over state, crank_speed, angle and mode."""
+        frequency = self.effect.dataset["frequency"].isel(engine=0, drop=True)
+        return frequency.isel(crank_speed=slice(1, None)) / frequency.isel(crank_speed=0) - 1
+
+    @property
+    def wet_to_dry(self) -> FloatArray:
+        """Change by the greatest speed, wet over dry, root mean square over the turn; (3,)."""
+        change = self.by_speed.isel(crank_speed=-1).transpose("state", "crank_angle", "mode")
+        dry, wet = (mean_over_turn(each) for each in change.values)
+        return wet / dry
+
+    @property
+    def water_leads(self) -> bool:
+        """Whether heat and water move each frequency further than the speed does, everywhere."""
+        water = abs(self.effect.relative_change()).isel(crank_speed=-1).min("crank_angle")
+        speed = abs(self.by_speed).max(["state", "crank_speed", "crank_angle"])
+        return bool((water > speed).all())
 
 
 def main(
@@ -110,7 +132,8 @@ def main(
     along_time = f"{where} and {100 * HUMIDITY:g} % humidity"
     root = "Root of the time of exposure (\N{SQUARE ROOT}day)"
     pictures = {
-        "over_crank_angle": effect.plot(),
+        "over_crank_angle": effect.plot(speeds=SPEEDS[1:].tolist()),
+        "by_speed": _draw_by_speed(answer),
         "by_moisture": draw(100 * moistures, by_moisture, "Moisture of the resin (%)", where),
         "by_time": draw(np.sqrt(days), by_time, root, along_time),
     }
@@ -160,6 +183,36 @@ def draw(values: FloatArray, series: Series, label: str, where: str) -> Figure:
     return drawn.figure
 
 
+def _draw_by_speed(answer: Answer) -> Figure:
+    """Change from rest in percent against crank angle, one panel a mode."""
+    change = 100 * answer.by_speed
+    degrees = np.round(np.degrees(change["crank_angle"].values), 9)
+    lines = {"linestyle": "-", "linewidth": 1.2}, {"linestyle": "--", "linewidth": 1.5}
+    states = dict(zip(change["state"].values, lines, strict=True))
+    speeds = change["crank_speed"].values
+    with plots.sheet(plots.grid(MODES, 1, 4.8, sharex=True)) as drawn:
+        for mode, axes in enumerate(drawn.panels):
+            axes.axhline(0.0, color=plots.MID_GREY, lw=0.6, zorder=1)
+            for number, speed in enumerate(speeds):
+                for state, look in states.items():
+                    values = change.sel(state=state, crank_speed=speed).isel(mode=mode)
+                    axes.plot(degrees, values, **(plots.series_line(number) | look))
+            axes.set_title(plots.mode_label([mode + 1]))
+            plots.plain_numbers(axes)
+        plots.crank_angle_axis(drawn.panels[-1], degrees)
+        drawn.label_x("Crank angle (deg)")
+        drawn.label_y("Change of frequency (%)")
+        of_state = [plots.line_handle(n, color=plots.MID_GREY, **k) for n, k in states.items()]
+        of_speed = [
+            plots.line_handle(plots.speed_label(speed), color=plots.series_style(n).color)
+            for n, speed in enumerate(speeds)
+        ]
+        drawn.header(
+            [*of_state, *of_speed], "Moist composite four-bar: change of frequency from rest"
+        )
+    return drawn.figure
+
+
 def table(series: Series, name: str, values: FloatArray) -> pd.DataFrame:
     """One row for each state and mode.
 
@@ -196,6 +249,11 @@ def table(series: Series, name: str, values: FloatArray) -> pd.DataFrame:
 
 def _report(answer: Answer) -> None:
     print(answer.effect.summary())
+    speed = plots.speed_label(SPEEDS[-1])
+    ratios = ", ".join(f"{ratio:.2f}" for ratio in answer.wet_to_dry)
+    print(f"change from rest to {speed}, wet over dry (modes 1 to 3, rms over the turn): {ratios}")
+    leads = "further" if answer.water_leads else "not everywhere further"
+    print(f"heat and water move the frequencies {leads} than the speed does")
     print("last state of each series, mean over the turn: altogether = softening, swelling, mass")
     for series in (answer.by_moisture, answer.by_time):
         print(f"  {series.states[-1].label}")
