@@ -56,6 +56,7 @@ from .hygrothermal import Exposure as Exposure
 from .hygrothermal import HygrothermalState as HygrothermalState
 from .hygrothermal import mechanism_in_state as mechanism_in_state
 from .linear_system import LinkPoint as LinkPoint
+from .linear_system import RotationTerms as RotationTerms
 from .linkages import CouplerCurve as CouplerCurve
 from .linkages import CouplerPoint as CouplerPoint
 from .linkages import CrankDrive as CrankDrive
@@ -92,6 +93,7 @@ from .report import stored_results as stored_results
 from .report import write_report as write_report
 from .sections import BeamSection as BeamSection
 from .sections import LaminateSection as LaminateSection
+from .sections import SheetSection as SheetSection
 from .studies import CompositeStudy as CompositeStudy
 from .studies import study_composites as study_composites
 from .verification import Verification as Verification

@@ -28,6 +28,9 @@ MapPrestress = Literal["none", "axial", "equilibrium", "trajectory"]
 MAP_PRESTRESS_LEVELS: tuple[MapPrestress, ...] = get_args(MapPrestress)
 StabilityPrestress = Literal["axial", "equilibrium", "trajectory"]
 """Of the motion whose stability is asked for; the last is the periodic orbit itself."""
+RotationTerm = Literal["coriolis", "centripetal", "tangential"]
+"""An inertial term of the turning link frames, in the order in which a split adds them."""
+ROTATION_TERMS: tuple[RotationTerm, ...] = get_args(RotationTerm)
 MovingFrame = Literal["link", "inertial"]
 """Axes in which displacements of running links are written."""
 MOVING_FRAMES: tuple[MovingFrame, ...] = get_args(MovingFrame)

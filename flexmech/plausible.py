@@ -66,6 +66,7 @@ _OF_DIMENSION = {
         Plausible(units.FREQUENCY, "1e12 Hz", "1e-9 Hz"),
         Plausible(units.ANGLE, "1e6 rad"),
         Plausible(units.ANGULAR_SPEED, "1e6 rad/s"),
+        Plausible(units.ANGULAR_ACCELERATION, "1e9 rad/s^2"),
         Plausible(units.ACCELERATION, "1e6 m/s^2"),
         Plausible(units.STRESS, "1e6 GPa", "1 kPa"),
         Plausible(units.DENSITY, "1e6 kg/m^3", "1e-3 kg/m^3"),

@@ -124,6 +124,12 @@ def table_of(
     return pd.DataFrame(dict(zip(columns, unsigned, strict=True)))
 
 
+def terms_column(dataset: xr.Dataset) -> Columns:
+    """A column that tells the rotation terms counted, where some are not; else no column."""
+    counted = str(dataset.attrs.get("rotation_terms", "on"))
+    return {} if counted == "on" else {"rotation_terms": xr.DataArray(counted)}
+
+
 def _column(dataset: xr.Dataset, column: str, name: str) -> xr.DataArray:
     """Values of a variable in a column's unit."""
     values = dataset[name]

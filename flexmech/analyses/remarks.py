@@ -103,9 +103,16 @@ def left_out_warnings(attributes: Mapping[Any, Any]) -> tuple[str, ...]:
     )
 
 
+CHOSEN_DAMPING = "chosen_damping"
+
+
 def warnings_of(attributes: Mapping[Any, Any]) -> tuple[str, ...]:
-    """Warnings of a result on what it leaves out: loads over time, and what beam theories do."""
-    return (*left_out_warnings(attributes), *theory_warnings(attributes))
+    """Warnings of a result on what it leaves out and on what was chosen for it.
+
+    Loads over time, the frequency at which specific damping counts, and what beam theories do.
+    """
+    chosen = str(attributes.get(CHOSEN_DAMPING, "")).splitlines()
+    return (*left_out_warnings(attributes), *chosen, *theory_warnings(attributes))
 
 
 def speed_unit(dataset: xr.Dataset) -> str:

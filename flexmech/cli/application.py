@@ -20,7 +20,7 @@ from flexmech.cli.failures import reports_failures
 from flexmech.cli.laboratory import compare, hammer
 from flexmech.cli.links import check, moisture, new, schema, section
 from flexmech.cli.maps import campbell, frequencies, stability
-from flexmech.cli.reading import from_options
+from flexmech.cli.reading import from_options, with_value
 from flexmech.cli.rigid import coupler_curve, kinematics, synthesize
 from flexmech.cli.runs import export, response
 from flexmech.cli.stopping import Stopped, interrupted_line
@@ -73,6 +73,10 @@ class _Commands(TyperGroup):
             code = Stopped().exit_code
             typer.echo(interrupted_line(signal.SIGINT), err=True)
         sys.exit(code if isinstance(code, int) else 0)
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read a command line, in which ``--rotation-terms`` may stand without its value."""
+        return super().parse_args(ctx, [*map(with_value, args, [*args[1:], "-"])])
 
 
 def _usage_line(error: Any) -> str:

@@ -16,16 +16,13 @@ from flexmech.errors import InputError
 
 if TYPE_CHECKING:
     from flexmech.arrays import LabelledProgress
-    from flexmech.linear_system import LinkPoint
-else:  # Its room is imported where a point is given.
-    LinkPoint = Any
 
 
 def hammer(
     model: options.Model,
     angle: Annotated[list[float], typed.LOCKED_ANGLES] = options.ZERO,
-    impact: Annotated[LinkPoint | None, typed.IMPACT] = None,
-    response: Annotated[LinkPoint | None, typed.RESPONSE] = None,
+    impact: Annotated[typed.LinkPoint | None, typed.IMPACT] = None,
+    response: Annotated[typed.LinkPoint | None, typed.RESPONSE] = None,
     direction: choices.LinkDirection = "transverse",
     averages: Annotated[int, Option(min=1)] = 3,
     bandwidth: Annotated[float | None, typed.BANDWIDTH] = None,
@@ -166,6 +163,7 @@ def compare(
     quantity: str | None = None,
     fit: Annotated[tuple[str, ...] | None, typed.FIT] = None,
     engine: choices.EngineName = "reference",
+    element: options.Element = None,
     *,
     output: options.AskedOutput,
 ) -> None:
@@ -216,7 +214,7 @@ def compare(
     mechanism, taken = mechanism_of(model), read_record(record)
 
     def compute(progress: LabelledProgress | None) -> analyses.Comparison:
-        own = make_engines(mechanism, engine)[0]
+        own = make_engines(mechanism, engine, element)[0]
         try:
             return analyses.compare_with_record(own, taken, request, progress=progress)
         except InputError as error:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from typer import Argument, Option
 
@@ -13,16 +13,12 @@ from flexmech.cli.deliver import Output, Pictures, Printing, typed_path
 from flexmech.cli.reading import Together
 from flexmech.errors import InputError
 
-if TYPE_CHECKING:
-    from flexmech.hygrothermal import Environment
-else:  # Its room is imported where an environment is asked for.
-    Environment = Any
-
 # Defaults as users type them.
 EVERY_5_DEGREES: Any = "0:360:5"
 EVERY_DEGREE: Any = "0:360:1"
 FIRST_ORDERS: Any = "1:10"
 AUTO: Any = "auto"
+ALL: Any = "all"
 FOUR: Any = "4"
 ZERO: Any = "0"
 PNG: Any = "png"
@@ -92,11 +88,13 @@ _MODES = f"Number of natural frequencies. Left out: {choices.MODES}, or as many 
 Modes = Annotated[int | None, Option(min=1, max=choices.MOST_MODES, help=_MODES)]
 KeptModes = Annotated[int, Option(min=1, max=choices.MOST_MODES)]
 RotationTerms = Annotated[
-    bool,
+    typed.RotationTerms,
     Option(
-        "--rotation-terms/--no-rotation-terms",
-        help="Coriolis, centripetal and tangential terms of the link frames, or none of them.",
+        help="Terms of the turning link frames that are counted: all, none (the same as "
+        "--no-rotation-terms), or a comma list of coriolis, centripetal, tangential.",
+        metavar="LIST",
     ),
+    typed.ROTATION_TERMS,
 ]
 Shaft = Annotated[
     choices.ShaftChoice,
@@ -176,7 +174,7 @@ def asked_environment(
     moisture: Annotated[float | None, typed.MOISTURE] = None,
     relative_humidity: Annotated[float | None, typed.RELATIVE_HUMIDITY] = None,
     time: Annotated[float | None, _TIME, typed.EXPOSURE_TIME] = None,
-) -> Environment | None:
+) -> typed.Environment | None:
     """Heat and moisture, or the exposure to them; None if nothing is asked for.
 
     Options
@@ -210,4 +208,4 @@ def asked_environment(
 
 AskedOutput = Annotated[Output, Together(asked_output)]
 AskedOptionalOutput = Annotated[Output, Together(asked_optional_output)]
-AskedEnvironment = Annotated[Environment | None, Together(asked_environment)]
+AskedEnvironment = Annotated[typed.Environment | None, Together(asked_environment)]

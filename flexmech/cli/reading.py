@@ -55,6 +55,15 @@ class Together:
     make: Callable[..., Any]
 
 
+def with_value(this: str, following: str) -> str:
+    """An argument of a command line: ``--rotation-terms`` without its value is of all of them.
+
+    It has none where an option or a file follows. ``--no-rotation-terms`` is of none of them.
+    """
+    bare = this == "--rotation-terms" and re.search(r"^-|[./\\]", following)
+    return f"{this}=all" if bare else re.sub("^--no-rotation-terms$", "--rotation-terms=none", this)
+
+
 def from_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """The same command as typer takes it: with an option of plain text for all that is read."""
     words, _, section = inspect.cleandoc(command.__doc__ or "").partition(_HEADING)

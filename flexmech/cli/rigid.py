@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 from flexmech import analyses
 from flexmech.cli import options, typed
@@ -11,17 +11,13 @@ from flexmech.cli.deliver import deliver, mechanism_of
 from flexmech.cli.failures import naming
 from flexmech.errors import InputError
 
-if TYPE_CHECKING:
-    from flexmech.linkages import CouplerPoint
-else:  # Its room is imported where a point is given.
-    CouplerPoint = Any
-
 
 def kinematics(
     model: options.Model,
     speed: Annotated[typed.Speeds | None, typed.SPEED_OR_REST] = None,
     angles: options.Angles = options.EVERY_DEGREE,
     lumped: Annotated[tuple[int, ...] | None, typed.LUMPED] = None,
+    crank_acceleration: Annotated[float, typed.CRANK_ACCELERATION] = options.ZERO,
     *,
     output: options.AskedOutput,
 ) -> None:
@@ -38,11 +34,14 @@ def kinematics(
     lumped : LIST
         Also with lumped masses: elements of each link, whose mass is halved onto their ends, in
         the order of the links, as in 1,4,4; or one number for all.
+    crank_acceleration
+        Acceleration that the crank has at each angle: rad/s^2 unless a unit is given.
     """
     from flexmech.analyses.kinematics.compute import kinematics as analysis
 
     value, unit = (None, "rad/s") if speed is None else (speed.single, speed.unit)
-    request = analyses.KinematicsRequest(typed.radians(angles), value, lumped, unit)
+    asked = typed.radians(angles), value, lumped, unit, crank_acceleration
+    request = analyses.KinematicsRequest(*asked)
     mechanism = mechanism_of(model)
     deliver(
         analyses.Kinematics,
@@ -56,7 +55,7 @@ def kinematics(
 def coupler_curve(
     model: options.Model,
     environment: options.AskedEnvironment,
-    point: Annotated[CouplerPoint | None, typed.POINT] = None,
+    point: Annotated[typed.CouplerPoint | None, typed.POINT] = None,
     link: str = "coupler",
     angles: options.Angles = options.EVERY_DEGREE,
     *,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple, cast
+from typing import Annotated, NamedTuple, cast
 
 from typer import Option
 
@@ -16,9 +16,6 @@ from flexmech.cli.failures import naming, telling
 from flexmech.cli.reading import Together
 from flexmech.errors import InputError, one_line
 from flexmech.files import check_writable, given_path
-
-if TYPE_CHECKING:
-    pass
 
 
 class Run(NamedTuple):
@@ -176,5 +173,5 @@ def export(
         f"{len(system.sensors)} sensors; {system.steps} steps of {system.step:.4g} s"
     )
     named = one_line(str(file), most=len(str(file)))
-    summary = analyses.Summary((counts,), f"next: python {named}")
+    summary = analyses.Summary((counts,), f"next: python {named}", system.remarks)
     say(summary, [file], [f"files: {named}"], [run.speed.remark], printing)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from flexmech import units
 from flexmech.choices import PICTURE_FORMATS, REPORT_PARTS
@@ -20,9 +20,13 @@ from flexmech.plausible import Plausible, check_plausible, of_dimension
 
 if TYPE_CHECKING:
     from flexmech.arrays import FloatArray
-    from flexmech.linear_system import LinkPoint
-    from flexmech.linkages import CouplerPoint
+    from flexmech.hygrothermal import Environment as Environment
+    from flexmech.linear_system import LinkPoint as LinkPoint
+    from flexmech.linear_system import RotationTerms as RotationTerms
+    from flexmech.linkages import CouplerPoint as CouplerPoint
     from flexmech.mechanism import Mechanism
+else:  # Their rooms are imported where one of them is asked for.
+    CouplerPoint = Environment = LinkPoint = RotationTerms = Any
 
 MOST_ANGLES = 100_000
 """More crank angles than this, every 0.004 deg of a turn, are taken for a slip of the keyboard."""
@@ -36,9 +40,6 @@ _BEYOND = (
 )
 # Of the crank's speed in a Campbell diagram; higher ones excite nothing: a slip of the keyboard.
 _MOST_ORDER = 1000
-# Steps of the second parameter of a stability map, each a map over the speeds: more than three
-# digits are a slip of the keyboard.
-_MOST_STEPS = 999
 # In rad/s, 1,900 rpm, at which few linkages run: a bare number beyond may be meant in rpm.
 _DOUBTFUL_SPEED = 200.0
 # Speeds nearer to each other than this, relatively, are one speed in two units: they differ by the
@@ -49,6 +50,7 @@ _AUTO = "auto"
 
 # Whole degrees stay exact if they do not pass through radians.
 _CRANK_ANGLE = units.Dimension("an angle", "deg", ("0:360:5", "45 deg", "0.785 rad"))
+_PERCENTAGE = units.Dimension("a percentage", "", ("7 %", "7 percent"))
 
 
 @dataclass(frozen=True)
@@ -103,6 +105,12 @@ def _quantity(
 
 def _positive(option: str, dimension: units.Dimension, unit: str | None = None) -> Typed:
     return _quantity(option, dimension, unit, (0.0).__lt__, "must be positive, got {!r}")
+
+
+def _percentage(option: str) -> Typed:
+    """A fraction in percent, ``"7"`` or ``"7 %"``: 0.07."""
+    most = "must lie between 0 and 100 percent, got {!r}"
+    return _quantity(option, _PERCENTAGE, "%", lambda part: 0 <= part <= 1, most)
 
 
 def _within(degrees: float) -> Callable[[float], bool]:
@@ -216,6 +224,12 @@ def _link_point(text: str) -> LinkPoint:
     return LinkPoint.parse(text)
 
 
+def _rotation_terms(text: str) -> RotationTerms:
+    from flexmech.linear_system import RotationTerms
+
+    return RotationTerms.parse(text)
+
+
 def _lumped(text: str) -> tuple[int, ...]:
     counts = [part.strip() for part in text.split(",")]
     if not all(re.fullmatch(r"0*[1-9][0-9]{0,3}", count, re.ASCII) for count in counts):
@@ -243,18 +257,6 @@ def _whole(text: str) -> int:
     return int(number)
 
 
-def _percent(text: str) -> float:
-    """Fraction in percent, ``"7"`` or ``"7 %"``: 0.07."""
-    unit = next((unit for unit in ("percent", "%") if text.strip().endswith(unit)), "")
-    try:
-        percent = float(units.parse_number(text.strip().removesuffix(unit)))
-    except InputError as error:
-        raise InputError(f"{error} (in percent)") from error
-    if not 0 <= percent <= 100:
-        raise InputError(f"must lie between 0 and 100 percent, got {text!r}")
-    return percent / 100
-
-
 def _words(option: str, known: Collection[str], wrong: str, example: str = "") -> Typed:
     """A comma list of known words, in their own order."""
 
@@ -280,16 +282,18 @@ SPEED = Typed("--speed", partial(_one_speed, option="--speed", turns=True))
 SPEED_OR_REST = Typed("--speed", partial(_one_speed, option="--speed", turns=False))
 RUNNING = Typed("--running", partial(_one_speed, option="--running", turns=True))
 ORDERS = Typed("--orders", _orders)
+ROTATION_TERMS = Typed("--rotation-terms", _rotation_terms)
 LUMPED = Typed("--lumped", _lumped)
 POINT = Typed("--point", _point)
 IMPACT = Typed("--impact", _link_point)
 RESPONSE = Typed("--response", _link_point)
 REVOLUTIONS = Typed("--revolutions", _revolutions)
+CRANK_ACCELERATION = _quantity("--crank-acceleration", units.ANGULAR_ACCELERATION, "rad/s^2")
 STEPS = _or_auto(Typed("--steps", _whole), "; write a multiple of 16, such as 256")
 _STEP_REFUSED = f"got {{!r}}, which is not positive; write a time, for example {units.TIME.example}"
 STEP = _or_auto(_quantity("--step", units.TIME, "s", (0.0).__lt__, _STEP_REFUSED))
-MOISTURE = Typed("--moisture", _percent)
-RELATIVE_HUMIDITY = Typed("--relative-humidity", _percent)
+MOISTURE = _percentage("--moisture")
+RELATIVE_HUMIDITY = _percentage("--relative-humidity")
 _AS_IN = ", as in --format pdf,svg"
 FORMATS = _words("--format", PICTURE_FORMATS, "format of pictures", _AS_IN)
 INCLUDE = _words("--include", REPORT_PARTS, "part of a report")
@@ -346,7 +350,7 @@ def parameter_range(
     """
     if typed is None:
         return None
-    from flexmech.analyses.stability.against import parameters_of
+    from flexmech.analyses.stability.against import parameters_of, values_of
 
     parameter, text = typed
     known = parameters_of(mechanism)
@@ -361,35 +365,4 @@ def parameter_range(
             default = "K"
         # As --moisture is.
         default = "%" if parameter == "moisture" else default
-        return parameter, _range(text, dimension, default)
-
-
-def _range(text: str, dimension: units.Dimension, default: str | None) -> list[float]:
-    def values(entries: str) -> list[float]:
-        if default is None:
-            # Without a unit it is refused, with an example.
-            units.parse_quantity(entries.split(",")[-1].strip(), dimension)
-        unit = dimension.unit if default is None else default
-        return list(units.parse_quantities(entries, dimension, unit).values)
-
-    if ":" not in text:
-        return values(text)
-    parts = [part.strip() for part in text.split(":")]
-    remedy = 'write START:STOP:STEPS, as in "0:2%:20" for 20 equal steps from 0 to 2 %'
-    if len(parts) != 3 or not all(parts):
-        raise InputError(f"got {text!r}; {remedy}, or a comma list")
-    start, stop = values(",".join(parts[:2]))
-    try:
-        steps = units.parse_number(parts[2])
-    except InputError as error:
-        raise InputError(
-            f"got {text!r}, whose last part is not a number of steps; {remedy}"
-        ) from error
-    if steps != int(steps) or not 1 <= steps <= _MOST_STEPS:
-        raise InputError(
-            f"got {text!r}; STEPS must be a whole number from 1 to {_MOST_STEPS}; {remedy}"
-        )
-    if not stop > start:
-        raise InputError(f"got {text!r}; STOP must be greater than START; {remedy}")
-    count = int(steps)
-    return [start + (stop - start) * number / count for number in range(count)] + [stop]
+        return parameter, values_of(text, dimension, default)

@@ -14,6 +14,7 @@ from flexmech.materials.micromechanics import (
     PACKING_LIMIT,
     ply_from_constituents,
     propagated_uncertainty,
+    uncertainty_parts,
     woven_ply,
 )
 from flexmech.materials.plies_in_state import (
@@ -48,5 +49,6 @@ __all__ = [
     "published_constituents",
     "solid_stiffness",
     "through_thickness_strain",
+    "uncertainty_parts",
     "woven_ply",
 ]

@@ -17,7 +17,9 @@ from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.materials.composition import RULES, PlyComposition, Rule
 from flexmech.materials.constituents import Fibre, Matrix
@@ -309,11 +311,48 @@ def propagated_uncertainty(
     >>> print(f"{modulus(*parts):.1f} +/- {spread:.1f} GPa")
     121.9 +/- 12.0 GPa
     """
+    parts = uncertainty_parts(function, constituents)
+    return float(np.sqrt(sum(float(part) ** 2 for part in parts.values())))
+
+
+def uncertainty_parts(
+    function: Callable[..., ArrayLike], constituents: Sequence[Fibre | Matrix]
+) -> dict[tuple[str, str], FloatArray]:
+    """Change of numbers by the uncertainty of each property of their constituents, to first order.
+
+    Parameters
+    ----------
+    function : callable
+        Of the constituents, in their order; gives one number or an array of them.
+    constituents : sequence of Fibre or Matrix
+        Each once, so that it varies everywhere together.
+
+    Returns
+    -------
+    dict of (str, str) to ndarray
+        By constituent and property: what one uncertainty more of it adds, of the shape of the
+        numbers and in their units. Without a stated uncertainty there is no entry.
+
+    Raises
+    ------
+    InputError
+        If the function cannot be called, or there are no constituents.
+
+    Examples
+    --------
+    >>> from flexmech.materials import uncertainty_parts
+    >>> table = flexmech.published_constituents()
+    >>> parts = uncertainty_parts(
+    ...     lambda carbon: np.array([carbon.density, carbon.density**2]), [table["carbon"]]
+    ... )
+    >>> parts["carbon", "density"].round(3)
+    array([1.00e+01, 3.48e+04])
+    """
     if not callable(function):
         raise InputError(f"function must be called with the constituents, got {function!r}")
     remedy = "give a Fibre and a Matrix in a tuple"
     constituents = checked_tuple(constituents, (Fibre, Matrix), "constituents", remedy)
-    total = 0.0
+    parts = {}
     for place, constituent in enumerate(constituents):
         for name, spread in constituent.uncertainty.items():
             ends = []
@@ -321,6 +360,6 @@ def propagated_uncertainty(
                 moved: list[Any] = list(constituents)
                 value = getattr(constituent, name) + sign * _STEP * spread
                 moved[place] = replace(constituent, **{name: value})
-                ends.append(function(*moved))
-            total += ((ends[0] - ends[1]) / (2 * _STEP)) ** 2
-    return float(np.sqrt(total))
+                ends.append(np.asarray(function(*moved), dtype=float))
+            parts[constituent.name, name] = (ends[0] - ends[1]) / (2 * _STEP)
+    return parts

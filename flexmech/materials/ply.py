@@ -154,6 +154,11 @@ class Ply:
             origin=ResinContent(hygrothermal) if hygrothermal.is_known else None,
         )
 
+    def stiffened(self, factor: float) -> Self:
+        """The ply with all moduli times a factor, which follows from no constituents."""
+        moduli = {name: factor * getattr(self, name) for name in MODULI}
+        return replace(self, **moduli, origin=None)
+
     @property
     def isotropic_material(self) -> Material | None:
         """Material of which :meth:`isotropic` makes this ply; None where it is another one."""

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
-from flexmech.errors import InputError
+from flexmech.errors import ComputationError, InputError
 
 EXTRA = (
     'identification by LSCF needs sdypy-EMA, which is not installed: pip install "flexmech'
@@ -80,6 +80,8 @@ def lscf_poles(
     ------
     InputError
         sdypy-EMA is not installed, or there are too few frequencies for so many orders.
+    ComputationError
+        The records show so few modes that a model of so many has no unique fit.
 
     Notes
     -----
@@ -109,7 +111,13 @@ def lscf_poles(
             pol_order_high=orders,
             frf_form="receptance",
         )
-        model.get_poles(method="lscf", show_progress=False)
+        try:
+            model.get_poles(method="lscf", show_progress=False)
+        except np.linalg.LinAlgError as error:
+            raise ComputationError(
+                f"models of up to {orders} modes have no unique fit: the records show fewer modes, "
+                "without noise; ask for fewer orders or a narrower band"
+            ) from error
     found = []
     for poles in model.all_poles:
         hertz = abs(poles) / (2 * np.pi)

@@ -212,6 +212,8 @@ class ExudynSystem:
     script : str
         A Python script that makes the same system, solves it and prints deflections; it
         needs exudyn and numpy alone.
+    remarks : tuple of str
+        What was chosen for it that the model leaves open.
 
     Examples
     --------
@@ -233,6 +235,7 @@ class ExudynSystem:
     step: float
     steps: int
     script: str
+    remarks: tuple[str, ...] = ()
 
     @classmethod
     def of(

@@ -5,6 +5,7 @@ from .campbell import plot_speed_sweep as plot_speed_sweep
 from .composite_study import plot_composite_damping as plot_composite_damping
 from .composite_study import plot_composite_frequencies as plot_composite_frequencies
 from .composite_study import plot_laminate_factors as plot_laminate_factors
+from .composite_study import plot_running_against_steel as plot_running_against_steel
 from .composite_study import plot_verification as plot_verification
 from .drawn_linkage.figures import plot_linkage as plot_linkage
 from .drawn_linkage.figures import plot_mode_shapes as plot_mode_shapes
@@ -39,6 +40,7 @@ from .mechanism import plot_mechanism as plot_mechanism
 from .reading import chosen as chosen
 from .reading import mode_label as mode_label
 from .reading import speed_label as speed_label
+from .reading import terms_text as terms_text
 from .response import plot_forces as plot_forces
 from .response import plot_response as plot_response
 from .scales import crank_angle_axis as crank_angle_axis

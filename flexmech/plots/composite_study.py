@@ -26,6 +26,9 @@ MARK: Look = {"ls": "", "ms": 3.8, "mew": 0.9}
 DIAMOND = MARK | {"marker": "D", "color": series_style(1).color}
 DASH = MARK | {"marker": "_", "color": "black"}
 RING = MARK | {"marker": "o", "color": "black", "mfc": "white"}
+BAND: Look = {"color": series_style(0).color, "alpha": 0.15, "linewidth": 0.0}
+# The model that the claims are held against.
+FIRST = {"plies": "woven", "layers": "across width"}
 POSITIONS = {
     "min": "Least transmission angle",
     "90": "Transmission angle 90 deg",
@@ -48,7 +51,8 @@ LIMIT: Look = {"color": "0.2", "lw": 1.0, "ls": "--"}
 def plot_composite_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw fundamental frequencies by laminate, case and position as ratios.
 
-    Elamy et al. 2023, Figure 8 and Tables 4 to 6.
+    Elamy et al. 2023, Figure 8 and Tables 4 to 6. Bars are linkages with a clamped crank and hinged
+    links; open circles have links that are rigidly joined.
 
     Parameters
     ----------
@@ -61,12 +65,13 @@ def plot_composite_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = Non
     -------
     Figure
     """
-    computed = dataset["frequency"].sel(plies="unidirectional", beams="converged")
+    computed = dataset["frequency"].sel(FIRST | {"beams": "converged"})
     marks = {
+        "rigid joints": (dataset["rigid_joints_frequency"], RING),
         "FE, published": (dataset["finite_element"], DIAMOND),
         "measured": (dataset["measured"], DASH),
     }
-    title = "Frequency over that of C1, case 1, least transmission angle (bars: computed)"
+    title = "Frequency over that of C1, case 1, least transmission angle (bars: computed, hinged)"
     return _bars(computed, marks, "C1", title, "Ratio of frequencies (-)", ax)
 
 
@@ -74,7 +79,7 @@ def plot_composite_damping(dataset: xr.Dataset, *, ax: AxesLike | None = None) -
     """Draw damping by laminate, case and position as ratios.
 
     Elamy et al. 2023, Figure 9 and Tables 4 to 6. Bars are beams that only bend; open circles
-    are beams that shear too.
+    are beams that shear too, by third-order theory.
 
     Parameters
     ----------
@@ -87,9 +92,9 @@ def plot_composite_damping(dataset: xr.Dataset, *, ax: AxesLike | None = None) -
     -------
     Figure
     """
-    computed = dataset["strain_energy_damping"].sel(plies="unidirectional")
+    computed = dataset["strain_energy_damping"].sel(FIRST)
     marks = {
-        "with shear": (computed.sel(beams="with shear"), RING),
+        "third order": (computed.sel(beams="third order"), RING),
         "measured": (dataset["damping"], DIAMOND),
     }
     title = "Damping over that of C6, case 1, least transmission angle (bars: computed, bending)"
@@ -97,13 +102,16 @@ def plot_composite_damping(dataset: xr.Dataset, *, ax: AxesLike | None = None) -
 
 
 def plot_laminate_factors(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
-    """Draw how the frequency changes with the laminate, by model of plies and beams.
+    """Draw how the frequency changes with the laminate, by model of plies and the way they lie.
+
+    The band has twice the uncertainty of the first model by Table 1.
 
     Parameters
     ----------
     dataset : Dataset
-        Of :func:`flexmech.studies.study_composites`, with ``laminate_factor`` (plies, beams,
-        laminate) and ``published_laminate_factor`` (laminate); C1 is 1.
+        Of :func:`flexmech.studies.study_composites`, with ``laminate_factor`` (plies, layers,
+        beams, laminate), ``laminate_factor_spread`` and ``published_laminate_factor`` (laminate);
+        C1 is 1.
     ax : Axes, optional
         The user's. Left out: a new figure is made.
 
@@ -112,24 +120,84 @@ def plot_laminate_factors(dataset: xr.Dataset, *, ax: AxesLike | None = None) ->
     Figure
     """
     factor = dataset["laminate_factor"]
-    bent = factor.sel(beams="converged")
+    bent, stacked = factor.sel(beams="converged"), {"layers": "through thickness"}
+    first = bent.sel(FIRST)
     curves = {
-        "unidirectional plies": bent.sel(plies="unidirectional"),
-        "woven plies": bent.sel(plies="woven"),
-        "one modulus a laminate, Table 2": bent.sel(plies="table 2"),
+        "woven, plies in the plane": first,
+        "woven, stacked": bent.sel(stacked | {"plies": "woven"}),
+        "straight, plies in the plane": bent.sel(FIRST | {"plies": "unidirectional"}),
+        "straight, stacked": bent.sel(stacked | {"plies": "unidirectional"}),
+        "one modulus a laminate, Table 2": bent.sel(FIRST | {"plies": "table 2"}),
         "published, Tables 5 and 6": dataset["published_laminate_factor"],
-        "unidirectional plies, with shear": factor.sel(plies="unidirectional", beams="with shear"),
     }
-    with sheet(grid(1, 1, 2.6), ax=ax) as drawn:
+    with sheet(grid(1, 1, 3.0), ax=ax) as drawn:
         (axes,) = drawn.panels
-        handles = []
+        names, handles = names_of(dataset, "laminate"), []
+        spread = 2 * dataset["laminate_factor_spread"]
+        axes.fill_between(names, (first - spread).values, (first + spread).values, **BAND)
         for number, (label, values) in enumerate(curves.items()):
             line = series_line(number) | {"marker": series_style(number).marker, "markersize": 4}
-            axes.plot(names_of(dataset, "laminate"), values.values, **line)
+            axes.plot(names, values.values, **line)
             handles.append(series_handle(number, label, **line))
+        sheared = factor.sel(FIRST | {"beams": "third order"})
+        axes.plot(names, sheared.values, **RING)
+        handles.append(line_handle("woven, plies in the plane, third order", **RING))
+        handles.append(Patch(label="twice the uncertainty by Table 1", **BAND))
         drawn.header(handles, "Frequency of each laminate over that of C1")
         axes.set_ylim(0.0, 1.05)
         axes.set(xlabel="Laminate", ylabel="Ratio of frequencies (-)")
+    return drawn.figure
+
+
+def plot_running_against_steel(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw the greatest driving torque and deflection of each laminate and of steel, by case.
+
+    Filled points are woven plies, open ones the moduli and densities of Table 2.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of :func:`flexmech.studies.study_composites`, with ``peak_torque`` and ``peak_deflection``
+        over ``running_plies``, ``material`` and ``case``.
+    ax : sequence of Axes, optional
+        The user's, one for each of two panels. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+    """
+    quantities = {
+        "peak_torque": ("Greatest driving torque of rigid links", "Torque (N m)", 1.0),
+        "peak_deflection": ("Greatest deflection", "Deflection (mm)", 1e3),
+    }
+    materials = names_of(dataset, "material")
+    with sheet(grid(2, 1, 5.0, sharex=True), ax=ax) as drawn:
+        for axes, (name, (title, label, unit)) in zip(
+            drawn.panels, quantities.items(), strict=True
+        ):
+            for number, case in enumerate(dataset["case"].values):
+                peaks = unit * dataset[name].sel(case=case)
+                look = series_line(number) | {"marker": series_style(number).marker}
+                woven, printed = (
+                    values_of(peaks.sel(running_plies=plies), "material")
+                    for plies in ("woven", "table 2")
+                )
+                axes.plot(materials, woven, **(look | {"markersize": 4}))
+                ring = look | {"linestyle": "", "mfc": "none", "markersize": 6}
+                axes.plot(materials, printed, **ring)
+            axes.set_yscale("log")
+            axes.set_title(title)
+            axes.set_ylabel(label)
+        handles = [
+            series_handle(n, f"case {case}", marker=series_style(n).marker)
+            for n, case in enumerate(dataset["case"].values)
+        ]
+        handles += [
+            line_handle("woven plies", **(RING | {"mfc": "black"})),
+            line_handle("as one material, Table 2", **RING),
+        ]
+        drawn.header(handles, "Composite crank-rockers in motion, and the same links of steel")
+        drawn.label_x("Links of")
     return drawn.figure
 
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.plots.reading import mechanism_name
+from flexmech.plots.reading import mechanism_name, terms_text
 from flexmech.plots.style import figure_width, is_narrow, new_figure, publication_style
 
 # Mean width of a letter of the font as a fraction of its size, on the safe side.
@@ -146,14 +146,17 @@ class Sheet:
         title : str
             Heading; none by default. Lines are broken where the figure ends.
         of : Dataset, optional
-            Whose mechanism is named above the heading, if it has one.
+            Whose mechanism is named above the heading, if it has one, and the rotation terms that
+            are counted, if some are not.
         """
         if not self.is_new:
             if handles:
                 self.panels[0].legend(handles=handles)
             return
         name, room = "" if of is None else mechanism_name(of), figure_width() - 0.1
-        lines = [line for text in (name, *title.split("\n")) for line in wrapped(text, room)]
+        terms = "" if of is None else terms_text(of)
+        texts = (name, terms[:1].upper() + terms[1:], *title.split("\n"))
+        lines = [line for text in texts for line in wrapped(text, room)]
         columns = legend_columns([str(handle.get_label()) for handle in handles])
         rows = -(-len(handles) // columns) + len(lines)
         self.figure.set_figheight(self.figure.get_figheight() + 0.12 + 0.165 * rows)

@@ -54,6 +54,15 @@ def mechanism_name(dataset: xr.Dataset) -> str:
     return (name[:1].upper() + name[1:]).replace("$", r"\$")
 
 
+def terms_text(dataset: xr.Dataset) -> str:
+    """Which terms of the turning link frames are counted; empty where all of them are."""
+    counted = str(dataset.attrs.get("rotation_terms", "on"))
+    if counted == "on":
+        return ""
+    names = "none" if counted == "off" else counted.replace(",", ", ")
+    return f"rotation terms counted: {names.replace('coriolis', 'Coriolis')}"
+
+
 def mode_label(numbers: Sequence[int]) -> str:
     """Heading of a panel for one mode or several neighbours."""
     if len(numbers) == 1:
@@ -75,6 +84,15 @@ def speed_text(dataset: xr.Dataset, speed: float | None = None) -> str:
     """A crank speed in rad/s, by default that of the whole dataset, in the user's unit."""
     value = dataset.attrs["crank_speed"] if speed is None else speed
     return speed_label(float(value), speed_unit(dataset))
+
+
+def drive_text(dataset: xr.Dataset) -> str:
+    """Crank speed of the whole dataset, and the crank's acceleration where it has one."""
+    acceleration = dataset.attrs.get("crank_acceleration")
+    if acceleration is None:
+        return speed_text(dataset)
+    size = f"{float(acceleration):.4g} rad/s²".replace("-", "\N{MINUS SIGN}")
+    return f"{speed_text(dataset)}, crank acceleration {size}"
 
 
 def speed_texts(dataset: xr.Dataset) -> list[str]:

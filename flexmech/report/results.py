@@ -14,6 +14,7 @@ from flexmech import analyses
 from flexmech.analyses.netcdf import read_netcdf, reported_as_damaged
 from flexmech.errors import InputError
 from flexmech.files import given_path
+from flexmech.studies import CompositeStudy
 from flexmech.units import from_si
 from flexmech.validation import check_instance, checked_tuple
 
@@ -32,6 +33,7 @@ KINDS: tuple[type[analyses.Result], ...] = (
     analyses.MoistureUptake,
     analyses.SpeedSweep,
     analyses.CrankRockerSynthesis,
+    CompositeStudy,
 )
 """All that can lie in a folder of results."""
 

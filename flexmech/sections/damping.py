@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -24,6 +24,9 @@ class DampingTimes:
     warping : float, optional
         Of what a change of the shear angle along the link asks for (zigzag and third-order
         beams); as of bending where it is left out.
+    stated : bool
+        Whether anybody says so. Times of zero that nobody states leave open whether the
+        specific damping counts in motion over time.
 
     Raises
     ------
@@ -35,6 +38,7 @@ class DampingTimes:
     bending: float = 0.0
     shear: float = 0.0
     warping: float | None = None
+    stated: bool = field(default=True, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         for time in _stated(self).values():
@@ -116,7 +120,8 @@ class SpecificDamping:
         """
         check_number(angular_frequency, "damping frequency", "rad/s", POSITIVE)
         turn = 2 * np.pi * angular_frequency
-        return DampingTimes(**{name: loss / turn for name, loss in _stated(self).items()})
+        warping = None if self.warping is None else self.warping / turn
+        return DampingTimes(self.axial / turn, self.bending / turn, self.shear / turn, warping)
 
     def to_table(self) -> TomlTable:
         """Table ``specific_damping`` of a link in a model file."""
@@ -125,4 +130,5 @@ class SpecificDamping:
 
 def _stated(damping: DampingTimes | SpecificDamping) -> dict[str, float]:
     """Values by deformation, without those that are left out."""
-    return {name: value for name, value in vars(damping).items() if value is not None}
+    own = {name: getattr(damping, name) for name in ("axial", "bending", "shear", "warping")}
+    return {name: value for name, value in own.items() if value is not None}

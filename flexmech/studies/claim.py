@@ -7,9 +7,63 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-Verdict = Literal["reproduced", "not reproduced", "not judged"]
-# A number counts as reproduced when ours is within a tenth of the one printed.
+Verdict = Literal["reproduced", "not reproduced", "undecidable", "not judged"]
+# A number counts as reproduced when ours is within a tenth of the one printed, or within twice
+# ours' own uncertainty where that is more.
 REPRODUCED_WITHIN = 0.10
+SPREADS = 2.0
+
+
+@dataclass(frozen=True)
+class Band:
+    """Numbers that count as the one that a paper prints.
+
+    Half of it is a tenth of the number printed, or twice the uncertainty of ours where that is
+    more. A band that is not narrower than the effect claimed decides nothing: it holds the
+    effect and none of it alike.
+
+    Parameters
+    ----------
+    printed : float
+    spread : float
+        Standard uncertainty of our number.
+    no_effect : float
+        The number if there were no such effect.
+
+    Examples
+    --------
+    >>> band = flexmech.studies.Band(62.2, spread=4.0)
+    >>> band.half, band.decides, band.holds(48.5)
+    (8.0, True, False)
+    """
+
+    printed: float
+    spread: float = 0.0
+    no_effect: float = 0.0
+
+    @property
+    def half(self) -> float:
+        """From the number printed to an edge."""
+        return max(REPRODUCED_WITHIN * abs(self.printed), SPREADS * self.spread)
+
+    @property
+    def edges(self) -> tuple[float, float]:
+        """Least and greatest number that counts as the one printed."""
+        return self.printed - self.half, self.printed + self.half
+
+    @property
+    def decides(self) -> bool:
+        """Whether it is narrower than the effect."""
+        return self.half < abs(self.printed - self.no_effect)
+
+    def holds(self, computed: float) -> bool:
+        """Whether a number counts as the one printed.
+
+        Parameters
+        ----------
+        computed : float
+        """
+        return abs(computed - self.printed) <= self.half
 
 
 @dataclass(frozen=True)
@@ -29,9 +83,13 @@ class Claim:
         Ours. Of these three, what there is not is empty.
     other_models : str
         Ours by other models; empty where they make no difference.
-    verdict : {"reproduced", "not reproduced", "not judged"}
+    verdict : {"reproduced", "not reproduced", "undecidable", "not judged"}
     reason : str
         Why, where it needs saying.
+    spread : str
+        Uncertainty of ours by that of what is printed; empty where there is none.
+    fails_if : str
+        What of ours would have made the claim fail; of a claim that is not judged, why nothing.
     """
 
     place: str
@@ -42,29 +100,33 @@ class Claim:
     other_models: str
     verdict: Verdict
     reason: str = ""
+    spread: str = ""
+    fails_if: str = ""
 
     def __str__(self) -> str:
         numbers = {
             "printed": self.printed,
             "from its tables": self.from_tables,
-            "computed": self.computed,
+            "computed": " \N{PLUS-MINUS SIGN} ".join(filter(None, (self.computed, self.spread))),
             "by model": self.other_models,
         }
         known = ", ".join(f"{word} {value}" for word, value in numbers.items() if value)
         return f"{self.place}, {self.statement}: {known}"
 
 
-def verdict_on(holds: bool | None) -> Verdict:
+def verdict_on(holds: bool | None, *, decidable: bool = True) -> Verdict:
     """Put a finding on a statement into a word.
 
     Parameters
     ----------
     holds : bool or None
         Whether it holds; None where there is nothing to compare it with.
+    decidable : bool
+        Whether a number that held would differ from one that did not; see :class:`Band`.
 
     Returns
     -------
-    {"reproduced", "not reproduced", "not judged"}
+    {"reproduced", "not reproduced", "undecidable", "not judged"}
 
     Examples
     --------
@@ -73,6 +135,8 @@ def verdict_on(holds: bool | None) -> Verdict:
     """
     if holds is None:
         return "not judged"
+    if not decidable:
+        return "undecidable"
     return "reproduced" if holds else "not reproduced"
 
 
@@ -99,13 +163,15 @@ def within_a_tenth(printed: float, computed: float) -> bool:
 
 
 def claim_lines(claims: Sequence[Claim]) -> Iterator[str]:
-    """Claims under their verdicts, each with its numbers and below it the reason."""
+    """Claims under their verdicts, each with its numbers, what fails it, and the reason."""
     for verdict in get_args(Verdict):
         yield f"{verdict}:"
         last = ""
         for claim in claims:
             if claim.verdict == verdict:
                 yield f"  {claim}"
+                if claim.fails_if:
+                    yield f"    what would fail it: {claim.fails_if}"
                 if claim.reason and claim.reason != last:
                     yield f"    {claim.reason}"
                 last = claim.reason

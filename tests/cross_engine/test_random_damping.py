@@ -100,6 +100,8 @@ def fine_ratios(seed: int) -> np.ndarray:
             largest = np.argmax(np.abs(change))
             step = x[largest] / change[largest]
             values[place], x = value - step, change / np.linalg.norm(change)
+            if abs(step) < 1e-11 * abs(value):
+                break
         assert abs(step.real) < 1e-8 * abs(value)  # round-off blurs the frequency alone
     return -values.real / np.abs(values)
 

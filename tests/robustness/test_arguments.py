@@ -33,6 +33,8 @@ WRONG = {
     "detail": lambda: ENGINE.linear_system([0.0], detail=float("nan")),
     "fastest": lambda: ENGINE.linear_system([0.0], fastest="a"),
     "rotation_terms": lambda: ENGINE.linear_system([0.0], 1.0, rotation_terms="off"),
+    "rotation_terms must": lambda: flexmech.natural_frequencies(ENGINE, 0.0, rotation_terms="all"),
+    "coriolis must be": lambda: flexmech.RotationTerms(coriolis="yes"),
     "crank_angle": lambda: ENGINE.linear_system(MASKED),
     "crank_angles must be": lambda: flexmech.moving_frequencies(ENGINE, MASKED, [0.0]),
     "crank_speeds": lambda: flexmech.moving_frequencies(ENGINE, [0.0], [float("nan")]),

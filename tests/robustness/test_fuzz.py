@@ -201,6 +201,7 @@ def command(random_: random.Random, model: str, out: str) -> list[str]:
             *some("--prestress", pick("none", "axial", "equilibrium")),
             *some("--element", pick("euler", "timoshenko", "reddy", "ancf")),
             *some("--no-rotation-terms"),
+            *some("--rotation-terms", pick("all", "coriolis", "centripetal,tangential")),
             *some("--mass", pick("lumped", "distributed")),
             *some("--shaft", pick("free", "prescribed")),
             *environment,

@@ -348,6 +348,11 @@ WRONG_COMMAND_LINES = [
     (["--engine", "reference", "--element", "geometrically-exact"], "choose --engine exudyn"),
     (["--engine", "exudyn", "--element", "euler"], "which has ancf, geometrically-exact"),
     (["--rotation-term"], "No such option.*--rotation-terms"),
+    (
+        ["--rotation-terms", "coriolis,gyroscopic"],
+        "--rotation-terms: .*'gyroscopic' is no rotation term; write all, none, or a comma list "
+        "of coriolis, centripetal, tangential",
+    ),
     (["--speed", "10"], "No such option.*--speeds"),
     (["--speeds"], "--speeds.*requires an argument"),
     (["another.toml"], "[Uu]nexpected extra argument"),

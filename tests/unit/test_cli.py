@@ -87,7 +87,7 @@ def test_version_and_help() -> None:
         "--engine",
         "--element ",
         "--prestress",
-        "--rotation-terms / --no-rotation-terms",
+        "--rotation-terms LIST",
         "--elements",
         "--out",
         "--no-plots",

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from flexmech.analyses import MovingFrequencies
 from flexmech.analyses.frequencies.words import error_lines, tracking_lines
 from flexmech.cli import app
-from flexmech.linear_system import Engine
+from flexmech.linear_system import Engine, RotationTerms
 from tests.unit.plot_data import frequency_dataset
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
@@ -59,7 +59,7 @@ def test_defaults_are_those_of_the_manual(
         "speeds": None,
         "modes": None,
         "prestress": "equilibrium",
-        "rotation_terms": True,
+        "rotation_terms": RotationTerms(),
         "speed_effect": False,
         "environment": None,
         "speed_unit": "rad/s",

@@ -108,6 +108,8 @@ def examples() -> list[Any]:
         flexmech.HygrothermalState(60.0, 0.04),
         flexmech.Exposure(60.0, 0.85, 86400.0),
         flexmech.Formulation(),
+        flexmech.Formulation("axial", flexmech.RotationTerms.parse("coriolis")),
+        flexmech.RotationTerms(),
         flexmech.FrequencyRequest([0.0], [0.0]),
         flexmech.ResponseRequest(flexmech.CrankDrive(20.0)),
         flexmech.moving_frequencies(engine, [0.0, 1.0], [0.0], modes=1),
@@ -140,6 +142,8 @@ WRONG = [
     (lambda: flexmech.natural_frequencies(flexmech.FourBar, 0.0), "ReferenceEngine"),
     (lambda: flexmech.ResponseRequest(20.0), "CrankDrive"),
     (lambda: flexmech.HygrothermalState(temperature_rise="60 K"), "temperature_rise"),
+    (lambda: flexmech.Formulation("axial", "coriolis"), "RotationTerms.parse"),
+    (lambda: flexmech.RotationTerms.parse("gyroscopic"), "coriolis, centripetal, tangential"),
     (lambda: flexmech.crank_rocker_synthesis(30, 90), "rad"),
 ]
 

@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 
-from flexmech.errors import InputError
+from flexmech.errors import ComputationError, InputError
 from flexmech.modal_testing import (
     ExponentialWindow,
     ForceWindow,
@@ -266,6 +266,13 @@ def test_the_package_for_lscf_says_nothing():
         [sys.executable, "-W", "error", "-c", code], capture_output=True, text=True, check=False
     )
     assert (ran.returncode, ran.stdout, ran.stderr) == (0, "", "")
+
+
+def test_models_without_a_unique_fit_are_told():
+    """A spring alone has no mode."""
+    lines = np.arange(1, 400) * 0.5
+    with pytest.raises(ComputationError, match=r"no unique fit: .* fewer orders"):
+        identify(lines, np.ones(len(lines), dtype=complex), count=1, method="lscf")
 
 
 def pole_of(frequency: float, ratio: float) -> complex:

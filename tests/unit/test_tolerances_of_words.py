@@ -10,10 +10,10 @@ from flexmech.errors import InputError
 from flexmech.modelfile import mechanism_from_toml
 from flexmech.modelfile.attachment_tables import LoadTable
 from flexmech.modelfile.attachments import load_rows
-from flexmech.studies import composite_model_file, published_tables, within_a_tenth
+from flexmech.studies import Band, composite_model_file, within_a_tenth
 from flexmech.studies.composite_crank_rockers.claims import _Tests
-from flexmech.studies.composite_crank_rockers.compute import composite_dataset
-from flexmech.studies.composite_crank_rockers.linkages import BEAMS, CASES, PLY_MODELS, SECOND
+from flexmech.studies.composite_crank_rockers.linkages import CASES
+from tests.published_study import published_study
 
 # --- numbers in tables --------------------------------------------------------------------------
 
@@ -55,15 +55,25 @@ def test_a_cell_that_is_no_number_is_shown_where_it_is_as_long_as_one(tmp_path, 
 @pytest.fixture
 def study():
     """Study of a paper whose every frequency and damping is the published one."""
-    tables = published_tables().sel(position=["min", "90", "max", "90"])
-    tables = tables.assign_coords(position=["min", "90", "max", SECOND])
-    tables = tables.expand_dims(plies=list(PLY_MODELS), beams=list(BEAMS))
-    return composite_dataset(tables["finite_element"], tables["damping"])
+    return published_study()
 
 
 def test_a_number_is_reproduced_within_a_tenth():
     assert within_a_tenth(50.0, 54.0)
     assert not within_a_tenth(50.0, 57.0)
+
+
+@pytest.mark.parametrize(("spread", "half"), [(2.0, 5.0), (3.0, 6.0)])
+def test_a_band_has_a_tenth_or_twice_the_spread_where_that_is_more(spread, half):
+    band = Band(50.0, spread)
+    assert band.half == half
+    for off, held in ((half - 1e-9, True), (half + 1e-9, False)):
+        assert band.holds(50.0 + off) is band.holds(50.0 - off) is held
+
+
+@pytest.mark.parametrize(("no_effect", "decides"), [(44.0, True), (46.0, False)])
+def test_a_band_that_holds_no_effect_too_decides_nothing(no_effect, decides):
+    assert Band(50.0, no_effect=no_effect).decides is decides
 
 
 def test_printed_limits_of_the_transmission_angle_hold_to_half_a_degree(study):

@@ -16,6 +16,7 @@ from flexmech.analyses.campbell.crossings import CriticalSpeed
 from flexmech.analyses.campbell.engine_bands import EngineDiagram, Gap, engine_diagram
 from flexmech.analyses.campbell.request import ORDERS, CampbellRequest
 from flexmech.analyses.campbell.result import CampbellDiagram
+from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.datasets import (
     columns_of,
     engine_coordinates,
@@ -37,7 +38,7 @@ from flexmech.analyses.speed_sweep.compute import (
 from flexmech.arrays import FloatArray, IntArray, LabelledProgress, silent
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
 from flexmech.errors import ComputationError
-from flexmech.linear_system import Engine
+from flexmech.linear_system import Engine, RotationTerms
 from flexmech.threads import one_thread
 from flexmech.validation import POSITIVE, check_choice, check_flag, check_number, checked_array
 
@@ -111,7 +112,7 @@ def dataset_of(
     return with_units(dataset, "campbell").assign_attrs(
         provenance(engines),
         prestress=request.formulation.prestress,
-        rotation_terms="on" if request.formulation.rotation_terms else "off",
+        rotation_terms=str(request.formulation.counted_terms),
         speed_unit=request.speed_unit,
         crank_angles=f"{turn}, {len(request.turn)} angles",
         operating_speeds=" ".join(map(repr, map(float, engines[0].mechanism.operating_speeds))),
@@ -136,7 +137,7 @@ def campbell(
     orders: ArrayLike = ORDERS,
     modes: int | None = None,
     prestress: Prestress = "equilibrium",
-    rotation_terms: bool = True,
+    rotation_terms: bool | RotationTerms = True,
     response: bool = False,
     speed_unit: str = "rad/s",
     tolerance: float | None = None,
@@ -163,8 +164,8 @@ def campbell(
     modes : int, optional
         Number of branches. Left out: 4, or as many as the model has and as oscillate.
     prestress : {"none", "axial", "equilibrium"}
-    rotation_terms : bool
-        Terms of the turning link frames; off gives the frozen inertial form.
+    rotation_terms : bool or RotationTerms
+        Terms of the turning link frames: all, none (the frozen inertial form), or those selected.
     response : bool
         Also find the periodic motion, with the first engine, and its peaks over the quasi-static
         ones: from a twentieth of the greatest speed on, at a hundred of the speeds at most.
@@ -235,15 +236,18 @@ def _diagram(
             count = _Counter(report, each.name, len(request.crank_speeds))
             diagrams.append(engine_diagram(each, request, tolerance, count, unit))
             count.finish()
-        steady = None
+        steady, attributes = None, {}
         if response:
             first = diagrams[0]
+            loss = CountedLoss.of(first.engine)
+            attributes = loss.attributes
             solved = request.crank_speeds[first.sampled.exists[first.places]]
             speeds = response_speeds(solved)
             count = _Counter(report, "periodic motion", len(speeds))
             prestress = request.formulation.quasi_static_prestress
-            steady = steady_response(first.engine, speeds, prestress, count, unit)
-    return dataset_of(diagrams, request, steady)
+            damped = loss.engine(first.engine)
+            steady = steady_response(damped, speeds, prestress, count, unit)
+    return dataset_of(diagrams, request, steady).assign_attrs(attributes)
 
 
 @dataclass

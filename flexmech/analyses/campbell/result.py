@@ -11,7 +11,7 @@ import pandas as pd
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.campbell import words
-from flexmech.analyses.datasets import Columns, columns_along, table_of
+from flexmech.analyses.datasets import Columns, columns_along, table_of, terms_column
 from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.requests import fewer_modes_lines
 from flexmech.analyses.result import Result
@@ -73,7 +73,9 @@ class CampbellDiagram(Result):
         pandas.DataFrame
         """
         over = ("engine", "crank_speed", "branch")
-        return table_of(self.dataset, over, BANDS).dropna(ignore_index=True)
+        return table_of(self.dataset, over, BANDS | terms_column(self.dataset)).dropna(
+            ignore_index=True
+        )
 
     def critical_speeds(self) -> pd.DataFrame:
         """Ranges of speed in which an order of the crank meets a branch, one row for each.
@@ -85,7 +87,8 @@ class CampbellDiagram(Result):
         -------
         pandas.DataFrame
         """
-        return table_of(self.dataset, ("critical",), CRITICAL_SPEEDS)
+        columns = CRITICAL_SPEEDS | terms_column(self.dataset)
+        return table_of(self.dataset, ("critical",), columns)
 
     def tables(self) -> dict[str, pd.DataFrame]:
         """``campbell``, ``critical_speeds``, and ``response_peaks`` if there are any."""
@@ -137,6 +140,7 @@ class CampbellDiagram(Result):
             words.critical_table(data),
             *words.operating_lines(data),
             *fewer_modes_lines(data.attrs),
+            *filter(None, [plots.terms_text(data)]),
             *theory_lines(data.attrs),
             *words.gap_lines(data),
             *words.error_lines(data),

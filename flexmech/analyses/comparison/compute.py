@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from os import PathLike
 
@@ -10,9 +11,11 @@ from flexmech.analyses.comparison.fit import fitted
 from flexmech.analyses.comparison.over_angle import frequency_problem
 from flexmech.analyses.comparison.over_frequency import receptance_problem
 from flexmech.analyses.comparison.over_time import time_problem
+from flexmech.analyses.comparison.parameters import damping_times
 from flexmech.analyses.comparison.problem import RecordProblem, comparison_dataset
 from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.comparison.result import Comparison
+from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.datasets import provenance, with_units
 from flexmech.analyses.remarks import left_out_attributes
 from flexmech.analyses.requests import engine_of
@@ -83,10 +86,15 @@ def compare_with_record(
     taken = record if isinstance(record, MeasuredRecord) else read_record(record)
     _check_kind(taken, request)
     with one_thread():
-        problem = _PROBLEMS[taken.abscissa](own, taken, request)
+        problem, attributes = _PROBLEMS[taken.abscissa](own, taken, request), provenance([own])
+        if taken.abscissa != "crank_angle":
+            fitted_links = damping_times(problem.links, dict.fromkeys(problem.names, 0.0))
+            locked = () if request.angle is None else (request.angle,)
+            loss = CountedLoss.of(own, locked, fitted_links)
+            problem = replace(problem, engine=loss.engine(own))
+            attributes |= loss.attributes
         fit = fitted(problem, partial(progress or silent, "fit"))
         dataset = comparison_dataset(problem, taken, request, fit)
-    attributes = dict(provenance([own]))
     if "time" not in dataset.dims:
         attributes |= left_out_attributes(own.mechanism)
     return Comparison(with_units(dataset.assign_attrs(attributes), "comparison"))

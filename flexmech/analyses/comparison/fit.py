@@ -32,6 +32,8 @@ _SAMPLES_AN_ORDER = 8
 _DIFFERENCE = 1e-4
 # Up to which progress counts; a fit of a few parameters takes fewer.
 _MOST_EVALUATIONS = 100
+# Relative step of the scaled parameters at which a fit ends: of an answer, and of a start.
+_EXACTLY, _ROUGHLY = 1e-10, 1e-3
 # Of the slopes, each divided by its size, beyond which parameters do the same.
 _MOST_CONDITION = 1e6
 # At which the spectrum of an autoregressive process is added up: peaks of modes with a damping of
@@ -133,6 +135,36 @@ def fitted(problem: Problem, progress: StepProgress | None = None) -> Fit:
         If the fit does not converge, or the record does not tell a parameter.
     """
     parameters, measured = tuple(problem.parameters), problem.measured
+    values, jacobian = _nearest(problem, progress)
+    computed = problem.computed(values.tolist())
+    unknowns = len(parameters) + problem.linear_unknowns
+    return _judged(parameters, values, measured, computed, jacobian, unknowns)
+
+
+def nearest_values(problem: Problem) -> FloatArray:
+    """Values of the parameters at which a model is nearest to a record, to a thousandth.
+
+    Parameters
+    ----------
+    problem : Problem
+
+    Returns
+    -------
+    ndarray, shape (p,)
+
+    Raises
+    ------
+    ComputationError
+        If the fit does not converge.
+    """
+    return _nearest(problem, None, _ROUGHLY)[0]
+
+
+def _nearest(
+    problem: Problem, progress: StepProgress | None, tolerance: float = _EXACTLY
+) -> tuple[FloatArray, FloatArray]:
+    """Values of least squares, (p,), and slopes (k N, p) of the residual by scaled parameters."""
+    parameters, measured = tuple(problem.parameters), problem.measured
     scale, size = np.array([p.scale for p in parameters]), _size(measured)
     done = 0
 
@@ -153,30 +185,35 @@ def fitted(problem: Problem, progress: StepProgress | None = None) -> Fit:
 
         bounds = (least, np.full(len(x), np.inf))
         found = scipy.optimize.least_squares(
-            residual, x, slopes, bounds, xtol=1e-10, ftol=1e-12, gtol=1e-12, max_nfev=60
+            residual,
+            x,
+            slopes,
+            bounds,
+            xtol=tolerance,
+            ftol=tolerance / 100,
+            gtol=tolerance / 100,
+            max_nfev=60,
         )
         if not found.success:
             raise ComputationError(
                 f"the fit of {_names(parameters)} does not converge; fit fewer parameters, or give "
                 "a model nearer to what was measured"
             )
-        x, jacobian = found.x, slopes(found.x)
-    computed = problem.computed((x * scale).tolist())
-    unknowns = len(parameters) + problem.linear_unknowns
-    return _judged(parameters, x * scale, scale, measured, computed, jacobian * size, unknowns)
+        x = found.x
+        jacobian = slopes(x) if tolerance == _EXACTLY else found.jac
+    return x * scale, jacobian * size
 
 
 def _judged(
     parameters: tuple[Parameter, ...],
     values: FloatArray,
-    scale: FloatArray,
     measured: FloatArray,
     computed: FloatArray,
     jacobian: FloatArray,
     unknowns: int,
 ) -> Fit:
     """Intervals and what remains, from the slopes (k N, p) of the residual by scaled parameters."""
-    residual = measured - computed
+    residual, scale = measured - computed, np.array([p.scale for p in parameters])
     process = autoregression(residual)
     white = _white_covariance(parameters, jacobian, residual, unknowns)
     error, quantile = np.sqrt(np.diagonal(white)), _quantile(residual.size - unknowns)

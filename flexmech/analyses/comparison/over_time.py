@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.comparison.fit import Fit
+from flexmech.analyses.comparison.fit import Fit, Parameter, nearest_values
 from flexmech.analyses.comparison.parameters import (
     DAMPING,
     GAIN,
@@ -33,7 +33,7 @@ from flexmech.analyses.response.plan import SPECTRUM_REACH
 from flexmech.analyses.response.spectra import amplitude_spectrum
 from flexmech.arrays import FloatArray
 from flexmech.choices import MODES
-from flexmech.errors import CRANK_SPEED, InputError
+from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord, sampling_interval
 from flexmech.time_domain import ForcedModes, FreeAndForced, forced_modes
@@ -45,6 +45,10 @@ _SAMPLED = 0.9
 # A record must be so many periods of the first mode, and so many samples for each unknown.
 _LEAST_PERIODS = 3.0
 _SAMPLES_AN_UNKNOWN = 4
+# A wrong stiffness lets free vibrations fall behind those of the record: where by more than half a
+# period, another stiffness seems nearest. So stiffness is sought in the begin of the record first,
+# and this part of it follows each time.
+_GROWTH = 3
 # Running linkages of other stiffness that are in memory: of one central difference, and more.
 # Memory and speed alone.
 _MOST_MODELS = 8
@@ -99,7 +103,7 @@ class TimeProblem(RecordProblem):
                 "faster"
             )
         least = _SAMPLES_AN_UNKNOWN * (2 * MODES + 4)
-        if length < _LEAST_PERIODS / lowest or len(self.time) < least:
+        if not self._is_long_enough(len(self.time)):
             raise InputError(
                 f"{self.source}: is too short: {length:.4g} s and {len(self.time)} samples; give "
                 f"at least {_LEAST_PERIODS / lowest:.3g} s, {_LEAST_PERIODS:g} periods of the "
@@ -110,6 +114,33 @@ class TimeProblem(RecordProblem):
     def first_frequency(self) -> float:
         """First natural frequency at rest, averaged over a turn, in rad/s."""
         return lowest_frequency(self.engine)
+
+    def _is_long_enough(self, samples: int) -> bool:
+        """Whether so many samples hold enough of the first mode and of unknowns."""
+        periods = float(self.time[samples - 1]) * self.first_frequency / (2 * np.pi)
+        return samples >= _SAMPLES_AN_UNKNOWN * (2 * MODES + 4) and periods >= _LEAST_PERIODS
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """What is fitted, and from where: a stiffness from that of the record's begin."""
+        samples = len(self.time) // _GROWTH
+        fits_stiffness = bool(stiffness_factors(dict.fromkeys(self.names, 1.0)))
+        if not fits_stiffness or not self._is_long_enough(samples):
+            return super().parameters
+        begin = replace(
+            self,
+            record=self.record[:samples],
+            time=self.time[:samples],
+            angle=None if self.angle is None else self.angle[:samples],
+        )
+        try:
+            values = nearest_values(begin)
+        except ComputationError:
+            return begin.parameters  # a part of the record need not tell everything
+        return tuple(
+            replace(parameter, start=value)
+            for parameter, value in zip(begin.parameters, values.tolist(), strict=True)
+        )
 
     @property
     def parameter_names(self) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ from flexmech.analyses.comparison.fit import Parameter
 from flexmech.analyses.damping_ratios import with_damping_times
 from flexmech.errors import InputError, suggestion
 from flexmech.linear_system import Engine
-from flexmech.sections import BeamSection
+from flexmech.sections import stiffened_section
 
 DAMPING, STIFFNESS, OFFSET, GAIN, NOTHING = "damping", "stiffness", "offset", "gain", "none"
 # Crank angle of a record's first sample, where the record does not tell it.
@@ -26,8 +26,6 @@ _ANGLES = 144
 _LEAST_STIFFNESS = 0.05
 # Usual changes, which scale the fit's steps: of a stiffness or a gain, and of an angle in deg.
 _STIFFNESS_STEP, _GAIN_STEP, _ANGLE_STEP = 0.1, 0.1, 10.0
-# Beam elements whose stiffness is that of the layers, not that of the section as a whole.
-_LAYERED = ("zigzag", "reddy")
 
 
 def fitted_names(names: Sequence[str], links: Sequence[str]) -> tuple[str, ...]:
@@ -100,16 +98,11 @@ def fitted_engine(engine: Engine, values: Mapping[str, float]) -> Engine:
     engine : Engine
     values : mapping of str to float
         By the names of the parameters. A factor is of the axial, bending and shear stiffness
-        together.
+        together, and of all that the layers of a laminate have.
 
     Returns
     -------
     Engine
-
-    Raises
-    ------
-    InputError
-        If a stiffness is to change, but the elements take theirs from the layers of a laminate.
     """
     times = damping_times(engine.mechanism.linkage.topology.link_names, values)
     if times:
@@ -117,26 +110,12 @@ def fitted_engine(engine: Engine, values: Mapping[str, float]) -> Engine:
     factors = stiffness_factors(values)
     if not factors:
         return engine
-    if engine.element in _LAYERED:
-        raise InputError(
-            f"fit: elements {engine.element} take their stiffness from the layers of the link; "
-            "fit the stiffness with an element that takes it from the section, such as timoshenko"
-        )
     mechanism = engine.mechanism
     sections = {
-        name: _stiffened(section, factors[name]) if name in factors else section
+        name: stiffened_section(section, factors[name]) if name in factors else section
         for name, section in mechanism.sections.items()
     }
     return engine.with_(mechanism=replace(mechanism, sections=sections), element=engine.element)
-
-
-def _stiffened(section: BeamSection, factor: float) -> BeamSection:
-    return replace(
-        section,
-        axial_stiffness=factor * section.axial_stiffness,
-        bending_stiffness=factor * section.bending_stiffness,
-        shear_stiffness=factor * section.shear_stiffness,
-    )
 
 
 def free_parameters(

@@ -301,7 +301,7 @@ def _verdict(data: xr.Dataset) -> str:
         if kind == DAMPING:
             times.append(f'damping_time = "{max(value, 0.0):.4g} s" of {link or "each link"}')
         elif kind == STIFFNESS:
-            factors.append(f"{value:.5g} on the modulus of {link}")
+            factors.append(f"{value:.5g} on all moduli of {link}")
     if not times + factors:
         return "applied: nothing; nothing of the model was fitted"
     return f"applied: nothing; to use it, write into the model file: {'; '.join(times + factors)}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -9,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_reason
-from flexmech.analyses.frequencies.extremes import known_error
+from flexmech.analyses.frequencies.extremes import error_of_model
 from flexmech.analyses.frequencies.words import MOST_DECIMALS
 from flexmech.analyses.remarks import speed_text, speed_unit
 
@@ -95,10 +96,12 @@ def verdict(dataset: xr.Dataset, effect: xr.DataArray | None) -> str:
 def _judged(found: EngineAgreement, dataset: xr.Dataset, effect: xr.DataArray | None) -> str:
     """Whether errors explain how far the engines differ; if not, which one to trust."""
     place = {"crank_speed": found.crank_speed, "mode": found.mode}
-    error = known_error(dataset).sel(place)
+    error = error_of_model(dataset).sel(place)
     errors = {name: float(error.sel(engine=name)) for name in found.engines}
     said = " and ".join(f"{errors[name]:.1e} of {name}" for name in found.engines)
-    if found.relative_difference <= sum(errors.values()) + 10.0**-MOST_DECIMALS:
+    # Of errors that are no small parts, as those of lumped masses, the product counts too.
+    together = math.prod(1 + each for each in errors.values()) - 1
+    if found.relative_difference <= together + 10.0**-MOST_DECIMALS:
         beyond = _beyond_tolerance(found.relative_difference, errors, dataset)
         return f", within their estimated errors ({said}){beyond}"
     if reason := theory_reason(dataset.attrs):
@@ -115,11 +118,17 @@ def _judged(found: EngineAgreement, dataset: xr.Dataset, effect: xr.DataArray | 
 
 
 def _beyond_tolerance(apart: float, errors: Mapping[str, float], dataset: xr.Dataset) -> str:
-    """Say why two engines within their errors are farther apart than the tolerance asked for."""
+    """Say which of two engines within their errors to trust, and why, where that is to be said.
+
+    Where the masses of the coarser one are lumped, or where they are farther apart than the
+    tolerance asked for.
+    """
+    better, coarser = sorted(errors, key=lambda name: errors[name])
+    if "lumping_error" in dataset and dataset["lumping_error"].sel(engine=coarser).any():
+        return f"; trust {better}: the masses of {coarser} are lumped"
     tolerance = dataset.attrs.get("tolerance")
     if tolerance is None or apart <= tolerance:
         return ""
-    better, coarser = sorted(errors, key=lambda name: errors[name])
     if errors[coarser] <= tolerance:
         return f"; each error is within the tolerance of {tolerance:.0e}, both together are not"
     elements = int(dataset["elements"].sel(engine=coarser).max())

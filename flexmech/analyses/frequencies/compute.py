@@ -26,7 +26,7 @@ from flexmech.arrays import FloatArray, LabelledProgress, silent
 from flexmech.choices import MapPrestress, ShaftChoice
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
-from flexmech.linear_system import Engine
+from flexmech.linear_system import Engine, RotationTerms
 from flexmech.mechanism import drawing
 from flexmech.threads import one_thread
 from flexmech.validation import checked_array
@@ -56,6 +56,13 @@ def joined(
     xarray.Dataset
     """
     first, formulation = engines[0], request.formulation
+    if any("lumping_error" in each for each in maps):
+        # The mass of the other engine is not lumped.
+        none = (each.assign(lumping_error=0 * each["discretisation_error"]) for each in maps)
+        maps = [
+            each if "lumping_error" in each else without
+            for each, without in zip(maps, none, strict=True)
+        ]
     names = xr.DataArray([engine.name for engine in engines], dims="engine", name="engine")
     dataset = xr.concat(maps, names, join="inner")
     checks = request.crank_angles[check_angle_indices(request.crank_angles, request.full_turn)]
@@ -86,7 +93,7 @@ def joined(
         provenance(engines),
         drawing=drawing(first.mechanism),
         prestress=formulation.prestress,
-        rotation_terms="on" if formulation.rotation_terms else "off",
+        rotation_terms=str(formulation.counted_terms),
         speed_unit=request.speed_unit,
         **({"lumped_masses": lumps} if lumps else {}),
     )
@@ -134,7 +141,7 @@ def moving_frequencies(
     *,
     modes: int | None = None,
     prestress: MapPrestress = "equilibrium",
-    rotation_terms: bool = True,
+    rotation_terms: bool | RotationTerms = True,
     speed_effect: bool | Literal["fastest"] = False,
     environment: Environment | None = None,
     speed_unit: str = "rad/s",
@@ -162,10 +169,10 @@ def moving_frequencies(
         With ``trajectory`` engines that simulate are linearized in the states of their
         periodic motion, and the result holds the quasi-static frequencies besides; other
         engines give the quasi-static ones alone.
-    rotation_terms : bool
-        Terms of the turning link frames; off gives the frozen inertial form. With them,
-        frozen eigenvalues depend on the frame in which they are written (Floquet
-        multipliers do not): here each link's own.
+    rotation_terms : bool or RotationTerms
+        Terms of the turning link frames: all, none (the frozen inertial form), or those
+        selected. With them, frozen eigenvalues depend on the frame in which they are written
+        (Floquet multipliers do not): here each link's own.
     speed_effect : bool or "fastest"
         Also split the effect of speed by term, with the first engine, at every speed or at the
         greatest alone (the picture's; elsewhere the result holds no number); not of links that

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from flexmech.analyses.frequencies.discretisation import (
     HIGHEST_ORDER,
     check_angle_indices,
+    lumping_error,
     mesh_error,
 )
 from flexmech.analyses.frequencies.eigenproblem import solve_modes
@@ -176,6 +177,9 @@ def _map_on_mesh(
                 "damping_ratio_discretisation_error": check.mesh_error.damping_ratio,
                 "damping_ratio_reduction_error": check.reduction_error.damping_ratio,
             }
+        if systems.engine.mass == "lumped":
+            at = angles[check_angle_indices(angles, asked.full_turn)]
+            errors["lumping_error"] = lumping_error(systems, at, speed)
         over_checks = {name: (OVER_CHECKS[: v.ndim], v) for name, v in errors.items()}
         part = along.isel(mode=slice(modes)).assign(over_checks)
         if request.formulation.prestress != "trajectory":

@@ -73,6 +73,26 @@ def known_error(dataset: xr.Dataset) -> xr.DataArray:
     return (dataset["discretisation_error"] + dataset["reduction_error"]).max("check_angle")
 
 
+def error_of_model(dataset: xr.Dataset) -> xr.DataArray:
+    """:func:`known_error`, and what lumped masses are off by, in the place of distributed ones.
+
+    Digits are those of the model that was solved; whether engines agree depends on what their
+    models leave out too.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        As in :func:`known_error`, with ``lumping_error`` where masses are lumped.
+
+    Returns
+    -------
+    xarray.DataArray
+    """
+    if "lumping_error" not in dataset:
+        return known_error(dataset)
+    return known_error(dataset) + dataset["lumping_error"].max("check_angle")
+
+
 def extremes_between(
     systems: Systems,
     crank_angles: FloatArray,

@@ -95,19 +95,22 @@ class Formulation:
     prestress : {"none", "axial", "equilibrium", "trajectory"}
         ``trajectory``: in the states of the simulated periodic motion.
     rotation_terms : bool or RotationTerms
-        Terms of the turning link frames.
+        Terms of the turning link frames: all, none, or those selected.
     modes : int
         Natural frequencies that component modes must get right.
 
     Raises
     ------
     InputError
-        If the prestress is unknown or no mode is asked for.
+        If the prestress is unknown, the rotation terms are neither, or no mode is asked for.
 
     Examples
     --------
     >>> flexmech.Formulation("trajectory").quasi_static.prestress
     'equilibrium'
+    >>> alone = flexmech.RotationTerms.parse("centripetal")
+    >>> flexmech.Formulation("axial", alone).counted_terms.coriolis
+    False
     """
 
     prestress: MapPrestress = "equilibrium"
@@ -116,7 +119,13 @@ class Formulation:
 
     def __post_init__(self) -> None:
         check_choice(self.prestress, (*PRESTRESS_LEVELS, "trajectory"), "prestress")
+        RotationTerms.of(self.rotation_terms)
         check_count(self.modes, "modes", most=MOST_MODES)
+
+    @property
+    def counted_terms(self) -> RotationTerms:
+        """Which terms of the turning link frames are counted."""
+        return RotationTerms.of(self.rotation_terms)
 
     @property
     def quasi_static_prestress(self) -> Prestress:

@@ -12,7 +12,7 @@ from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
 from flexmech.analyses.frequencies.formulation import Formulation, RunningStates, Systems
 from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.arrays import FloatArray, LabelledProgress
-from flexmech.choices import Prestress
+from flexmech.choices import ROTATION_TERMS, Prestress
 from flexmech.linear_system import Engine, RotationTerms, StressedLinks
 
 
@@ -68,14 +68,12 @@ def frequencies_along(
     return np.concatenate(list(map(solve, systems.batches(crank_angles, crank_speed, stressed))))
 
 
-# In the order in which the terms are switched on, and what is on by then.
-TERMS: dict[str, tuple[Prestress, RotationTerms]] = {
-    "geometric": ("axial", RotationTerms(False, False, False)),
-    "configuration": ("equilibrium", RotationTerms(False, False, False)),
-    "coriolis": ("equilibrium", RotationTerms(True, False, False)),
-    "centripetal": ("equilibrium", RotationTerms(True, True, False)),
-    "tangential": ("equilibrium", RotationTerms(True, True, True)),
+# Terms of the prestress, and the levels that have them; they are switched on first.
+STRESS_TERMS: dict[str, tuple[Prestress, ...]] = {
+    "geometric": ("axial", "equilibrium"),
+    "configuration": ("equilibrium",),
 }
+TERMS = (*STRESS_TERMS, *ROTATION_TERMS)
 
 
 def speed_effect_terms(
@@ -113,15 +111,17 @@ def speed_effect_terms(
         return values
 
     before = frequencies(replace(whole, prestress="none", rotation_terms=False))
+    counted, on = whole.counted_terms, RotationTerms.all_or_none(False)
     effects: dict[str, FloatArray] = {}
-    for number, (term, (prestress, rotation)) in enumerate(TERMS.items()):
-        level = whole.prestress if prestress == "equilibrium" else prestress
-        wanted = {
-            "geometric": whole.prestress != "none",
-            "configuration": whole.prestress == "equilibrium",
-        }.get(term, bool(whole.rotation_terms))
+    for number, term in enumerate(TERMS):
+        level = "axial" if term == "geometric" else whole.prestress
+        if term in ROTATION_TERMS:
+            wanted = getattr(counted, term)
+            on = replace(on, **{term: wanted})
+        else:
+            wanted = whole.prestress in STRESS_TERMS[term]
         if wanted:
-            after = frequencies(replace(whole, prestress=level, rotation_terms=rotation))
+            after = frequencies(replace(whole, prestress=level, rotation_terms=on))
             effects[term] = after - before
             before = after
         report("speed effect", number + 1, len(TERMS))

@@ -14,7 +14,7 @@ from flexmech.analyses.requests import as_many_modes, engine_of, in_radians
 from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.errors import InputError
-from flexmech.linear_system import Engine
+from flexmech.linear_system import Engine, RotationTerms
 from flexmech.threads import one_thread
 from flexmech.validation import checked_array
 
@@ -26,7 +26,7 @@ def natural_frequencies(
     *,
     modes: int | None = None,
     prestress: Prestress = "equilibrium",
-    rotation_terms: bool = True,
+    rotation_terms: bool | RotationTerms = True,
 ) -> FloatArray:
     """Natural frequencies at given positions.
 
@@ -38,7 +38,7 @@ def natural_frequencies(
     modes : int, optional
         Left out: 4, or as many as the model has and as oscillate at all positions.
     prestress : {"none", "axial", "equilibrium"}
-    rotation_terms : bool
+    rotation_terms : bool or RotationTerms
 
     Returns
     -------
@@ -112,7 +112,7 @@ def strain_energy_damping(
     *,
     modes: int | None = None,
     prestress: Prestress = "equilibrium",
-    rotation_terms: bool = True,
+    rotation_terms: bool | RotationTerms = True,
 ) -> FloatArray:
     """Damping ratios by modal strain energy at given positions.
 
@@ -124,7 +124,7 @@ def strain_energy_damping(
     modes : int, optional
         Left out: 4, or as many as the model has and as oscillate at all positions.
     prestress : {"none", "axial", "equilibrium"}
-    rotation_terms : bool
+    rotation_terms : bool or RotationTerms
 
     Returns
     -------

@@ -180,9 +180,7 @@ class UnreducedPositions:
         if self.stressed.guide_stiffness is not None:
             return None
         motion = engine.mechanism.linkage.motion(self.crank_angle, self.crank_speed)
-        terms = formulation.rotation_terms
-        if not isinstance(terms, RotationTerms):
-            terms = RotationTerms.all_or_none(bool(terms))
+        terms = formulation.counted_terms
         if not motion.crank_speed.any():
             terms = RotationTerms.all_or_none(False)
         return SparsePositions(engine.frames, motion, self.stressed, terms)

@@ -11,7 +11,7 @@ import xarray as xr
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines
-from flexmech.analyses.datasets import table_of
+from flexmech.analyses.datasets import table_of, terms_column
 from flexmech.analyses.frequencies import words
 from flexmech.analyses.frequencies.agreement import (
     DIMS,
@@ -213,6 +213,7 @@ class MovingFrequencies(Result):
         Returns
         -------
         dict of str to pandas.DataFrame
+            Each has a column ``rotation_terms`` where not all of them are counted.
             ``frequencies``; ``vibration_effect`` with running and quasi-static frequencies,
             ``damping`` with the damping ratio by modal strain energy, ``shaft`` with the mode of
             a free shaft. With states these are
@@ -335,4 +336,4 @@ def _table(data: xr.Dataset, name: str) -> pd.DataFrame:
     columns = _COLUMNS[name]
     over = [dim for dim in DIMS if any(dim in data[of].dims for of in columns.values())]
     places = {column: dim for column, dim in _PLACES.items() if dim in over}
-    return table_of(data, over, places | columns)
+    return table_of(data, over, {**places, **columns, **terms_column(data)})

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from flexmech import plots
 from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.analyses.remarks import speed_text, speed_unit
 from flexmech.analyses.requests import fewer_modes_lines
@@ -102,8 +103,8 @@ def known_digits(value: float, error: float) -> str:
 
 
 def counted_lines(dataset: xr.Dataset) -> list[str]:
-    """How many modes and lumped masses there are, where these are not the usual ones."""
-    lines = fewer_modes_lines(dataset.attrs)
+    """How many modes, lumped masses and rotation terms there are, where not the usual ones."""
+    lines = [*fewer_modes_lines(dataset.attrs), *filter(None, [plots.terms_text(dataset)])]
     lumps = int(dataset.attrs.get("lumped_masses", 0))
     if lumps:
         lines.append(
@@ -113,11 +114,15 @@ def counted_lines(dataset: xr.Dataset) -> list[str]:
 
 
 def error_lines(dataset: xr.Dataset) -> list[str]:
-    """Report the greatest estimated discretisation and reduction error, and where they are."""
-    return [
+    """Report the greatest error by the mesh, component modes and lumps, and where they are."""
+    lines = [
         _error_line("discretisation error (estimated)", dataset["discretisation_error"], dataset),
         _error_line("reduction error", dataset["reduction_error"], dataset),
     ]
+    if "lumping_error" in dataset:
+        line = _error_line("error of lumped masses", dataset["lumping_error"], dataset)
+        lines.append(f"{line}, by the same engine with distributed mass")
+    return lines
 
 
 def tracking_lines(dataset: xr.Dataset) -> list[str]:
@@ -188,7 +193,7 @@ def damping_ratio_lines(dataset: xr.Dataset) -> list[str]:
             f"discretisation error (estimated) at most {100 * of_ratio:.2g} % of it, reduction "
             f"error at most {100 * of_reduced:.2g} % of it"
         )
-    if dataset.attrs.get("rotation_terms") == "on" and float(ratio.min()) < 0:
+    if dataset.attrs.get("rotation_terms", "off") != "off" and float(ratio.min()) < 0:
         lines.append(
             "damping ratio: turning link frames may make it negative in a frozen position; "
             "that is no instability, whether vibrations grow is told by `flexmech stability`"

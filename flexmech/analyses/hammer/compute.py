@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from flexmech.analyses.beam_theory import theory_attributes
+from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.datasets import attributes_of, complex_parts, padded, provenance, with_units
 from flexmech.analyses.hammer.locked_linkage import LockedLinkage
 from flexmech.analyses.hammer.measurement import Measurement, grid_points, measured
@@ -70,14 +71,18 @@ def hammer_test(
     engine = engine_of(engine).fit_for(request.modes)
     report = progress or silent
     with one_thread():
-        locked = [LockedLinkage.at(engine, float(a), request.prestress) for a in request.angles]
+        loss = CountedLoss.of(engine, request.angles)
+        locked = [
+            LockedLinkage.at(loss.engine(engine, place), float(angle), request.prestress)
+            for place, angle in enumerate(request.angles)
+        ]
         plan = planned_record(request, locked)
         found = [
             measured(each, plan, request, number, report) for number, each in enumerate(locked)
         ]
         dataset = dataset_of(engine, request, plan, found)
     dataset.attrs |= theory_attributes([engine], request.modes)
-    dataset.attrs |= left_out_attributes(engine.mechanism)
+    dataset.attrs |= left_out_attributes(engine.mechanism) | loss.attributes
     return HammerTest(with_units(dataset, "hammer"))
 
 

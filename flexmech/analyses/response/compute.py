@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Protocol, TypeVar, cast
+from dataclasses import replace
+from typing import Any, Protocol, TypeVar, cast
 
 from flexmech.analyses.beam_theory import theory_attributes
+from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.datasets import with_units
 from flexmech.analyses.requests import engine_of
 from flexmech.analyses.response.dataset import add_mesh_errors, build_dataset
@@ -79,6 +81,8 @@ def response(
     report = progress or silent
     chosen, lines = engines_in_state(engines, request, environment)
     with one_thread():
+        loss = CountedLoss.of(chosen[0])
+        chosen = [loss.engine(each) for each in chosen]
         plan = planned(chosen, request)
         runs = [run_engine(engine, request, plan, report) for engine in chosen]
         dataset = build_dataset(runs, request, plan)
@@ -87,7 +91,7 @@ def response(
     if plan.note:
         dataset.attrs["prediction_note"] = plan.note
     dataset.attrs["environment_lines"] = "\n".join(lines)
-    dataset.attrs |= theory_attributes(chosen, request.modes)
+    dataset.attrs |= theory_attributes(chosen, request.modes) | loss.attributes
     return Response(with_units(dataset, "response"))
 
 
@@ -156,6 +160,8 @@ def exudyn_system(
     report = progress or silent
     [chosen], _ = engines_in_state([asked], request, environment)
     with one_thread():
+        loss = CountedLoss.of(chosen)
+        chosen = loss.engine(chosen)
         plan = planned([chosen], request)
         step = request.step
         if step is None:
@@ -163,7 +169,7 @@ def exudyn_system(
             step = run.trajectory.step
         start = simulation_start(chosen, request, step)
         stride = request.sample_interval / step
-        return cast("_HandsOver[System]", chosen).running_system(
+        system = cast("_HandsOver[System]", chosen).running_system(
             request.drive,
             start,
             step,
@@ -171,3 +177,5 @@ def exudyn_system(
             integrator=request.integrator,
             stride=round(stride) if abs(stride - round(stride)) < ON_A_STEP else 1,
         )
+        told = replace(cast(Any, system), remarks=tuple(loss.attributes.values()))
+        return cast(System, told)

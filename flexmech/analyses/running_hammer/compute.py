@@ -8,7 +8,12 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_attributes
-from flexmech.analyses.damping_ratios import lowest_frequency, with_damping_ratio, with_damping_time
+from flexmech.analyses.damping_ratios import (
+    CountedLoss,
+    lowest_frequency,
+    with_damping_ratio,
+    with_damping_time,
+)
 from flexmech.analyses.datasets import attributes_of, complex_parts, provenance, with_units
 from flexmech.analyses.requests import engine_of
 from flexmech.analyses.running_hammer.measured import MeasuredResponse, measured_response, runner
@@ -98,8 +103,13 @@ def running_hammer_test(
             point.index(chosen.mechanism.linkage.topology)
         # A crank that cannot turn round shows itself here, before anything is computed.
         chosen.mechanism.linkage.motion(np.linspace(0.0, 2 * np.pi, 73), 1.0)
+        attributes = theory_attributes([chosen], _MODES)
         if request.damping_ratio is not None:
             chosen = with_damping_ratio(chosen, request.damping_ratio)
+        else:
+            loss = CountedLoss.of(chosen)
+            chosen = loss.engine(chosen)
+            attributes |= loss.attributes
         bandwidth = _bandwidth(chosen, request)
         fitted = request.orders + GUARD_ORDERS
         crank = abs(request.crank_speed) / (2 * np.pi)
@@ -110,7 +120,7 @@ def running_hammer_test(
         orders = np.arange(-request.orders, request.orders + 1)
         frozen = frozen_response(chosen, request, plan.frequency, orders)
         dataset = _dataset(chosen, request, prediction, measured, frozen)
-    dataset.attrs |= theory_attributes([chosen], _MODES)
+    dataset.attrs |= attributes
     return RunningHammerTest(with_units(dataset, "running_hammer"))
 
 

@@ -15,6 +15,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexmech.analyses.beam_theory import theory_attributes
+from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.datasets import provenance, with_units
 from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.analyses.requests import check_list, engine_of, sampled_turn
@@ -97,6 +98,8 @@ def speed_sweep(
     engine, report = engine_of(engine).fit_for(modes), progress or silent
     peaks = []
     with one_thread():
+        loss = CountedLoss.of(engine)
+        engine = loss.engine(engine)
         frequency = _at_rest(engine, modes)
         for number, speed in enumerate(speeds.tolist()):
             linkage = vibrating_linkage(engine, speed, modes, prestress)
@@ -120,6 +123,7 @@ def speed_sweep(
         attrs={
             **provenance([engine]),
             **theory_attributes([engine], modes),
+            **loss.attributes,
             "engine": engine.name,
             "prestress": prestress,
             "speed_unit": speed_unit,

@@ -36,7 +36,14 @@ from flexmech.hygrothermal import HygrothermalState, mechanism_in_state
 from flexmech.linear_system import Engine
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile import mechanism_with, quantities_of
-from flexmech.units import RATIO, TEMPERATURE_DIFFERENCE, Dimension
+from flexmech.units import (
+    RATIO,
+    TEMPERATURE_DIFFERENCE,
+    Dimension,
+    parse_number,
+    parse_quantities,
+    parse_quantity,
+)
 from flexmech.validation import check_number, checked_array
 
 DAMPING_PARAMETER, MOISTURE, TEMPERATURE_RISE = "damping-ratio", "moisture", "temperature-rise"
@@ -47,6 +54,8 @@ OF_ITS_OWN = {
 }
 # More are taken for a slip: each value is a map of its own.
 MOST_VALUES = 1000
+# Of a range that a user writes: more than three digits are a slip of the keyboard.
+MOST_STEPS = 999
 
 
 def parameters_of(mechanism: Mechanism) -> dict[str, Dimension]:
@@ -63,6 +72,59 @@ def parameters_of(mechanism: Mechanism) -> dict[str, Dimension]:
         file by their keys, such as ``linkage.coupler`` or ``links.coupler.in_plane_thickness``.
     """
     return OF_ITS_OWN | quantities_of(mechanism)
+
+
+def values_of(text: str, dimension: Dimension, default: str | None) -> list[float]:
+    """Values of a parameter as a user writes them.
+
+    Parameters
+    ----------
+    text : str
+        A comma list, or START:STOP:STEPS, with one unit at the end for all.
+    dimension : Dimension
+        Of the parameter.
+    default : str or None
+        Unit of bare numbers; None refuses them.
+
+    Returns
+    -------
+    list of float
+        In SI units.
+
+    Raises
+    ------
+    InputError
+        If it is neither, or a unit is missing or of something else.
+    """
+
+    def values(entries: str) -> list[float]:
+        if default is None:
+            # Without a unit it is refused, with an example.
+            parse_quantity(entries.split(",")[-1].strip(), dimension)
+        unit = dimension.unit if default is None else default
+        return list(parse_quantities(entries, dimension, unit).values)
+
+    if ":" not in text:
+        return values(text)
+    parts = [part.strip() for part in text.split(":")]
+    remedy = 'write START:STOP:STEPS, as in "0:2%:20" for 20 equal steps from 0 to 2 %'
+    if len(parts) != 3 or not all(parts):
+        raise InputError(f"got {text!r}; {remedy}, or a comma list")
+    start, stop = values(",".join(parts[:2]))
+    try:
+        steps = parse_number(parts[2])
+    except InputError as error:
+        raise InputError(
+            f"got {text!r}, whose last part is not a number of steps; {remedy}"
+        ) from error
+    if steps != int(steps) or not 1 <= steps <= MOST_STEPS:
+        raise InputError(
+            f"got {text!r}; STEPS must be a whole number from 1 to {MOST_STEPS}; {remedy}"
+        )
+    if not stop > start:
+        raise InputError(f"got {text!r}; STOP must be greater than START; {remedy}")
+    count = int(steps)
+    return [start + (stop - start) * number / count for number in range(count)] + [stop]
 
 
 @dataclass(frozen=True)

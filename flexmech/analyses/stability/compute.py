@@ -14,6 +14,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexmech.analyses.beam_theory import theory_attributes
+from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.datasets import with_units
 from flexmech.analyses.remarks import left_out_attributes
 from flexmech.analyses.requests import engines_of
@@ -162,7 +163,12 @@ def stability(
     second = None if against is None else Against.of(engines[0].mechanism, against)
     report = progress or silent
     maps: list[EngineStability] = []
+    attributes = theory_attributes(engines, modes)
     with one_thread(), tidying():
+        if damping_ratio is None:
+            loss = CountedLoss.of(engines[0])
+            engines = [loss.engine(each) for each in engines]
+            attributes |= loss.attributes
         extra = _moving(engines[0], request)
         for each in engines:
             maps.append(map_engine(each, request, report))
@@ -172,6 +178,6 @@ def stability(
             over_both = map_against(engines, request, second, report)
             extra = extra.merge(over_both).assign_attrs(over_both.attrs)
     dataset = dataset_of(maps, request)
-    attributes = dataset.attrs | extra.attrs | theory_attributes(engines, modes)
+    attributes = dataset.attrs | extra.attrs | attributes
     attributes |= left_out_attributes(engines[0].mechanism)
     return StabilityMap(with_units(dataset.merge(extra), "stability").assign_attrs(attributes))

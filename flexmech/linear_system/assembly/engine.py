@@ -310,17 +310,11 @@ class Engine(EngineLinks):
             check_number(detail, "detail", "", POSITIVE)
         if fastest is not None:
             check_number(fastest, "fastest", "rad/s")
-        if not isinstance(rotation_terms, bool | np.bool_ | RotationTerms):
-            raise InputError(
-                f"rotation_terms must be True, False or RotationTerms, got {rotation_terms!r}"
-            )
+        terms = RotationTerms.of(rotation_terms)
         angle, speed, _ = checked_drive(crank_angle, crank_speed, 0.0)
         if not angle.size:
             raise InputError("crank_angle is empty; give one crank angle or more")
         motion = self.mechanism.linkage.motion(angle.ravel(), speed.ravel())
-        terms = rotation_terms
-        if not isinstance(terms, RotationTerms):
-            terms = RotationTerms.all_or_none(bool(terms))
         if not motion.crank_speed.any():
             terms = RotationTerms.all_or_none(False)
         if stressed is None:

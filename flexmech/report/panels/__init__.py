@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from flexmech.analyses import CrankRockerSynthesis, SpeedSweep
 from flexmech.report.panel import Panel, PanelMaker, panel_of
+from flexmech.report.panels.claims import claims_panel
 from flexmech.report.panels.frequencies import (
     campbell_panel,
     damping_panel,
@@ -54,6 +55,7 @@ PANELS: tuple[PanelMaker, ...] = (
     section_panel,
     moisture_panel,
     mechanism_panel,
+    claims_panel,
     other_panel,
 )
 """Each gives its panel, or None where there is no result that it shows."""

@@ -53,8 +53,16 @@ def frequency_panel(result: MovingFrequencies, results: Results) -> panel.Panel:
         readings=tuple(_readings(result, unit)),
         tables=_tables(result, unit),
         stress=STRESSES[str(attrs["prestress"])],
-        terms="with" if attrs.get("rotation_terms") == "on" else "without",
+        terms=_terms(str(attrs.get("rotation_terms", "off"))),
     )
+
+
+def _terms(counted: str) -> str:
+    """Which rotation terms are counted, by the attribute of a result."""
+    if counted in ("on", "off"):
+        return f"with{'out' * (counted == 'off')} the Coriolis, centripetal and tangential"
+    names = counted.replace("coriolis", "Coriolis").split(",")
+    return f"with, of those by rotation, only the {' and '.join(names)}"
 
 
 @panel.shows(MovingFrequencies)
