@@ -50,7 +50,6 @@ _AUTO = "auto"
 
 # Whole degrees stay exact if they do not pass through radians.
 _CRANK_ANGLE = units.Dimension("an angle", "deg", ("0:360:5", "45 deg", "0.785 rad"))
-_PERCENTAGE = units.Dimension("a percentage", "", ("7 %", "7 percent"))
 
 
 @dataclass(frozen=True)
@@ -105,12 +104,6 @@ def _quantity(
 
 def _positive(option: str, dimension: units.Dimension, unit: str | None = None) -> Typed:
     return _quantity(option, dimension, unit, (0.0).__lt__, "must be positive, got {!r}")
-
-
-def _percentage(option: str) -> Typed:
-    """A fraction in percent, ``"7"`` or ``"7 %"``: 0.07."""
-    most = "must lie between 0 and 100 percent, got {!r}"
-    return _quantity(option, _PERCENTAGE, "%", lambda part: 0 <= part <= 1, most)
 
 
 def _within(degrees: float) -> Callable[[float], bool]:
@@ -257,6 +250,18 @@ def _whole(text: str) -> int:
     return int(number)
 
 
+def _percent(text: str) -> float:
+    """Fraction in percent, ``"7"`` or ``"7 %"``: 0.07."""
+    unit = next((unit for unit in ("percent", "%") if text.strip().endswith(unit)), "")
+    try:
+        percent = float(units.parse_number(text.strip().removesuffix(unit)))
+    except InputError as error:
+        raise InputError(f"{error} (in percent)") from error
+    if not 0 <= percent <= 100:
+        raise InputError(f"must lie between 0 and 100 percent, got {text!r}")
+    return percent / 100
+
+
 def _words(option: str, known: Collection[str], wrong: str, example: str = "") -> Typed:
     """A comma list of known words, in their own order."""
 
@@ -292,8 +297,8 @@ CRANK_ACCELERATION = _quantity("--crank-acceleration", units.ANGULAR_ACCELERATIO
 STEPS = _or_auto(Typed("--steps", _whole), "; write a multiple of 16, such as 256")
 _STEP_REFUSED = f"got {{!r}}, which is not positive; write a time, for example {units.TIME.example}"
 STEP = _or_auto(_quantity("--step", units.TIME, "s", (0.0).__lt__, _STEP_REFUSED))
-MOISTURE = _percentage("--moisture")
-RELATIVE_HUMIDITY = _percentage("--relative-humidity")
+MOISTURE = Typed("--moisture", _percent)
+RELATIVE_HUMIDITY = Typed("--relative-humidity", _percent)
 _AS_IN = ", as in --format pdf,svg"
 FORMATS = _words("--format", PICTURE_FORMATS, "format of pictures", _AS_IN)
 INCLUDE = _words("--include", REPORT_PARTS, "part of a report")

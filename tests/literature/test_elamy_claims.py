@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -166,19 +168,13 @@ def test_changes_by_each_uncertainty_are_those_of_whole_spreads() -> None:
     known = published_constituents()
     parts = [known[name] for name in ("carbon", "E-glass", "polyester")]
     changes = uncertainty_parts(lambda *of: [s.axial_stiffness for s in sections(of)], parts)
-    stiffer = [with_(parts[0], youngs_modulus=parts[0].youngs_modulus + 20e9), *parts[1:]]
+    stiffer = [replace(parts[0], youngs_modulus=parts[0].youngs_modulus + 20e9), *parts[1:]]
     ends = [np.array([s.axial_stiffness for s in sections(each)]) for each in (parts, stiffer)]
     np.testing.assert_allclose(changes["carbon", "youngs_modulus"], ends[1] - ends[0], 1e-3, 1.0)
 
 
 def sections(parts: object) -> list:  # type: ignore[type-arg]
     return laminate_sections(tuple(parts), "woven", "across width")  # type: ignore[arg-type]
-
-
-def with_(part: object, **changes: float) -> object:
-    from dataclasses import replace
-
-    return replace(part, **changes)  # type: ignore[type-var]
 
 
 # --- bands --------------------------------------------------------------------------------------

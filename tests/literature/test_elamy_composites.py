@@ -33,6 +33,7 @@ from flexmech.studies import (
     study_composites,
     verdict_on,
 )
+from flexmech.studies.composite_crank_rockers import compute
 from flexmech.studies.composite_crank_rockers.claims import _Tests, all_models
 from flexmech.studies.composite_crank_rockers.linkages import (
     PAPERS_MESH,
@@ -41,7 +42,7 @@ from flexmech.studies.composite_crank_rockers.linkages import (
     each_model,
 )
 from flexmech.studies.composite_crank_rockers.ratios import separable_error
-from tests.published_study import published_study
+from tests.published_study import invented_peaks, published_study
 from tests.unit.figure_checks import FULL_WIDTH_PANEL, check_layout, legend_texts
 
 LAMINATES = ("C1", "C2", "C3", "C4", "C5", "C6")
@@ -60,7 +61,10 @@ def coarse() -> CompositeStudy:
     def engine(mechanism: Mechanism, elements: int, element: str) -> ReferenceEngine:
         return ReferenceEngine(mechanism, min(elements, 2), element, component_modes=False)
 
-    return study_composites(engine)
+    # Of the linkages in motion there is a test of its own.
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(compute, "running_peaks", lambda *_: invented_peaks())
+        return study_composites(engine)
 
 
 @pytest.fixture(scope="module")

@@ -191,20 +191,28 @@ class TestTransmissionAngle:
 
 
 def test_laminate_factors_are_the_study_s() -> None:
-    plies, beams = ["unidirectional", "woven", "table 2"], ["converged", "with shear"]
-    factor = np.linspace(0.2, 1.0, 3 * 2 * 6).reshape(3, 2, 6)
+    plies, beams = ["woven", "unidirectional", "table 2"], ["converged", "third order"]
+    layers = ["across width", "through thickness"]
+    factor = np.linspace(0.2, 1.0, 3 * 2 * 2 * 6).reshape(3, 2, 2, 6)
     study = xr.Dataset(
         {
-            "laminate_factor": (("plies", "beams", "laminate"), factor),
+            "laminate_factor": (("plies", "layers", "beams", "laminate"), factor),
+            "laminate_factor_spread": ("laminate", np.full(6, 0.01)),
             "published_laminate_factor": ("laminate", np.linspace(1.0, 0.4, 6)),
         },
-        coords={"plies": plies, "beams": beams, "laminate": [f"C{n}" for n in range(1, 7)]},
+        coords={
+            "plies": plies,
+            "layers": layers,
+            "beams": beams,
+            "laminate": [f"C{n}" for n in range(1, 7)],
+        },
     )
     figure = plot_laminate_factors(study)
     check_layout(figure, FULL_WIDTH_PANEL)
     lines = [line.get_ydata() for line in figure.axes[0].lines]
     published = study["published_laminate_factor"]
-    wanted = [factor[0, 0], factor[1, 0], factor[2, 0], published, factor[0, 1]]
+    woven, straight, one_modulus = factor[:, :, 0]
+    wanted = [*woven, *straight, one_modulus[0], published, factor[0, 0, 1]]
     np.testing.assert_array_equal(lines, wanted)
 
 

@@ -168,7 +168,8 @@ def test_stresses_are_smooth_over_the_thickness():
 def test_short_links_that_twist_as_they_bend_are_told(monkeypatch):
     """Against three-dimensional elements they were 10 % low at three widths, 5 % at five."""
     monkeypatch.setattr(beam_theory, "_gain_by_twist", lambda layers: 0.1)
-    section = SimpleNamespace(layers=SimpleNamespace(twist="held", width=1.0))
+    layers = SimpleNamespace(twist="held", width=1.0)
+    section = SimpleNamespace(layers=SimpleNamespace(smeared=layers))
     for length, said in ((2.9, "more than 10 % too low"), (4.9, "up to 10 % too low"), (5.1, "")):
         told = beam_theory._short("crank", section, length)
         assert said in told
@@ -178,7 +179,7 @@ def test_short_links_that_twist_as_they_bend_are_told(monkeypatch):
 def test_engines_apart_by_less_than_a_ten_thousandth_are_not_told_why(monkeypatch):
     monkeypatch.setattr(beam_theory, "_restrained_links", lambda engine: ["crank"])
     mechanism = SimpleNamespace(
-        sections={"crank": SimpleNamespace(layers=0)},
+        sections={"crank": SimpleNamespace(layers=SimpleNamespace(smeared=0))},
         link_mass=lambda name: SimpleNamespace(length=1.0),
     )
     engines = [

@@ -48,7 +48,7 @@ class KinematicsRequest:
     speed_unit : str
         In which crank speeds are printed and drawn.
     crank_acceleration : float, optional
-        In rad/s^2, alpha2 of Kumar & Chandrakar's eqs. 1.24 and 1.35 to 1.40. At each crank angle
+        In rad/s^2, alpha2 of Kumar & Chandrakar's eqs. 1.35 to 1.40. At each crank angle
         the crank has the speed and this acceleration: these are states, and not one run through
         all angles.
 

@@ -60,7 +60,6 @@ class ProportionTests:
         Parameters
         ----------
         printed : str
-        *cases : int
         """
         spans = {case: np.ptp(_limits(case)) for case in cases}
         text = ", ".join(f"case {case} {reach:.1f} deg" for case, reach in spans.items())
@@ -106,7 +105,7 @@ class ProportionTests:
         return Finding(
             "",
             f"cases {names} within; all cases {ends} deg",
-            holds=len(within) > 0,
+            holds=len(within) == len(limits),
             fails_if=f"the transmission angle of a case is below {low:g} or above {high:g} deg",
         )
 

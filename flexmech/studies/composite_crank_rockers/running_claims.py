@@ -106,7 +106,6 @@ class RunningTests:
         printed : str
         name : str
             Of the variable.
-        *laminates : str
             All if left out.
         """
         unit, words, power, density_power = PEAKS[name]
@@ -146,7 +145,6 @@ class RunningTests:
         ----------
         printed : str
         name : str
-        *cases : int
         """
         unit, words, *_ = PEAKS[name]
         peaks = unit * self.study[name].isel(running_plies=0).sel(material="C1")
