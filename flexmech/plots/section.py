@@ -105,8 +105,13 @@ def plot_section(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         dataset = dataset.dropna(dimension, how="all", subset=["place"])
     runs, across = _runs(dataset), dataset["direction_of_layers"] == "across width"
     kinds = _kinds(runs) if across else {}
-    lines_of = _lines_of_kinds if across else _lines
-    profiles = [lines_of(dataset, *profile) for profile in PROFILES]
+    profiles = [
+        _lines_of_kinds(dataset, list(kinds.values()), *profile)
+        if across
+        else _lines(dataset, *profile)
+        for profile in PROFILES
+    ]
+    place = 1e3 * dataset["place"].values
     named = len(runs) <= MOST_NAMES
     layout = grid(2, 3, 2 * PANEL_HEIGHT + 0.9, narrow=2, sharey=True, gridspec_kw={"wspace": 0.06})
     with sheet(layout, ax=ax) as drawn:
@@ -119,7 +124,6 @@ def plot_section(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
             edge = STACK_EDGE if axes is stack else 1.0
             for run in () if across else runs:
                 axes.axhspan(run.low, run.high, xmax=edge, fc=run.shade, **BETWEEN_LAYERS)
-            place = 1e3 * dataset["place"].values
             axes.set_ylim(place.min(), place.max())
             scales.plain_numbers(axes)
         of_profiles = [axes for axes in drawn.panels if axes is not stack]
@@ -201,10 +205,11 @@ def _kinds(runs: list[_Run]) -> dict[str, int]:
     return first
 
 
-def _lines_of_kinds(dataset: xr.Dataset, name: str, load: str) -> dict[int, FloatArray]:
-    """Of layers across the width: a line for each kind of ply, or one where all are alike."""
-    values = values_of(dataset[name].sel(load=load, coupling="with"), "layer", "point")
-    rows = values[list(_kinds(_runs(dataset)).values())]
+def _lines_of_kinds(
+    dataset: xr.Dataset, layers: list[int], name: str, load: str
+) -> dict[int, FloatArray]:
+    """Of layers across the width: a line for one of each kind, or one where all are alike."""
+    rows = values_of(dataset[name].sel(load=load, coupling="with"), "layer", "point")[layers]
     if np.abs(rows - rows[0]).max() <= SAME * np.abs(rows).max():
         rows = rows[:1]
     return dict(enumerate(rows))

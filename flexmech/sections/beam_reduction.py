@@ -111,6 +111,24 @@ def energy_by_direction(
     return np.asarray(np.einsum("nm,nmi,nmi->ni", weights, stress, turned))
 
 
+def lost_share(laminate: Laminate, energy: FloatArray) -> float:
+    """Specific damping capacity of a deformation: what its energies lose over all of them.
+
+    Parameters
+    ----------
+    laminate : Laminate
+    energy : ndarray, shape (N, 3)
+        Of each layer by the material's axes.
+
+    Returns
+    -------
+    float
+        Not below zero, though Poisson's contraction can give a direction a share that is.
+    """
+    capacity = np.array([layer.ply.specific_damping.by_direction for layer in laminate.layers])
+    return max(0.0, float(np.sum(capacity * energy) / energy.sum()))
+
+
 def gauss_points(laminate: Laminate, count: int = 3) -> tuple[FloatArray, FloatArray]:
     """Points in each layer and their weights, (N, count) each, in m.
 

@@ -23,6 +23,7 @@ from flexmech.sections.beam_reduction import (
     Strip,
     gauss_points,
     layer_of,
+    lost_share,
     shear_across,
 )
 from flexmech.sections.damping import SpecificDamping
@@ -223,16 +224,12 @@ class LaminateSection:
         capacity (Adams & Bacon 1973; Ni & Adams 1984). All shear through the thickness
         loses with the ply's capacity in shear.
         """
-        layers = self.laminate.layers
-        capacity = np.array([layer.ply.specific_damping.by_direction for layer in layers])
-        sheared = np.zeros_like(capacity)
+        sheared = np.zeros((len(self.laminate.layers), 3))
         sheared[:, 2] = self._shear_flexibility
         stretched = self._strip.energy_by_direction(self._strains(1.0, 0.0))
         bent = self._strip.energy_by_direction(self._strains(0.0, 1.0))
-        # Poisson's contraction can give a direction a share below zero.
         axial, bending, shear = (
-            max(0.0, float(np.sum(capacity * energy) / energy.sum()))
-            for energy in (stretched, bent, sheared)
+            lost_share(self.laminate, energy) for energy in (stretched, bent, sheared)
         )
         return SpecificDamping(axial, bending, shear, self.zigzag.loss)
 

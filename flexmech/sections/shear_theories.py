@@ -34,6 +34,7 @@ from flexmech.sections.beam_reduction import (
     Strip,
     energy_by_direction,
     gauss_points,
+    lost_share,
     shear_across,
 )
 
@@ -247,14 +248,13 @@ def zigzag_of(strip: Strip, bent: PlaneState) -> Zigzag:
     density = np.array([layer.ply.density for layer in laminate.layers])[:, None]
     mass = weight * density / np.sum(weight * density)
     energy = energy_by_direction(laminate, fields[0], weight)
-    capacity = np.array([layer.ply.specific_damping.by_direction for layer in laminate.layers])
     return Zigzag(
         flexibility=angles**2 / np.sum(angles**2),
         fall_off=np.sqrt(np.abs(squared_length)),
         along=np.einsum("nm,anm->a", mass, warping),
         turning=np.einsum("nm,nm,anm->a", mass, place, warping),
         square=np.einsum("nm,anm,bnm->ab", mass, warping, warping),
-        loss=max(0.0, float(np.sum(capacity * energy) / energy.sum())),
+        loss=lost_share(laminate, energy),
     )
 
 

@@ -21,12 +21,11 @@ from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.errors import InputError
 from flexmech.materials import Laminate, Layer, Ply, PlyDamping
 from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr
-from flexmech.sections.beam_reduction import Reduction, energy_by_direction
+from flexmech.sections.beam_reduction import Reduction, energy_by_direction, lost_share
 from flexmech.sections.damping import SpecificDamping
 from flexmech.sections.free_edges import (
     NARROWEST,
     WIDEST,
-    Twist,
     is_off_axis,
     laminate_solid,
 )
@@ -84,9 +83,6 @@ class SheetSection:
 
     reduction: ClassVar[Reduction] = "narrow"
     """Free to contract across the link."""
-    twist: ClassVar[Twist | None] = None
-    twists: ClassVar[bool] = False
-    """Bending in the plane twists no symmetric, balanced laminate."""
     direction: ClassVar[LayerDirection] = "across width"
     """Of the stack."""
     neutral_axis: ClassVar[float] = 0.0
@@ -292,13 +288,9 @@ class SheetSection:
 
     def _loss(self, strain: FloatArray) -> float:
         """Specific damping capacity under in-plane strains (3,), the same in all plies."""
-        layers = self.laminate.layers
-        thickness = np.array([[layer.thickness] for layer in layers])
-        fields = np.broadcast_to(strain, (len(layers), 1, 3))
-        energy = energy_by_direction(self.laminate, fields, thickness)
-        capacity = np.array([layer.ply.specific_damping.by_direction for layer in layers])
-        # Poisson's contraction can give a direction a share below zero.
-        return max(0.0, float(np.sum(capacity * energy) / energy.sum()))
+        thickness = np.array([[layer.thickness] for layer in self.laminate.layers])
+        fields = np.broadcast_to(strain, (len(thickness), 1, 3))
+        return lost_share(self.laminate, energy_by_direction(self.laminate, fields, thickness))
 
 
 @lru_cache(maxsize=256)

@@ -255,9 +255,9 @@ def _stacks(sections: Mapping[str, BeamSection | None]) -> xr.Dataset:
         for column, (ply, angle, low, high) in enumerate(layers):
             faces[:, row, column] = low, high
             plies[row, column], angles[row, column] = ply, angle
-        known = None if section is None else section.layers
-        directions.append(known.direction if known and len(layers) > 1 else "through thickness")
-        texts.append(known.laminate.stacking if known and len(layers) > 1 else "")
+        stack = None if section is None or len(layers) == 1 else section.layers
+        directions.append("through thickness" if stack is None else stack.direction)
+        texts.append("" if stack is None else stack.laminate.stacking)
     over = ("link", "layer")
     return xr.Dataset(
         {

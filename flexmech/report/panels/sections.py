@@ -93,8 +93,10 @@ def _curves(one: xr.Dataset) -> list[tuple[str, str, xr.Dataset]]:
     """What is drawn of a link: its name, its coupling, and the layers that it is of."""
     if one["direction_of_layers"] == "across width":
         # Layers of one kind have the same stress.
-        first = {_of_ply(layer): layer for _, layer in reversed(list(one.groupby("layer")))}
-        return [(name, "with", layer) for name, layer in reversed(first.items())]
+        first: dict[str, xr.Dataset] = {}
+        for _, layer in one.groupby("layer"):
+            first.setdefault(_of_ply(layer), layer)
+        return [(name, "with", layer) for name, layer in first.items()]
     if _uncoupled(one):
         return [("with coupling", "with", one)]
     return [(f"{coupling} coupling", coupling, one) for coupling in ("with", "without")]

@@ -105,8 +105,7 @@ class RunningTests:
         ----------
         printed : str
         name : str
-            Of the variable.
-            All if left out.
+            Of the variable. Laminates after it: these alone; all if left out.
         """
         unit, words, power, density_power = PEAKS[name]
         of = list(laminates) or self.study["laminate"].values.tolist()
