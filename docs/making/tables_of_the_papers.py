@@ -13,27 +13,18 @@ import pandas as pd
 import flexmech
 from flexmech import Mechanism
 from flexmech.materials import (
-    Fibre,
     Hygrothermal,
-    Laminate,
-    Matrix,
-    ply_from_constituents,
-    woven_ply,
 )
 from flexmech.modelfile import mechanism_from_toml
-from flexmech.sections import LaminateSection
 from flexmech.studies import published_case
 from flexmech.studies.composite_crank_rockers.linkages import LAMINATES
+from flexmech.studies.composite_crank_rockers.properties import laminate_properties
 from making.state import REPOSITORY
 
 __all__ = ["PaperTables"]
 
 MODELS = REPOSITORY / "models"
 LINKS = ("crank", "coupler", "rocker")
-# E, Table 2: the letters of the stacks, and the share of fibres.
-FIBRES = {"C": "carbon", "G": "E-glass"}
-FIBRE_SHARE = 0.6
-WEAVES = ("unidirectional", "woven")
 RISE = 80.0
 """Temperature rise of S in K."""
 
@@ -114,29 +105,30 @@ class PaperTables:
 
     def laminates(self) -> str:
         """E, Table 2: as printed, and by the rule of mixtures from Table 1."""
+        found = laminate_properties()
         moduli, others = [], []
         for code, printed in LAMINATES.items():
-            straight, woven = (_laminate_section(printed["stack"], weave) for weave in WEAVES)
-            width, height = straight.width, straight.laminate.thickness
-            flexible = np.linalg.inv(straight.laminate.stiffness_moment(0))
-            moduli.append(
-                (
-                    code,
-                    printed["stack"],
-                    f"{printed['modulus']:g}",
-                    f"{12 * straight.bending_stiffness / (width * height**3) / 1e9:.1f}",
-                    f"{straight.axial_stiffness / (width * height) / 1e9:.1f}",
-                    f"{woven.axial_stiffness / (width * height) / 1e9:.1f}",
+            own = found.sel(laminate=code)
+            straight = own.sel(mixed_plies="unidirectional")
+            in_plane = straight.sel(layers="across width")
+            bent, stretched, woven = (
+                f"{float(each['modulus']) / 1e9:.1f}"
+                for each in (
+                    straight.sel(layers="through thickness"),
+                    in_plane,
+                    own.sel(mixed_plies="woven", layers="across width"),
                 )
             )
+            modulus = f"{printed['modulus']:g}"
+            moduli.append((code, printed["stack"], modulus, bent, stretched, woven))
             others.append(
                 (
                     code,
                     f"{printed['strength']:g}",
                     f"{printed['poisson_ratio']:g}",
-                    f"{-flexible[0, 1] / flexible[0, 0]:.3f}",
+                    f"{float(in_plane['poisson_ratio']):.3f}",
                     f"{printed['density']:g}",
-                    f"{straight.mass_per_length / (width * height):.0f}",
+                    f"{float(in_plane['density']):.0f}",
                 )
             )
         of_moduli = (
@@ -293,20 +285,6 @@ def _of_four_bar(
         yield f"{link}, in the plane", "mm", printed["thickness"][number], 1e3 * height
         yield f"{link}, out of the plane", "mm", printed["width"][number], 1e3 * area / height
         yield f"{link}, density", "t/mm³", printed["density"][number], 1e-12 * density
-
-
-def _laminate_section(stack: str, weave: str) -> LaminateSection:
-    """Section of a stack of Table 2 with the constituents of Table 1; its size does not matter."""
-    known = flexmech.published_constituents()
-    plies = {}
-    for letter, name in FIBRES.items():
-        fibre, resin = known[name], known["polyester"]
-        assert isinstance(fibre, Fibre)
-        assert isinstance(resin, Matrix)
-        ply = ply_from_constituents(fibre, resin, FIBRE_SHARE, "rule-of-mixtures")
-        plies[letter] = woven_ply(ply) if weave == "woven" else ply
-    layers = [plies[letter] for letter in stack if letter in plies]
-    return LaminateSection(Laminate.stacked(layers, 1e-3, [0.0] * len(layers)), 25e-3)
 
 
 def _resin(name: str) -> Hygrothermal:
