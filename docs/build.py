@@ -1,9 +1,12 @@
-"""Build the documentation: ``python docs/build.py [--fresh]``.
+"""Build the documentation: ``python docs/build.py [--fresh | --sessions [PAGE ...]]``.
 
 The first page is then ``docs/_build/html/index.html``.
 
 Pages whose code runs keep what it gave until flexmech, its models or the versions beneath it
 change; ``--fresh`` runs everything again. Any warning or error of code ends the build with 1.
+
+``--sessions`` builds nothing: it runs the sessions of the tutorials (some five minutes), or of the
+pages that are named, and writes the lines that their commands print today into the pages.
 """
 
 from __future__ import annotations
@@ -17,6 +20,9 @@ from pathlib import Path
 from sphinx.cmd.build import main as sphinx_build
 
 HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+from making.sessions import session_pages, write_sessions  # noqa: E402
 
 
 def build(*, fresh: bool) -> int:
@@ -32,5 +38,19 @@ def build(*, fresh: bool) -> int:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--fresh", action="store_true", help="run all code again")
-    sys.exit(build(fresh=parser.parse_args().fresh))
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--fresh", action="store_true", help="run all code again")
+    what.add_argument(
+        "--sessions",
+        nargs="*",
+        metavar="PAGE",
+        choices=[page.stem for page in session_pages()],
+        help="write what the sessions of the tutorials print today into the pages",
+    )
+    asked = parser.parse_args()
+    if asked.sessions is not None:
+        pages = [page for page in session_pages() if page.stem in asked.sessions]
+        for page in write_sessions(pages or session_pages()):
+            print(f"changed: {page.relative_to(HERE)}")  # noqa: T201
+    else:
+        sys.exit(build(fresh=asked.fresh))

@@ -6,13 +6,14 @@ wait for no library.
 Examples
 --------
 >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
->>> engine = flexmech.ReferenceEngine(mechanism, elements=8)
->>> result = flexmech.moving_frequencies(engine, np.radians([0, 60, 120]), [0, 20])
+>>> result = flexmech.moving_frequencies(mechanism, np.radians([0, 60, 120]), [0, 20])
 >>> result.dataset["frequency"].shape
 (1, 2, 3, 4)
 
 ``result.plot()`` gives a matplotlib figure, ``result.save(folder)`` writes files and
-``print(result.summary())`` says what was found. The Exudyn engine is ``flexmech.ExudynEngine``.
+``print(result.summary())`` says what was found. Of a mechanism the reference engine is made; others
+are ``flexmech.ReferenceEngine(mechanism, elements=16)`` and ``flexmech.ExudynEngine(mechanism)``.
+Crank speeds are in rad/s, or in the unit that is given beside them: ``speed_unit="rpm"``.
 """
 
 import lazy_loader

@@ -30,6 +30,8 @@ from .analyses import RunningHammerTest as RunningHammerTest
 from .analyses import SectionProfiles as SectionProfiles
 from .analyses import SpeedSweep as SpeedSweep
 from .analyses import StabilityMap as StabilityMap
+from .analyses import Strength as Strength
+from .analyses import StrengthRequest as StrengthRequest
 from .analyses import check_mechanism as check_mechanism
 from .analyses import compare_with_record as compare_with_record
 from .analyses import coupler_paths as coupler_paths
@@ -41,12 +43,14 @@ from .analyses import running_hammer_test as running_hammer_test
 from .analyses import section_profiles as section_profiles
 from .analyses import strain_energy_damping as strain_energy_damping
 from .analyses.campbell.compute import campbell as campbell
+from .analyses.frequencies.derivatives import frequency_derivatives as frequency_derivatives
 from .analyses.hammer.compute import hammer_test as hammer_test
 from .analyses.kinematics.compute import kinematics as kinematics
 from .analyses.response.compute import exudyn_system as exudyn_system
 from .analyses.response.compute import response as response
 from .analyses.speed_sweep.compute import speed_sweep as speed_sweep
 from .analyses.stability.compute import stability as stability
+from .analyses.strength.compute import strength as strength
 from .errors import ComputationError as ComputationError
 from .errors import FlexmechError as FlexmechError
 from .errors import InputError as InputError
@@ -73,6 +77,8 @@ from .linkages import synthesize_crank_rocker as synthesize_crank_rocker
 from .materials import Laminate as Laminate
 from .materials import Material as Material
 from .materials import Ply as Ply
+from .materials import PlyStrength as PlyStrength
+from .materials import failure_criterion as failure_criterion
 from .materials import ply_from_constituents as ply_from_constituents
 from .materials import propagated_uncertainty as propagated_uncertainty
 from .materials import published_constituents as published_constituents
@@ -100,3 +106,4 @@ from .verification import Verification as Verification
 from .verification import verify as verify
 
 __version__: str
+from .studies.designs.sweep import sweep as sweep

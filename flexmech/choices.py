@@ -56,6 +56,15 @@ Start = Literal["rigid", "equilibrium", "periodic"]
 """State in which a run begins."""
 STARTS: tuple[Start, ...] = get_args(Start)
 
+CriterionName = Literal["max-stress", "tsai-hill", "tsai-wu", "hashin", "puck", "von-mises"]
+"""By which the layers of a link are judged."""
+CRITERIA: tuple[CriterionName, ...] = get_args(CriterionName)
+
+LoadSource = Literal["quasi-static", "periodic", "transient"]
+"""Motion whose internal forces a link has to bear: of rigid links, the steady vibration of elastic
+ones, or a run from straight links at full speed."""
+LOAD_SOURCES: tuple[LoadSource, ...] = get_args(LoadSource)
+
 TemplateKind = Literal["four-bar", "composite-four-bar", "rotating-arm", "slider-crank", "planar"]
 """Model files to start from."""
 

@@ -14,6 +14,11 @@ CRANK_SPEED = "{crank_speed}"
 
 _MOST_CHARACTERS = 4000
 """Of a message: a screen full; what a file or an option holds may be longer than anybody reads."""
+_MOST_TYPED = 100
+"""Characters of a wrong word that are compared, for speed alone: no name is longer."""
+_MOST_NEAR = 5
+"""Words that share most letters with a wrong one, among which the fewest slips decide; of units
+of one kind there are no more."""
 _FAST = 100.0
 """In rad/s: of greater crank speeds, 955 turns a minute and up, these are told as well."""
 # Of characters that move a terminal's cursor, break a line, or turn the direction of writing.
@@ -74,6 +79,14 @@ class InputError(FlexmechError, ValueError):
     exit_code = 2
 
 
+class AssemblyError(InputError):
+    """The links do not reach each other at a crank angle, or at any."""
+
+
+class LockingError(InputError):
+    """The crank cannot drive the linkage through a crank angle."""
+
+
 class ComputationError(FlexmechError, RuntimeError):
     """What was asked for is well posed, but the computation failed."""
 
@@ -115,6 +128,92 @@ def is_plain(text: str) -> bool:
 
 def suggestion(got: str, known: Sequence[str]) -> str:
     """Word the remedy for a wrong name: the nearest known one, and all of them."""
-    close = difflib.get_close_matches(got[:_MOST_CHARACTERS], known, n=1)
+    close = nearest(got, known)
     choices = ", ".join(known)
-    return f"did you mean {close[0]!r}? Known here: {choices}" if close else f"use one of {choices}"
+    return f"did you mean {close!r}? Known here: {choices}" if close else f"use one of {choices}"
+
+
+def nearest(got: str, known: Sequence[str]) -> str:
+    """The known word that is nearest to what was typed; empty where none is near.
+
+    Of the words that have most letters in common with it, the one with the fewest slips of the
+    keyboard.
+
+    Parameters
+    ----------
+    got : str
+    known : sequence of str
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> nearest("rmp", ["rad/s", "rps", "rpm"])
+    'rpm'
+    """
+    got = got[:_MOST_TYPED]
+    close = difflib.get_close_matches(got, known, n=_MOST_NEAR)
+    return min(close, key=lambda word: slips(got, word), default="")
+
+
+def slips(first: str, second: str) -> int:
+    """Letters to insert, leave out, replace, or swap with the next, to make one word of another.
+
+    Damerau, Communications of the ACM 7, 1964, 171-176: a swap counts as one slip.
+
+    Parameters
+    ----------
+    first, second : str
+
+    Returns
+    -------
+    int
+
+    Examples
+    --------
+    >>> slips("rmp", "rpm"), slips("rmp", "rps")
+    (1, 2)
+    """
+    before, last = [0] * (len(second) + 1), list(range(len(second) + 1))
+    for i, one in enumerate(first, start=1):
+        row = [i]
+        for j, other in enumerate(second, start=1):
+            row.append(min(last[j] + 1, row[-1] + 1, last[j - 1] + (one != other)))
+            if i > 1 and j > 1 and (one, first[i - 2]) == (second[j - 2], other):
+                row[-1] = min(row[-1], before[j - 2] + 1)
+        before, last = last, row
+    return last[-1]
+
+
+def known_words(text: str, known: Sequence[str], wrong: str, example: str = "") -> tuple[str, ...]:
+    """Read a comma list of known words.
+
+    Parameters
+    ----------
+    text : str
+    known : sequence of str
+    wrong : str
+        What a word that is not known is none of, for messages.
+    example : str
+        End of messages.
+
+    Returns
+    -------
+    tuple of str
+        In the order of those that are known.
+
+    Raises
+    ------
+    InputError
+        If a word is not known.
+    """
+    asked = [each.strip().lower().removeprefix(".") for each in text.split(",")]
+    for each in asked:
+        if each not in known:
+            raise InputError(
+                f"got {text!r}, in which {each!r} is no {wrong}; choose from "
+                f"{', '.join(known)}{example}"
+            )
+    return tuple(word for word in known if word in asked)

@@ -129,17 +129,19 @@ def shapes_at(
     return shapes
 
 
-def middle_curvature(
-    nodes: FloatArray, per_node: int, slope: int, deflection: int | None = None
+def curvature_at(
+    place: float, nodes: FloatArray, per_node: int, slope: int, deflection: int | None = None
 ) -> FloatArray:
-    """Bending curvature in the middle of a link from its nodal coordinates.
+    """Bending curvature at a place of a link from its nodal coordinates.
 
-    The curvature of a polynomial through the three nodes nearest to the middle, which
+    The curvature of a polynomial through the three nodes nearest to the place, which
     takes their deflections and slopes (a quintic; two orders better than the second
     derivative of a cubic element) or, where the element shears, their rotations alone.
 
     Parameters
     ----------
+    place : float
+        In m from the link's start.
     nodes : ndarray, shape (k,)
         Node positions in m.
     per_node : int
@@ -152,10 +154,11 @@ def middle_curvature(
     ndarray, shape (k * per_node,)
         Multiplies the coordinates; 1/m for coordinates in m and rad.
     """
-    middle = nodes[-1] / 2
-    nearest = np.sort(np.argsort(np.abs(nodes - middle), kind="stable")[:3])
+    # Of two that are equally near, round-off must not choose.
+    distance = np.round(np.abs(nodes - place) / nodes[-1], 9)
+    nearest = np.sort(np.argsort(distance, kind="stable")[:3])
     scale = float(np.ptp(nodes[nearest]))
-    places = (nodes[nearest] - middle) / scale
+    places = (nodes[nearest] - place) / scale
     row = np.zeros(per_node * len(nodes))
     if deflection is None:
         powers = places[:, None] ** np.arange(len(nearest))

@@ -38,11 +38,14 @@ _READABLE = {
 _KINDS = ("materials", "fibres", "matrices", "plies", "laminates")
 # Numbers that need no exponent, and no more than six digits before the point or two zeros after it.
 _LEAST, _MOST = Decimal("1e-3"), Decimal("1e6")
-# Digits of every float's shortest text, and fewer, which unites what rounding has parted.
-_DIGITS = (15, 17)
+# Digits of every float's shortest text, and fewer, which unites what rounding has parted; with
+# more every float reads back from any unit.
+_DIGITS = (15, 17, 20)
 
 
-def quantity(value: float, dimension: Dimension) -> str | float:
+def quantity(
+    value: float, dimension: Dimension, unit: str = "", *, always: bool = False
+) -> str | float:
     """Write a quantity so that it reads back bit-equal, as short as its readable units allow.
 
     Parameters
@@ -50,19 +53,27 @@ def quantity(value: float, dimension: Dimension) -> str | float:
     value : float
         In SI units.
     dimension : Dimension
+    unit : str
+        Preferred to those that are read easily.
+    always : bool
+        Whether it stands in that unit wherever it can without an exponent, however long.
 
     Returns
     -------
     str or float
         Such as ``"279.4 mm"``; a ratio as a number.
     """
-    value = float(value)
+    # A zero has no sign in a file.
+    value = float(value) + 0.0
     if dimension is units.RATIO:
         return value
+    if always and (written := _number_in(value, unit, dimension)) is not None:
+        return f"{written:f} {unit}"
+    preferred = (unit,) if unit else ()
     texts = [
-        (len(number.as_tuple().digits), abs(number) < 1, f"{number:f} {unit}")
-        for unit in (*_READABLE.get(dimension, ()), dimension.unit)
-        if (number := _number_in(value, unit, dimension)) is not None
+        (len(number.as_tuple().digits), abs(number) < 1, f"{number:f} {each}")
+        for each in (*preferred, *_READABLE.get(dimension, ()), dimension.unit)
+        if (number := _number_in(value, each, dimension)) is not None
     ]
     # The first of the shortest ones.
     return min(texts, key=lambda text: text[:2])[2] if texts else f"{value!r} {dimension.unit}"

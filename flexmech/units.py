@@ -7,16 +7,14 @@ is done in decimal arithmetic: "279.4 mm" is the float 0.2794, correctly rounded
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 import reprlib
-from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 
 from flexmech import unit_registry
-from flexmech.errors import InputError
+from flexmech.errors import InputError, nearest
 from flexmech.unit_registry import base_units, zero_of_scale
 
 ZERO_CELSIUS = 273.15
@@ -83,9 +81,6 @@ NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 
 _SPLIT = re.compile(rf"\s*(?P<number>{NUMBER})(?P<unit>.*)", re.DOTALL)
 
-# A range hits its end when it comes this close, in steps: 0:1:0.333333 means thirds.
-_HIT = Decimal("1e-5")
-
 # What files and options hold may be longer than anybody reads.
 _REPR = reprlib.Repr()
 _REPR.maxstring = _REPR.maxother = 100
@@ -94,22 +89,6 @@ _REPR.maxstring = _REPR.maxother = 100
 def shown(text: object) -> str:
     """What was given, as a message shows it."""
     return _REPR.repr(text)
-
-
-@dataclass(frozen=True)
-class Quantities:
-    """Several quantities of one text.
-
-    Parameters
-    ----------
-    values : tuple of float
-        In SI units.
-    unit : str
-        In which they were written, the last one of several.
-    """
-
-    values: tuple[float, ...]
-    unit: str
 
 
 def parse_number(text: str) -> Decimal:
@@ -142,6 +121,32 @@ def parse_number(text: str) -> Decimal:
     if not math.isfinite(rounded):
         raise InputError(f"got {shown(text.strip())}, which is too large; write a smaller number")
     return number
+
+
+def parse_percent(text: str) -> float:
+    """Read a fraction that is written in percent: ``"7"`` or ``"7 %"`` is 0.07.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        If it is no number, or not between 0 and 100 percent.
+    """
+    unit = next((unit for unit in ("percent", "%") if text.strip().endswith(unit)), "")
+    try:
+        percent = float(parse_number(text.strip().removesuffix(unit)))
+    except InputError as error:
+        raise InputError(f"{error} (in percent)") from error
+    if not 0 <= percent <= 100:
+        raise InputError(f"must lie between 0 and 100 percent, got {text!r}")
+    return percent / 100
 
 
 def parse_quantity(
@@ -182,7 +187,7 @@ def parse_quantity(
             f"got {shown(value)}, which is not {dimension.name}; write it as text with its unit, "
             f"for example {dimension.example}"
         )
-    number, unit = _split(value, dimension)
+    number, unit = split_quantity(value, dimension)
     if not unit and not unitless:
         if default_unit is None:
             raise InputError(
@@ -190,104 +195,10 @@ def parse_quantity(
                 f"for example {dimension.example}"
             )
         unit = default_unit
-    factor = _factor(value, unit, dimension)
+    factor = unit_factor(value, unit, dimension)
     if dimension is TEMPERATURE:
         number += zero_of_scale(unit)
-    return _finite(number, factor, value)
-
-
-def parse_quantities(
-    text: str, dimension: Dimension, default_unit: str, *, most: int = 10_000
-) -> Quantities:
-    """Read quantities from a comma list or from a range START:STOP:STEP.
-
-    A unit that only the last entry has covers all of them: "0,50,100 rpm". Otherwise each entry
-    other than 0 has its own.
-
-    Parameters
-    ----------
-    text : str
-        Such as ``"0,50,100 rpm"``, ``"0:300:50 rpm"`` or ``"10 rad/s,300 rpm"``.
-    dimension : Dimension
-        Without a zero of its own: no temperature.
-    default_unit : str
-        Where no unit is written.
-    most : int
-        Longer ranges are taken for a slip of the keyboard.
-
-    Returns
-    -------
-    Quantities
-        In the order of the text. STOP is included when a whole number of steps leads to it.
-        Counted in decimal, so that nothing adds up: 0:360:0.1 ends with 359.9 and 360 exactly.
-
-    Raises
-    ------
-    InputError
-        If a value is missing or no such quantity, the range is empty, endless or too long, or
-        some entries have a unit and others have none.
-    """
-    separator = ":" if ":" in text else ","
-    parts = text.split(separator)
-    if separator == ":" and len(parts) != 3:
-        raise InputError(
-            f"got {shown(text)}, which has {len(parts)} parts; write START:STOP:STEP, for example "
-            f'"0:300:50 {default_unit}"'
-        )
-    if not all(part.strip() for part in parts):
-        raise InputError(
-            f"got {shown(text)}, in which a value is missing; write START:STOP:STEP, for example "
-            f'"0:300:50 {default_unit}", or a comma list such as "0,50,100 {default_unit}"'
-        )
-    entries = [_split(part.strip(), dimension) for part in parts]
-    unit = _unit_of_bare(text, separator, entries) or default_unit
-    factors = [_factor(text, own or unit, dimension) for _, own in entries]
-    numbers = [number for number, _ in entries]
-    if separator == ":":
-        # In the last unit, which all three parts usually have.
-        same = [
-            number * (factor / factors[-1]) for number, factor in zip(numbers, factors, strict=True)
-        ]
-        numbers = _counted(text, *same, most=most)
-        factors = [factors[-1]] * len(numbers)
-    values = (_finite(n, factor, text) for n, factor in zip(numbers, factors, strict=True))
-    return Quantities(tuple(values), unit)
-
-
-def _unit_of_bare(text: str, separator: str, entries: Sequence[tuple[Decimal, str]]) -> str:
-    """Unit of the entries that have none: the last one that is written; empty if there is none."""
-    written = [unit for _, unit in entries if unit]
-    covers_all = len(written) == 1 and entries[-1][1] != ""
-    if written and not covers_all and any(number and not unit for number, unit in entries):
-        bare = separator.join(str(number) for number, _ in entries)
-        remedy = f'write the unit once, at the end: "{bare} {written[-1]}"'
-        raise InputError(
-            f"got {shown(text)}, in which some values have a unit and others have none; "
-            + (remedy if len(set(written)) == 1 else "give each value its unit")
-        )
-    return written[-1] if written else ""
-
-
-def _counted(
-    text: str, start: Decimal, stop: Decimal, step: Decimal, *, most: int
-) -> list[Decimal]:
-    """Count the numbers of a range."""
-    if step <= 0:
-        raise InputError(f"got {shown(text)}; STEP must be positive, for example 0:360:5")
-    if stop < start:
-        raise InputError(
-            f"got {shown(text)}; STOP must not be less than START, for example -90:90:5"
-        )
-    if (stop - start) >= most * step:
-        raise InputError(
-            f"got {shown(text)}, which is too long; choose a STEP that gives at most {most} values"
-        )
-    steps = (stop - start) / step
-    count = int(steps + _HIT)
-    numbers = [start + number * step for number in range(count + 1)]
-    if abs(steps - count) <= _HIT:
-        numbers[-1] = stop
-    return numbers
+    return finite_value(number, factor, value)
 
 
 def from_si(value: float, unit: str) -> float:
@@ -315,8 +226,58 @@ def from_si(value: float, unit: str) -> float:
         raise InputError(str(error)) from error
 
 
-def _split(text: str, dimension: Dimension) -> tuple[Decimal, str]:
-    """Split a text into number and unit; the unit may be empty."""
+def to_si(value: float, unit: str, dimension: Dimension) -> float:
+    """SI value of a number in a unit: the float that its text with this unit is.
+
+    Parameters
+    ----------
+    value : float
+    unit : str
+        Of the dimension, without an offset.
+    dimension : Dimension
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        If the unit is unknown or of another dimension.
+    """
+    text = f"{float(value)!r} {unit}"
+    if not isinstance(unit, str):
+        raise InputError(
+            f"a unit is needed, got {shown(unit)}; write it as text, for example "
+            f"{dimension.example.split()[-1][:-1]!r}"
+        )
+    factor = unit_factor(text, unit, dimension)
+    # What is no finite number is refused where it is checked, with its name.
+    return (
+        finite_value(Decimal(repr(float(value))), factor, text) if math.isfinite(value) else value
+    )
+
+
+def split_quantity(text: str, dimension: Dimension) -> tuple[Decimal, str]:
+    """Split a text into number and unit.
+
+    Parameters
+    ----------
+    text : str
+    dimension : Dimension
+        Of which it should be, for messages.
+
+    Returns
+    -------
+    Decimal
+    str
+        Empty where there is none.
+
+    Raises
+    ------
+    InputError
+        If it does not begin with a number.
+    """
     match = _SPLIT.fullmatch(text)
     if match is None:
         raise InputError(
@@ -338,8 +299,25 @@ def _decimal_hint(text: str) -> str:
     return "write a number such as 12.5 or 2e-5"
 
 
-def _factor(text: str, unit: str, dimension: Dimension) -> Decimal:
-    """SI value of one ``unit``, which must have the dimension."""
+def unit_factor(text: str, unit: str, dimension: Dimension) -> Decimal:
+    """SI value of one unit.
+
+    Parameters
+    ----------
+    text : str
+        What was given, for messages.
+    unit : str
+    dimension : Dimension
+
+    Returns
+    -------
+    Decimal
+
+    Raises
+    ------
+    InputError
+        If the unit is unknown or of another dimension.
+    """
     # The SI unit itself needs no pint, whose first import takes longer than small analyses.
     if unit == dimension.unit:
         return Decimal(1)
@@ -356,9 +334,9 @@ def _unknown_unit(text: str, unit: str, dimension: Dimension) -> str:
     """Message on a unit that there is not."""
     known = {example.split(maxsplit=1)[-1]: example for example in dimension.examples}
     by_lower_case = {name.lower(): name for name in known}
-    close = difflib.get_close_matches(unit.lower(), by_lower_case, n=1)
-    remedy = f"did you mean {by_lower_case[close[0]]!r}?" if close else "write"
-    example = known[by_lower_case[close[0]]] if close else dimension.examples[0]
+    close = nearest(unit.lower(), list(by_lower_case))
+    remedy = f"did you mean {by_lower_case[close]!r}?" if close else "write"
+    example = known[by_lower_case[close]] if close else dimension.examples[0]
     joint = " For example" if close else f" {dimension.name}, for example"
     return (
         f"got {shown(text)}, in which the unit {shown(unit)} is unknown; "
@@ -386,7 +364,26 @@ def _wrong_dimension(text: str, unit: str, base: str, dimension: Dimension) -> s
     )
 
 
-def _finite(number: Decimal, factor: Decimal, text: object) -> float:
+def finite_value(number: Decimal, factor: Decimal, text: object) -> float:
+    """SI value of a number in a unit.
+
+    Parameters
+    ----------
+    number : Decimal
+    factor : Decimal
+        SI value of one unit.
+    text : object
+        What was given, for messages.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        If it is too large.
+    """
     try:
         result = float(number * factor)
     except ArithmeticError:

@@ -19,7 +19,7 @@ from _common import four_bar, output_folder, save_pictures
 
 from flexmech import Kinematics, KinematicsRequest, kinematics, plots
 
-SPEED = 190 * np.pi / 30
+SPEED = 190.0
 PAPER = (1, 4, 4)
 FINER = (1, 2, 4)
 """Times as many elements as the paper has."""

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import os
+import pty
 import shutil
 import subprocess
 import sys
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
+from tempfile import TemporaryFile
 
-__all__ = ["REPOSITORY", "cache_folder", "command_results", "environment"]
+__all__ = ["REPOSITORY", "cache_folder", "command_results", "environment", "on_a_terminal"]
 
 REPOSITORY = Path(__file__).parents[2]
 CODE = ("flexmech", "models", "scenarios")
@@ -34,6 +37,37 @@ def cache_folder() -> Path:
 def environment() -> dict[str, str]:
     """Environment of a process that runs the code of this repository and shows no window."""
     return {**os.environ, "PYTHONPATH": str(REPOSITORY), "MPLBACKEND": "Agg"}
+
+
+def on_a_terminal(*arguments: str, folder: Path) -> tuple[int, str]:
+    """Run a command of flexmech as on a terminal of 80 columns; its exit code, what it prints.
+
+    Warnings and notes stand before the answer. There are neither colours nor progress.
+    """
+    reader, writer = pty.openpty()
+    # Rich cuts wide tables at 80 columns where a terminal without colours has no height stated.
+    plain = {**environment(), "COLUMNS": "80", "LINES": "25", "TERM": "dumb"}
+    for name in ("CLICOLOR", "CLICOLOR_FORCE", "FORCE_COLOR"):
+        plain.pop(name, None)
+    with TemporaryFile() as told:
+        run = subprocess.Popen(
+            [sys.executable, "-m", "flexmech", *arguments],
+            stdin=subprocess.DEVNULL,
+            stdout=writer,
+            stderr=told,
+            cwd=folder,
+            env=plain,
+        )
+        os.close(writer)
+        printed = bytearray()
+        with suppress(OSError):  # so ends on Linux what elsewhere ends in nothing to read
+            while part := os.read(reader, 65536):
+                printed += part
+        os.close(reader)
+        code = run.wait()
+        told.seek(0)
+        text = (told.read() + bytes(printed)).decode()
+    return code, text.replace("\r\n", "\n")
 
 
 def command_results(name: str, *arguments: str) -> Path:

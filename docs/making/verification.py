@@ -31,7 +31,8 @@ def verification_page(folder: Path) -> str:
     (folder / "verification.png").write_bytes((results / "verification.png").read_bytes())
     parts = [
         HEAD,
-        f"**{found.summary().verdict}.** The picture shows each deviation over its tolerance.\n\n"
+        f"**{' '.join(found.summary().answer)}** The picture shows each deviation over its "
+        "tolerance.\n\n"
         "![Deviation over tolerance of every case](verification.png)\n",
     ]
     rows["subject"] = rows["case"].str.partition(": ")[0]

@@ -8,6 +8,7 @@ from .comparison.result import Comparison as Comparison
 from .comparison.result import FittedValue as FittedValue
 from .coupler_path.compute import coupler_paths as coupler_paths
 from .coupler_path.result import CouplerPaths as CouplerPaths
+from .default_engines import chosen_engines as chosen_engines
 from .frequencies.agreement import EngineAgreement as EngineAgreement
 from .frequencies.compute import moving_frequencies as moving_frequencies
 from .frequencies.eigenproblem import Modes as Modes
@@ -36,6 +37,8 @@ from .section_profile.result import SectionProfiles as SectionProfiles
 from .speed_sweep.result import SpeedSweep as SpeedSweep
 from .stability.request import StabilityRequest as StabilityRequest
 from .stability.result import StabilityMap as StabilityMap
+from .strength.request import StrengthRequest as StrengthRequest
+from .strength.result import Strength as Strength
 from .summary import Summary as Summary
 from .summary import Table as Table
 from .synthesis.compute import crank_rocker_synthesis as crank_rocker_synthesis

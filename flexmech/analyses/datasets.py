@@ -49,7 +49,9 @@ def versions(*packages: str) -> dict[str, str]:
 def provenance(engines: Sequence[Engine]) -> dict[str, str | int]:
     """Attributes of a result of engines, all of one mechanism."""
     packages = ["exudyn"] if any(e.name == "exudyn" for e in engines) else []
-    return {**origin(engines[0].mechanism, *packages), "elements": engines[0].elements}
+    speeds = " ".join(map(repr, map(float, engines[0].mechanism.operating_speeds)))
+    named = origin(engines[0].mechanism, *packages)
+    return {**named, "elements": engines[0].elements, "operating_speeds": speeds}
 
 
 @cache

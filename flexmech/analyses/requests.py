@@ -9,17 +9,22 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.analyses.default_engines import engine_for
 from flexmech.arrays import FloatArray
 from flexmech.choices import MODES, SHAFTS, ShaftChoice
 from flexmech.errors import InputError, suggestion
 from flexmech.hygrothermal import Environment, Exposure, HygrothermalState
 from flexmech.linear_system import Engine, OverdampedError, TooManyModesError, check_elastic
+from flexmech.mechanism import Mechanism
 from flexmech.validation import check_choice, check_instance, checked_array
 
 # Beyond so many radians, eight turns, an angle is taken for degrees.
 MOST_RADIANS = 16 * np.pi
 
-ENGINE = "flexmech.ReferenceEngine(mechanism) or flexmech.ExudynEngine(mechanism)"
+ENGINE = (
+    "flexmech.load_mechanism(path), flexmech.ReferenceEngine(mechanism) or "
+    "flexmech.ExudynEngine(mechanism)"
+)
 ENVIRONMENT = (
     "flexmech.HygrothermalState(temperature_rise, moisture) or "
     "flexmech.Exposure(temperature_rise, relative_humidity, time)"
@@ -83,12 +88,13 @@ def check_list(
         raise InputError(f"{name} repeats a {one}; give each one once")
 
 
-def engine_of(value: Engine, *, elastic: bool = True) -> Engine:
-    """The engine; anything else, or one of rigid links alone, is refused with what to write.
+def engine_of(value: Engine | Mechanism, *, elastic: bool = True) -> Engine:
+    """The engine, or the reference engine of a mechanism; anything else is refused.
 
     Parameters
     ----------
-    value : Engine
+    value : Engine or Mechanism
+        One of rigid links alone is refused with what to write.
     elastic : bool
         Whether a link at least has to be elastic.
 
@@ -100,20 +106,24 @@ def engine_of(value: Engine, *, elastic: bool = True) -> Engine:
     ------
     InputError
     """
-    engine = _one_of(value, (Engine,), "an engine", ENGINE)
+    engine = _one_of(engine_for(value), (Engine,), "an engine or a mechanism", ENGINE)
     if elastic:
         check_elastic(engine.mechanism)
     return engine
 
 
+Engines = Engine | Mechanism | Sequence[Engine | Mechanism]
+"""What analyses take: of a mechanism, or of each of several, the reference engine is made."""
+
+
 def engines_of(
-    value: Engine | Sequence[Engine], modes: int | None = None, shaft: ShaftChoice | None = None
+    value: Engines, modes: int | None = None, shaft: ShaftChoice | None = None
 ) -> list[Engine]:
     """One engine or several as a list of one or more.
 
     Parameters
     ----------
-    value : Engine or sequence of Engine
+    value : Engine, Mechanism or sequence of them
     modes : int, optional
         Natural frequencies that elements which were not asked for must be fit for.
     shaft : {"prescribed", "free"}, optional

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
+from flexmech.analyses.digits import Quantity
+
 Row = tuple[str, ...]
 
 
@@ -83,21 +85,41 @@ def _number(cell: str) -> float | str | None:
 
 @dataclass(frozen=True)
 class Summary:
-    """What a result says in words.
+    """What a result says in words: the answer first, and all else on request.
 
     Parameters
     ----------
-    parts : tuple of Table or str
-        Tables and lines, from the first to the last.
-    verdict : str
-        The line that says how far the result can be trusted, after all others; may be empty.
+    answer : tuple of str
+        One to three sentences that say what the user came for.
+    table : Table, optional
+        The one table that the answer rests on.
+    trust : str
+        The line that says how far the numbers above are known; may be empty.
+    details : tuple of Table or str
+        Everything else that is known, from the first to the last.
     warnings : tuple of str
-        What limits the result though it could be computed; commands write them to stderr.
+        What the user must act on; commands write them to stderr, before all else.
+    numbers : tuple of Quantity
+        The numbers of the answer, for programs.
     """
 
-    parts: tuple[Table | str, ...]
-    verdict: str = ""
+    answer: tuple[str, ...]
+    table: Table | None = None
+    trust: str = ""
+    details: tuple[Table | str, ...] = ()
     warnings: tuple[str, ...] = ()
+    numbers: tuple[Quantity, ...] = ()
+
+    @property
+    def first(self) -> tuple[Table | str, ...]:
+        """Answer, table and trust: what a command prints."""
+        parts = (*self.answer, self.table, self.trust)
+        return tuple(part for part in parts if part)
+
+    @property
+    def parts(self) -> tuple[Table | str, ...]:
+        """All of it but the warnings: what a command prints with details."""
+        return (*self.first, *self.details)
 
     @property
     def tables(self) -> tuple[Table, ...]:
@@ -111,23 +133,29 @@ class Summary:
 
     def as_data(self) -> dict[str, Any]:
         """The same for JSON: numbers of tables are numbers, and what a cell leaves out is None."""
+        lines = (part for part in self.details if isinstance(part, str))
+        tables = (part for part in self.details if not isinstance(part, str))
         return {
-            "tables": [table.as_data() for table in self.tables],
-            "lines": [line for part in self.lines for line in part.split("\n")],
+            "answer": list(self.answer),
+            "numbers": [number.as_data() for number in self.numbers],
+            "table": None if self.table is None else self.table.as_data(),
+            "trust": self.trust,
             "warnings": list(self.warnings),
-            "verdict": self.verdict,
+            "details": {
+                "tables": [table.as_data() for table in tables],
+                "lines": [line for part in lines for line in part.split("\n")],
+            },
         }
 
     @property
-    def _warned(self) -> tuple[str, ...]:
-        return tuple(f"warning: {text}" for text in self.warnings)
+    def _whole(self) -> tuple[Table | str, ...]:
+        return (*(f"warning: {text}" for text in self.warnings), *self.parts)
 
     def __str__(self) -> str:
-        return "\n".join(str(part) for part in (*self.parts, *self._warned, self.verdict) if part)
+        return "\n".join(map(str, self._whole))
 
     def _repr_html_(self) -> str:
         return "".join(
             f"<p>{escape(part)}</p>" if isinstance(part, str) else part._repr_html_()
-            for part in (*self.parts, *self._warned, self.verdict)
-            if part
+            for part in self._whole
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import io
 import logging
 import os
@@ -12,13 +13,14 @@ from collections.abc import Callable
 from typing import Annotated, Any, NoReturn, TextIO
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from flexmech.cli.campaigns import composites, report, verify
 from flexmech.cli.deliver import running
+from flexmech.cli.designs import optimize, sweep, uncertainty
 from flexmech.cli.failures import reports_failures
 from flexmech.cli.laboratory import compare, hammer
-from flexmech.cli.links import check, moisture, new, schema, section
+from flexmech.cli.links import check, moisture, new, schema, section, strength
 from flexmech.cli.maps import campbell, frequencies, stability
 from flexmech.cli.reading import from_options, with_value
 from flexmech.cli.rigid import coupler_curve, kinematics, synthesize
@@ -38,7 +40,11 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     coupler_curve,
     moisture,
     section,
+    strength,
     synthesize,
+    sweep,
+    uncertainty,
+    optimize,
     check,
     verify,
     report,
@@ -48,12 +54,17 @@ COMMANDS: tuple[Callable[..., None], ...] = (
 """In the order of the help. The docstring of a command is what its help says."""
 STUDIES: tuple[Callable[..., None], ...] = (composites,)
 
+_NAMED = {command.__name__.replace("_", "-"): command for command in COMMANDS}
+
 # What typer raises on wrong command lines; it has no public name for their common base.
 _UsageError: type[Exception] = typer.BadParameter.__mro__[1]
 
 
 class _Commands(TyperGroup):
-    """Commands whose usage errors are one line on stderr, as all other errors are."""
+    """Commands that are built when they are asked for, and not for the help that lists them.
+
+    Their usage errors are one line on stderr, as all other errors are.
+    """
 
     def main(self, *args: Any, **settings: Any) -> NoReturn:
         """Run the command of a command line, and exit."""
@@ -74,9 +85,34 @@ class _Commands(TyperGroup):
             typer.echo(interrupted_line(signal.SIGINT), err=True)
         sys.exit(code if isinstance(code, int) else 0)
 
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Names of all commands, in the order of the help."""
+        return list(dict.fromkeys([*_NAMED, *self.commands]))
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """A command with its options; None if there is none of that name."""
+        # A name that is none is compared with all of them.
+        wanted = [] if cmd_name in self.commands else [cmd_name] if cmd_name in _NAMED else _NAMED
+        for name in wanted:
+            alone = typer.Typer(add_completion=False, rich_markup_mode=None)
+            alone.command(name)(reports_failures(from_options(_NAMED[name])))
+            self.add_command(typer.main.get_command(alone), name)
+        return super().get_command(ctx, cmd_name)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """List the commands with the first sentences of their docstrings."""
+        told = {
+            name: TyperCommand(name, help=inspect.getdoc(each)) for name, each in _NAMED.items()
+        }
+        TyperGroup(commands={**told, **self.commands}).format_commands(ctx, formatter)
+
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Read a command line, in which ``--rotation-terms`` may stand without its value."""
-        return super().parse_args(ctx, [*map(with_value, args, [*args[1:], "-"])])
+        """Read a command line, in which some options of its command may stand without a value."""
+        known = inspect.signature(_NAMED.get(next(iter(args), ""), studies)).parameters
+        for number, (this, following) in enumerate(zip(args, [*args[1:], "-"], strict=False)):
+            if this.removeprefix("--no").strip("-").replace("-", "_") in known:
+                args[number] = with_value(this, following)
+        return super().parse_args(ctx, args)
 
 
 def _usage_line(error: Any) -> str:
@@ -126,8 +162,6 @@ def studies() -> None:
 
 
 study_app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, callback=studies)
-for command in COMMANDS:
-    app.command()(reports_failures(from_options(command)))
 for command in STUDIES:
     study_app.command()(reports_failures(from_options(command)))
 app.add_typer(study_app, name="study")

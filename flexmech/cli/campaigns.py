@@ -7,11 +7,10 @@ from typing import Annotated
 
 from typer import Option
 
-from flexmech import studies, verification
+from flexmech import analyses, studies, verification
 from flexmech.choices import TOLERANCE, ReportPart
 from flexmech.cli import options, typed
 from flexmech.cli.deliver import command_line, deliver, mechanism_of, progress_bar, say
-from flexmech.cli.engines import make_engines
 from flexmech.cli.failures import naming, telling
 from flexmech.errors import ComputationError, InputError, one_line
 from flexmech.files import check_writable, given_path
@@ -49,11 +48,13 @@ def report(
         section, moisture. Left out: all that the model has; the coupler curve where it names a
         coupler point, moisture with --relative-humidity and --time.
     campbell_speeds : LIST
-        Crank speeds of the Campbell diagram, as in --speeds. Left out: from zero to twice the
-        greatest of --speeds.
+        Crank speeds of the Campbell diagram, as in --speeds. Left out: from zero to 1.5 times
+        the greatest of --speeds.
     """
     import numpy as np
 
+    from flexmech.analyses.crank_speeds import in_unit, rad_per_s
+    from flexmech.analyses.frequencies.request import operating_speeds
     from flexmech.analyses.netcdf import reported_as_damaged
     from flexmech.report import (
         ReportRequest,
@@ -70,8 +71,7 @@ def report(
         if not out.parent.is_dir():
             raise InputError(f"{out}: there is no folder {out.parent}; make it first")
         check_writable(out.parent, [out.name])
-    source, unit = given_path(model), "rad/s" if speeds is None else speeds.unit
-    remark = "" if speeds is None or source.is_dir() else speeds.remark
+    source, unit, remark = given_path(model), "rad/s" if speeds is None else speeds.unit, ""
     with progress_bar() as progress, telling(model, unit):
         if source.is_dir():
             if any(asked is not None for asked in (include, speeds, campbell_speeds, environment)):
@@ -82,17 +82,19 @@ def report(
             results = stored_results(source)
         else:
             mechanism = mechanism_of(model)
+            speeds = typed.speeds_or_own(speeds, mechanism, "--speeds", operating_speeds)
+            unit, remark, over = speeds.unit, speeds.remark, campbell_speeds
             request = ReportRequest(
-                None if speeds is None else np.array(speeds.values),
+                np.array(speeds.numbers),
                 typed.radians(angles),
                 include,
-                None if campbell_speeds is None else np.array(campbell_speeds.values),
+                None if over is None else in_unit(rad_per_s(over.numbers, over.unit), unit),
                 modes,
                 environment,
                 unit,
                 tolerance if elements is None else None,
             )
-            engines = make_engines(mechanism, engine, element, elements)
+            engines = analyses.chosen_engines(mechanism, engine, element, elements)
             results = report_results(engines, request, progress)
         with (
             reported_as_damaged(source) if source.is_dir() else telling(None, unit),
@@ -135,6 +137,4 @@ def composites(output: options.AskedOutput) -> None:
 
     Six laminates, four linkages, three positions of the transmission angle.
     """
-    deliver(
-        studies.CompositeStudy, lambda progress: studies.study_composites(progress=progress), output
-    )
+    deliver(studies.CompositeStudy, lambda bar: studies.study_composites(progress=bar), output)

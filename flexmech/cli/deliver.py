@@ -1,6 +1,7 @@
-"""From a computation to what the user gets: files, pictures, and the summary on the terminal.
+"""From a computation to what the user gets: files, pictures, and the answer on the terminal.
 
-It is printed in words, as JSON for scripts, or not at all.
+Warnings come first, then the answer, its table, how far it is known, and the files; all else on
+request and in a file. Programs get JSON.
 """
 
 from __future__ import annotations
@@ -11,8 +12,7 @@ import shlex
 import shutil
 import sys
 import textwrap
-from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -26,22 +26,23 @@ from flexmech.choices import PICTURE_FORMATS, PageWidth, PictureFormat
 from flexmech.cli.failures import naming, telling
 from flexmech.cli.typed import Speeds
 from flexmech.errors import one_line
-from flexmech.files import check_writable, given_path, matching, moved_into
+from flexmech.files import check_writable, given_path, moved_into, named_files, with_section
 
 if TYPE_CHECKING:
     from flexmech.analyses import Result, Summary, Table
     from flexmech.arrays import LabelledProgress
     from flexmech.mechanism import Mechanism
 
-Printing = Literal["words", "json", "nothing"]
-"""How a summary is printed."""
+Printing = Literal["answer", "details", "json", "nothing"]
+"""What is printed of a summary, and how."""
+
+SUMMARIES = "summary.txt"
+"""File beside the others that holds what every command has found in a folder."""
 
 # Words of a table break into lines of this many letters at least, as most names of links have.
 _SHORTEST_WORDS = 10
 # Columns of the terminal between two of the table's.
 _FRAME = 3
-# Of a folder with more files than these, as a study writes, its own name is printed.
-_MOST_FILES_NAMED = 30
 Found = TypeVar("Found", bound="Result")
 _running: ContextVar[str] = ContextVar("_running", default="")
 
@@ -79,7 +80,7 @@ class Output:
 
     folder: Path | None
     pictures: Pictures = Pictures()
-    printing: Printing = "words"
+    printing: Printing = "answer"
 
 
 def command_line() -> str:
@@ -174,30 +175,13 @@ def deliver(
                 )
                 if further is not None:
                     files += further(result, whole, progress)
-            files = [out / file.relative_to(whole) for file in files]
-    lines = () if out is None else _file_lines(out, files, kind.file_patterns(PICTURE_FORMATS))
+                # Moved with the others: the folder holds what one run has found.
+                kept = with_section(out / SUMMARIES, result.stem, f"{result.title}\n{summary}")
+                (whole / SUMMARIES).write_text(kept, encoding="utf-8", newline="\n")
+            files = [out / file.relative_to(whole) for file in files] + [out / SUMMARIES]
+    lines = () if out is None else named_files(out, files, kind.file_patterns(PICTURE_FORMATS))
     say(summary, files, lines, (speeds.remark, remark), output.printing)
     return result
-
-
-def _file_lines(out: Path, files: list[Path], patterns: Iterable[str]) -> list[str]:
-    """Name the files of a run, and those that lie beside them from an earlier one.
-
-    A folder with many files is named instead of them. ``patterns`` are those of all files that
-    such a run may write.
-    """
-    inside = Counter(file.parent for file in files)
-    names = (
-        f"{file.parent} ({inside[file.parent]} files)"
-        if inside[file.parent] > _MOST_FILES_NAMED
-        else str(file)
-        for file in files
-    )
-    lines = ["files: " + ", ".join(dict.fromkeys(map(one_line, names)))]
-    stale = [str(path.relative_to(out)) for path in matching(out, patterns) if path not in files]
-    if stale:
-        lines.append(f"from an earlier run, not of this one: {', '.join(map(one_line, stale))}")
-    return lines
 
 
 def say(
@@ -205,9 +189,9 @@ def say(
     files: Sequence[Path] = (),
     file_lines: Sequence[str] = (),
     remarks: Sequence[str] = (),
-    printing: Printing = "words",
+    printing: Printing = "answer",
 ) -> None:
-    """Print what is to be said of a result to stdout, and its warnings to stderr.
+    """Print the warnings of a result to stderr, then what is to be said of it to stdout.
 
     Parameters
     ----------
@@ -218,24 +202,23 @@ def say(
         How the files are named, and stale ones beside them.
     remarks : sequence of str
         Before all others; may be empty.
-    printing : {"words", "json", "nothing"}
+    printing : {"answer", "details", "json", "nothing"}
     """
-    remark = "\n".join(filter(None, remarks))
+    for warning in summary.warnings:
+        typer.echo(f"warning: {warning}", err=True)
+    said = [remark for remark in remarks if remark]
     if printing == "json":
         content = summary.as_data()
-        content["lines"][:0] = filter(None, [remark])
+        content["details"]["lines"][:0] = said
         content["files"] = [str(file) for file in files]
         typer.echo(json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False))
-    elif printing == "words":
-        for part in (*filter(None, [remark]), *summary.parts, *file_lines):
+    elif printing != "nothing":
+        parts = summary.parts if printing == "details" else summary.first
+        for part in (*said, *parts, *file_lines):
             if isinstance(part, str):
                 _print_lines(part)
             else:
                 _print_table(part)
-    for warning in summary.warnings:
-        typer.echo(f"warning: {warning}", err=True)
-    if summary.verdict and printing == "words":
-        _print_lines(summary.verdict)
 
 
 def _page_width() -> int:
@@ -286,7 +269,7 @@ def _print_table(table: Table) -> None:
         for row in group:
             drawn.add_row(*(escape(one_line(cell)) for cell in row))
         drawn.add_section()
-    Console(width=max(page, least)).print(drawn)
+    Console(width=max(page, least), height=page).print(drawn)
 
 
 @contextmanager

@@ -10,7 +10,6 @@ from typer import Option
 from flexmech import analyses, choices
 from flexmech.cli import options, typed
 from flexmech.cli.deliver import deliver, mechanism_of
-from flexmech.cli.engines import make_engines
 from flexmech.cli.failures import naming
 from flexmech.errors import InputError
 
@@ -77,22 +76,23 @@ def hammer(
         equilibrium: at the nonlinear quasi-static equilibrium. Left out: none where
         the crank is locked, equilibrium with --running.
     running : SPEED
-        Hit the running linkage at this crank speed: rad/s unless a unit is given, as in "300 rpm".
+        Hit the running linkage at this crank speed: rad/s unless a unit is given, as in "300 rpm";
+        alone, at the greatest speed at which the model operates.
     uff
         Write universal files too, for the programs of a laboratory.
     seed
         Of the noise: the same seed gives the same noise.
     """
     from flexmech.analyses import running_hammer_test
+    from flexmech.analyses.crank_speeds import GREATEST
     from flexmech.analyses.damping_ratios import with_damping_ratio
     from flexmech.analyses.hammer.compute import hammer_test
-    from flexmech.linear_system import LinkPoint
+    from flexmech.analyses.hammer.request import middle_of
     from flexmech.measured_data import check_uff
 
     mechanism = mechanism_of(model)
     topology = mechanism.linkage.topology
-    names = topology.link_names
-    middle = LinkPoint("coupler" if "coupler" in names else names[-1], 0.5)
+    middle = middle_of(topology)
     points = {"impact": impact or middle, "response": response or impact or middle}
     for option, point in points.items():
         with naming(f"--{option}"):
@@ -117,8 +117,10 @@ def hammer(
     elif uff:
         with naming("--uff"):
             check_uff()
-    chosen = make_engines(mechanism, engine, element, elements)[0]
+    chosen = analyses.chosen_engines(mechanism, engine, element, elements)[0]
     if running is not None:
+        own = running if running.numbers else None  # --running alone
+        running = typed.speeds_or_own(own, mechanism, "--running", GREATEST)
         record |= {"prestress": prestress or "equilibrium", "damping_ratio": damping_ratio}
         hits = analyses.RunningHammerRequest(running.single, **record, speed_unit=running.unit)
         deliver(
@@ -180,7 +182,7 @@ def compare(
         file (.uff, .unv).
     speed : W
         Crank speed at which the record was taken: rad/s unless a unit is given; 0 for natural
-        frequencies at rest.
+        frequencies at rest. Left out, of a record over time: the model's greatest.
     angle : DEG
         Crank angle in degrees at which the crank was locked, for a frequency-response function.
     quantity : COLUMN
@@ -195,26 +197,28 @@ def compare(
     engine
         Which engine computes.
     """
+    from flexmech.analyses.crank_speeds import GREATEST
+    from flexmech.measured_data import read_record
+
+    mechanism, taken = mechanism_of(model), read_record(record)
+    if speed is None and angle is None and taken.abscissa == "time":
+        speed = typed.speeds_or_own(speed, mechanism, "--speed", GREATEST)
     if (speed is None) == (angle is None):
         raise InputError(
             "--speed, --angle: give one of them: the crank speed at which the record was taken, or "
             "the angle at which the crank was locked"
         )
-
-    from flexmech.measured_data import read_record
-
     with naming("--fit"):
         request = analyses.ComparisonRequest(
             None if speed is None else speed.single,
             None if angle is None else math.radians(angle),
             quantity,
             fit,
-            "rad/s" if speed is None else speed.unit,
+            None if speed is None else speed.unit,
         )
-    mechanism, taken = mechanism_of(model), read_record(record)
 
     def compute(progress: LabelledProgress | None) -> analyses.Comparison:
-        own = make_engines(mechanism, engine, element)[0]
+        own = analyses.chosen_engines(mechanism, engine, element)[0]
         try:
             return analyses.compare_with_record(own, taken, request, progress=progress)
         except InputError as error:

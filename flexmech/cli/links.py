@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import math
+import sys
+from functools import partial
 from typing import Annotated, get_args
 
 import typer
 from typer import Argument, Option
 
-from flexmech import analyses
-from flexmech.choices import TemplateKind
+from flexmech import analyses, studies
+from flexmech.choices import ELEMENTS_A_LINK, CriterionName, LoadSource, TemplateKind
 from flexmech.cli import options, typed
 from flexmech.cli.deliver import deliver, mechanism_of
+from flexmech.cli.reading import Together
 from flexmech.errors import InputError, one_line, suggestion
 from flexmech.example_models import example_model, example_names
 from flexmech.files import given_path, write_whole
 
 _KINDS = get_args(TemplateKind)
-_KINDS_AND_EXAMPLES = (*_KINDS, *example_names())
+_KINDS_AND_EXAMPLES = (*_KINDS, "study", *example_names())
 
 
 def _completed(incomplete: str) -> list[str]:
@@ -30,10 +33,10 @@ def check(
     *,
     output: options.AskedOptionalOutput,
 ) -> None:
-    """Print what was understood of a model file, and remark on what is unusual in it.
+    """Say what linkage a model file has, and remark on what is unusual in it.
 
-    With the first natural frequencies at rest, and a picture: posture, paths, sections to scale
-    and transmission angle.
+    With the first natural frequencies at rest, a row for each link, and a picture: posture, paths,
+    sections to scale and transmission angle.
 
     Options
     -------
@@ -56,8 +59,8 @@ def section(
 ) -> None:
     """Cross-sections of the links.
 
-    Stiffness, coupling, mass and damping; strain and stress through the thickness under unit
-    loads; dry, or in heat and moisture.
+    Stiffness, coupling, mass and damping in a row for each link; strain and stress through the
+    thickness under unit loads as details; dry, or in heat and moisture.
     """
     mechanism = mechanism_of(model)
     deliver(
@@ -95,11 +98,57 @@ def moisture(
     )
 
 
+def strength(
+    model: options.Model,
+    speed: Annotated[typed.Speeds | None, typed.SPEED_OR_REST] = None,
+    source: LoadSource = "quasi-static",
+    criterion: CriterionName | None = None,
+    engine: options.Engine = "reference",
+    element: options.Element = None,
+    elements: options.Elements = ELEMENTS_A_LINK,
+    angles: options.Angles = options.EVERY_5_DEGREES,
+    *,
+    environment: options.AskedEnvironment,
+    output: options.AskedOutput,
+) -> None:
+    """Whether links break under their running loads: which first, how, and by what factor.
+
+    Options
+    -------
+    speed : W
+        Crank speed: rad/s unless a unit is given, as in "950 rpm". Left out: the model's greatest.
+    source
+        Whose forces: of rigid links, of elastic ones in periodic motion, or in a run from rest.
+    criterion
+        Of plies with fibres; left out: tsai-wu. Isotropic layers are judged by von-mises.
+    """
+    from flexmech.analyses.crank_speeds import GREATEST_OR_REST
+    from flexmech.analyses.strength.compute import strength as judged
+
+    mechanism = mechanism_of(model)
+    speed = typed.speeds_or_own(speed, mechanism, "--speed", GREATEST_OR_REST)
+    asked = typed.radians(angles), speed.single, criterion, speed.unit, elements, environment
+    request = analyses.StrengthRequest(*asked, source)
+    run = partial(judged, analyses.chosen_engines(mechanism, engine, element, elements), request)
+    deliver(analyses.Strength, lambda bar: run(progress=bar), output, model=model, speeds=speed)
+
+
+def asked_sizes(
+    crank: Annotated[str | None, Option(help="Of a slider-crank: crank length.")] = None,
+    rod: Annotated[str | None, Option(help="Of a slider-crank: rod length.")] = None,
+    offset: Annotated[str | None, Option(help="Of its line from the shaft's axis.")] = None,
+    mass: Annotated[str | None, Option(help="Of its slider, such as 0.15 kg.")] = None,
+    speed: Annotated[str | None, Option(help="Its crank speed, such as 1500 rpm.")] = None,
+) -> dict[str, str | None]:
+    """Sizes of a slider-crank; those left out are asked for on a terminal."""
+    return {"crank": crank, "rod": rod, "offset": offset, "mass": mass, "speed": speed}
+
+
 def new(
     start: Annotated[
         str,
         Argument(
-            help=f"Kind of linkage: {', '.join(_KINDS)}; or an example: "
+            help=f"Kind of linkage: {', '.join(_KINDS)}; study; or an example: "
             f"{', '.join(example_names())}.",
             metavar="KIND|EXAMPLE",
             autocompletion=_completed,
@@ -107,8 +156,12 @@ def new(
     ],
     file: options.GivenPath,
     force: Annotated[bool, Option("--force")] = False,
+    *,
+    sizes: Annotated[dict[str, str | None], Together(asked_sizes)],
 ) -> None:
     """Write a commented model file to start from: of a kind of linkage, or an example.
+
+    It is named after the file; an example keeps its name.
 
     Options
     -------
@@ -117,13 +170,7 @@ def new(
     force
         Replace a file that exists.
     """
-    if start in _KINDS:
-        from flexmech.modelfile import template
-
-        text = template(start)
-    elif start in _KINDS_AND_EXAMPLES:
-        text = example_model(start).read_text(encoding="utf-8")
-    else:
+    if start not in _KINDS_AND_EXAMPLES:
         raise InputError(
             f"there is no kind of linkage and no example {start!r}; "
             f"{suggestion(start, _KINDS_AND_EXAMPLES)}"
@@ -131,8 +178,20 @@ def new(
     file = given_path(file)
     if file.exists() and not file.is_dir() and not force:
         raise InputError(f"{file}: exists already; choose another name, or --force to replace it")
+    if start in _KINDS:
+        from flexmech.modelfile import new_file
+
+        on_terminal = sys.stdin.isatty() and sys.stdout.isatty()
+        text = new_file(start, file.stem, sizes, typer.prompt if on_terminal else None)
+    elif given := [f"--{size}" for size, own in sizes.items() if own is not None]:
+        raise InputError(f"{given[0]} is of a new slider-crank; leave it out, and edit the example")
+    elif start == "study":
+        text = studies.new_study()
+    else:
+        text = example_model(start).read_text(encoding="utf-8")
     write_whole(file, text)
-    typer.echo(one_line(f"wrote {file}; next: flexmech check {file}"))
+    following = "sweep" if start == "study" else "check"
+    typer.echo(one_line(f"wrote {file}; next: flexmech {following} {file}"))
 
 
 def schema(out: options.OptionalPath = None) -> None:

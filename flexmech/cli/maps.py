@@ -10,7 +10,7 @@ from flexmech import analyses, choices
 from flexmech.choices import ELEMENTS_A_LINK, KEPT_MODES, TOLERANCE
 from flexmech.cli import options, typed
 from flexmech.cli.deliver import deliver, mechanism_of
-from flexmech.cli.engines import make_engines
+from flexmech.cli.failures import naming
 from flexmech.cli.stopping import Stopped, answered_signals
 
 
@@ -50,20 +50,23 @@ def frequencies(
         distributed: along the links; lumped: in points as Kumar & Chandrakar have it, twelve of a
         four-bar. Of the reference engine; Exudyn keeps distributed mass.
     """
+    from flexmech.analyses.frequencies.request import operating_speeds
+
     mechanism = mechanism_of(model)
     drawn = bool(output.pictures.formats)
+    speeds = typed.speeds_or_own(speeds, mechanism, "--speeds", operating_speeds)
     deliver(
         analyses.MovingFrequencies,
         lambda progress: analyses.moving_frequencies(
-            make_engines(mechanism, engine, element, elements, mass=mass),
+            analyses.chosen_engines(mechanism, engine, element, elements, mass=mass),
             typed.radians(angles),
-            None if speeds is None else speeds.values,
+            speeds.numbers,
             modes=modes,
             prestress=prestress,
             rotation_terms=rotation_terms,
             speed_effect="fastest" if drawn and prestress != "none" else False,
             environment=environment,
-            speed_unit="rad/s" if speeds is None else speeds.unit,
+            speed_unit=speeds.unit,
             tolerance=tolerance if elements is None else None,
             shapes_at=None if shapes_at is None else typed.radians(shapes_at),
             smooth=drawn,
@@ -78,7 +81,7 @@ def frequencies(
 
 def campbell(
     model: options.Model,
-    speeds: Annotated[typed.Speeds, typed.SPEEDS],
+    speeds: Annotated[typed.Speeds | None, typed.SPEEDS] = None,
     orders: Annotated[list[int], typed.ORDERS] = options.FIRST_ORDERS,
     angles: options.Angles = options.EVERY_5_DEGREES,
     modes: options.Modes = None,
@@ -90,19 +93,20 @@ def campbell(
     tolerance: options.Tolerance = TOLERANCE,
     response: Annotated[bool, typer.Option("--response")] = False,
     *,
+    environment: options.AskedEnvironment,
     output: options.AskedOutput,
 ) -> None:
     """Which crank speeds to avoid: a Campbell diagram.
 
     Each branch's lowest, mean and highest frequency over the turn against crank speed, and the
     speeds at which multiples of the crank's speed meet them: a table, CSV and NetCDF files, and a
-    picture.
+    picture; dry, or in heat and moisture.
 
     Options
     -------
     speeds : LIST
         Crank speeds: START:STOP:STEP or a comma list with one unit at the end, as in "0:900:10
-        rpm"; rad/s if there is none.
+        rpm"; rad/s if there is none. Left out: from 0 to 1.5 times the model's greatest.
     orders : LIST
         Multiples of the crank's speed: START:STOP, or a comma list such as "1,2,4".
     engine
@@ -116,19 +120,22 @@ def campbell(
         longer at low speeds.
     """
     from flexmech.analyses.campbell.compute import campbell as analysis
+    from flexmech.analyses.crank_speeds import CAMPBELL
 
     mechanism = mechanism_of(model)
+    speeds = typed.speeds_or_own(speeds, mechanism, "--speeds", CAMPBELL)
     deliver(
         analyses.CampbellDiagram,
         lambda progress: analysis(
-            make_engines(mechanism, engine, element, elements),
-            speeds.values,
+            analyses.chosen_engines(mechanism, engine, element, elements),
+            speeds.numbers,
             crank_angles=typed.radians(angles),
             orders=orders,
             modes=modes,
             prestress=prestress,
             rotation_terms=rotation_terms,
             response=response,
+            environment=environment,
             speed_unit=speeds.unit,
             tolerance=tolerance if elements is None else None,
             progress=progress,
@@ -141,7 +148,7 @@ def campbell(
 
 def stability(
     model: options.Model,
-    speeds: Annotated[typed.Speeds, typed.SPEEDS],
+    speeds: Annotated[typed.Speeds | None, typed.SPEEDS] = None,
     engine: choices.EngineChoice = "reference",
     prestress: choices.StabilityPrestress = "equilibrium",
     frame: choices.MovingFrame = "link",
@@ -165,7 +172,8 @@ def stability(
     -------
     speeds : LIST
         Crank speeds: START:STOP:STEP or a comma list with one unit at the end, as in "50:1100:10
-        rpm"; rad/s if there is none. Not zero, and all of one sign.
+        rpm"; rad/s if there is none. Not zero, and all of one sign. Left out: from half to 1.5
+        times the model's greatest.
     engine
         Which engine computes; both stand side by side.
     prestress
@@ -182,16 +190,20 @@ def stability(
         quantity of the model file such as links.coupler.in_plane_thickness; over a comma list or
         START:STOP:STEPS, as in "damping-ratio 0:2%:20" for 20 equal steps from 0 to 2 %.
     """
+    from flexmech.analyses.crank_speeds import STABILITY
+    from flexmech.analyses.stability.against import asked_range
     from flexmech.analyses.stability.compute import stability as analysis
 
     mechanism = mechanism_of(model)
-    second = typed.parameter_range(mechanism, against)
+    speeds = typed.speeds_or_own(speeds, mechanism, "--speeds", STABILITY)
+    with naming("--against"):
+        second = None if against is None else asked_range(mechanism, *against)
     earlier = len(answered_signals())
     found = deliver(
         analyses.StabilityMap,
         lambda progress: analysis(
-            make_engines(mechanism, engine, element, elements),
-            speeds.values,
+            analyses.chosen_engines(mechanism, engine, element, elements),
+            speeds.numbers,
             prestress=prestress,
             frame=frame,
             modes=modes,

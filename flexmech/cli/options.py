@@ -128,6 +128,7 @@ def asked_pictures(
 
 
 def asked_printing(
+    details: Annotated[bool, Option("--details")] = False,
     quiet: Annotated[bool, Option("--quiet")] = False,
     as_json: Annotated[bool, Option("--json")] = False,
 ) -> Printing:
@@ -135,14 +136,18 @@ def asked_printing(
 
     Options
     -------
+    details
+        Print all that is known, as summary.txt beside the files has it.
     quiet
         Print warnings and errors alone.
     as_json
-        Print the summary as JSON, for scripts.
+        Print answer, numbers, units and errors as JSON, for programs.
     """
-    if quiet and as_json:
-        raise InputError("--quiet and --json: give one of them")
-    return "nothing" if quiet else "json" if as_json else "words"
+    asked: dict[Printing, bool] = {"details": details, "nothing": quiet, "json": as_json}
+    chosen = [printing for printing, wanted in asked.items() if wanted]
+    if len(chosen) > 1:
+        raise InputError("--details, --quiet and --json: give one of them")
+    return chosen[0] if chosen else "answer"
 
 
 AskedPictures = Annotated[Pictures, Together(asked_pictures)]
@@ -188,22 +193,11 @@ def asked_environment(
     time : T
         Time of exposure since the links were dry, such as "30 day".
     """
-    if (relative_humidity is None) != (time is None):
-        given, absent = ("--relative-humidity", "--time")[:: 1 if time is None else -1]
-        raise InputError(f"{given} is given without {absent}; give both, or --moisture instead")
-    if moisture is not None and time is not None:
-        raise InputError(
-            "--moisture and --relative-humidity with --time are both given; keep one: how moist "
-            "the links are, or what they are exposed to"
-        )
-    if (temperature_rise, moisture, time) == (None, None, None):
+    if (temperature_rise, moisture, relative_humidity, time) == (None,) * 4:
         return None
-    from flexmech.hygrothermal import Exposure, HygrothermalState
+    from flexmech.hygrothermal import environment_of
 
-    rise = temperature_rise or 0.0
-    if relative_humidity is not None and time is not None:
-        return Exposure(rise, relative_humidity, time)
-    return HygrothermalState(rise, moisture or 0.0)
+    return environment_of(temperature_rise or 0.0, moisture, relative_humidity, time)
 
 
 AskedOutput = Annotated[Output, Together(asked_output)]

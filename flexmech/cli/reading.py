@@ -25,6 +25,15 @@ _HEADING = "Options\n-------\n"
 _ENTRY = re.compile(r"^(\w+)(?: : (.+))?\n((?:    .+(?:\n|$))+)", re.MULTILINE)
 
 
+OWN = "model"
+ALONE = {
+    "--rotation-terms": "all",
+    "--no-rotation-terms": "--rotation-terms=none",
+    "--running": OWN,
+}
+"""What options are without a value: all terms or none, and the speed of the model file."""
+
+
 @dataclass(frozen=True)
 class Typed:
     """An option's own way to read its text.
@@ -56,12 +65,14 @@ class Together:
 
 
 def with_value(this: str, following: str) -> str:
-    """An argument of a command line: ``--rotation-terms`` without its value is of all of them.
+    """An argument of a command line: an option of :data:`ALONE` without its value gets one.
 
-    It has none where an option or a file follows. ``--no-rotation-terms`` is of none of them.
+    It has none where another option follows, or a file, if that does not begin with a number.
     """
-    bare = this == "--rotation-terms" and re.search(r"^-|[./\\]", following)
-    return f"{this}=all" if bare else re.sub("^--no-rotation-terms$", "--rotation-terms=none", this)
+    if this.startswith("--no-"):
+        return ALONE.get(this, this)
+    bare = re.search(r"^-(?![.0-9])|^(?![-+]?\.?[0-9]).*[./\\]", following)
+    return f"{this}={ALONE[this]}" if bare and this in ALONE else this
 
 
 def from_options(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -23,13 +23,13 @@ def kinematics(
 ) -> None:
     """Motion of the rigid linkage, its joint forces and driving torque.
 
-    Angles, velocities and accelerations of the links, forces and moments at the joints, torque,
-    power and transmission angle over the crank angle: a table, CSV and NetCDF files, and pictures.
+    Strokes of sliders; position, velocity and acceleration of points and links, forces and moments
+    at the joints, torque, power and transmission angle: a table, files and pictures.
 
     Options
     -------
     speed
-        Crank speed: rad/s unless a unit is given, as in "190 rpm". Left out: the first speed at
+        Crank speed: rad/s unless a unit is given, as in "190 rpm". Left out: the greatest speed at
         which the model operates; 0 if it names none.
     lumped : LIST
         Also with lumped masses: elements of each link, whose mass is halved onto their ends, in
@@ -37,12 +37,13 @@ def kinematics(
     crank_acceleration
         Acceleration that the crank has at each angle: rad/s^2 unless a unit is given.
     """
+    from flexmech.analyses.crank_speeds import GREATEST_OR_REST
     from flexmech.analyses.kinematics.compute import kinematics as analysis
 
-    value, unit = (None, "rad/s") if speed is None else (speed.single, speed.unit)
-    asked = typed.radians(angles), value, lumped, unit, crank_acceleration
-    request = analyses.KinematicsRequest(*asked)
     mechanism = mechanism_of(model)
+    speed = typed.speeds_or_own(speed, mechanism, "--speed", GREATEST_OR_REST)
+    asked = typed.radians(angles), speed.single, lumped, speed.unit, crank_acceleration
+    request = analyses.KinematicsRequest(*asked)
     deliver(
         analyses.Kinematics,
         lambda _: analysis(mechanism, request),

@@ -4,29 +4,40 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, NamedTuple, cast
+from typing import TYPE_CHECKING, Annotated, NamedTuple, cast
 
 from typer import Option
 
 from flexmech import analyses, choices, plots
 from flexmech.cli import options, typed
 from flexmech.cli.deliver import deliver, mechanism_of, progress_bar, say
-from flexmech.cli.engines import make_engines
 from flexmech.cli.failures import naming, telling
 from flexmech.cli.reading import Together
 from flexmech.errors import InputError, one_line
 from flexmech.files import check_writable, given_path
 
+if TYPE_CHECKING:
+    from flexmech.mechanism import Mechanism
+
 
 class Run(NamedTuple):
-    """What a run is asked to be, and its crank speed as typed."""
+    """What a run is asked to be but for its crank speed, and the speed as typed."""
 
     request: analyses.ResponseRequest
-    speed: typed.Speeds
+    speed: typed.Speeds | None
+
+    def of(self, mechanism: Mechanism) -> tuple[analyses.ResponseRequest, typed.Speeds]:
+        """The request and the speed, the mechanism's own where none was typed."""
+        from flexmech.analyses.crank_speeds import GREATEST
+
+        speed = typed.speeds_or_own(self.speed, mechanism, "--speed", GREATEST)
+        with naming("--revolutions, --samples, --run-up, --step"):
+            request = replace(self.request, speed=speed.single, speed_unit=speed.unit)
+        return request, speed
 
 
 def asked_run(
-    speed: Annotated[typed.Speeds, typed.SPEED],
+    speed: Annotated[typed.Speeds | None, typed.SPEED] = None,
     revolutions: Annotated[float, typed.REVOLUTIONS] = options.FOUR,
     start: choices.Start = "rigid",
     step: Annotated[float | None, typed.STEP] = options.AUTO,
@@ -40,7 +51,8 @@ def asked_run(
     Options
     -------
     speed
-        Crank speed: rad/s unless a unit is given, as in "300 rpm". Negative turns backwards.
+        Crank speed: rad/s unless a unit is given, as in "300 rpm". Negative turns backwards. Left
+        out: the greatest speed at which the model operates.
     revolutions : NUMBER
         Turns at that speed; may be a fraction.
     start
@@ -65,20 +77,18 @@ def asked_run(
             "--start rigid or equilibrium"
         )
 
-    from flexmech.linkages import CrankDrive
-
     with naming("--revolutions, --samples, --run-up"):
         request = analyses.ResponseRequest(
-            CrankDrive(speed.single, run_up),
+            None,
             revolutions,
             samples,
             start,
+            step,
             modes=modes,
             integrator=integrator,
-            speed_unit=speed.unit,
+            run_up_time=run_up,
         )
-    with naming("--step"):
-        return Run(replace(request, step=step), speed)
+    return Run(request, speed)
 
 
 AskedRun = Annotated[Run, Together(asked_run)]
@@ -120,19 +130,20 @@ def response(
     from flexmech.analyses.response.compute import response as analysis
 
     mechanism = mechanism_of(model)
+    request, speed = run.of(mechanism)
     alone = "animation: a GIF alone, for MP4 needs ffmpeg; install it and run again"
     deliver(
         analyses.Response,
         lambda progress: analysis(
-            make_engines(mechanism, engine, element, elements, shaft),
-            replace(run.request, prestress=prestress),
+            analyses.chosen_engines(mechanism, engine, element, elements, shaft),
+            replace(request, prestress=prestress),
             check_mesh=check_mesh,
             environment=environment,
             progress=progress,
         ),
         output,
         model=model,
-        speeds=run.speed,
+        speeds=speed,
         further=analyses.Response.save_animations if animate else None,
         remark=alone if animate and not plots.mp4_available() else "",
         saving={"store": store},
@@ -158,13 +169,14 @@ def export(
     from flexmech.multibody import SCRIPT, ExudynEngine
 
     mechanism = mechanism_of(model)
+    request, speed = run.of(mechanism)
     with naming("--out"):
         out = given_path(out)
         check_writable(out, [SCRIPT])
-    with progress_bar() as progress, telling(model, run.speed.unit):
-        [engine] = make_engines(mechanism, "exudyn", element, elements)
+    with progress_bar() as progress, telling(model, speed.unit):
+        [engine] = analyses.chosen_engines(mechanism, "exudyn", element, elements)
         system = exudyn_system(
-            cast(ExudynEngine, engine), run.request, environment=environment, progress=progress
+            cast(ExudynEngine, engine), request, environment=environment, progress=progress
         )
     with naming("--out"):
         [file] = system.save(out)
@@ -173,5 +185,5 @@ def export(
         f"{len(system.sensors)} sensors; {system.steps} steps of {system.step:.4g} s"
     )
     named = one_line(str(file), most=len(str(file)))
-    summary = analyses.Summary((counts,), f"next: python {named}", system.remarks)
-    say(summary, [file], [f"files: {named}"], [run.speed.remark], printing)
+    summary = analyses.Summary((counts,), trust=f"next: python {named}", warnings=system.remarks)
+    say(summary, [file], [f"files: {named}"], [speed.remark], printing)

@@ -1,6 +1,11 @@
 """Mechanisms in heat and water: from an environment to the mechanism as it is there."""
 
-from flexmech.hygrothermal.environment import Environment, Exposure, HygrothermalState
+from flexmech.hygrothermal.environment import (
+    Environment,
+    Exposure,
+    HygrothermalState,
+    environment_of,
+)
 from flexmech.hygrothermal.in_state import (
     coupler_point_in_state,
     elongation_of,
@@ -28,6 +33,7 @@ __all__ = [
     "absorbing_links",
     "coupler_point_in_state",
     "elongation_of",
+    "environment_of",
     "inert_links",
     "link_diffusion",
     "link_profile",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from flexmech.errors import InputError
 from flexmech.units import from_si
 from flexmech.validation import NOT_NEGATIVE, Bounds, check_fields
 
@@ -91,3 +92,43 @@ class Exposure:
 
 Environment = HygrothermalState | Exposure
 """What a mechanism is put into."""
+
+
+def environment_of(
+    temperature_rise: float,
+    moisture: float | None,
+    relative_humidity: float | None,
+    time: float | None,
+) -> Environment:
+    """Environment by what is stated of it: how moist the links are, or what they are exposed to.
+
+    Parameters
+    ----------
+    temperature_rise : float
+        In K.
+    moisture : float or None
+    relative_humidity : float or None
+        From 0 to 1.
+    time : float or None
+        In s; with the humidity.
+
+    Returns
+    -------
+    HygrothermalState or Exposure
+
+    Raises
+    ------
+    InputError
+        If one of humidity and time is missing, or moisture is given beside them.
+    """
+    if (relative_humidity is None) != (time is None):
+        given, absent = ("--relative-humidity", "--time")[:: 1 if time is None else -1]
+        raise InputError(f"{given} is given without {absent}; give both, or --moisture instead")
+    if moisture is not None and time is not None:
+        raise InputError(
+            "--moisture and --relative-humidity with --time are both given; keep one: how moist "
+            "the links are, or what they are exposed to"
+        )
+    if relative_humidity is not None and time is not None:
+        return Exposure(temperature_rise, relative_humidity, time)
+    return HygrothermalState(temperature_rise, moisture or 0.0)

@@ -57,7 +57,7 @@ class LinkDiffusion:
     faces: Faces
     width: float | None
 
-    def history(self, ambient: Ambient, times: FloatArray) -> MoistureHistory:
+    def history(self, ambient: Ambient, times: FloatArray, finer: int = 1) -> MoistureHistory:
         """Water in the link over time, from dry.
 
         Parameters
@@ -65,21 +65,24 @@ class LinkDiffusion:
         ambient : Ambient
         times : ndarray, shape (t,)
             In s.
+        finer : int
+            Cells in each direction over those that are usual; the tolerance in time falls with
+            their square, as the error by the cells does.
 
         Returns
         -------
         MoistureHistory
         """
         through = CELLS if self.width is None else BAR_CELLS[0]
-        cells = max(through, CELLS_A_LAYER * len(self.layers))
+        cells = finer * max(through, CELLS_A_LAYER * len(self.layers))
         settings: dict[str, Any] = {
             "faces": self.faces,
             "humidity_exponent": self.humidity_exponent,
-            "tolerance": TOLERANCE,
+            "tolerance": TOLERANCE / finer**2,
         }
         if self.width is None:
             return diffuse(self.layers, ambient, times, cells=cells, **settings)
-        cells_of_bar = cells, BAR_CELLS[1]
+        cells_of_bar = cells, finer * BAR_CELLS[1]
         return diffuse_bar(self.layers, self.width, ambient, times, cells=cells_of_bar, **settings)
 
     def sliced(self, history: MoistureHistory, number: int) -> tuple[tuple[float, ...], ...]:

@@ -41,6 +41,8 @@ from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.link_place import DependentRows
 from flexmech.linear_system.joints.position_errors import (
     LESS_LOADED,
+    BucklingError,
+    EquilibriumError,
     OverdampedError,
     RefusedPositionsError,
     TooManyModesError,
@@ -101,6 +103,7 @@ __all__ = [
     "ROUND_OFF",
     "AttachedPoint",
     "BalancedLoads",
+    "BucklingError",
     "ChainMatrix",
     "ComponentModes",
     "ConnectedMatrices",
@@ -110,6 +113,7 @@ __all__ = [
     "DisplacedInertia",
     "DisplacedTies",
     "Engine",
+    "EquilibriumError",
     "LinearSystem",
     "LinkDamping",
     "LinkFrames",

@@ -13,7 +13,11 @@ from flexmech.linkages.coupler_curves.double_points import (
 )
 from flexmech.linkages.drive import CrankDrive, LockedCrank
 from flexmech.linkages.fourbar import FourBar, GrashofClass
-from flexmech.linkages.inverse_dynamics import InverseDynamics, inverse_dynamics
+from flexmech.linkages.inverse_dynamics import (
+    InverseDynamics,
+    forces_by_joints,
+    inverse_dynamics,
+)
 from flexmech.linkages.link_mass import LEAST_DISTANCE, LinkBody, LinkMass, lumped_elements
 from flexmech.linkages.linkage import (
     Linkage,
@@ -24,6 +28,7 @@ from flexmech.linkages.linkage import (
     picture_crank_angle,
 )
 from flexmech.linkages.motion import RigidMotion
+from flexmech.linkages.moving_points import moving_points
 from flexmech.linkages.planar import PlanarJoint, PlanarLink, PlanarLinkage
 from flexmech.linkages.rotating_arm import RotatingArm
 from flexmech.linkages.synthesis import (
@@ -78,10 +83,12 @@ __all__ = [
     "drawn_joints",
     "finite_double_points",
     "focal_cubic",
+    "forces_by_joints",
     "full_turn",
     "inverse_dynamics",
     "linkage_positions",
     "lumped_elements",
+    "moving_points",
     "picture_crank_angle",
     "rocker_swing",
     "synthesize_crank_rocker",

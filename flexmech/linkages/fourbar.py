@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.arrays import ROUND_OFF, SAME_PLACE, FloatArray
-from flexmech.errors import InputError
+from flexmech.errors import AssemblyError, InputError, LockingError
 from flexmech.linkages.motion import (
     LOCKING_SINE,
     RigidMotion,
@@ -80,7 +80,7 @@ class FourBar:
         longest = max(self.lengths, key=lambda name: self.lengths[name])
         others = sum(self.lengths.values()) - self.lengths[longest]
         if self.lengths[longest] >= others:
-            raise InputError(
+            raise AssemblyError(
                 f"the linkage cannot be assembled at any crank angle: the {longest} "
                 f"({self.lengths[longest]:g} m) is not shorter than the other three links "
                 f"together ({others:g} m); shorten it or lengthen the others"
@@ -335,7 +335,7 @@ class FourBar:
         gaps = ~(np.abs(cosine) <= 1.0 + ROUND_OFF)
         if np.any(gaps):
             angle = _degrees(theta[gaps].flat[0])
-            raise InputError(
+            raise AssemblyError(
                 f"the linkage cannot be assembled at crank angle {angle:g} deg: coupler and "
                 f"rocker do not meet there ({self.grashof_class}); choose crank angles inside "
                 "its range of motion or other link lengths"
@@ -346,7 +346,7 @@ class FourBar:
         if np.any(locked):
             angle = _degrees(theta[locked].flat[0])
             what = "meets a change point" if self.grashof_class == "change-point" else "locks"
-            raise InputError(
+            raise LockingError(
                 f"the linkage {what} at crank angle {angle:g} deg: coupler and rocker are in "
                 "one line (transmission angle 0 or 180 deg) and the crank cannot drive it "
                 "through; leave that crank angle out or change the link lengths"

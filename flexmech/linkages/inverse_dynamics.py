@@ -169,24 +169,12 @@ def _collect(
     batch = unknown.shape[:-1]
     joint_force = {name: np.zeros((*batch, 2)) for name in topology.joint_names}
     joint_moment = {name: np.zeros(batch) for name in topology.joint_names}
-    start_force = np.zeros((*batch, len(topology.links), 2))
-    start_moment = np.zeros((*batch, len(topology.links)))
-    on_guides = []
+    is_couple = np.array([one.component == 2 for one in connections(topology)])
+    couples = np.where(is_couple, unknown, 0.0)
     for number, one in enumerate(connections(topology)):
-        value = unknown[..., number]
-        vector = vectors[..., number, :]
-        couple = value if one.component == 2 else np.zeros(batch)
-        joint_force[one.joint] += vector
-        joint_moment[one.joint] += couple
-        if one.slider is not None and one.slider.guide:
-            x, y = guide_place(topology, motion, one.slider)
-            guide = topology.index(one.slider.guide)
-            on_guides.append(ForceOnLink(guide, x, -vector, couple, y))
-        for place, sign in ((one.place, 1.0), (one.other, -1.0)):
-            if place is not None and place.end == "start":
-                link = topology.index(place.link)
-                start_force[..., link, :] += sign * vector
-                start_moment[..., link] += sign * couple
+        joint_force[one.joint] += vectors[..., number, :]
+        joint_moment[one.joint] += couples[..., number]
+    start_force, start_moment, on_guides = _on_links(topology, motion, vectors, couples)
     return InverseDynamics(
         motion=motion,
         masses=masses,
@@ -199,7 +187,81 @@ def _collect(
         joint_moment=joint_moment,
         start_moment=start_moment,
         applied=applied,
-        on_guides=tuple(on_guides),
+        on_guides=on_guides,
+    )
+
+
+def _on_links(
+    topology: Topology, motion: RigidMotion, vectors: FloatArray, couples: FloatArray
+) -> tuple[FloatArray, FloatArray, tuple[ForceOnLink, ...]]:
+    """Sums of forces (..., c, 2) and couples (..., c) of connections on the links.
+
+    Returns
+    -------
+    start_force : ndarray, shape (..., n_links, 2)
+    start_moment : ndarray, shape (..., n_links)
+    on_guides : tuple of ForceOnLink
+    """
+    start_force = np.zeros((*couples.shape[:-1], len(topology.links), 2))
+    start_moment = np.zeros(start_force.shape[:-1])
+    on_guides = []
+    for number, one in enumerate(connections(topology)):
+        vector, couple = vectors[..., number, :], couples[..., number]
+        if one.slider is not None and one.slider.guide:
+            x, y = guide_place(topology, motion, one.slider)
+            guide = topology.index(one.slider.guide)
+            on_guides.append(ForceOnLink(guide, x, -vector, couple, y))
+        for place, sign in ((one.place, 1.0), (one.other, -1.0)):
+            if place is not None and place.end == "start":
+                link = topology.index(place.link)
+                start_force[..., link, :] += sign * vector
+                start_moment[..., link] += sign * couple
+    return start_force, start_moment, tuple(on_guides)
+
+
+def forces_by_joints(
+    topology: Topology,
+    motion: RigidMotion,
+    masses: Sequence[LinkMass],
+    gravity: tuple[float, float],
+    joint_force: FloatArray,
+    applied: Iterable[ForceOnLink] = (),
+) -> LinkForces:
+    """Internal forces of links whose joint forces are known, as of a run of elastic links.
+
+    Links move as rigid ones: what their elastic motion adds to the inertia along them is of the
+    second order.
+
+    Parameters
+    ----------
+    topology : Topology
+    motion : RigidMotion
+    masses : sequence of LinkMass
+        One a link, in order.
+    gravity : tuple of float
+        In ground axes, m/s^2.
+    joint_force : ndarray, shape (..., n_joints, 2)
+        On the grounded or following link, ground axes, N; across its line at a slider.
+    applied : iterable of ForceOnLink
+        Loads and forces of springs.
+
+    Returns
+    -------
+    LinkForces
+        Couples at clamps and welds are not known: bending moments of the links that start there
+        are not numbers.
+    """
+    joints = list(topology.joint_names)
+    every = connections(topology)
+    # A force along x, one along y, a couple, and a force that is across a line already.
+    share = np.array([[[1, 0], [0, 1], [0, 0], [1, 1]][one.component] for one in every])
+    vectors = joint_force[..., [joints.index(one.joint) for one in every], :] * share
+    couples = np.where([one.component == 2 for one in every], np.nan, 0.0)
+    start_force, start_moment, on_guides = _on_links(
+        topology, motion, vectors, np.broadcast_to(couples, vectors.shape[:-1])
+    )
+    return LinkForces(
+        motion, tuple(masses), gravity, start_force, start_moment, tuple(applied), on_guides
     )
 
 

@@ -2,6 +2,11 @@
 
 from flexmech.materials.composition import RULES, PlyComposition, Rule
 from flexmech.materials.constituents import Fibre, Matrix, published_constituents
+from flexmech.materials.failure_criteria import (
+    PLY_CRITERIA,
+    FailureCriterion,
+    failure_criterion,
+)
 from flexmech.materials.hygrothermal import (
     REFERENCE_TEMPERATURE,
     Hygrothermal,
@@ -24,11 +29,14 @@ from flexmech.materials.plies_in_state import (
     through_thickness_strain,
 )
 from flexmech.materials.ply import Ply, PlyDamping
+from flexmech.materials.strength import PlyStrength
 
 __all__ = [
     "PACKING_LIMIT",
+    "PLY_CRITERIA",
     "REFERENCE_TEMPERATURE",
     "RULES",
+    "FailureCriterion",
     "Fibre",
     "Hygrothermal",
     "Laminate",
@@ -38,9 +46,11 @@ __all__ = [
     "Ply",
     "PlyComposition",
     "PlyDamping",
+    "PlyStrength",
     "ResinContent",
     "Rule",
     "UnknownStiffnessError",
+    "failure_criterion",
     "moisture_of",
     "ply_diluted",
     "ply_from_constituents",

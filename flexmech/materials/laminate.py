@@ -9,19 +9,18 @@ zy, xy (their 4, 5).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 
 from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.errors import InputError
-from flexmech.materials.composition import PlyComposition
-from flexmech.materials.micromechanics import ply_of
-from flexmech.materials.ply import MODULI, Ply
+from flexmech.materials.ply import Ply
+from flexmech.materials.ply_table import ply_table
 from flexmech.materials.stacking import stacking_text
 from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr, stated
-from flexmech.units import ANGLE, DENSITY, EXPANSION, LENGTH, MOISTURE_EXPANSION, RATIO, STRESS
+from flexmech.units import ANGLE, LENGTH, TEMPERATURE
 from flexmech.validation import POSITIVE, check_angle, check_fields, check_instance, checked_tuple
 
 # Of an angle in degrees that is read back to the same radians: more would show their rounding.
@@ -102,11 +101,15 @@ class Laminate:
     Parameters
     ----------
     layers : tuple of Layer
+    stress_free_temperature : float, optional
+        In K: at which the dry layers do not strain each other, about that of their cure. Without
+        it stresses of cure are not counted.
 
     Raises
     ------
     InputError
-        If there is no layer, or one is too thin against the others to compute with.
+        If there is no layer, one is too thin against the others to compute with, or the
+        temperature is not above 0 K.
 
     Examples
     --------
@@ -117,8 +120,10 @@ class Laminate:
     """
 
     layers: tuple[Layer, ...]
+    stress_free_temperature: float | None = None
 
     def __post_init__(self) -> None:
+        check_fields(self, {"stress_free_temperature": "K"}, POSITIVE, optional=True)
         remedy = "give Layer(ply, thickness, angle) in a tuple"
         object.__setattr__(self, "layers", checked_tuple(self.layers, Layer, "layers", remedy))
         if not self.layers:
@@ -269,7 +274,8 @@ class Laminate:
             table["angles"] = [quantity(angle, ANGLE) for angle in angles]
         thicknesses = [quantity(layer.thickness, LENGTH) for layer in self.layers]
         alike = len(set(thicknesses)) == 1
-        return {**table, "ply_thickness": thicknesses[0] if alike else thicknesses}
+        free = stated(stress_free_temperature=(self.stress_free_temperature, TEMPERATURE))
+        return {**table, "ply_thickness": thicknesses[0] if alike else thicknesses, **free}
 
     def _weights(self, order: int) -> FloatArray:
         """Integral of ``y**order`` over each layer, (N,)."""
@@ -336,51 +342,3 @@ def _ratio_across(ply: Ply) -> float:
     isotropic = ply.transverse_modulus / (2 * ply.transverse_shear_modulus) - 1
     upper = min(GREATEST_RATIO, -1 + (1 - MARGIN) * span)
     return float(np.clip(isotropic, -1 + MARGIN * span, upper))
-
-
-def ply_table(ply: Ply, shared: SharedTables) -> TomlTable:
-    """Table under ``[plies]`` of a model file, without the name.
-
-    Parameters
-    ----------
-    ply : Ply
-    shared : SharedTables
-        Its material or its constituents are added.
-
-    Returns
-    -------
-    dict
-        By its material or its constituents where they give the same ply to the last bit, else
-        by its constants.
-    """
-    material = ply.isotropic_material
-    if material is not None:
-        name = shared.name_of("materials", material.to_table(), ply.name or "material")
-        return {"type": "isotropic", "material": name}
-    origin = ply.origin
-    if not isinstance(origin, PlyComposition):
-        return {**_constants(ply), **({} if origin is None else {"resin": origin.to_table()})}
-    constituents = origin.to_table(shared)
-    if replace(ply_of(origin), name=ply.name) == ply:
-        return {"type": "constituents", **constituents}
-    return {**_constants(ply), "constituents": constituents}
-
-
-def _constants(ply: Ply) -> TomlTable:
-    damping = ply.specific_damping
-    heat, water = ply.thermal_expansion, ply.moisture_expansion
-    return {
-        "type": "orthotropic",
-        **stated(**{name: (getattr(ply, name), STRESS) for name in MODULI}),
-        **stated(
-            poisson_ratio=(ply.poisson_ratio, RATIO),
-            density=(ply.density, DENSITY),
-            longitudinal_damping=(damping.longitudinal or None, RATIO),
-            transverse_damping=(damping.transverse or None, RATIO),
-            shear_damping=(damping.shear or None, RATIO),
-            longitudinal_thermal_expansion=(heat[0] or None, EXPANSION),
-            transverse_thermal_expansion=(heat[1] or None, EXPANSION),
-            longitudinal_moisture_expansion=(water[0] or None, MOISTURE_EXPANSION),
-            transverse_moisture_expansion=(water[1] or None, MOISTURE_EXPANSION),
-        ),
-    }

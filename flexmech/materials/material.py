@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from flexmech.materials.hygrothermal import Hygrothermal
-from flexmech.model_text import TomlTable, quantity, short_repr
+from flexmech.model_text import TomlTable, quantity, short_repr, stated
 from flexmech.units import DENSITY, RATIO, STRESS
 from flexmech.validation import POSITIVE, Bounds, check_fields
 
@@ -26,6 +26,8 @@ class Material:
         nu, between -1 and 0.5.
     hygrothermal : Hygrothermal
         What heat and water do to it.
+    yield_strength : float, optional
+        Stress in Pa beyond which it stays deformed.
 
     Raises
     ------
@@ -43,9 +45,11 @@ class Material:
     density: float
     poisson_ratio: float = 0.3
     hygrothermal: Hygrothermal = UNKNOWN
+    yield_strength: float | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, {"youngs_modulus": "Pa", "density": "kg/m^3"}, POSITIVE)
+        check_fields(self, {"yield_strength": "Pa"}, POSITIVE, optional=True)
         check_fields(self, {"poisson_ratio": ""}, Bounds(above=-1.0, below=0.5))
 
     def __repr__(self) -> str:
@@ -68,5 +72,6 @@ class Material:
             "youngs_modulus": quantity(self.youngs_modulus, STRESS),
             "density": quantity(self.density, DENSITY),
             "poisson_ratio": quantity(self.poisson_ratio, RATIO),
+            **stated(yield_strength=(self.yield_strength, STRESS)),
             **self.hygrothermal.to_table(),
         }

@@ -9,6 +9,7 @@ from flexmech.materials.composition import PlyComposition
 from flexmech.materials.hygrothermal import ResinContent
 from flexmech.materials.micromechanics import ply_of
 from flexmech.materials.ply import Ply
+from flexmech.materials.strength import PlyStrength
 
 
 def moisture_of(ply: Ply, offered: float) -> float:
@@ -45,7 +46,8 @@ def ply_in_state(ply: Ply, temperature: float, moisture: float, reference: float
 
     A ply of known composition is computed again from its fibre and the softer resin. Of a neat
     resin all moduli fall alike; of a ply by its measured constants those that the resin dominates
-    do (E2, G12, G13, G23), and E1, Poisson's ratio, the damping and the expansions stay.
+    do (E2, G12, G13, G23), and E1, Poisson's ratio, the damping and the expansions stay. Strengths
+    that are stated fall as the resin's does, but for that of fibres in tension.
 
     Parameters
     ----------
@@ -74,7 +76,11 @@ def ply_in_state(ply: Ply, temperature: float, moisture: float, reference: float
         return ply
     if isinstance(origin, PlyComposition):
         moist = origin.matrix.in_state(temperature, moisture, reference)
-        return replace(ply_of(replace(origin, matrix=moist)), name=ply.name)
+        strength = ply.strength
+        if strength is not None:
+            kept = origin.matrix.hygrothermal.retention(temperature, moisture, reference)
+            strength = strength.in_state(kept)
+        return replace(ply_of(replace(origin, matrix=moist)), name=ply.name, strength=strength)
     return _softened(ply, origin, temperature, moisture, reference)
 
 
@@ -98,9 +104,13 @@ def ply_diluted(ply: Ply, growth: float) -> Ply:
     origin = ply.origin
     if isinstance(origin, PlyComposition):
         thinner = replace(origin, fibre_volume_fraction=origin.fibre_volume_fraction / growth)
-        return replace(ply_of(thinner), name=ply.name)
+        return replace(ply_of(thinner), name=ply.name, strength=_diluted(ply, growth))
     if origin is not None and origin.volume_fraction < 1:
-        return replace(ply, longitudinal_modulus=ply.longitudinal_modulus / growth)
+        return replace(
+            ply,
+            longitudinal_modulus=ply.longitudinal_modulus / growth,
+            strength=_diluted(ply, growth),
+        )
     return ply
 
 
@@ -127,6 +137,10 @@ def through_thickness_strain(ply: Ply, temperature_rise: float, moisture: float)
     return ply.thermal_expansion[1] * temperature_rise + ply.moisture_expansion[1] * moisture
 
 
+def _diluted(ply: Ply, growth: float) -> PlyStrength | None:
+    return None if ply.strength is None else ply.strength.diluted(growth)
+
+
 def _softened(
     ply: Ply, resin: ResinContent, temperature: float, moisture: float, reference: float
 ) -> Ply:
@@ -141,4 +155,6 @@ def _softened(
         longitudinal_shear_modulus=ply.longitudinal_shear_modulus * kept,
         transverse_shear_modulus=ply.transverse_shear_modulus * kept,
         thermal_expansion=(expansion, expansion) if neat else ply.thermal_expansion,
+        yield_strength=None if ply.yield_strength is None else ply.yield_strength * kept,
+        strength=None if ply.strength is None else ply.strength.in_state(kept),
     )

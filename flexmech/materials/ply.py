@@ -12,8 +12,16 @@ from flexmech.errors import InputError
 from flexmech.materials.composition import PlyComposition
 from flexmech.materials.hygrothermal import Hygrothermal, ResinContent
 from flexmech.materials.material import Material
+from flexmech.materials.strength import PlyStrength
 from flexmech.model_text import short_repr
-from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_fields, check_number, check_pair
+from flexmech.validation import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    check_fields,
+    check_instance,
+    check_number,
+    check_pair,
+)
 
 MODULI = (
     "longitudinal_modulus",
@@ -85,12 +93,16 @@ class Ply:
     origin : PlyComposition or ResinContent, optional
         What the ply was computed from, or the resin in it where only that is known: by it the
         ply takes up water and softens.
+    yield_strength : float, optional
+        Of an isotropic ply, in Pa.
+    strength : PlyStrength, optional
+        Of a ply with fibres.
 
     Raises
     ------
     InputError
-        If a modulus or the density is not positive, an expansion is not two numbers, or
-        Poisson's ratio lets a stress do negative work.
+        If a modulus, the density or the yield strength is not positive, an expansion is not two
+        numbers, or Poisson's ratio lets a stress do negative work.
 
     Examples
     --------
@@ -110,13 +122,19 @@ class Ply:
     moisture_expansion: tuple[float, float] = (0.0, 0.0)
     name: str = ""
     origin: PlyComposition | ResinContent | None = None
+    yield_strength: float | None = None
+    strength: PlyStrength | None = None
 
     def __post_init__(self) -> None:
         units = dict.fromkeys(MODULI, "Pa") | {"density": "kg/m^3"}
         check_fields(self, units, POSITIVE, "of a ply")
+        check_fields(self, {"yield_strength": "Pa"}, POSITIVE, "of a ply", optional=True)
         check_number(self.poisson_ratio, "poisson_ratio of a ply")
         check_pair(self.thermal_expansion, "thermal_expansion of a ply", "1/K")
         check_pair(self.moisture_expansion, "moisture_expansion of a ply")
+        if self.strength is not None:
+            remedy = "give flexmech.PlyStrength(Xt, Xc, Yt, Yc, S12) in Pa"
+            check_instance(self.strength, PlyStrength, "strength of a ply", remedy)
         bound = float(np.sqrt(self.longitudinal_modulus / self.transverse_modulus))
         if not abs(self.poisson_ratio) < bound:
             raise InputError(
@@ -152,6 +170,7 @@ class Ply:
             thermal_expansion=(heat, heat),
             moisture_expansion=(water, water),
             origin=ResinContent(hygrothermal) if hygrothermal.is_known else None,
+            yield_strength=material.yield_strength,
         )
 
     def stiffened(self, factor: float) -> Self:
@@ -166,7 +185,11 @@ class Ply:
         if not -1 < self.poisson_ratio < 0.5:
             return None
         material = Material(
-            self.longitudinal_modulus, self.density, self.poisson_ratio, known or Hygrothermal()
+            self.longitudinal_modulus,
+            self.density,
+            self.poisson_ratio,
+            known or Hygrothermal(),
+            self.yield_strength,
         )
         return material if replace(Ply.isotropic(material), name=self.name) == self else None
 

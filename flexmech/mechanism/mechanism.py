@@ -49,7 +49,7 @@ from flexmech.mechanism.tables import (
 )
 from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr
 from flexmech.sections import BeamSection, Layers, sections_between_joints
-from flexmech.units import EXPANSION
+from flexmech.units import ANGULAR_SPEED, EXPANSION, from_si, to_si
 from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_instance, check_number, check_pair
 
 
@@ -71,7 +71,7 @@ class Mechanism:
     gravity : tuple of float
         Gravitational acceleration in ground axes, m/s^2.
     operating_speeds : tuple of float
-        Crank speeds in rad/s that the mechanism is meant for.
+        Crank speeds that the mechanism is meant for: in rad/s, whatever ``speed_unit`` is.
     provenance : Provenance
     coupler_point : CouplerPoint, optional
         Point of the coupler whose path matters.
@@ -93,6 +93,9 @@ class Mechanism:
     shaft_inertia : float
         Of the shaft that drives the crank, about its axis, in kg m^2. It matters where the
         shaft is free.
+    speed_unit : str
+        In which results speak of crank speeds that nobody typed, such as ``"rpm"``: the unit of
+        the last speed of a model file. It does not count in comparisons.
 
     Raises
     ------
@@ -125,6 +128,7 @@ class Mechanism:
     springs: tuple[Spring, ...] = ()
     joint_springs: tuple[JointSpring, ...] = ()
     shaft_inertia: float = 0.0
+    speed_unit: str = field(default=ANGULAR_SPEED.unit, compare=False)
 
     def __post_init__(self) -> None:
         topology = self._checked_topology()
@@ -135,6 +139,10 @@ class Mechanism:
         check_number(self.shaft_inertia, "shaft_inertia", "kg m^2", NOT_NEGATIVE)
         check_pair(self.gravity, "gravity", "m/s^2")
         object.__setattr__(self, "operating_speeds", checked_speeds(self.operating_speeds))
+        try:
+            to_si(1.0, self.speed_unit, ANGULAR_SPEED)
+        except InputError as error:
+            raise error.within("speed_unit") from error
         check_number(self.reference_temperature, "reference_temperature", "K", POSITIVE)
         check_number(self.ground_thermal_expansion, "ground_thermal_expansion", "1/K")
         if self.coupler_point is not None and "coupler" not in topology.link_names:
@@ -324,14 +332,15 @@ class Mechanism:
         # Links with the point masses along them and at their joints.
         total = sum(link.moment(0) for link in self.link_masses_in_order)
         x, y = self.gravity
-        speeds = [f"{w:.6g} rad/s ({w * 30 / math.pi:.4g} rpm)" for w in self.operating_speeds]
+        speeds = [f"{from_si(w, self.speed_unit):.6g}" for w in self.operating_speeds]
+        turning = f"{', '.join(speeds)} {self.speed_unit}" if speeds else "none stated"
         lines = [
             f"joint masses: {', '.join(joints) or 'none'}",
             f"link point masses: {', '.join(points) or 'none'}",
             *attachment_lines(self),
             f"total mass: {1e3 * total:.6g} g",
             f"gravity: ({x:g}, {y:g}) m/s^2",
-            f"operating speeds: {', '.join(speeds) or 'none stated'}",
+            f"operating speeds: {turning}",
         ]
         if (point := self.coupler_point) is not None:
             place = f"{1e3 * point.distance:.6g} mm from A, {math.degrees(point.angle):.6g} deg"
@@ -373,6 +382,6 @@ class Mechanism:
             "loads": loads_table(self.loads),
             "springs": springs_table(self.springs),
             "environment": environment_table(self.gravity, self.reference_temperature),
-            "operation": operation_table(self.operating_speeds),
+            "operation": operation_table(self.operating_speeds, self.speed_unit),
         }
         return tomli_w.dumps(document | {key: table for key, table in optional.items() if table})

@@ -111,9 +111,13 @@ def environment_table(gravity: Sequence[float], reference_temperature: float) ->
     return table
 
 
-def operation_table(crank_speeds: Sequence[float]) -> TomlTable:
-    """Table ``[operation]``; empty where no speed is stated."""
-    speeds = [quantity(speed, units.ANGULAR_SPEED) for speed in crank_speeds]
+def operation_table(crank_speeds: Sequence[float], unit: str) -> TomlTable:
+    """Table ``[operation]``, its last speed in a unit; empty where no speed is stated."""
+    last = len(crank_speeds) - 1
+    speeds = [
+        quantity(speed, units.ANGULAR_SPEED, unit, always=number == last)
+        for number, speed in enumerate(crank_speeds)
+    ]
     return {"crank_speeds": speeds} if speeds else {}
 
 

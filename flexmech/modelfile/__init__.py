@@ -1,20 +1,24 @@
 """Model files: TOML with a unit in every value, to a :class:`~flexmech.mechanism.Mechanism`."""
 
-from flexmech.modelfile.quantities import mechanism_with, quantities_of
+from flexmech.modelfile.new_files import KINDS, SIZES, new_file, template
+from flexmech.modelfile.quantities import StatedModel, mechanism_with, quantities_of
 from flexmech.modelfile.read import (
-    KINDS,
     json_schema,
     load_mechanism,
     mechanism_from_toml,
-    template,
+    twofold_points,
 )
 
 __all__ = [
     "KINDS",
+    "SIZES",
+    "StatedModel",
     "json_schema",
     "load_mechanism",
     "mechanism_from_toml",
     "mechanism_with",
+    "new_file",
     "quantities_of",
     "template",
+    "twofold_points",
 ]

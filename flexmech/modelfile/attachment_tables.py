@@ -25,6 +25,10 @@ class JointTable(base.Table):
     direction: base.AngleOfTurn | None = base.optional(
         "Of a slider: of its line, to the ground's x axis or to that of the guide"
     )
+    offset: base.Distance | None = base.optional(
+        "Of a slider that is not drawn: distance of its line from the shaft's axis, or from the "
+        "first point of its guide, to the left of its direction; 0 if left out"
+    )
     guide: base.Text | None = base.optional(
         "Of a slider: rigid link that carries its line; the ground if left out"
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, NamedTuple, Self
 
 from pydantic import (
     BaseModel,
@@ -38,7 +38,7 @@ from flexmech.plausible import (
     check_plausible,
     of_dimension,
 )
-from flexmech.units import Dimension, parse_quantity
+from flexmech.units import Dimension, parse_quantity, split_quantity
 from flexmech.validation import FINITE, NOT_NEGATIVE, POSITIVE, Bounds
 
 
@@ -112,6 +112,34 @@ class QuantityField:
         return {"anyOf": [{"const": self.infinite}, text]} if self.infinite else text
 
 
+class Written(NamedTuple):
+    """A quantity in SI units, and the unit in which it was written."""
+
+    value: float
+    unit: str
+
+
+class WrittenField(QuantityField):
+    """Marks a field of quantities whose unit is kept.
+
+    Parameters
+    ----------
+    dimension : Dimension
+    bounds : Bounds
+    plausible : Plausible, optional
+    infinite : str
+        As of :class:`QuantityField`.
+    """
+
+    def __get_pydantic_core_schema__(
+        self, source: type[Any], handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self._written)
+
+    def _written(self, value: object) -> Written:
+        return Written(self.parse(value), split_quantity(str(value), self.dimension)[1])
+
+
 Length = Annotated[float, QuantityField(units.LENGTH, POSITIVE, LINK_LENGTH)]
 Thickness = Annotated[float, QuantityField(units.LENGTH, POSITIVE, THICKNESS)]
 Width = Annotated[float, QuantityField(units.LENGTH, POSITIVE, WIDTH)]
@@ -121,7 +149,7 @@ Curvature = Annotated[float, QuantityField(units.CURVATURE)]
 Mass = Annotated[float, QuantityField(units.MASS, NOT_NEGATIVE)]
 TimeOrZero = Annotated[float, QuantityField(units.TIME, NOT_NEGATIVE)]
 Frequency = Annotated[float, QuantityField(units.FREQUENCY, POSITIVE)]
-AngularSpeed = Annotated[float, QuantityField(units.ANGULAR_SPEED)]
+WrittenSpeed = Annotated[Written, WrittenField(units.ANGULAR_SPEED)]
 Acceleration = Annotated[float, QuantityField(units.ACCELERATION)]
 Stress = Annotated[float, QuantityField(units.STRESS, POSITIVE)]
 Density = Annotated[float, QuantityField(units.DENSITY, POSITIVE)]

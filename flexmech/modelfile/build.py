@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,6 +30,7 @@ from flexmech.modelfile.link_tables import (
 )
 from flexmech.modelfile.linkage_tables import PlanarTable
 from flexmech.modelfile.messages import Findings, known_name
+from flexmech.modelfile.placing import placed_points
 from flexmech.sections import (
     BeamSection,
     DampingTimes,
@@ -77,7 +78,9 @@ def build_mechanism(
     assert linkage is not None
     topology, places = linkage.topology, LinkPlaces(linkage)
     _check_names(findings, "links", list(tables.links), list(places.beams))
-    _check_names(findings, "joints", _joints_of_topology(tables), list(topology.joint_names))
+    _check_names(
+        findings, "joints", _joints_of_topology(tables, linkage), list(topology.joint_names)
+    )
     sections = {}
     for name in topology.link_names:
         own = places.table_of(name, tables.links)
@@ -107,7 +110,8 @@ def build_mechanism(
         },
         link_masses=masses,
         gravity=tables.environment.gravity,
-        operating_speeds=tuple(tables.operation.crank_speeds),
+        operating_speeds=tuple(speed.value for speed in tables.operation.crank_speeds),
+        speed_unit=tables.operation.speed_unit,
         provenance=Provenance(tables.name, tables.source, file, sha256),
         coupler_point=point,
         reference_temperature=tables.environment.reference_temperature,
@@ -140,17 +144,18 @@ def _refuse_drawing_keys(tables: ModelFile, findings: Findings) -> None:
     kind = tables.linkage.kind
     remedy = f'leave it out, or draw the linkage with kind = "planar": a {kind} has its own'
     for name, link in tables.links.items():
-        for key in ("points", "rigid"):
+        for key in ("points", "rigid", "length", "angle"):
             if key in link.model_fields_set:
                 findings.found.append(f"links.{name}.{key}: {remedy} links")
     for name, joint in tables.joints.items():
-        for key in ("kind", "links", "direction", "guide", "inertia"):
+        for key in ("kind", "links", "direction", "guide", "inertia", "offset"):
             if key in joint.model_fields_set:
                 findings.found.append(f"joints.{name}.{key}: {remedy} joints")
 
 
 def _drawn(tables: ModelFile, table: PlanarTable, findings: Findings) -> PlanarLinkage | None:
-    links, joints = _links(tables, findings), _joints(tables, table, findings)
+    places = placed_points(tables, table, findings).points
+    links, joints = _links(tables, findings), _joints(tables, places, findings)
     if findings.found:
         return None
     # Points of the ground that springs alone use belong to them.
@@ -161,7 +166,7 @@ def _drawn(tables: ModelFile, table: PlanarTable, findings: Findings) -> PlanarL
     unused = (set(table.ground) & sprung_to) - used
     with findings.at("linkage"):
         return PlanarLinkage(
-            points={name: place for name, place in table.points.items() if name not in unused},
+            points={name: place for name, place in places.items() if name not in unused},
             links=tuple(links),
             ground=tuple(point for point in table.ground if point not in unused),
             joints=tuple(joints),
@@ -195,34 +200,36 @@ def _links(tables: ModelFile, findings: Findings) -> list[PlanarLink]:
     return links
 
 
-def _joints(tables: ModelFile, table: PlanarTable, findings: Findings) -> list[PlanarJoint]:
+def _joints(tables: ModelFile, places: Collection[str], findings: Findings) -> list[PlanarJoint]:
     joints = []
     for name, own in tables.joints.items():
         with findings.at(f"joints.{name}"):
             drawn = PlanarJoint(
                 name, own.kind or "pin", tuple(own.links), own.direction, own.guide or ""
             )
-            _check_inertia(own)
+            _check_slider_keys(own)
             # A table may be of a further joint at a point, which has a name but no kind.
-            if name in table.points or drawn != PlanarJoint(name):
+            if name in places or drawn != PlanarJoint(name):
                 joints.append(drawn)
     return joints
 
 
-def _check_inertia(own: JointTable) -> None:
+def _check_slider_keys(own: JointTable) -> None:
     if own.inertia and own.kind != "slider":
         raise InputError(
             "inertia belongs to a slider; give another joint's body to a link, in its bodies"
         )
+    if own.offset is not None and own.kind != "slider":
+        raise InputError("offset belongs to a slider; leave it out of another joint")
     if own.inertia and not own.guide:
         raise InputError("a slider on the ground does not turn; leave its inertia out")
 
 
-def _joints_of_topology(tables: ModelFile) -> list[str]:
+def _joints_of_topology(tables: ModelFile, linkage: Linkage) -> list[str]:
     """Joints of the file that must be of the topology: in a drawing, those with mass or spring."""
-    if not isinstance(tables.linkage, PlanarTable):
+    if not isinstance(linkage, PlanarLinkage):
         return list(tables.joints)
-    drawn = tables.linkage.points
+    drawn = linkage.points
     return [
         name
         for name, joint in tables.joints.items()

@@ -18,6 +18,7 @@ from flexmech.modelfile.material_tables import (
     MatrixTable,
     PlyTable,
 )
+from flexmech.units import ANGULAR_SPEED
 
 # Kept with its spaces, so that what is written is read back.
 Name = Annotated[str, StringConstraints(pattern=r"\S")]
@@ -29,11 +30,20 @@ class MaterialTable(base.DampedTable, HygrothermalTable):
     youngs_modulus: base.Stress = Field(description="Young's modulus E")
     density: base.Density = Field(description="Density rho")
     poisson_ratio: base.PoissonRatio = Field(description="Poisson's ratio nu (for shear)")
+    yield_strength: base.Stress | None = base.optional(
+        "Stress beyond which it stays deformed; results say where a link passes it"
+    )
 
     @property
     def material(self) -> Material:
         """The material that is stated."""
-        return Material(self.youngs_modulus, self.density, self.poisson_ratio, self.hygrothermal)
+        return Material(
+            self.youngs_modulus,
+            self.density,
+            self.poisson_ratio,
+            self.hygrothermal,
+            self.yield_strength,
+        )
 
 
 class EnvironmentTable(base.Table):
@@ -54,9 +64,14 @@ class EnvironmentTable(base.Table):
 class OperationTable(base.Table):
     """How the mechanism is meant to run."""
 
-    crank_speeds: list[base.AngularSpeed] = Field(
+    crank_speeds: list[base.WrittenSpeed] = Field(
         default_factory=list, description="Crank speeds that the mechanism is meant for"
     )
+
+    @property
+    def speed_unit(self) -> str:
+        """Unit of the last speed: that in which results speak of crank speeds."""
+        return self.crank_speeds[-1].unit if self.crank_speeds else ANGULAR_SPEED.unit
 
 
 class ModelFile(base.Table):

@@ -155,7 +155,10 @@ def _ply(
         ply = woven_ply(ply) if table.weave == "woven" else ply
     else:
         ply = ply_of(_composition(table, fibres, matrices))
-    return replace(ply, name=name if table.name is None else table.name)
+    strength = None
+    if not isinstance(table, IsotropicPlyTable) and table.strength is not None:
+        strength = table.strength.strength
+    return replace(ply, name=name if table.name is None else table.name, strength=strength)
 
 
 def _composition(
@@ -234,7 +237,8 @@ def _laminate(
         tuple(
             Layer(plies[name], thickness, angle)
             for (name, _), thickness, angle in zip(stack, thicknesses, angles, strict=True)
-        )
+        ),
+        table.stress_free_temperature,
     )
 
 

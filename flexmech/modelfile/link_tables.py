@@ -57,6 +57,13 @@ class AnyLinkTable(base.DampedTable, WettedTable):
     points: list[base.Text] | None = base.optional(
         "Of kind planar: points at its two ends, or a chain of more that beams join"
     )
+    length: base.Length | None = base.optional(
+        "Of kind planar: between its two points; places one that is not drawn"
+    )
+    angle: base.AngleOfTurn | None = base.optional(
+        "Of kind planar, with length: from its first point to its second, to the ground's x axis, "
+        "at drawn_at; of the crank drawn_at if left out"
+    )
     rigid: base.Flag = base.optional("Of kind planar: whether it has mass but does not bend", False)
     point_masses: list[PointMassTable] = Field(default_factory=list)
     bodies: list[BodyTable] = Field(

@@ -83,7 +83,13 @@ class PlanarTable(MountedTable):
     )
     ground: list[base.Text] = Field(description="Names of the points that do not move")
     points: dict[str, tuple[base.Distance, base.Distance]] = Field(
-        description="Coordinates x and y of each point, by its name, at the crank angle drawn_at"
+        description="Coordinates x and y of each point, by its name, at the crank angle drawn_at; "
+        "points that lengths of links place are left out"
+    )
+    near: dict[str, tuple[base.Distance, base.Distance]] = Field(
+        default_factory=dict,
+        description="Rough coordinates of points that lengths place in two ways: the nearer one is "
+        "taken; left out, the upper one, of equally high ones the right one",
     )
 
 

@@ -7,9 +7,10 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
 from flexmech.errors import InputError, suggestion
-from flexmech.materials import REFERENCE_TEMPERATURE, Hygrothermal, ResinContent
+from flexmech.materials import REFERENCE_TEMPERATURE, Hygrothermal, PlyStrength, ResinContent
 from flexmech.materials.constituents import DIMENSIONS
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
+from flexmech.materials.strength import SYMBOLS
 from flexmech.modelfile import base_table as base
 from flexmech.units import TEMPERATURE, TEMPERATURE_DIFFERENCE, parse_quantity
 from flexmech.validation import NOT_NEGATIVE
@@ -183,6 +184,37 @@ class CompositionTable(base.Table):
     )
 
 
+class StrengthTable(base.Table):
+    """Strengths of a ply at the reference temperature, dry; all positive."""
+
+    Xt: base.Stress = Field(description="Tensile strength along the fibres")
+    Xc: base.Stress = Field(description="Compressive strength along the fibres")
+    Yt: base.Stress = Field(description="Tensile strength across the fibres")
+    Yc: base.Stress = Field(description="Compressive strength across the fibres")
+    S12: base.Stress = Field(description="Shear strength in the plane of the ply")
+    S23: base.Stress | None = base.optional(
+        "Shear strength in the plane across the fibres, for Hashin's criterion"
+    )
+    inclination_tension: base.Ratio | None = base.optional(
+        "Puck's inclination of the failure curve at no transverse stress, on the side of tension "
+        "(VDI 2014: 0.30 for glass, 0.35 for carbon in epoxy)"
+    )
+    inclination_compression: base.Ratio | None = base.optional(
+        "The same on the side of compression (VDI 2014: 0.25 for glass, 0.30 for carbon in epoxy)"
+    )
+    source: str = base.optional("Publication or measurement of the numbers", "")
+
+    @property
+    def strength(self) -> PlyStrength:
+        """The strengths that are stated."""
+        return PlyStrength(
+            **{name: getattr(self, symbol) for name, symbol in SYMBOLS.items()},
+            inclination_tension=self.inclination_tension,
+            inclination_compression=self.inclination_compression,
+            source=self.source,
+        )
+
+
 class AnyPlyTable(base.Table):
     """What all plies have in common."""
 
@@ -190,13 +222,21 @@ class AnyPlyTable(base.Table):
     thickness: base.Thickness | None = base.optional("Of one layer of this ply")
 
 
-class ConstituentPlyTable(AnyPlyTable, CompositionTable):
+class FibrousPlyTable(AnyPlyTable):
+    """What all plies with fibres have in common."""
+
+    strength: StrengthTable | None = base.optional(
+        "Strengths of the ply, of a woven one those of the fabric; results of strength need them"
+    )
+
+
+class ConstituentPlyTable(FibrousPlyTable, CompositionTable):
     """A ply computed from its fibre and its resin."""
 
     type: Literal["constituents"]
 
 
-class OrthotropicPlyTable(AnyPlyTable):
+class OrthotropicPlyTable(FibrousPlyTable):
     """A ply by its measured constants."""
 
     type: Literal["orthotropic"]
@@ -286,4 +326,8 @@ class LaminateTable(base.Table):
     )
     ply_thickness: OneOrEach | None = base.optional(
         "Of every layer, or one for each; else that of the ply's table"
+    )
+    stress_free_temperature: base.Temperature | None = base.optional(
+        "At which its dry plies do not strain each other, about that of its cure; without it "
+        "stresses of cure are not counted"
     )

@@ -45,6 +45,7 @@ class Findings:
     def __init__(self, file: str) -> None:
         self.file = file
         self.found: list[str] = []
+        self._kinds: list[type[InputError]] = []
 
     def none_at(self, key: str, check: Callable[[], None]) -> bool:
         """Whether a check finds nothing; what it finds is kept under a dotted key."""
@@ -60,11 +61,16 @@ class Findings:
             yield
         except InputError as error:
             self.found.append(f"{key}: {error.message}")
+            self._kinds.append(type(error))
 
     def refuse(self) -> None:
-        """Raise what was found, if anything was."""
-        if self.found:
-            raise together(self.file, self.found)
+        """Raise what was found, if anything was: links that do not meet alone stay that error."""
+        if not self.found:
+            return
+        error, kinds = together(self.file, self.found), set(self._kinds)
+        if len(self._kinds) == len(self.found) and len(kinds) == 1:
+            raise kinds.pop()(error.message)
+        raise error
 
 
 def known_name(table: str, got: str, known: Collection[str]) -> None:

@@ -6,22 +6,21 @@ import hashlib
 import os
 import tomllib
 from dataclasses import replace
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from flexmech.errors import InputError, suggestion
+from flexmech.errors import InputError
 from flexmech.files import given_path
+from flexmech.linkages import PlanarLinkage
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile.build import build_mechanism
 from flexmech.modelfile.document import ModelFile
-from flexmech.modelfile.messages import input_error, refuse_unseen_characters
+from flexmech.modelfile.linkage_tables import PlanarTable
+from flexmech.modelfile.messages import Findings, input_error, refuse_unseen_characters
+from flexmech.modelfile.placing import TwoPlaces, placed_points
 from flexmech.validation import check_instance
-
-KINDS = ("four-bar", "composite-four-bar", "rotating-arm", "slider-crank", "planar")
-"""Kinds of linkages that a model file can describe."""
 
 
 def load_mechanism(path: str | os.PathLike[str]) -> Mechanism:
@@ -104,28 +103,26 @@ def mechanism_from_toml(text: str, name: str = "model.toml") -> Mechanism:
     return _mechanism(text, name, name, hashlib.sha256(text.encode()).hexdigest())
 
 
-def template(kind: str) -> str:
-    """Give a commented model file that loads without change.
+def twofold_points(mechanism: Mechanism) -> tuple[TwoPlaces, ...]:
+    """Points that lengths in a mechanism's model file place in two ways, of which one was taken.
 
     Parameters
     ----------
-    kind : str
-        One of :data:`KINDS`.
+    mechanism : Mechanism
 
     Returns
     -------
-    str
-        TOML.
-
-    Raises
-    ------
-    InputError
-        If the kind is unknown.
+    tuple of TwoPlaces
+        Empty where it is from no file, or was changed since.
     """
-    if kind not in KINDS:
-        raise InputError(f"unknown kind of linkage {kind!r}; {suggestion(kind, list(KINDS))}")
-    folder = resources.files("flexmech.modelfile") / "templates"
-    return (folder / f"{kind}.toml").read_text(encoding="utf-8")
+    text = mechanism.provenance.text
+    if not text or not isinstance(mechanism.linkage, PlanarLinkage):
+        return ()
+    tables = ModelFile(**tomllib.loads(text))
+    if not isinstance(tables.linkage, PlanarTable):
+        return ()
+    placed = placed_points(tables, tables.linkage, Findings(mechanism.provenance.file))
+    return placed.twofold if placed.points == mechanism.linkage.points else ()
 
 
 def json_schema() -> dict[str, Any]:

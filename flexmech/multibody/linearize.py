@@ -9,7 +9,14 @@ from typing import Any
 import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system import LESS_LOADED, LOAD_STEPS, ROUND_OFF, DeadMoments, refuse_positions
+from flexmech.linear_system import (
+    LESS_LOADED,
+    LOAD_STEPS,
+    ROUND_OFF,
+    DeadMoments,
+    EquilibriumError,
+    refuse_positions,
+)
 from flexmech.linkages import RigidMotion
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.library import load_exudyn
@@ -334,6 +341,7 @@ def _solve_in_steps(
         "Exudyn finds no quasi-static equilibrium",
         f" (residual {residual:.3g} N), even in {LOAD_STEPS[-1]} load steps; {LESS_LOADED}, or use "
         f"prestress {other!r}",
+        EquilibriumError,
     )
 
 

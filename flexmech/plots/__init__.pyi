@@ -7,6 +7,11 @@ from .composite_study import plot_composite_frequencies as plot_composite_freque
 from .composite_study import plot_laminate_factors as plot_laminate_factors
 from .composite_study import plot_running_against_steel as plot_running_against_steel
 from .composite_study import plot_verification as plot_verification
+from .designs.optima import plot_pareto as plot_pareto
+from .designs.optima import plot_search as plot_search
+from .designs.outputs import plot_designs as plot_designs
+from .designs.uncertainty import plot_distributions as plot_distributions
+from .designs.uncertainty import plot_sensitivity as plot_sensitivity
 from .drawn_linkage.figures import plot_linkage as plot_linkage
 from .drawn_linkage.figures import plot_mode_shapes as plot_mode_shapes
 from .effects import plot_agreement as plot_agreement
@@ -37,6 +42,8 @@ from .layout import Sheet as Sheet
 from .layout import grid as grid
 from .layout import sheet as sheet
 from .mechanism import plot_mechanism as plot_mechanism
+from .motion import drawn_points as drawn_points
+from .motion import plot_motion as plot_motion
 from .reading import chosen as chosen
 from .reading import mode_label as mode_label
 from .reading import speed_label as speed_label
@@ -51,6 +58,8 @@ from .spectra import plot_spectrogram as plot_spectrogram
 from .spectra import plot_spectrum as plot_spectrum
 from .stability import plot_stability as plot_stability
 from .stability import plot_stability_against as plot_stability_against
+from .strength import plot_internal_forces as plot_internal_forces
+from .strength import plot_strength as plot_strength
 from .style import LIGHT_GREY as LIGHT_GREY
 from .style import MID_GREY as MID_GREY
 from .style import SERIES_STYLES as SERIES_STYLES

@@ -42,8 +42,8 @@ POINT: Look = {"color": "0.1", "marker": "o", "ms": 3.2, "ls": "", "zorder": 4}
 GAP: Look = {"facecolor": "0.94", "edgecolor": "0.75", "hatch": "////", "lw": 0}
 OTHER_ENGINE: Look = {"color": "0.25", "lw": 0.7, "ls": (0.0, (4.0, 2.0)), "zorder": 3}
 PEAK_GREYS = ("0.1", "0.35", "0.55")
-# Least distance of two labels of orders as parts of the axes: height and width of their letters.
-APART_UP, APART_ALONG = 0.033, 0.028
+# Least distance of two labels of orders in inches: their height, and for each letter its width.
+APART_UP, APART_LETTER = 0.13, 0.075
 # Ends of a critical speed nearer to each other than this, relatively, are drawn as a point: of an
 # axis of 2,000 pixels it is less than one.
 NO_WIDTH = 1e-4
@@ -72,7 +72,8 @@ def plot_campbell(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     it is the mean. Grey rays are the orders, multiples of the crank's turns per second; the dark
     part of a ray is inside a band: these are critical speeds. Hatched are speeds without a
     result. Where there are peaks of the periodic motion, they stand below over the quasi-static
-    ones. Of further engines the bands' ends and means are dashed lines.
+    ones. Of further engines the bands' ends and means are dashed lines. The axis of frequencies
+    ends above the lowest band that no order reaches: those beyond it are named in the heading.
 
     Parameters
     ----------
@@ -87,15 +88,18 @@ def plot_campbell(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     Figure
     """
     factor, peaks = from_si(1.0, reading.speed_unit(dataset)), "peak_ratio" in dataset
+    shown = _shown_branches(dataset)
     heights = [NARROW_BANDS_HEIGHT if style.is_narrow() else BANDS_HEIGHT, PEAKS_HEIGHT][
         : 1 + peaks
     ]
     layout = grid(len(heights), 1, sum(heights) + AXES_HEIGHT, sharex=True, height_ratios=heights)
     with sheet(layout, ax=ax, fewer=BOTH) as drawn:
-        drawn.header(_handles(dataset, peaks), "Campbell diagram", of=dataset)
+        title = "Campbell diagram" + _left_out(dataset, shown)
+        drawn.header(_handles(dataset, peaks, shown), title, of=dataset)
         bands = drawn.panels[0]
         bands.set_xlim(*scales.speed_limits(dataset))
-        bands.set_ylim(0.0, ROOM * float(np.nanmax(dataset["highest_frequency"].values)))
+        highest = dataset["highest_frequency"].sel(branch=shown).values
+        bands.set_ylim(0.0, ROOM * float(np.nanmax(highest)))
         scales.plain_numbers(bands)
         _draw_bands(bands, dataset)
         _draw_rays(bands, dataset, factor)
@@ -108,6 +112,30 @@ def plot_campbell(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         drawn.label_x(f"Crank speed ({reading.speed_unit(dataset)})")
         scales.second_speed_axis(bands, dataset)
     return drawn.figure
+
+
+def _shown_branches(dataset: xr.Dataset) -> list[int]:
+    """Branches that orders reach, and the lowest that none reaches with those that it overlaps."""
+    over, found = ("engine", "crank_speed"), list[int]()
+    lowest = dataset["lowest_frequency"].min(over).fillna(np.inf).values
+    highest = dataset["highest_frequency"].max(over).fillna(0.0).values
+    fastest = float(np.abs(dataset["crank_speed"].values).max()) / (2 * np.pi)
+    reach, top = fastest * dataset["order"].values.max(initial=0), np.inf
+    for place in np.argsort(lowest, kind="stable").tolist():
+        if lowest[place] > top:
+            break
+        found.append(place)
+        if lowest[place] > reach:
+            # The axis ends above this one, which others may overlap.
+            top = ROOM * float(highest[found].max())
+    return [int(branch) for branch in dataset["branch"].values[sorted(found)]]
+
+
+def _left_out(dataset: xr.Dataset, shown: list[int]) -> str:
+    """What the heading says of branches that lie above the axes."""
+    names = [str(n) for n in dataset["branch"].values.tolist() if n not in shown]
+    are = f"branch {names[0]} is" if len(names) == 1 else f"branches {', '.join(names)} are"
+    return f"; {are} higher than orders reach" if names else ""
 
 
 def critical_stretches(dataset: xr.Dataset) -> list[tuple[int, FloatArray, FloatArray]]:
@@ -153,26 +181,39 @@ def _draw_bands(axes: Axes, dataset: xr.Dataset) -> None:
 
 
 def _draw_rays(axes: Axes, dataset: xr.Dataset, factor: float) -> None:
-    """Orders from corner to edge, each labelled where it leaves the axes."""
+    """Orders from corner to edge, labelled where they leave the axes and labels do not touch."""
     (left, right), (_, top) = axes.get_xlim(), axes.get_ylim()
     speed = np.union1d(np.linspace(left, right, 3), [min(max(0.0, left), right)])
-    across, along = -np.inf, np.inf
-    look: Look = {"fontsize": LABEL_POINTS, "color": style.MID_GREY, "textcoords": "offset points"}
+    aside, above = dict[int, float](), dict[int, float]()
     for order in sorted(dataset["order"].values.tolist()):
         ray = order * np.abs(speed) / factor / (2 * np.pi)
         axes.plot(speed, ray, **RAY, scaley=False, scalex=False)
-        if ray[-1] <= top:
-            if ray[-1] - across >= APART_UP * top:
-                across = float(ray[-1])
-                text = (right, across)
-                axes.annotate(f"{order}{TIMES}", text, xytext=(3, 0), va="center", **look)
-            continue
         leaves = 2 * np.pi * top / order * factor
-        if left < leaves <= along - APART_ALONG * (right - left):
-            along = leaves
-            # Inside the axes, to the left of the ray: above stands the other axis of speed.
-            place: Look = {"xytext": (-2, -3), "ha": "right", "va": "top"}
-            axes.annotate(f"{order}{TIMES}", (along, top), **place, **look)
+        if ray[-1] <= top:
+            aside[order] = float(ray[-1])
+        elif leaves > left:
+            above[order] = leaves
+    lowest, highest = (min(aside | above, default=0), max(aside | above, default=0))
+    look: Look = {"fontsize": LABEL_POINTS, "color": style.MID_GREY, "textcoords": "offset points"}
+    height = NARROW_BANDS_HEIGHT if style.is_narrow() else BANDS_HEIGHT
+    for order in _apart(aside, APART_UP / height * top, (lowest, highest)):
+        text = (right, aside[order])
+        axes.annotate(f"{order}{TIMES}", text, xytext=(3, 0), va="center", **look)
+    letters = APART_LETTER * len(f"{highest}{TIMES}") / (style.figure_width() - BESIDE_PANELS)
+    for order in _apart(above, letters * (right - left), (lowest, highest)):
+        # Inside the axes, to the left of the ray: above stands the other axis of speed.
+        place: Look = {"xytext": (-2, -3), "ha": "right", "va": "top"}
+        place["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 0.4}
+        axes.annotate(f"{order}{TIMES}", (above[order], top), **place, **look)
+
+
+def _apart(places: dict[int, float], least: float, ends: tuple[int, int]) -> list[int]:
+    """Orders whose places are apart: first the highest of all, the lowest, then from it up."""
+    kept = [ends[1]] if ends[1] in places else []
+    for order in sorted(places, key=lambda one: (one != ends[0], one)):
+        if all(abs(places[order] - places[other]) >= least for other in kept):
+            kept.append(order)
+    return sorted(kept)
 
 
 def _draw_critical(axes: Axes, dataset: xr.Dataset, factor: float) -> None:
@@ -210,9 +251,10 @@ def _draw_peaks(axes: Axes, dataset: xr.Dataset) -> None:
     axes.axhline(1.0, **RAY)
 
 
-def _handles(dataset: xr.Dataset, peaks: bool) -> list[Artist]:
+def _handles(dataset: xr.Dataset, peaks: bool, shown: list[int]) -> list[Artist]:
     branches = dataset["branch"].values.tolist()
-    handles = series_handles((f"branch {n}" for n in branches), dataset["crank_speed"].values)
+    of_all = series_handles((f"branch {n}" for n in branches), dataset["crank_speed"].values)
+    handles = [handle for n, handle in zip(branches, of_all, strict=True) if n in shown]
     handles.append(Patch(color=style.MID_GREY, **BAND, label="lowest to highest"))
     handles += line_handles({"order": RAY, "critical speed": CRITICAL})
     for other in range(1, dataset.sizes["engine"]):

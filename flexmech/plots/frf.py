@@ -46,6 +46,7 @@ CURVES: dict[str, tuple[str, Look]] = {
 }
 """Receptances of the dataset, from the lowest to the uppermost line: label and look."""
 # Decades of an amplitude below its peak that are drawn, at most: deeper antiresonances are noise.
+# Real and imaginary parts have as many on either side of zero.
 DECADES = 5.0
 
 # What a row of panels and what the axes take, in inches: seven orders fit a page. On a narrow page
@@ -110,6 +111,9 @@ def plot_frf(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
 
 def plot_frf_parts(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw real and imaginary part of receptance, mobility and accelerance.
+
+    The scales are logarithmic on either side of zero, and linear around it: the first resonance
+    is so much larger than the others that a linear scale would show it alone.
 
     Parameters
     ----------
@@ -180,7 +184,7 @@ def _draw(
                 scales.log_scale(axes, low / 2, high)
             else:
                 axes.set_ylabel(f"{name} {response.lower()}\n({unit})")
-                axes.ticklabel_format(axis="y", style="sci", scilimits=(0, 0))
+                scales.signed_log_scale(axes, values["exact_receptance"], DECADES)
         drawn.label_x("Frequency (Hz)")
     return drawn.figure
 
@@ -321,7 +325,8 @@ def _draw_time(drawn: Sheet, dataset: xr.Dataset) -> None:
     curves.plot(time, factor * dataset["computed"].values, **COMPUTED)
     scales.angle_axis(curves, dataset)
     curves.set_ylabel(f"{_what(dataset)} ({unit})")
-    residual.plot(time, of_residual * dataset["residual"].values, **RESIDUAL)
+    # Mostly noise, whose swings would run together.
+    residual.plot(time, of_residual * dataset["residual"].values, **(RESIDUAL | {"lw": 0.4}))
     residual.set(xlabel="Time (s)", ylabel=f"Residual ({unit_of_residual})")
     amplitude = factor * dataset["spectrum"].transpose("curve", "spectrum_frequency").values
     frequency = dataset["spectrum_frequency"].values

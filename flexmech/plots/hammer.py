@@ -6,7 +6,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError
 from flexmech.plots import style
 from flexmech.plots.frf import (
@@ -14,26 +16,43 @@ from flexmech.plots.frf import (
     CURVES,
     GREEN,
     ORANGE,
+    READ,
     angle_text,
     curve_handles,
     first_angle,
     hammer_title,
 )
 from flexmech.plots.layout import AxesLike, grid, sheet, tiles
-from flexmech.plots.reading import LENGTH_UNITS, complex_values, fitting_unit, names_of
+from flexmech.plots.reading import (
+    FORCE_UNITS,
+    LENGTH_UNITS,
+    complex_values,
+    fitting_unit,
+    names_of,
+)
+from flexmech.plots.scales import plain_numbers
 
-# Of three records, which fill half a page, of a circle with its axes, of the chart, and of a shape,
-# which is flat; in inches.
-HEIGHT, CIRCLE_HEIGHT, CHART_HEIGHT, SHAPE_HEIGHT = 4.6, 2.3, 3.0, 1.5
+# Of a record, three of which fill half a page, of a circle with its axes, of the chart, and of a
+# shape, which is flat; in inches.
+HEIGHT, CIRCLE_HEIGHT, CHART_HEIGHT, SHAPE_HEIGHT = 1.53, 2.3, 3.0, 1.5
 # More impacts hide each other and have no style of their own, more modes fill more than a page.
 MOST_RECORDS = MOST_MODES = 6
+# Of a response that decays so many waves can be told in a panel, and what is below this part of its
+# greatest displacement cannot be told from zero.
+MOST_WAVES, LEAST_SEEN = 100, 0.02
 # What is drawn of the force's record, in pulse durations about its start: the pulse takes a sixth.
 BEFORE_PULSE, AFTER_PULSE = 2.0, 4.0
 PULSE: style.Look = {"color": "0.75", "lw": 2.6}
 DOTS: style.Look = {"marker": ".", "markersize": 4.0}
-THREE = "give three Axes"
+EXACT = "exact_receptance"
+FEWER = "give one Axes a record"
 
 CIRCLE_DOTS: style.Look = {"marker": ".", "ms": 3.5, "ls": ""}
+# More dots on an arc than these hide the lines under them.
+MOST_DOTS = 40
+# Of an arc that shows a circle: its width over its length at least. Narrower is the curve of the
+# other modes, with a kink where the mode is.
+LEAST_WIDTH = 0.4
 
 # Of the orders' axis, that the receptance behind the poles takes: its peaks end below the top.
 BEHIND = 0.9
@@ -67,12 +86,15 @@ NO_GRID = "this hammer test has no grid of impacts; ask for it by grid=N (--grid
 def plot_hammer(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw force pulse, response in time, and coherence over frequency.
 
+    Of the response the beginning is drawn in which waves can be told from each other. Without
+    noise the coherence is 1 at all frequencies, and has no panel.
+
     Parameters
     ----------
     dataset : Dataset
         Of a ``HammerTest`` result; the records of its first crank angle are drawn.
     ax : Axes or sequence of Axes, optional
-        The user's, three. Left out: a new figure is made.
+        The user's, three, or two without noise. Left out: a new figure is made.
 
     Returns
     -------
@@ -81,38 +103,56 @@ def plot_hammer(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     data = first_angle(dataset)
     start, pulse = (float(data.attrs[name]) for name in ("pulse_start", "pulse"))
     time = data["time"].values
-    count = min(MOST_RECORDS, data.sizes["average"])
-    with sheet(grid(3, 1, HEIGHT), ax=ax, fewer=THREE) as drawn:
-        # Impacts without noise are the same.
-        count = count if data.attrs["noise"] else 1
+    # Impacts without noise are the same.
+    noisy = bool(data.attrs["noise"])
+    count = min(MOST_RECORDS, data.sizes["average"]) if noisy else 1
+    rows = 2 + noisy
+    with sheet(grid(rows, 1, rows * HEIGHT), ax=ax, fewer=FEWER) as drawn:
         handles = [style.line_handle("force of the hammer", **PULSE)]
         for number in range(count):
             handles.append(style.series_handle(number, f"impact {number + 1}, as recorded", **DOTS))
         drawn.header(handles, hammer_title(dataset), of=dataset)
-        force, response, coherence = drawn.panels
+        force, response, *rest = drawn.panels
         scale, unit = fitting_unit(data["response"].values, LENGTH_UNITS)
-        force.plot(1e3 * data["pulse_time"].values, data["pulse_force"].values, **PULSE)
+        of_force, unit_of_force = fitting_unit(data["pulse_force"].values, FORCE_UNITS)
+        pulse_force = of_force * data["pulse_force"].values
+        force.plot(1e3 * data["pulse_time"].values, pulse_force, **PULSE)
         for number in reversed(range(count)):
             look = style.series_line(number) | {"lw": 0.8}
-            force.plot(1e3 * time, data["force"].values[number], **(look | DOTS))
+            recorded = of_force * data["force"].values[number]
+            force.plot(1e3 * time, recorded, **(look | DOTS))
             response.plot(time, scale * data["response"].values[number], **look)
         force.set_xlim(1e3 * (start - BEFORE_PULSE * pulse), 1e3 * (start + AFTER_PULSE * pulse))
-        force.set(xlabel="Time (ms)", ylabel="Force (N)")
-        force.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
-        response.set_xlim(0.0, float(time[-1]))
-        response.set(xlabel="Time (s)", ylabel=f"Displacement ({unit})")
-        look = style.series_line(0) | {"lw": 0.8}
-        coherence.plot(data["frequency"].values, data["coherence"].values, **look)
-        coherence.set_xlim(0.0, float(data["frequency"].values[-1]))
-        coherence.set_ylim(min(0.0, float(np.nanmin(data["coherence"]))), 1.05)
-        coherence.set(xlabel="Frequency (Hz)", ylabel="Coherence")
+        force.set(xlabel="Time (ms)", ylabel=f"Force ({unit_of_force})")
+        plain_numbers(force)
+        end = _seen_until(time, data["response"].values[0])
+        response.set_xlim(0.0, end)
+        of_all = "" if end == time[-1] else f", beginning of a record of {time[-1]:.3g} s"
+        response.set(xlabel=f"Time (s){of_all}", ylabel=f"Displacement ({unit})")
+        for coherence in rest:
+            look = style.series_line(0) | {"lw": 0.8}
+            coherence.plot(data["frequency"].values, data["coherence"].values, **look)
+            coherence.set_xlim(0.0, float(data["frequency"].values[-1]))
+            coherence.set_ylim(min(0.0, float(np.nanmin(data["coherence"]))), 1.05)
+            coherence.set(xlabel="Frequency (Hz)", ylabel="Coherence")
     return drawn.figure
+
+
+def _seen_until(time: FloatArray, response: FloatArray) -> float:
+    """Time up to which the waves of a response can be seen, and told from each other, in s."""
+    size = np.abs(response)
+    seen = int(np.flatnonzero(size >= LEAST_SEEN * size.max())[-1]) + 1
+    crossings = np.flatnonzero(np.diff(np.signbit(response)))
+    # Two crossings of zero are a wave.
+    told = int(crossings[2 * MOST_WAVES]) if crossings.size > 2 * MOST_WAVES else len(time) - 1
+    return float(time[min(seen, told, len(time) - 1)])
 
 
 def plot_nyquist(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw the mobility about each mode: a viscously damped mode gives a circle.
 
-    The dots are the measured lines near the mode. The natural frequency is the circle's far end.
+    The dots are measured lines near the mode. The natural frequency is the circle's far end. A
+    mode that hardly moves these points has no circle, and is left out, which the heading says.
 
     Parameters
     ----------
@@ -131,34 +171,61 @@ def plot_nyquist(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         If no mode was identified there.
     """
     data = first_angle(dataset)
-    modes = np.flatnonzero(np.isfinite(data["identified_frequency"].values))[:MOST_MODES]
-    if not len(modes):
+    identified = np.flatnonzero(np.isfinite(data["identified_frequency"].values))
+    if not len(identified):
         raise InputError("no mode was identified at the first crank angle: there is no circle")
+    round_ones = [mode for mode in identified if _is_circle(_mobility(data.isel(mode=mode), EXACT))]
+    modes = np.array(round_ones or identified)[:MOST_MODES]
+    flat = [str(data["mode"].values[mode]) for mode in identified if mode not in round_ones]
+    title = f"Mobility about each mode. {hammer_title(dataset)}"
+    if flat and round_ones:
+        title += f"; without a circle here: mode{'s' * (len(flat) > 1)} {', '.join(flat)}"
     with sheet(
         tiles(len(modes), 3, CIRCLE_HEIGHT, narrow=2), ax=ax, fewer="give one Axes a mode"
     ) as drawn:
-        drawn.header(curve_handles(**CIRCLE_DOTS), hammer_title(dataset), of=dataset)
+        drawn.header(curve_handles(**CIRCLE_DOTS), title, of=dataset)
         for axes, mode in zip(drawn.panels, modes, strict=True):
             _draw_circle(axes, data, int(mode))
-        drawn.label_x("Re mobility (m/(N s))")
-        drawn.label_y("Im mobility (m/(N s))")
     return drawn.figure
+
+
+def _mobility(circle: xr.Dataset, curve: str) -> ComplexArray:
+    """Of one of the curves about a mode, in m/(N s)."""
+    around = circle["circle_frequency"].values
+    return np.asarray(complex_values(circle, f"circle_{curve}") * 2j * np.pi * around)
+
+
+def _is_circle(mobility: ComplexArray) -> bool:
+    """Whether an arc is wide enough over its length to show a circle."""
+    places = np.column_stack([mobility.real, mobility.imag])
+    places = places - places.mean(axis=0)
+    along = np.linalg.svd(places, full_matrices=False)[2]
+    length, width = np.ptp(places @ along.T, axis=0)
+    return bool(width >= LEAST_WIDTH * length)
 
 
 def _draw_circle(axes: Axes, data: xr.Dataset, mode: int) -> None:
     circle = data.isel(mode=mode)
     around = circle["circle_frequency"].values
-    for curve in ("exact_receptance", "identified_receptance"):
-        values = complex_values(circle, f"circle_{curve}") * 2j * np.pi * around
+    exact = _mobility(circle, EXACT)
+    span = np.array([np.ptp(exact.real), np.ptp(exact.imag)])
+    factor, unit = fitting_unit(span, READ["m/(N s)"])
+    for curve in (EXACT, "identified_receptance"):
+        values = factor * _mobility(circle, curve)
         axes.plot(values.real, values.imag, **CURVES[curve][1])
     frequency = data["frequency"].values
-    near = (frequency >= around[0]) & (frequency <= around[-1])
-    measured = complex_values(data, "receptance")[near] * 2j * np.pi * frequency[near]
+    near = np.flatnonzero((frequency >= around[0]) & (frequency <= around[-1]))
+    near = near[:: -(-near.size // MOST_DOTS) or 1]
+    measured = factor * complex_values(data, "receptance")[near] * 2j * np.pi * frequency[near]
     axes.plot(measured.real, measured.imag, **(CURVES["receptance"][1] | CIRCLE_DOTS))
-    axes.axhline(0.0, color="0.7", lw=0.5, zorder=0)
-    axes.axvline(0.0, color="0.7", lw=0.5, zorder=0)
+    # Zero is shown where it is near, and does not widen the axes: the circle fills its panel.
+    across, up = axes.get_yaxis_transform(), axes.get_xaxis_transform()
+    for line in (Line2D([0, 1], [0, 0], transform=across), Line2D([0, 0], [0, 1], transform=up)):
+        line.set(color="0.7", lw=0.5, zorder=0)
+        axes.add_artist(line)
     axes.set_aspect("equal", adjustable="datalim")
-    axes.locator_params(nbins=4)
+    axes.locator_params(nbins=3 if style.is_narrow() else 4)
+    axes.set(xlabel=f"Re ({unit})", ylabel=f"Im ({unit})")
     for axis in (axes.xaxis, axes.yaxis):
         # In full, with a true minus sign.
         axis.set_major_formatter(lambda value, _: f"{value:.3g}".replace("-", "\N{MINUS SIGN}"))

@@ -29,6 +29,9 @@ WIDTHS = (1.1, 2.2, 3.3)
 # Around forces by distributed masses, which they hardly leave.
 LUMPED: style.Look = {"color": "0.25", "linestyle": (0.0, (1.0, 1.4)), "lw": 1.3}
 
+# Of the magnitude of a force, behind its components.
+MAGNITUDE: style.Look = {"color": "0.6", "lw": 2.2}
+
 TITLE = "Transmission angle over a turn of the crank"
 
 # Of two square panels beside each other, of three, and of four panels of angles, in inches: as high
@@ -72,7 +75,7 @@ def plot_kinematics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
 
 
 def plot_joint_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
-    """Draw both components of the force at each joint, by lumped masses too where there are.
+    """Draw the force at each joint, its magnitude and both components; by lumped masses too if any.
 
     Parameters
     ----------
@@ -91,11 +94,16 @@ def plot_joint_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
     factor, unit = reading.fitting_unit(dataset["joint_force"].values, reading.FORCE_UNITS)
     with sheet(angle_panels.angle_layout([1] * len(joints)), ax=ax) as drawn:
         handles = style.series_handles(f"along {name}" for name in components)
+        handles.append(style.line_handle("magnitude", **MAGNITUDE))
         title = f"Joint forces at {reading.drive_text(dataset)}"
         drawn.header([*handles, *_lumped_handle(dataset)], title, of=dataset)
         for axes, joint in zip(drawn.panels, joints, strict=True):
             axes.set_title(reading.joint_title(dataset, joint))
             scales.zero_line(axes)
+            own = reading.values_of(
+                dataset["joint_force"].sel(joint=joint), "crank_angle", "component"
+            )
+            axes.plot(angles, factor * np.linalg.norm(own, axis=-1), **MAGNITUDE, zorder=1.5)
             for number, component in enumerate(components):
                 there = dataset.sel(joint=joint, component=component)
                 angle_panels.draw_line(axes, angles, factor * there["joint_force"].values, number)

@@ -21,10 +21,13 @@ from flexmech.plots.layout import AxesLike, Layout, height_of, round_length, she
 from flexmech.plots.reading import degrees, names_of, values_of
 from flexmech.plots.style import LABEL_POINTS, Look, line_handle, series_style
 
-# Least and greatest height of the posture, and height of a row below it, in inches: with the legend
-# two thirds of a page.
+# Least and greatest height of the posture above the rest, and height of a row below it, in inches:
+# with the legend two thirds of a page. Greatest height of a posture beside the rest.
 POSTURE_HEIGHT = (1.7, 3.4)
+HIGH_POSTURE = 4.4
 ROW_HEIGHT = 2.2
+# Of a panel's heading in inches.
+HEADING = 0.25
 # What the numbers along the transmission angle take of the width.
 AXIS_INCHES = 0.6
 # Room below for the scale bar with its words, over the height.
@@ -49,6 +52,8 @@ LINE_INCHES = 0.13
 # Of the panel of sections: share of the width that sections have, the rest is for words; and height
 # of the scale bar with its own.
 DRAWN, BAR_INCHES = 0.42, 0.32
+# Share of the width that sections have beside a posture: their words need a third of a page.
+BESIDE = 0.36
 # More layers than these are told by their greys alone: edges would fill them.
 MOST_EDGES = 60
 
@@ -75,9 +80,11 @@ def plot_mechanism(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     sketch = LinkageSketch.of(dataset, mass_color=MASS_COLOR)
     sketch = replace(sketch, around=_places(sketch, dataset))
     limits = _limits(sketch)
-    stacks = _Stacks.of(dataset.assign(grey=_greys(dataset)))
     turns = "transmission_angle" in dataset
-    with sheet(_layout(limits, stacks.height, turns), ax=ax) as drawn:
+    beside = _stands_beside(limits, turns)
+    stacks = _Stacks.of(dataset.assign(grey=_greys(dataset)), BESIDE if beside else 1 / 2)
+    make = _beside if beside else _above
+    with sheet(make(limits, stacks.height, turns), ax=ax) as drawn:
         drawn.header(_handles(dataset, sketch), of=dataset)
         posture, sections, *rest = drawn.panels
         angle = np.degrees(dataset["posture_angle"].item())
@@ -111,13 +118,23 @@ def _limits(sketch: LinkageSketch) -> Bbox:
     return Bbox.from_extents(limits.x0, low, limits.x1, limits.y1)
 
 
-def _layout(limits: Bbox, sections: float, turns: bool) -> Layout:
-    """The posture above, what else there is below it: side by side, or stacked if narrow."""
-    wide = style.figure_width()
+def _stands_beside(limits: Bbox, turns: bool) -> bool:
+    """Whether the rest stands to the right of the posture, and not below it.
+
+    A posture that is not flat would leave the page empty on both sides of it, and the sections
+    alone half of the page below it. On a narrow page all of it stands under each other.
+    """
+    highest = POSTURE_HEIGHT[1]
+    flat = height_of(limits, style.figure_width(), 0.0, highest) < highest
+    return not style.is_narrow() and not (turns and flat)
+
+
+def _above(limits: Bbox, sections: float, turns: bool) -> Layout:
+    """The posture above what else there is."""
     # In one column the posture stands over the axis of the transmission angle.
     beside = AXIS_INCHES if turns and style.is_narrow() else 0.1
-    posture = height_of(limits, wide - beside, *POSTURE_HEIGHT) + 0.25
-    below = [sections + 0.25] + [ROW_HEIGHT] * turns
+    posture = height_of(limits, style.figure_width() - beside, *POSTURE_HEIGHT) + HEADING
+    below = [sections + HEADING] + [ROW_HEIGHT] * turns
     rows = [posture, *below] if style.is_narrow() else [posture, max(below)]
     columns = 1 if style.is_narrow() else len(below)
 
@@ -128,6 +145,21 @@ def _layout(limits: Bbox, sections: float, turns: bool) -> Layout:
         return [first, *(figure.add_subplot(cells[1 + row, place]) for row, place in places)]
 
     return Layout(1 + len(below), sum(rows), make)
+
+
+def _beside(limits: Bbox, sections: float, turns: bool) -> Layout:
+    """The posture, and to the right of it the sections over the transmission angle."""
+    width = (1 - BESIDE) * style.figure_width() - 0.1
+    posture = height_of(limits, width, POSTURE_HEIGHT[0], HIGH_POSTURE) + HEADING
+    rows = [sections + HEADING] + [ROW_HEIGHT + HEADING] * turns
+
+    def make(figure: Figure) -> list[Axes]:
+        widths = [1 - BESIDE, BESIDE]
+        cells = figure.add_gridspec(len(rows), 2, width_ratios=widths, height_ratios=rows)
+        first = figure.add_subplot(cells[:, 0])
+        return [first, *(figure.add_subplot(cells[row, 1]) for row in range(len(rows)))]
+
+    return Layout(1 + len(rows), max(posture, sum(rows)), make)
 
 
 def _handles(dataset: xr.Dataset, sketch: LinkageSketch) -> list[Artist]:
@@ -237,11 +269,9 @@ class _Stacks:
     rows: list[_Row]
 
     @classmethod
-    def of(cls, dataset: xr.Dataset) -> _Stacks:
-        """Fit the sections of a dataset into a panel."""
-        wide = style.figure_width() - 0.5
-        if not style.is_narrow() and "transmission_angle" in dataset:
-            wide /= 2
+    def of(cls, dataset: xr.Dataset, share: float) -> _Stacks:
+        """Fit the sections of a dataset into a panel of a share of a wide page."""
+        wide = (style.figure_width() - 0.5) * (1.0 if style.is_narrow() else share)
         letters = int(wide * (1 - DRAWN) * 72 / (0.62 * LABEL_POINTS))
         thick = np.isfinite(dataset["in_plane_thickness"].values)
         names = [
@@ -306,7 +336,7 @@ def _draw_sections(axes: Axes, stacks: _Stacks) -> None:
     across, top = stacks.width * stacks.scale, stacks.height * stacks.scale
     axes.set(xlim=(0.0, across), ylim=(0.0, top), aspect="equal", anchor="NW")
     axes.set_axis_off()
-    axes.set_title("Sections, the plane's thickness upward")
+    axes.set_title("Sections, in-plane thickness up")
     widths = [row.width if np.isfinite(row.width) else DRAWN * across for row in stacks.rows]
     beside = max(widths, default=0.0) + 0.04 * across
     for row, height in zip(stacks.rows, stacks.heights(), strict=True):

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.plots.layout import Layout, Sheet, grid
 from flexmech.plots.reading import speed_unit, speeds_of
-from flexmech.plots.style import LIGHT_GREY, few_points
+from flexmech.plots.style import LIGHT_GREY, few_points, is_narrow
 from flexmech.units import from_si
 
 DEGREE_STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 90.0, 180.0, 360.0)
@@ -27,8 +27,9 @@ allowed: below it one would look at that."""
 # below them, and as much above.
 HALF_AXIS = 0.58
 
-# Of a panel over time in inches: four of them and their axes fit half a page.
-TIME_PANEL_HEIGHT = 1.12
+# Of a panel over time in inches: four of them and their axes fit half a page, seven a page. Of two
+# columns, whose last row may stand between those above, with numbers on either side.
+TIME_PANEL_HEIGHT, MOST_OF_A_PAGE, TIME_ROW_HEIGHT = 1.11, 7, 1.25
 # What the axes of time and of crank angle take, in inches: letters of their numbers and words.
 TIME_AXES_HEIGHT = 0.85
 
@@ -146,6 +147,31 @@ def log_scale(axes: Axes, low: float, high: float, *, plain: bool = False) -> No
         axes.yaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:g}"))
 
 
+def signed_log_scale(axes: Axes, values: ArrayLike, decades: float) -> None:
+    """Make the y axis logarithmic on either side of zero, and linear between the least decades.
+
+    Parameters
+    ----------
+    axes : Axes
+    values : array_like
+        All that the axis shall hold; not a number is left out.
+    decades : float
+        Below the greatest size at which the axis becomes linear.
+    """
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    top = float(np.floor(np.log10(max(high, -low) or 1.0)))
+    linear = 10.0 ** (top - decades)
+    # Of values of one sign the other side is left out, but for the linear part.
+    ends = (-linear if -low < linear else 2 * low), (linear if high < linear else 2 * high)
+    axes.set_yscale("symlog", linthresh=linear, linscale=0.5)
+    axes.set_ylim(*ends)
+    # Every other decade from the greatest down, the least of which keeps away from zero.
+    sizes = 10.0 ** np.arange(top, top - decades + 0.5, -2.0)
+    ticks = np.concatenate([-sizes, [0.0], sizes[::-1]])
+    axes.set_yticks(ticks[(ticks >= ends[0]) & (ticks <= ends[1])])
+    axes.yaxis.set_minor_locator(ticker.NullLocator())
+
+
 def log_limits(values: ArrayLike, decades: float) -> tuple[float, float]:
     """Limits of a logarithmic axis for amplitudes, at most so many decades below the greatest.
 
@@ -212,8 +238,16 @@ def second_speed_axis(axes: Axes, dataset: xr.Dataset) -> None:
 
 
 def time_layout(count: int) -> Layout:
-    """A stack of panels over time, with the axes below and on top."""
-    return grid(count, 1, max(count * TIME_PANEL_HEIGHT, 2.2) + TIME_AXES_HEIGHT, sharex=True)
+    """A stack of panels over time, or two where a page does not hold it, with axes at both ends."""
+    columns = _time_columns(count)
+    rows = -(-count // columns)
+    panel = TIME_PANEL_HEIGHT if columns == 1 else TIME_ROW_HEIGHT
+    height = max(rows * panel, 2.2) + TIME_AXES_HEIGHT
+    return grid(rows, columns, height, count=count, sharex=True)
+
+
+def _time_columns(count: int) -> int:
+    return 2 if count > MOST_OF_A_PAGE and not is_narrow() else 1
 
 
 def label_times(drawn: Sheet, dataset: xr.Dataset) -> None:
@@ -228,9 +262,10 @@ def label_times(drawn: Sheet, dataset: xr.Dataset) -> None:
     time = dataset["time"].values.astype(float)
     for axes in drawn.panels:
         axes.set_xlim(float(time[0]), float(time[-1]))
-    turns = angle_axis(drawn.panels[0], dataset)
+    columns = _time_columns(len(drawn.panels)) if drawn.is_new else 1
+    turns = [angle_axis(axes, dataset) for axes in drawn.panels[:columns]]
     for axes in drawn.panels:
-        for place in turns:
+        for place in turns[0]:
             axes.axvline(place, color=LIGHT_GREY, lw=0.6, zorder=0)
     drawn.label_x("Time (s)")
 

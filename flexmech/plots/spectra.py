@@ -37,6 +37,8 @@ NAME_ROOM = 0.09
 
 DECIBELS = 60.0
 """Levels this far below the maximum are drawn as the darkest."""
+# Levels this far below the maximum are told from the darkest at a glance; higher up is left out.
+SEEN = 40.0
 # White with a dark rim is seen on any colour, and the ridges between the dashes.
 RIM = [effects.Stroke(linewidth=2.0, foreground="black", alpha=0.6), effects.Normal()]
 PREDICTION: Look = {"color": "white", "lw": 0.8, "ls": (0.0, (4.0, 5.0)), "path_effects": RIM}
@@ -121,7 +123,7 @@ def plot_spectrogram(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
             mesh = _draw_levels(axes, first["spectrogram"].sel(link=link))
             predicted = reading.values_of(first["natural_frequency"], "window_time", "mode")
             axes.plot(time, predicted, **PREDICTION, marker="." if time.size == 1 else "")
-            axes.set_ylim(0.0, _highest_frequency(dataset, "window_frequency"))
+            axes.set_ylim(0.0, _highest_seen(first, links))
             scales.plain_numbers(axes)
             _name_lines(axes, predicted[-1], reading.names_of(dataset, "mode"))
             axes.set_ylabel(f"{reading.link_label(dataset, link)}\nfrequency (Hz)")
@@ -179,6 +181,21 @@ def _highest_frequency(dataset: xr.Dataset, name: str) -> float:
     if "natural_frequency" not in dataset:
         return end
     return min(end, REACH * float(dataset["natural_frequency"].max()))
+
+
+def _highest_seen(dataset: xr.Dataset, links: list[str]) -> float:
+    """Highest frequency of a spectrogram in Hz: above it nothing stands out from the dark.
+
+    The lowest natural frequency is seen in any case, though nothing may vibrate at it.
+    """
+    most = _highest_frequency(dataset, "window_frequency")
+    levels = dataset["spectrogram"].sel(link=links)
+    bright = levels > 10.0 ** (-SEEN / 20) * levels.max(("window_time", "window_frequency"))
+    seen = bright.any(("window_time", "link")).values
+    top = float(dataset["window_frequency"].values[seen].max()) if seen.any() else 0.0
+    if "natural_frequency" in dataset:
+        top = max(top, float(dataset["natural_frequency"].isel(mode=0).max()))
+    return min(most, REACH * top) if top else most
 
 
 def _bands(dataset: xr.Dataset) -> dict[int, tuple[float, float]]:

@@ -28,7 +28,8 @@ KINDS = {
     "principal": ("twice a frequency", ""),
     "sum": ("sum of two frequencies", ""),
     "difference": ("difference of two", "...."),
-    "unnamed": ("unnamed band", "xxxx"),
+    "divergence": ("divergence", "||||"),
+    "unnamed": ("unnamed band", "xx"),
 }
 GAP: Look = {"facecolor": "0.94", "edgecolor": "0.7", "hatch": "////", "lw": 0}
 NOTHING = "this map has no Floquet multipliers: there is no equilibrium at any speed"
@@ -76,7 +77,7 @@ class UnstableBand(NamedTuple):
     growth : float
         Largest growth rate in 1/s.
     kind : str
-        What meets there: ``"principal"``, ``"sum"``, ``"difference"`` or ``"unnamed"``.
+        What meets there: one of :data:`KINDS`.
     name : str
         The same as an equation, such as "f₁+f₃ = 11f" with f of the crank.
     """
@@ -110,7 +111,10 @@ def unstable_bands(dataset: xr.Dataset) -> list[UnstableBand]:
 
 
 def growth_curve(dataset: xr.Dataset, engine: int = 0) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Growth rate and largest modulus over crank speed, with closed edges and peaks of bands.
+    """Growth rate and largest modulus over crank speed, wherever they are known.
+
+    That is at the speeds asked for, at those between that were solved for, and at closed edges
+    and peaks of bands.
 
     Parameters
     ----------
@@ -125,7 +129,9 @@ def growth_curve(dataset: xr.Dataset, engine: int = 0) -> tuple[FloatArray, Floa
     """
     own = dataset.isel(engine=engine)
     bands = dataset.isel(band=np.flatnonzero(dataset["band_engine"] == own["engine"]))
-    speed, rate = [own["crank_speed"].values], [own["growth_rate"].values]
+    curve = dataset.isel(curve=np.flatnonzero(dataset["curve_engine"] == own["engine"]))
+    speed = [own["crank_speed"].values, curve["curve_speed"].values]
+    rate = [own["growth_rate"].values, curve["curve_growth_rate"].values]
     for end in ("lower", "upper"):
         closed = ~bands[f"band_{end}_open"].values
         speed.append(bands[f"band_{end}"].values[closed])
@@ -209,8 +215,8 @@ def _look(kind: str) -> Look:
 def _name(band: xr.Dataset) -> str:
     """What meets, such as "f₁+f₃ = 11f" with f of the crank."""
     kind, branches = str(band["band_kind"].item()), str(band["band_branches"].item()).split()
-    if kind == "unnamed" or not branches:
-        return "?"
+    if not branches:
+        return kind if kind == "divergence" else "?"
     one, other = (f"f{subscripts(branch)}" for branch in (branches[0], branches[-1]))
     order = int(band["band_order"])
     if kind == "principal":
@@ -224,8 +230,9 @@ def plot_stability(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
 
     Shaded are the unstable bands of the first engine, each with what meets there: f₁ and f₃ are
     Floquet frequencies, f is the crank's. Hatched are speeds without equilibrium. The curve runs
-    through the speeds asked for and through edges and fastest speed of each band. Of further
-    engines the curves alone are drawn.
+    through the speeds asked for, which are marked where they are few, through those between
+    that were solved for, and through edges and fastest speed of each band. Of further engines the
+    curves alone are drawn.
 
     Parameters
     ----------
@@ -258,6 +265,8 @@ def plot_stability(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
         for number in range(dataset.sizes["engine"]):
             speed, rate, size = growth_curve(dataset, number)
             look = series_line(number, dataset["crank_speed"].values)
+            # Those asked for are marked.
+            look["markevery"] = np.isin(speed, speeds_of(dataset)).nonzero()[0].tolist()
             growth.plot(speed, rate, **look, zorder=3)
             modulus.plot(speed, size, **look, zorder=3)
         growth.axhline(0.0, **ZERO)

@@ -28,7 +28,9 @@ from flexmech.linear_system import (
     LESS_LOADED,
     LOAD_STEPS,
     MAX_ITERATIONS,
+    BucklingError,
     DeadMoments,
+    EquilibriumError,
     LinkFrames,
     LinkMatrix,
     RigidGeometricStiffness,
@@ -360,6 +362,7 @@ class Equilibrium:
             np.any(factors[:, 0] <= 0, axis=0),
             "the linkage buckles under its loads",
             f": the tangent stiffness is not positive; {LESS_LOADED} or stiffen the links",
+            BucklingError,
         )
 
     def _refuse_divergence(self, motion: RigidMotion, state: State) -> None:
@@ -373,4 +376,5 @@ class Equilibrium:
             "no quasi-static equilibrium",
             f": Newton's method left {worst:.3g} N out of balance, even in {LOAD_STEPS[-1]} load "
             f"steps; {LESS_LOADED}, or use prestress 'axial'",
+            EquilibriumError,
         )

@@ -1,56 +1,72 @@
-"""What a designer wants first: speeds to avoid, frequencies, deflection, and how sure that is."""
+"""What a designer wants first, in four cards: speeds to avoid, bending, joint forces, torque."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from itertools import pairwise
-
-import numpy as np
+from dataclasses import dataclass, replace
 
 from flexmech.analyses import (
     CampbellDiagram,
+    Kinematics,
     MovingFrequencies,
     Response,
-    RunningHammerTest,
+    Result,
     StabilityMap,
     Summary,
 )
-from flexmech.analyses.frequencies.extremes import known_error
-from flexmech.plots.campbell import critical_stretches
-from flexmech.plots.reading import merged, names_of
-from flexmech.report.panels.frequencies import in_each_state
-from flexmech.report.results import Results, speed_name, speed_unit_of, state_of, with_error
-from flexmech.units import from_si
+from flexmech.analyses.digits import Quantity
+from flexmech.analyses.response.answer import stress_words, yielding
+from flexmech.report.results import Results, speed_name, speed_unit_of
+from flexmech.studies import DesignSweep, Optimum, Uncertainty
 
-# Orders that are told one by one: higher ones excite little.
-LOWEST_ORDERS = 3
-Ranges = list[tuple[float, float]]
+# A run at the operating speed is at it but for what its unit rounds.
+_SAME_SPEED = 1e-6
 
 
 @dataclass(frozen=True)
-class Answer:
-    """A question and its answer.
+class Card:
+    """A question, its number, where that is, and what it means at the operating speed.
 
     Parameters
     ----------
     question : str
+    value : str
+        In large letters; a dash where nothing was computed.
+    place : str
+        What the number is of; may be empty.
     lines : tuple of str
+        The verdict against the operating speed, and what must be seen with it.
+    further : tuple of str
+        Further sentences, which a narrow screen folds.
     """
 
     question: str
+    value: str
+    place: str
     lines: tuple[str, ...]
+    further: tuple[str, ...] = ()
 
 
-def answers(results: Results) -> list[Answer]:
-    """Answers to the questions that there are results for."""
-    found = [
-        Answer("Which crank speeds to avoid", _speeds_to_avoid(results)),
-        Answer("Where the linkage shakes itself up", _growth(results)),
-        Answer("Natural frequencies", _frequencies(results)),
-        Answer("Deflection", _deflection(results)),
-        Answer("How sure is that", _trust(results)),
-    ]
-    return [each for each in found if each.lines]
+def cards(results: Results) -> tuple[Card, ...]:
+    """The four cards of a report.
+
+    Parameters
+    ----------
+    results : Results
+
+    Returns
+    -------
+    tuple of Card
+        Each of a question that no result answers says which command does. None of a study of
+        designs alone, whose answer is another.
+    """
+    shown = (
+        _critical_speeds(results),
+        _bending(results),
+        _load(results, "Joint forces", "peak_joint_force", "greatest force of"),
+        _load(results, "Driving torque", "peak_driving_torque", "greatest torque of the shaft"),
+    )
+    studied = all(isinstance(each, DesignSweep | Uncertainty | Optimum) for each in results.all)
+    return () if studied else shown
 
 
 def report_summary(results: Results) -> Summary:
@@ -64,127 +80,144 @@ def report_summary(results: Results) -> Summary:
     -------
     Summary
     """
-    lines = [f"{one.question.lower()}: {line}" for one in answers(results) for line in one.lines]
-    warnings = [warning for each in results.all for warning in each.summary().warnings]
-    return Summary(tuple(lines), warnings=tuple(dict.fromkeys(warnings)))
+    shown = cards(results)
+    answer = tuple(
+        f"{card.question}: {' '.join(filter(None, (card.value, card.place)))}. "
+        f"{' '.join((*card.lines, *card.further))}".rstrip()
+        for card in shown
+        if card.value != _NOTHING
+    )
+    said = [each.summary() for each in results.all]
+    details = tuple(
+        f"{each.title}: {line}"
+        for each, one in zip(results.all, said, strict=True)
+        for line in (*one.answer, one.trust)
+        if line
+    )
+    return Summary(
+        answer or details[:1],
+        trust=trust(results),
+        details=details,
+        warnings=tuple(dict.fromkeys(warning for one in said for warning in one.warnings)),
+        numbers=tuple(number for one in said for number in one.numbers),
+    )
 
 
-def _speeds_to_avoid(results: Results) -> tuple[str, ...]:
-    """Speeds at which the lowest orders meet a branch, and where no order does."""
-    result = results.first(CampbellDiagram)
-    if result is None:
-        return ()
-    data, unit = result.dataset, speed_unit_of(results)
-    stretches = critical_stretches(data)
-    orders = sorted({order for order, *_ in stretches})
-    low, high = (float(each) for each in data["crank_speed"].values[[0, -1]])
-    within = f"{from_si(low, unit):.4g} to {from_si(high, unit):.4g} {unit}"
-    computed = data["order"].values
-    considered = f"orders {int(computed.min())} to {int(computed.max())} of the crank"
-    if not orders:
-        return (f"none from {within}: no frequency is met by {considered}",)
-    every = merged((start, end) for _, (start, end), _ in stretches)
-    lines = [f"avoid {_listed(every, (low, high), unit)}: there {considered} meet a frequency"]
-    lines += _at_chosen_speeds(results, every, unit)
-    for order in orders[:LOWEST_ORDERS]:
-        own = merged((start, end) for one, (start, end), _ in stretches if one == order)
-        lines.append(f"order {order}: {_listed(own, (low, high), unit)}")
-    if not _between(every, low, high):
-        lines.append(f"no speed from {within} is free of {considered}")
-    return tuple(lines)
+def trust(results: Results) -> str:
+    """How far the results of the cards are known, each in its own words.
+
+    Parameters
+    ----------
+    results : Results
+
+    Returns
+    -------
+    str
+    """
+    found = [
+        f"{result.subject}: {result.summary().trust}"
+        for kind in (CampbellDiagram, MovingFrequencies, Response)
+        if (result := results.first(kind)) is not None
+    ]
+    return ". ".join(line[:1].upper() + line[1:] for line in found)
 
 
-def _at_chosen_speeds(results: Results, every: Ranges, unit: str) -> list[str]:
-    """Whether the speeds of the frequencies and runs are critical."""
-    speeds = {float(run.dataset.attrs["crank_speed"]) for run in results.of_kind(Response)}
-    for each in results.of_kind(MovingFrequencies):
-        speeds |= set(each.dataset["crank_speed"].values.tolist())
-    names: dict[bool, list[str]] = {True: [], False: []}
-    for speed in sorted(speeds - {0.0}):
-        names[any(low <= speed <= high for low, high in every)].append(speed_name(speed, unit))
-    words = {True: "critical among the speeds shown", False: "not critical"}
-    return [f"{words[met]}: {', '.join(found)}" for met, found in names.items() if found]
+_NOTHING = "-"
 
 
-def _between(ranges: Ranges, low: float, high: float) -> Ranges:
-    """What ranges that do not overlap leave of a range."""
-    edges = [low, *(end for pair in ranges for end in pair), high]
-    gaps = list(pairwise(edges))[::2]
-    return [(a, b) for a, b in gaps if b - a > 1e-3 * (high - low)]
+def _missing(question: str, command: str) -> Card:
+    return Card(question, _NOTHING, "", (f"Nothing was computed: flexmech {command} tells it.",))
 
 
-def _listed(ranges: Ranges, within: tuple[float, float], unit: str) -> str:
-    """Ranges in words; those that reach the end of what was computed may go on beyond it."""
-    texts = []
-    for low, high in ranges:
-        beyond = " or more" if high >= within[1] else ""
-        ends = dict.fromkeys(f"{from_si(end, unit):.4g}" for end in (low, high))
-        texts.append(f"{' to '.join(ends)}{beyond}")
-    return f"{', '.join(texts)} {unit}"
-
-
-def _growth(results: Results) -> tuple[str, ...]:
-    """Unstable bands of crank speeds, in sentences."""
-    result = results.first(StabilityMap)
-    if result is None:
-        return ()
-    told = (line for line in result.summary().lines if line.startswith("avoid"))
-    return tuple(line.removeprefix("avoid: ") for line in told)
-
-
-def _frequencies(results: Results) -> tuple[str, ...]:
-    """Lowest and highest frequency over crank angles and speeds, in each state."""
-    result = results.first(MovingFrequencies)
-    if result is None:
-        return ()
-    lines, unit = [], speed_unit_of(results)
-    states = in_each_state(result)
-    for state, data in states.items():
-        of = f"{state}: " if len(states) > 1 else ""
-        extremes, error = MovingFrequencies(data).extremes(), known_error(data)
-        for which, chosen in (("lowest", np.argmin), ("highest", np.argmax)):
-            values = extremes[which].isel(engine=0)
-            at = np.unravel_index(int(chosen(values.values)), values.shape)
-            place = dict(zip(values.dims, at, strict=True))
-            value = float(values.isel(place))
-            angle = np.degrees(float(extremes[f"{which}_angle"].isel(engine=0).isel(place)))
-            relative = float(error.isel(engine=0).isel(place))
-            speed = float(values["crank_speed"][place["crank_speed"]])
-            mode = int(values["mode"][place["mode"]])
-            lines.append(
-                f"{of}{which} of {data.sizes['mode']} modes {with_error(value, value * relative)} "
-                f"Hz: mode {mode}, {speed_name(speed, unit)}, {angle:.0f} deg"
-            )
-    return tuple(lines)
-
-
-def _deflection(results: Results) -> tuple[str, ...]:
-    """Greatest deflection of every run, and greatest joint force."""
-    lines, unit = [], speed_unit_of(results)
-    for run in results.of_kind(Response):
-        data, peaks = run.dataset, run.peaks().isel(engine=0)
-        engine = names_of(data, "engine")[0]
-        link = str(peaks["deflection"].idxmax("link").item())
-        value = 1e3 * float(peaks["deflection"].max())
-        error = run.errors()["peak_deflection"].sel(engine=engine, link=link)
-        known = with_error(value, value * float(error))
-        joint = str(peaks["joint_force"].idxmax("joint").item())
-        force = float(peaks["joint_force"].max())
-        state = state_of(data.attrs)
-        where = speed_name(float(data.attrs["crank_speed"]), unit)
-        lines.append(
-            f"{where}{'' if state == 'dry' else f', {state}'}: at most {known} mm ({link}); "
-            f"greatest joint force {force:.4g} N ({joint})"
+def _critical_speeds(results: Results) -> Card:
+    """Whether orders meet a frequency at the operating speed, and what shakes itself up."""
+    question = "Critical speeds"
+    found = results.first(CampbellDiagram) or results.first(MovingFrequencies)
+    grown = results.first(StabilityMap)
+    growth = () if grown is None else grown.summary().answer
+    if found is None:
+        missing = _missing(question, "campbell")
+        return replace(missing, lines=(*growth, *missing.lines))
+    said = found.summary()
+    lines, further = [*said.answer[:1], *growth], said.answer[1:]
+    if isinstance(found, MovingFrequencies):
+        lines.append("flexmech campbell tells which crank speeds to avoid.")
+        lowest = min(
+            (one for one in said.numbers if one.name == "lowest_frequency"),
+            key=lambda one: one.value,
         )
-    return tuple(lines)
+        place = f"lowest frequency, {lowest.of}"
+        return Card(question, str(lowest), place, tuple(lines), further)
+    starts = [one for one in said.numbers if one.name == "critical_speed_from"]
+    if not starts:
+        return Card(question, "none", "among the speeds computed", tuple(lines), further)
+    lowest = min(starts, key=lambda one: abs(one.value))
+    place = f"the lowest, of {lowest.of}"
+    return Card(question, f"from {lowest}", place, tuple(lines), further)
 
 
-def _trust(results: Results) -> tuple[str, ...]:
-    """What each result says of its engines, and what limits it."""
-    lines = []
-    for kind in (MovingFrequencies, CampbellDiagram, StabilityMap, RunningHammerTest, Response):
-        for result in results.of_kind(kind):
-            said = result.summary()
-            subject = result.subject[:1].upper() + result.subject[1:]
-            lines.append(f"{subject}: {said.verdict.removeprefix('engines: ')}")
-    return tuple(dict.fromkeys(lines))
+def _bending(results: Results) -> Card:
+    """Greatest deflection of the run that bends most, and the greatest stress."""
+    question, found = "Deflection and stress", _greatest(results, "peak_deflection")
+    if found is None:
+        return _missing(question, "response")
+    run, deflection = found
+    lines = [_verdict(run, results)]
+    if (stressed := _greatest(results, "peak_stress")) is not None:
+        strained, stress = stressed
+        words = stress_words(strained.dataset, stress)
+        lines.append(f"{words[:1].upper()}{words[1:]}.")
+        lines += [f"{line[:1].upper()}{line[1:]}." for line in yielding(strained.dataset)]
+    place = f"greatest of the {deflection.of}"
+    return Card(question, str(deflection), place, tuple(lines), _others(run, deflection))
+
+
+def _load(results: Results, question: str, name: str, words: str) -> Card:
+    """A greatest load, of elastic links if they ran, else of rigid ones."""
+    found = _greatest(results, name)
+    if found is None:
+        return _missing(question, "response")
+    run, load = found
+    links = "of elastic links" if isinstance(run, Response) else "of rigid links"
+    place = f"{words} {load.of}".rstrip()
+    verdict = (_verdict(run, results),)
+    return Card(question, str(load), f"{place}, {links}", verdict, _others(run, load))
+
+
+def _others(run: Result, greatest: Quantity) -> tuple[str, ...]:
+    """The same of the other links or joints of a run; nothing where there are none."""
+    named = [
+        f"{number.of} {number}"
+        for number in run.summary().numbers
+        if number.name == greatest.name and number.of != greatest.of
+    ]
+    return (f"The others: {', '.join(named)}.",) if named else ()
+
+
+def _greatest(results: Results, name: str) -> tuple[Result, Quantity] | None:
+    """The greatest number of a name and the run that has it; elastic runs come first."""
+    for kind in (Response, Kinematics):
+        found = [
+            (run, number)
+            for run in results.of_kind(kind)
+            for number in run.summary().numbers
+            if number.name == name
+        ]
+        if found:
+            return max(found, key=lambda pair: pair[1].value)
+    return None
+
+
+def _verdict(run: Result, results: Results) -> str:
+    """At which speed a run is, and whether the model file says that the linkage runs at it."""
+    speed, unit = float(run.dataset.attrs["crank_speed"]), speed_unit_of(results)
+    named = [float(each) for each in results.attribute("operating_speeds").split()]
+    where = f"At {speed_name(speed, unit)}"
+    if not named:
+        return f"{where}; the model file names no operating speed."
+    greatest = max(named, key=abs)
+    if abs(speed - greatest) <= _SAME_SPEED * abs(greatest):
+        return f"{where}, the greatest operating speed."
+    if any(abs(speed - each) <= _SAME_SPEED * abs(each) for each in named):
+        return f"{where}, an operating speed; the greatest is {speed_name(greatest, unit)}."
+    return f"{where}; the operating speed is {speed_name(greatest, unit)}."

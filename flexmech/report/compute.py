@@ -3,32 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from flexmech import analyses, choices, linkages
 from flexmech.analyses.campbell import compute as campbell_analysis
+from flexmech.analyses.crank_speeds import CAMPBELL, asked_speeds, in_unit, rad_per_s
+from flexmech.analyses.frequencies.compute import MAP_ANGLES
 from flexmech.analyses.frequencies.request import operating_speeds
 from flexmech.analyses.kinematics import compute as kinematics_analysis
-from flexmech.analyses.remarks import environment_lines
-from flexmech.analyses.requests import engine_of
+from flexmech.analyses.requests import Engines, engine_of
 from flexmech.analyses.response import compute as response_analysis
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.errors import InputError
-from flexmech.hygrothermal import Environment, Exposure, absorbing_links, mechanism_in_state
+from flexmech.hygrothermal import Environment, Exposure, absorbing_links
 from flexmech.linear_system import Engine
 from flexmech.mechanism import Mechanism
 from flexmech.report.results import Results
 from flexmech.validation import check_choice, check_count, check_instance, checked_tuple
 
-# The Campbell diagram goes beyond the greatest speed asked for by this factor: what a machine that
-# is made faster meets next.
-BEYOND = 2.0
 # As many as make a smooth band; between angles of the map a line is straight to the eye.
 CAMPBELL_SPEEDS = 13
-# As the commands frequencies and coupler-curve have them by default.
-MAP_ANGLES = np.radians(np.arange(0.0, 361.0, 5.0))
+# As the command coupler-curve has them by default.
 PATH_ANGLES = np.radians(np.arange(0.0, 361.0))
 # Crank angles at which mode shapes are stored, every 5 deg of a turn, as the page holds them all,
 # and over which bands are taken, at most.
@@ -42,7 +39,7 @@ class ReportRequest:
     Parameters
     ----------
     crank_speeds : array_like, shape (S,), optional
-        rad/s. Left out: zero and the speeds at which the mechanism operates.
+        In ``speed_unit``. Left out: zero and the speeds at which the mechanism operates.
     crank_angles : array_like, shape (A,)
         Of the frequencies, increasing, in rad.
     include : tuple of str, optional
@@ -51,14 +48,15 @@ class ReportRequest:
         curve where it names a coupler point, moisture where the environment is an exposure that
         links answer.
     campbell_speeds : array_like, optional
-        rad/s. Left out: from zero to twice the greatest crank speed.
+        In ``speed_unit``. Left out: from zero to 1.5 times the greatest crank speed.
     modes : int, optional
         Natural frequencies. Left out: 4, or as many as there are.
     environment : HygrothermalState or Exposure, optional
         Heat and moisture: frequencies, responses and coupler curve are computed dry and in it,
         Campbell diagram and sections in it.
-    speed_unit : str
-        In which the report speaks of crank speeds.
+    speed_unit : str, optional
+        Unit of the crank speeds given, in which the report speaks of them. Left out: rad/s, and the
+        unit of the model file for speeds that are its own.
     tolerance : float, optional
         Relative error of the frequencies by the mesh; None keeps the engines' elements.
 
@@ -79,7 +77,7 @@ class ReportRequest:
     campbell_speeds: FloatArray | None = None
     modes: int | None = None
     environment: Environment | None = None
-    speed_unit: str = "rad/s"
+    speed_unit: str | None = None
     tolerance: float | None = choices.TOLERANCE
 
     def __post_init__(self) -> None:
@@ -92,17 +90,19 @@ class ReportRequest:
 
 
 def report_results(
-    engines: Sequence[Engine],
-    request: ReportRequest,
+    engines: Engines,
+    request: ReportRequest | None = None,
     progress: LabelledProgress | None = None,
 ) -> Results:
     """Compute what a report of a mechanism shows.
 
     Parameters
     ----------
-    engines : sequence of Engine
-        Frequencies are computed by all of them, the rest by the first one.
-    request : ReportRequest
+    engines : Engine, Mechanism or sequence of them
+        Frequencies are computed by all of them, the rest by the first one; of a mechanism the
+        reference engine is made.
+    request : ReportRequest, optional
+        Left out: all that the mechanism has, at its own speeds.
     progress : callable, optional
         Called as ``progress(label, done, total)``.
 
@@ -118,23 +118,34 @@ def report_results(
 
     Examples
     --------
-    >>> engine = flexmech.ReferenceEngine(flexmech.load_mechanism("models/aluminium_fourbar.toml"))
-    >>> results = flexmech.report_results([engine], flexmech.ReportRequest(include=("section",)))
+    >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
+    >>> results = flexmech.report_results(mechanism, flexmech.ReportRequest(include=("section",)))
     >>> [result.stem for result in results.all]
     ['check', 'sections']
     """
-    engines = [
+    given = (engines,) if isinstance(engines, Engine | Mechanism) else engines
+    found_engines = [
         engine_of(engine, elastic=False)
-        for engine in checked_tuple(engines, object, "engines", "give one engine or more in a list")
+        for engine in checked_tuple(given, object, "engines", "give one engine or more in a list")
     ]
-    if not engines:
+    if not found_engines:
         raise InputError("engines: a report needs one engine or more")
+    request = ReportRequest() if request is None else request
     check_instance(request, ReportRequest, "request", "give a flexmech.ReportRequest")
-    mechanism = engines[0].mechanism
-    asked = operating_speeds(mechanism) if request.crank_speeds is None else request.crank_speeds
-    speeds = np.atleast_1d(np.asarray(asked, dtype=float))
-    parts, making = _parts(mechanism, speeds, request), _Making(engines, speeds, request, progress)
-    found: list[analyses.Result] = [analyses.check_mechanism(engines[0])]
+    mechanism = found_engines[0].mechanism
+    asked, unit = asked_speeds(
+        request.crank_speeds, request.speed_unit, mechanism, operating_speeds
+    )
+    # What is computed is asked for in the unit in which the report speaks.
+    speeds, over = in_unit(asked, unit), request.campbell_speeds
+    if over is not None:
+        over = in_unit(rad_per_s(over, request.speed_unit, "campbell_speeds"), unit)
+    request = replace(request, speed_unit=unit, campbell_speeds=over)
+    parts, making = (
+        _parts(mechanism, speeds, request),
+        _Making(found_engines, speeds, request, progress),
+    )
+    found: list[analyses.Result] = [analyses.check_mechanism(found_engines[0])]
     makers: dict[choices.ReportPart, Callable[[], list[analyses.Result]]] = {
         "frequencies": making.frequencies,
         "campbell": making.campbell,
@@ -206,27 +217,23 @@ class _Making:
 
     def campbell(self) -> list[analyses.Result]:
         """Campbell diagram of the linkage as it is in the environment asked for."""
-        request, engine, lines = self.request, self.engines[0], list[str]()
+        request = self.request
         if request.campbell_speeds is None:
-            over = np.linspace(0.0, BEYOND * float(np.abs(self.speeds).max()), CAMPBELL_SPEEDS)
+            over = np.linspace(CAMPBELL.first, CAMPBELL.last, CAMPBELL_SPEEDS)
+            over = float(np.abs(self.speeds).max()) * over
         else:
             over = np.asarray(request.campbell_speeds, dtype=float)
-        if request.environment is not None:
-            lines = environment_lines(self.mechanism, request.environment)
-            swollen = mechanism_in_state(self.mechanism, request.environment)
-            engine = engine.with_(mechanism=swollen)
-        found = campbell_analysis.campbell(
-            engine,
-            over,
-            crank_angles=self._some_angles(MOST_CAMPBELL_ANGLES),
-            modes=request.modes,
-            speed_unit=request.speed_unit,
-            tolerance=request.tolerance,
-            progress=self.progress,
-        )
-        # In what state it is, as other results tell it.
         return [
-            analyses.CampbellDiagram(found.dataset.assign_attrs(environment_lines="\n".join(lines)))
+            campbell_analysis.campbell(
+                self.engines[0],
+                over,
+                crank_angles=self._some_angles(MOST_CAMPBELL_ANGLES),
+                modes=request.modes,
+                environment=request.environment,
+                speed_unit=request.speed_unit,
+                tolerance=request.tolerance,
+                progress=self.progress,
+            )
         ]
 
     def _some_angles(self, most: int) -> FloatArray:
@@ -242,7 +249,7 @@ class _Making:
             response_analysis.response(
                 self.engines[0],
                 analyses.ResponseRequest(
-                    linkages.CrankDrive(float(speed)),
+                    float(speed),
                     revolutions=1.0,
                     start="periodic",
                     modes=self.request.modes or choices.MODES,

@@ -23,6 +23,9 @@ ESCAPES = {
 # Where the bundle registers every kind of plot beyond lines and points, which its core has.
 REGISTERED = re.compile(r"\.register\(\[(?:[\w$]+\(\),){20,}[\w$]+\(\)\]\)")
 
+# Words that a column of a narrow screen does not hold.
+LONG = re.compile(r"\S{17,}")
+
 
 class Arrays:
     """Arrays of a page, each once; what shows them refers to them by number."""
@@ -60,6 +63,29 @@ def json_text(content: Any) -> str:
     """
     text = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return text.translate(ESCAPES)
+
+
+def breakable_markup(text: str) -> str:
+    """A text whose long words, as those of a layup, are broken after a stroke.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    str
+        HTML.
+
+    Examples
+    --------
+    >>> breakable_markup("crank: [U@45*2/U@-45*2/U*4]s at 20 rad/s")
+    'crank: [U@45*2/<wbr>U@-45*2/<wbr>U*4]s at 20 rad/s'
+    """
+    # As templates escape all else; it comes with jinja2.
+    from markupsafe import escape as escaped
+
+    return LONG.sub(lambda word: word[0].replace("/", "/<wbr>"), str(escaped(text)))
 
 
 def equation_markup(text: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from importlib import resources
@@ -15,13 +16,21 @@ from flexmech.analyses.netcdf import file_attributes
 from flexmech.errors import InputError
 from flexmech.files import given_path, write_whole
 from flexmech.mechanism import Mechanism
+from flexmech.modelfile import KINDS, template
 from flexmech.plots.style import SERIES_STYLES
-from flexmech.report.answers import answers
-from flexmech.report.embedding import Arrays, equation_markup, json_text, plotly_source
+from flexmech.report.answers import cards, trust
+from flexmech.report.embedding import (
+    Arrays,
+    breakable_markup,
+    equation_markup,
+    json_text,
+    plotly_source,
+)
 from flexmech.report.moving_linkage import mechanism_of, moving_linkage
 from flexmech.report.panel import Panel
 from flexmech.report.panels import panels_of
 from flexmech.report.results import Results
+from flexmech.report.tables import shown_tables
 from flexmech.units import ANGULAR_SPEED, parse_quantity
 
 if TYPE_CHECKING:
@@ -132,7 +141,8 @@ def _page(results: Results, mechanism: Mechanism | None, command_line: str) -> s
         .render(
             title=_title(results),
             source=results.attribute("source"),
-            answers=answers(results),
+            cards=cards(results),
+            trust=trust(results),
             panels=panels,
             choices=data["choices"],
             has_linkage=linkage is not None,
@@ -154,10 +164,15 @@ def _page(results: Results, mechanism: Mechanism | None, command_line: str) -> s
 
 
 def _title(results: Results) -> str:
-    """Name of the mechanism as it is dry: results in an environment add that to it."""
+    """Name of the mechanism as it is dry: results in an environment add that to it.
+
+    In place of a name that a template came with, and that nobody changed, that of the model file.
+    """
     name = min(
         (str(each.dataset.attrs.get("mechanism", "")) for each in results.all), key=len, default=""
     )
+    if name in {tomllib.loads(template(kind))["name"] for kind in KINDS}:
+        name = Path(results.attribute("model_file")).stem or name
     return name[:1].upper() + name[1:] or "Mechanism"
 
 
@@ -173,6 +188,8 @@ def _templates() -> Environment:
         lstrip_blocks=True,
     )
     made.filters["equation"] = equation_markup
+    made.filters["breakable"] = breakable_markup
+    made.filters["shown"] = shown_tables
     return made
 
 

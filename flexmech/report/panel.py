@@ -205,6 +205,8 @@ class Panel:
     title : str
     caption : str
         What is shown, in a sentence or two.
+    answer : tuple of str
+        What the result says first, above everything else.
     equation : str
         What was solved, as text.
     source : str
@@ -214,9 +216,11 @@ class Panel:
         Drawings that do not move: SVG, and what is to be seen in it.
     readings : tuple of Reading
     tables : tuple of Table
-        With their errors; the reader sorts them.
+        What the answer rests on; the reader sorts them.
+    folded : tuple of Table
+        Further ones, which the reader unfolds.
     lines : tuple of str
-        What else is to be said: errors, checks.
+        What else is to be said: errors, checks; the reader unfolds them with the equation.
     warnings : tuple of str
     thinned : tuple of str
         What was left out for the screen.
@@ -225,15 +229,27 @@ class Panel:
     name: str
     title: str
     caption: str
+    answer: tuple[str, ...] = ()
     equation: str = ""
     source: str = ""
     plots: tuple[Plot, ...] = ()
     drawings: tuple[tuple[str, str], ...] = ()
     readings: tuple[Reading, ...] = ()
     tables: tuple[Table, ...] = ()
+    folded: tuple[Table, ...] = ()
     lines: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     thinned: tuple[str, ...] = ()
+
+    @property
+    def details(self) -> str:
+        """What is folded, in words; empty if nothing is."""
+        folded = (
+            (any(any(table.groups) for table in self.folded), "tables"),
+            (self.equation, "equation"),
+            (any(self.lines), "errors and checks"),
+        )
+        return ", ".join(words for part, words in folded if part).capitalize()
 
 
 PanelMaker = Callable[[Results], Panel | None]
@@ -274,7 +290,7 @@ def panel_of(name: str, said: Summary | None = None, variant: str = "", /, **par
     name : str
         Of the panel, and of its table in the file.
     said : Summary, optional
-        Of the result: its lines, verdict, tables and warnings are the panel's.
+        Of the result: its answer, table and warnings are the panel's, and all else is folded.
     variant : str
         Which of several tables of words, where the panel has several.
 
@@ -287,9 +303,29 @@ def panel_of(name: str, said: Summary | None = None, variant: str = "", /, **par
     texts = {key: parts.pop(key) for key in set(parts) - set(Panel.__dataclass_fields__)}
     words = words | {"caption": words["caption"].format(**texts)}
     if said is not None:
-        lines = (*said.lines, said.verdict)
-        parts = {"tables": said.tables, "lines": lines, "warnings": said.warnings} | parts
+        own: dict[str, Any] = {
+            "answer": said.answer,
+            "tables": () if said.table is None else (said.table,),
+            "folded": tuple(part for part in said.details if not isinstance(part, str)),
+            "lines": further_lines(said),
+            "warnings": said.warnings,
+        }
+        parts = own | parts
     return Panel(name, **(words | parts))
+
+
+def further_lines(said: Summary) -> tuple[str, ...]:
+    """What a result says after its answer: how far it is known, and all else.
+
+    Parameters
+    ----------
+    said : Summary
+
+    Returns
+    -------
+    tuple of str
+    """
+    return tuple(line for line in said.lines if line not in said.answer)
 
 
 @cache

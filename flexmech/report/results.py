@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-import numpy as np
-
 from flexmech import analyses
 from flexmech.analyses.netcdf import read_netcdf, reported_as_damaged
 from flexmech.errors import InputError
 from flexmech.files import given_path
-from flexmech.studies import CompositeStudy
+from flexmech.studies import CompositeStudy, DesignSweep, Optimum, Uncertainty
 from flexmech.units import from_si
 from flexmech.validation import check_instance, checked_tuple
 
@@ -34,6 +31,9 @@ KINDS: tuple[type[analyses.Result], ...] = (
     analyses.SpeedSweep,
     analyses.CrankRockerSynthesis,
     CompositeStudy,
+    DesignSweep,
+    Uncertainty,
+    Optimum,
 )
 """All that can lie in a folder of results."""
 
@@ -43,8 +43,6 @@ EACH_STATE = ("frequencies.nc", "dry/frequencies.nc")
 
 Kind = TypeVar("Kind", bound=analyses.Result)
 
-# More decimals are below the solver's own tolerance.
-MOST_DECIMALS = 6
 DRY = "dry"
 
 
@@ -180,36 +178,3 @@ def state_of(attributes: Mapping[str, object]) -> str:
     first = str(attributes.get("environment_lines", "")).partition("\n")[0]
     _, told, state = first.partition("state: ")
     return state if told else DRY
-
-
-def decimals_of(error: float) -> int:
-    """Decimal places of a number that an error of it, rounded to one digit, leaves known."""
-    if not (math.isfinite(error) and error > 0):
-        return MOST_DECIMALS
-    one_digit = float(f"{error:.0e}")
-    return int(np.clip(-math.floor(math.log10(one_digit)), 0, MOST_DECIMALS))
-
-
-def with_error(value: float, error: float) -> str:
-    """A number with its error, each to the last place that is known.
-
-    Parameters
-    ----------
-    value, error : float
-        Both in one unit; an error that is not a number is not known, and not told.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> with_error(43.6131, 0.011)
-    '43.61 ± 0.01'
-    """
-    if not math.isfinite(error):
-        return f"{value:.4g}"
-    places = decimals_of(error)
-    if error < 10.0**-MOST_DECIMALS:
-        return f"{value:.{MOST_DECIMALS}g}"
-    return f"{value:.{places}f} ± {float(f'{error:.0e}'):.{places}f}"

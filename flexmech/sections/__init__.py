@@ -7,6 +7,7 @@ from flexmech.sections.damping import DampingTimes, SpecificDamping
 from flexmech.sections.free_edges import TWISTS
 from flexmech.sections.hygrothermal import HygrothermalProfile, swollen_section
 from flexmech.sections.laminate_section import LaminateSection
+from flexmech.sections.ply_stresses import SURFACES, residual_ply_stresses, unit_ply_stresses
 from flexmech.sections.shear_theories import WARPINGS, ThirdOrder, Zigzag
 from flexmech.sections.sheet_section import SheetSection
 from flexmech.sections.solid_section import SolidSection, solid_section
@@ -16,6 +17,7 @@ from flexmech.sections.stress_profile import SHEAR_THEORIES, LayerDirection
 __all__ = [
     "REDUCTIONS",
     "SHEAR_THEORIES",
+    "SURFACES",
     "TWISTS",
     "WARPINGS",
     "BeamSection",
@@ -30,8 +32,10 @@ __all__ = [
     "SpecificDamping",
     "ThirdOrder",
     "Zigzag",
+    "residual_ply_stresses",
     "sections_between_joints",
     "solid_section",
     "stiffened_section",
     "swollen_section",
+    "unit_ply_stresses",
 ]

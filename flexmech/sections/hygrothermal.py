@@ -8,6 +8,7 @@ linkage matter to a beam; the swelling of its width and thickness goes into its 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -140,18 +141,18 @@ def swollen_section(section: BeamSection, profile: HygrothermalProfile) -> Swoll
         return SwollenSection(section, 0.0, 0.0)
     dry = section.layers
     slices = [_Slice.of(*entry, profile) for entry in profile.slices(dry.laminate)]
-    free = _free_strains(slices, dry.reduction)
     grown = Laminate(tuple(s.swollen for s in slices))
+    free = free_strains(grown, np.stack([s.free_stress for s in slices]), dry.reduction)
     across = 1 + (free[0, 1] if dry.reduction == "narrow" else 0.0)
     soft = dry.resized(grown, across)
     if isinstance(soft, LaminateSection) and soft.twist == "held" and free[1, 2] and soft.twists:
-        free = _without_twist(free, soft)
+        free = without_twist(free, soft)
     elongation = float(free[0, 0])
     # Where nothing bends, the axis does not matter, and need not be found.
     if free[1, 0]:
         elongation += float(soft.neutral_axis * free[1, 0])
     packed = tuple(s.packed(across * (1 + elongation)) for s in slices)
-    wet = soft.resized(Laminate(packed), 1.0)
+    wet = soft.resized(replace(dry.laminate, layers=packed), 1.0)
     return SwollenSection(
         _changed(section, dry, wet, curvature=-float(free[1, 0])), elongation, _water(slices)
     )
@@ -203,15 +204,23 @@ class _Slice:
     @property
     def free_stress(self) -> FloatArray:
         """Stress x, z, xz in Pa that would keep the slice from straining, (3,)."""
-        # In the ply's axes the free strains shear nothing; stress turns as strain's dual.
-        stress = self.ply.reduced_stiffness @ np.array([*self.strain[:2], 0.0])
-        return np.asarray(self.swollen.strain_turn.T @ stress)
+        return keeping_stress(self.swollen, self.strain[:2])
 
 
-def _free_strains(slices: list[_Slice], reduction: Reduction) -> FloatArray:
-    """Strains x, z, xz at the mid-plane and their gradients in y, (2, 3), without loads."""
-    laminate = Laminate(tuple(s.swollen for s in slices))
-    stress = np.stack([s.free_stress for s in slices])
+def free_strains(laminate: Laminate, stress: FloatArray, reduction: Reduction) -> FloatArray:
+    """Strains x, z, xz at the mid-plane and their gradients in y that a stack takes without loads.
+
+    Parameters
+    ----------
+    laminate : Laminate
+    stress : ndarray, shape (N, 3)
+        Stress x, z, xz in Pa that would keep each layer from straining.
+    reduction : {"narrow", "wide"}
+
+    Returns
+    -------
+    ndarray, shape (2, 3)
+    """
     faces = laminate.boundaries
     loads = np.concatenate([np.diff(faces) @ stress, np.diff(faces**2) / 2 @ stress])
     matrix = laminate.plate_stiffness
@@ -224,7 +233,25 @@ def _free_strains(slices: list[_Slice], reduction: Reduction) -> FloatArray:
     return strains.reshape(2, 3)
 
 
-def _without_twist(free: FloatArray, section: LaminateSection) -> FloatArray:
+def keeping_stress(layer: Layer, strain: Sequence[float]) -> FloatArray:
+    """Stress x, z, xz in Pa that would keep a layer from straining, (3,).
+
+    Parameters
+    ----------
+    layer : Layer
+    strain : sequence of float
+        Free strains along and across the fibres; in the ply's axes they shear nothing.
+
+    Returns
+    -------
+    ndarray, shape (3,)
+    """
+    # Stress turns as strain's dual.
+    stress = layer.ply.reduced_stiffness @ np.array([*strain, 0.0])
+    return np.asarray(layer.strain_turn.T @ stress)
+
+
+def without_twist(free: FloatArray, section: LaminateSection) -> FloatArray:
     """Free strains (2, 3) of a section whose joints take back the twist that it would swell to.
 
     The torque that they need is the same along the whole link; it bends and stretches plies that

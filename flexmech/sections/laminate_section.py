@@ -316,6 +316,10 @@ class LaminateSection:
             shear_stress=shear_force * shear,
         )
 
+    def plane_state(self, axial_force: float, bending_moment: float) -> PlaneState:
+        """Its layers under loads on the neutral axis, in N and N m."""
+        return self._state(self._strains(axial_force, bending_moment))
+
     def resized(self, laminate: Laminate, growth: float) -> LaminateSection:
         """The section of another laminate, its plies broader by a factor.
 

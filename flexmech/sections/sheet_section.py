@@ -239,20 +239,42 @@ class SheetSection:
             )
         if not np.all(np.abs(place) <= half * (1 + SAME_PLACE)):
             raise InputError(f"places must be within {half:.6g} m of the middle")
-        strain = axial_force / self.axial_stiffness - place * bending_moment / (
-            self.bending_stiffness
-        )
-        along, sheared = self._compliance[:, 0], self._compliance[:, 2]
-        stiffness = self.laminate.transformed_stiffness
-        stress = np.einsum("nij,j,nm->nmi", stiffness, along / along[0], strain)
-        parabola = 1.5 * (1 - (place / half) ** 2) / self.in_plane_thickness
-        shear = np.einsum("nij,j,nm->nmi", stiffness, sheared, shear_force * parabola)
+        stress = self.plane_stress(place, axial_force, bending_moment, shear_force)
         return ThroughThickness(
             place=place,
-            strain=strain,
-            normal_stress=stress[..., 0] + shear[..., 0],
-            shear_stress=stress[..., 2] + shear[..., 2],
+            strain=self._strain(place, axial_force, bending_moment),
+            normal_stress=stress[..., 0],
+            shear_stress=stress[..., 2],
         )
+
+    def plane_stress(
+        self, place: FloatArray, axial_force: float, bending_moment: float, shear_force: float
+    ) -> FloatArray:
+        """Stress of each ply along the link, across it and in shear, in the linkage's plane.
+
+        Parameters
+        ----------
+        place : ndarray, shape (N, m)
+            In m from the middle, a row for each ply.
+        axial_force, bending_moment, shear_force : float
+            In N, N m and N, signed as in :meth:`stresses`.
+
+        Returns
+        -------
+        ndarray, shape (N, m, 3)
+            In Pa.
+        """
+        strain = self._strain(place, axial_force, bending_moment)
+        along, sheared = self._compliance[:, 0], self._compliance[:, 2]
+        stiffness = self.laminate.transformed_stiffness
+        parabola = 1.5 * (1 - (2 * place / self.in_plane_thickness) ** 2) / self.in_plane_thickness
+        stress = np.einsum("nij,j,nm->nmi", stiffness, along / along[0], strain)
+        shear = np.einsum("nij,j,nm->nmi", stiffness, sheared, shear_force * parabola)
+        return np.asarray(stress + shear)
+
+    def _strain(self, place: FloatArray, axial_force: float, moment: float) -> FloatArray:
+        """Along the link."""
+        return axial_force / self.axial_stiffness - place * moment / self.bending_stiffness
 
     def resized(self, laminate: Laminate, growth: float) -> SheetSection:
         """The section of a laminate of other thickness, its plies broader by a factor.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from flexmech.materials import Laminate
 from flexmech.sections.beam_section import BeamSection
 from flexmech.validation import POSITIVE, check_number
 
@@ -49,7 +48,7 @@ def stiffened_section(section: BeamSection, factor: float) -> BeamSection:
     layers = tuple(
         replace(layer, ply=layer.ply.stiffened(factor)) for layer in before.laminate.layers
     )
-    after = before.resized(Laminate(layers), 1.0)
+    after = before.resized(replace(before.laminate, layers=layers), 1.0)
     # To the last bit: it tells whose stiffness is that of its layers.
     for name in (*_STIFFNESSES, _NEUTRAL_AXIS):
         if getattr(section, name) == getattr(before, name):

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
+
+from flexmech.analyses.digits import Quantity
+from flexmech.analyses.summary import Table
 
 Verdict = Literal["reproduced", "not reproduced", "undecidable", "not judged"]
 # A number counts as reproduced when ours is within a tenth of the one printed, or within twice
@@ -113,6 +116,13 @@ class Claim:
         known = ", ".join(f"{word} {value}" for word, value in numbers.items() if value)
         return f"{self.place}, {self.statement}: {known}"
 
+    @property
+    def concluded(self) -> str:
+        """The statement, with the number printed where it is one of a number."""
+        return (
+            f"{self.statement} {self.printed}" if self.statement.endswith(" by") else self.statement
+        )
+
 
 def verdict_on(holds: bool | None, *, decidable: bool = True) -> Verdict:
     """Put a finding on a statement into a word.
@@ -177,8 +187,59 @@ def claim_lines(claims: Sequence[Claim]) -> Iterator[str]:
                 last = claim.reason
 
 
-def count_of_verdicts(claims: Sequence[Claim]) -> str:
-    """One line with the number of claims of each verdict."""
+def claim_table(claims: Sequence[Claim]) -> Table:
+    """How many claims of each verdict there are, a row for each place of the paper."""
+    verdicts = get_args(Verdict)
+    counts = {claim.place: Counter[str]() for claim in claims}
+    for claim in claims:
+        counts[claim.place][claim.verdict] += 1
+    rows = tuple(
+        (place, *(str(own[verdict] or "-") for verdict in verdicts))
+        for place, own in counts.items()
+    )
+    return Table("claims of the paper", ("place", *verdicts), (rows,))
+
+
+def verdict_numbers(claims: Sequence[Claim]) -> tuple[Quantity, ...]:
+    """How many claims of each verdict there are, for programs."""
     counts = Counter(claim.verdict for claim in claims)
-    numbers = ", ".join(f"{counts[verdict]} {verdict}" for verdict in get_args(Verdict))
-    return f"{len(claims)} claims: {numbers}"
+    return tuple(
+        Quantity("claims", float(counts[verdict]), "", 0.0, verdict)
+        for verdict in get_args(Verdict)
+    )
+
+
+def verdict_sentences(claims: Sequence[Claim], conclusions: Collection[str]) -> tuple[str, ...]:
+    """How many claims of each verdict there are, and what became of the paper's conclusions.
+
+    Parameters
+    ----------
+    claims : sequence of Claim
+    conclusions : collection of str
+        Statements of those claims that are conclusions.
+
+    Returns
+    -------
+    tuple of str
+        One to three sentences: the second names the conclusions that are not reproduced, with our
+        number, the third all others.
+    """
+    counts = Counter(claim.verdict for claim in claims)
+    numbers = [f"{counts[verdict]} are {verdict}" for verdict in get_args(Verdict)]
+    sentences = [f"Of the paper's {len(claims)} claims {', '.join(numbers)}."]
+    found: dict[Verdict, list[Claim]] = {verdict: [] for verdict in get_args(Verdict)}
+    for claim in claims:
+        if claim.statement in conclusions:
+            found[claim.verdict].append(claim)
+    missed = [f"{claim.concluded} (here {claim.computed})" for claim in found.pop("not reproduced")]
+    if missed:
+        sentences.append(f"Of its conclusions these are not reproduced: {'; '.join(missed)}.")
+    others = [
+        f"{verdict} ({'; '.join(claim.concluded for claim in group)})"
+        for verdict, group in found.items()
+        if group
+    ]
+    if others:
+        whose = "The others" if missed else "Its conclusions"
+        sentences.append(f"{whose} are {' or '.join(others)}.")
+    return tuple(sentences)

@@ -14,6 +14,7 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses import Result, Summary, Table
 from flexmech.analyses.datasets import versions
+from flexmech.analyses.digits import Quantity
 from flexmech.arrays import FloatArray, LabelledProgress, silent
 from flexmech.errors import InputError
 from flexmech.threads import one_thread
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 
 # Published numbers have at most five.
 _DIGITS = 6
+VERDICTS = ("passed", "failed", "skipped")
+"""Of cases."""
 _FARTHEST = "of each case the number that is farthest off; verification.csv has all of them"
 
 
@@ -172,7 +175,7 @@ class Verification(Result):
         return plots.plot_verification(self.dataset, ax=ax)
 
     def summary(self) -> Summary:
-        """Each case with the number that is farthest off, under its source; then the count."""
+        """How many cases pass, by subject; in detail each with the number that is farthest off."""
         parts: list[Table | str] = [_FARTHEST]
         for (subject, source), cases in groupby(
             self._cases(), lambda case: (case["subject"].item(), case["source"].item())
@@ -184,9 +187,30 @@ class Verification(Result):
                 for case in listed
                 if case["reason"].item()
             ]
-        counts = pd.Series(self.dataset["verdict"].values).value_counts()
-        words = ", ".join(f"{counts.get(v, 0)} {v}" for v in ("passed", "failed", "skipped"))
-        return Summary(tuple(parts), f"{self.dataset.sizes['case']} cases: {words}")
+        counts = pd.Series(self.dataset["verdict"].values).value_counts().to_dict()
+        passed, failed, skipped = (int(counts.get(each, 0)) for each in VERDICTS)
+        answer = [f"{passed} of {self.dataset.sizes['case']} cases passed."]
+        if failed:
+            answer.append(f"Failed: {'; '.join(self.failed)}.")
+        if skipped:
+            answer.append(f"{skipped} could not be compared here; --details says why.")
+        numbers = zip(VERDICTS, (passed, failed, skipped), strict=True)
+        return Summary(
+            tuple(answer),
+            _subject_table(self._cases()),
+            self._farthest(),
+            tuple(parts),
+            numbers=tuple(Quantity(f"cases_{name}", float(n), "", 0.0) for name, n in numbers),
+        )
+
+    def _farthest(self) -> str:
+        """Which case comes nearest to its tolerance, or is farthest beyond it."""
+        shares = [_share(case) for case in self._cases()]
+        if not any(share >= 0 for share in shares):
+            return "nothing was compared"
+        worst = int(np.argmax(shares))
+        name = self.dataset["case"].values[worst]
+        return f"the greatest deviation is {shares[worst]:.2g} of its tolerance: {name}"
 
     def _cases(self) -> list[xr.Dataset]:
         return [self.dataset.isel(case=number) for number in range(self.dataset.sizes["case"])]
@@ -223,6 +247,33 @@ def _rows(case: xr.Dataset) -> list[dict[str, object]]:
             }
         )
     return rows
+
+
+def _share(case: xr.Dataset) -> float:
+    """Greatest deviation of a case over its tolerance; -1 where nothing was compared."""
+    known = ~np.isnan(case["expected"].values)
+    if not known.any():
+        return -1.0
+    # A number that is none though one is expected is the farthest off of all.
+    deviation = np.nan_to_num(case["deviation"].values, nan=np.inf)[known]
+    return float(deviation.max() / case["tolerance"].item())
+
+
+def _subject_table(cases: list[xr.Dataset]) -> Table:
+    """A row for each subject: how its cases went, and how near the worst is to its tolerance."""
+    rows = []
+    for subject, group in groupby(cases, lambda case: str(case["subject"].item())):
+        own = list(group)
+        verdicts = [str(case["verdict"].item()) for case in own]
+        worst = max(map(_share, own))
+        counted = (str(verdicts.count(verdict)) for verdict in VERDICTS)
+        share = "-" if worst < 0 else f"{worst:.2g}"
+        rows.append((subject, str(len(own)), *counted, share))
+    return Table(
+        "verification",
+        ("subject", "cases", *VERDICTS, "greatest deviation over tolerance"),
+        (tuple(rows),),
+    )
 
 
 def _table(subject: str, source: str, cases: list[xr.Dataset]) -> Table:

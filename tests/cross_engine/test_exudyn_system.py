@@ -192,7 +192,7 @@ def test_export_writes_a_script(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["export", model, *options, "--out", str(tmp_path)])
     assert done.exit_code == 0, done.output
     file = tmp_path / "linkage.py"
-    assert done.stdout.splitlines()[-2:] == [f"files: {file}", f"next: python {file}"]
+    assert done.stdout.splitlines()[-2:] == [f"next: python {file}", f"files: {file}"]
     assert_well_formatted(file)
     quiet = CliRunner().invoke(app, ["export", model, *options, "--quiet", "--out", str(tmp_path)])
     assert (quiet.exit_code, quiet.output) == (0, "")

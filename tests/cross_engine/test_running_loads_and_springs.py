@@ -100,7 +100,7 @@ def test_joint_forces_of_a_chain_of_followers() -> None:
     assert (np.linalg.norm(other - force, axis=-1).max(axis=0) / size).max() < 1e-2
     for found in (first, second):
         assert not found.dataset["deflection"].sel(link="crank").any()
-        assert "crank" not in [row[1] for row in found.summary().parts[0].groups[0]]
+        assert "crank" not in [row[1] for row in found.summary().table.groups[0]]
 
 
 @pytest.mark.parametrize(

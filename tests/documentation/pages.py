@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,8 +12,9 @@ REPOSITORY = Path(__file__).parents[2]
 DOCS = REPOSITORY / "docs"
 MADE = ("_build", "made")
 
-# A fenced block: its fence, what stands behind it, and its lines.
-FENCED = re.compile(r"^(`{3,})([^\n`]*)\n(.*?)^\1 *$", re.MULTILINE | re.DOTALL)
+sys.path.insert(0, str(DOCS))
+from making.sessions import FENCED  # noqa: E402
+
 LINK = re.compile(r"(?<!\\)\]\(([^)\s]+)\)")
 LABEL = re.compile(r"^(?:\$\$ ?)?\(([\w-]+)\)=?$", re.MULTILINE)
 HEADING = re.compile(r"^#{1,6} +(.*)$", re.MULTILINE)

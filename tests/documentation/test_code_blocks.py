@@ -23,8 +23,9 @@ from tests.documentation.pages import REPOSITORY, blocks_of, written_pages
 
 RUN = ("python", "sh", "toml")
 PAGES = [page for page in written_pages() if {b.language for b in blocks_of(page)} & set(RUN)]
-# What is shown, not run here: cells, output of a program, formulas.
-SHOWN = ("cell", "text", "", "math")
+# What is shown, not run here: cells, output of a program, formulas, and the commands and changes
+# of sessions, which test_sessions runs.
+SHOWN = ("cell", "text", "", "math", "console", "diff")
 # Parts of a command line that set flexmech up; .ci/run does, in an environment of its own.
 SETTING_UP = ("python3 -m venv", ".venv/bin/pip install", "python -m pip install", ". .venv/bin")
 # What .ci/run itself runs, and what shows a window or serves pages.

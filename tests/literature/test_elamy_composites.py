@@ -420,13 +420,15 @@ def test_flexural_moduli_of_the_six_laminates() -> None:
 
 def test_command(invented: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(studies, "study_composites", lambda progress: CompositeStudy(invented))
-    result = CliRunner().invoke(app, ["study", "composites", "--no-plots", "--out", str(tmp_path)])
+    result = CliRunner().invoke(
+        app, ["study", "composites", "--no-plots", "--out", str(tmp_path), "--details"]
+    )
     assert result.exit_code == 0, result.output
     assert "frequency: C6 is below C1 by: printed 62.22 %, from its tables 62.65 %" in result.output
     assert "1.00 / 1.00 / 1.00 │ 0.74 / 0.74 / 0.73" in result.output
     assert "what would fail it: ours is outside 54.94 to 69.50 %" in result.output
     assert f"{tmp_path / 'models'} (120 files)" in result.output
-    assert result.output.splitlines()[-1].startswith("56 claims: ")
+    assert result.output.startswith("Of the paper's 56 claims ")
     tables = sorted(path.name for path in tmp_path.glob("*.*"))
     assert tables == [
         "composite_claims.csv",
@@ -434,6 +436,7 @@ def test_command(invented: xr.Dataset, tmp_path: Path, monkeypatch: pytest.Monke
         "composite_running.csv",
         "composites.csv",
         "composites.nc",
+        "summary.txt",
     ]
     models = tmp_path / "models"
     assert len(list(models.iterdir())) == 120

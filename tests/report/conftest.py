@@ -74,7 +74,16 @@ def evil(written: Written, tmp_path_factory: pytest.TempPathFactory) -> Named:
         text = f"# {EVIL}\n{attributes['model_text']}"
         told = result.dataset.assign_attrs(mechanism=EVIL, source=EVIL, model_text=text)
         if "joint" in told.coords:
-            told = told.assign_coords(joint=[f"{EVIL}{name}" for name in told["joint"].values])
+            joints = {name: f"{EVIL}{name}" for name in told["joint"].values.tolist()}
+            told = told.assign_coords(joint=list(joints.values()))
+            if "extreme_of" in told:
+                pairs = zip(told["extreme_quantity"].values, told["extreme_of"].values, strict=True)
+                # A point may have a joint's name.
+                of = [
+                    joints.get(str(name), str(name)) if "joint" in str(what) else str(name)
+                    for what, name in pairs
+                ]
+                told["extreme_of"] = told["extreme_of"].dims, of
         return replace(result, dataset=told)
 
     results = [renamed(each) for each in written.results.all]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +13,13 @@ import pytest
 from typer.testing import CliRunner
 
 import flexmech
+from flexmech.analyses.digits import with_error
 from flexmech.cli import app
+from flexmech.modelfile import KINDS, template
 from flexmech.report import Results, page, stored_results, write_report
-from flexmech.report.embedding import Arrays, equation_markup, json_text
+from flexmech.report.embedding import Arrays, breakable_markup, equation_markup, json_text
 from flexmech.report.last_turn import over_a_turn, thinning
 from flexmech.report.moving_linkage import moving_linkage
-from flexmech.report.results import with_error
 
 ROOT = Path(__file__).parents[2]
 ALUMINIUM = str(ROOT / "models" / "aluminium_fourbar.toml")
@@ -86,7 +88,7 @@ def test_stored_results_give_the_same_panels(written: Any, tmp_path: Path) -> No
     out = tmp_path / "report.html"
     done = run("report", str(tmp_path), "--out", str(out))
     assert done.exit_code == 0, done.stderr
-    assert "which crank speeds to avoid: avoid 26." in done.stdout
+    assert done.stdout.startswith("Critical speeds: from 26.")
     again, first = content(out.read_text("utf-8")), content(written.text)
     assert [plot["name"] for plot in again["plots"]] == [plot["name"] for plot in first["plots"]]
 
@@ -138,6 +140,8 @@ def test_markup_of_names_is_text() -> None:
     text = json_text({"a": "</script>&\u2028\u2029"})
     assert not set(text) & set("<>&\u2028\u2029")
     assert json.loads(text) == {"a": "</script>&\u2028\u2029"}
+    assert breakable_markup("<b>") == "&lt;b&gt;"
+    assert breakable_markup(f"<{'a/' * 9}> rad/s") == f"&lt;{'a/<wbr>' * 9}&gt; rad/s"
     assert equation_markup("<i> K_g e^{λt}") == "&lt;i&gt; K<sub>g</sub> e<sup>λt</sup>"
 
 
@@ -203,3 +207,29 @@ def test_a_mechanism_built_in_python_is_drawn_if_it_is_given(written: Any, tmp_p
     page = write_report(bare, tmp_path / "b.html", mechanism=mechanism).read_text("utf-8")
     assert len(content(page)["linkage"]["links"]) == 3
     assert Results.of(bare).attribute("model_text") == ""
+
+
+def test_the_title_is_the_models_and_not_a_templates(written: Any) -> None:
+    check = written.results.first(flexmech.ModelCheck).dataset
+
+    def title(name: str, file: str) -> str:
+        told = check.assign_attrs(mechanism=name, model_file=file)
+        return page._title(Results.of(flexmech.ModelCheck(told)))
+
+    assert title("aluminium four-bar", "aluminium_fourbar.toml") == "Aluminium four-bar"
+    for kind in KINDS:
+        name = tomllib.loads(template(kind))["name"]
+        assert title(name, "feed_pump.toml") == "Feed_pump"
+        assert title(f"{name} of the feed pump", "feed_pump.toml").endswith("of the feed pump")
+
+
+def test_the_campbell_diagram_ends_where_that_of_the_command_does() -> None:
+    """At 1.5 times the greatest speed, which is one of its speeds."""
+    engine = flexmech.ReferenceEngine(flexmech.load_mechanism(ALUMINIUM), 2)
+    few = np.radians(np.arange(0.0, 360.0, 90.0))
+    request = flexmech.ReportRequest([10.0, 20.0], few, ("campbell",), modes=1, tolerance=None)
+    found = flexmech.report_results(engine, request).first(flexmech.CampbellDiagram)
+    assert found is not None
+    speeds = found.dataset["crank_speed"].values
+    assert speeds[[0, -1]] == pytest.approx([0.0, 30.0])
+    assert np.isclose(speeds, 20.0).any()

@@ -35,7 +35,7 @@ TOGETHER = ("matplotlib", "columns", "colours", "locale", "home", "temporary")
 
 
 def section(out: Path, environment: dict[str, str]) -> subprocess.CompletedProcess[bytes]:
-    model = str(ROOT / "models" / "steel_fourbar.toml")
+    model = str(ROOT / "models" / "composite_fourbar.toml")
     arguments = ["section", model, "--link", "crank", "--out", str(out)]
     own = {**os.environ, "PYTHONPATH": str(ROOT), **environment}
     return subprocess.run(
@@ -63,6 +63,7 @@ def test_a_command_runs_in_any_environment(names: tuple[str, ...], tmp_path: Pat
         "section_crank.png",
         "sections.csv",
         "sections.nc",
+        "summary.txt",
         "through_thickness.csv",
     }
 

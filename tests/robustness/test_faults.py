@@ -31,9 +31,8 @@ WRITER = Path(__file__).with_name("writer.py")
 MODELS = Path(__file__).parents[2] / "models"
 QUICK = ("--engine", "reference", "--elements", "2", "--angles", "0,90", "--speeds", "0,10")
 LINES = {signal.SIGINT: "interrupted: ", signal.SIGTERM: "terminated: "}
-WHOLE = ["frequencies.csv", "frequencies.nc"] + [
-    f"{name}.png" for name in ("frequencies", "mode_shapes", "speed_effect")
-]
+PICTURES = [f"{name}.png" for name in ("frequencies", "mode_shapes", "speed_effect")]
+WHOLE = ["frequencies.csv", "frequencies.nc", *PICTURES, "summary.txt"]
 SEED = 20240
 
 
@@ -111,7 +110,7 @@ def test_a_small_file_system_that_is_full(pages: int, tmp_path: Path) -> None:
 @pytest.mark.thorough
 @pytest.mark.parametrize("redirect", [">/dev/full", ">&-", "| head -0"])
 def test_output_that_cannot_be_printed_is_told_in_one_line(redirect: str) -> None:
-    text = " ".join(command("check", MODELS / "steel_fourbar.toml"))
+    text = " ".join(command("check", MODELS / "slider_crank.toml"))
     done = run(["bash", "-c", f"{text} {redirect}; exit ${{PIPESTATUS[0]}}"])
     assert "error: stdout: cannot be written" in one_error(done)
 
@@ -147,7 +146,7 @@ def test_a_folder_that_vanishes_while_it_computes_is_made_again(
     monkeypatch.setattr(MovingFrequencies, "summary", vanish)
     done = CliRunner().invoke(app, frequencies(out, "steel_fourbar", "--no-plots")[3:])
     assert done.exit_code == 0, done.output
-    assert names(out) == ["frequencies.csv", "frequencies.nc"]
+    assert names(out) == ["frequencies.csv", "frequencies.nc", "summary.txt"]
 
 
 def test_a_folder_that_vanishes_while_it_writes_is_told(
@@ -183,7 +182,8 @@ def test_the_home_folder_is_meant_by_a_tilde(
     monkeypatch.setenv("HOME", str(tmp_path))
     arguments = ["section", "~/steel_fourbar.toml", "--out=~/res", "--no-plots"]
     assert CliRunner().invoke(app, arguments).exit_code == 0
-    assert names(tmp_path / "res") == ["sections.csv", "sections.nc", "through_thickness.csv"]
+    tables = ["sections.csv", "sections.nc", "summary.txt", "through_thickness.csv"]
+    assert names(tmp_path / "res") == tables
     missing = CliRunner().invoke(app, ["check", "~nobody-of-this-name/model.toml"])
     assert missing.exit_code == 2
     assert "~nobody-of-this-name/model.toml: there is no such home folder" in missing.stderr
@@ -369,8 +369,9 @@ def test_two_runs_of_two_models_leave_the_set_of_one(tmp_path: Path) -> None:
     for process in [start(frequencies(tmp_path, model, "--no-plots")) for model in models]:
         _, stderr = process.communicate()
         assert process.returncode == 0, stderr
-    assert names(tmp_path) == ["frequencies.csv", "frequencies.nc"]
+    assert names(tmp_path) == ["frequencies.csv", "frequencies.nc", "summary.txt"]
     result = MovingFrequencies.load(tmp_path / "frequencies.nc")
+    assert str(result.summary()) in (tmp_path / "summary.txt").read_text(encoding="utf-8")
     again = tmp_path / "again"
     result.save(again)
     assert (again / "frequencies.csv").read_text() == (tmp_path / "frequencies.csv").read_text()

@@ -42,7 +42,7 @@ def test_what_concerns_the_motion_alone_runs(arguments: str, rigid: Path, tmp_pa
     done = CliRunner().invoke(app, [*words, *out, *plots])
     assert done.exit_code == 0, done.stderr
     if words[0] == "check":
-        assert "deg: none (links: every link is rigid" in " ".join(done.stdout.split())
+        assert "deg: links: every link is rigid" in " ".join(done.stdout.split())
 
 
 @pytest.mark.parametrize(

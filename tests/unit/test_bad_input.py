@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from flexmech.cli import app
-from flexmech.cli.typed import MOST_ANGLES, MOST_SPEEDS
+from flexmech.crank_values import MOST_ANGLES, MOST_SPEEDS
 from flexmech.errors import InputError
 from flexmech.modelfile import load_mechanism, mechanism_from_toml, template
 

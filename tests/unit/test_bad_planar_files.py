@@ -13,7 +13,16 @@ from flexmech.cli import app
 from flexmech.modelfile import mechanism_from_toml, template
 
 SIX_BAR = template("planar")
-SLIDER = template("slider-crank")
+O2 = 'O2 = ["0 mm", "0 mm"]\n'
+# As somebody draws it, without lengths.
+SLIDER = (
+    template("slider-crank")
+    .replace('drawn_at = "0 deg"', 'drawn_at = "90 deg"')
+    .replace(O2, f'{O2}A = ["0 mm", "60 mm"]\nB = ["190 mm", "0 mm"]\n')
+    .replace('length = "60 mm"\n', "")
+    .replace('length = "200 mm"\n', "")
+    .replace("offset = ", "# offset = ")
+)
 LOAD = '[loads.push]\npoint = "D"\nforce = ["1 N", "0 N"]\n\n[environment]'
 SPRING = (
     '[springs.s]\npoints = ["D", "O2"]\nstiffness = "1 N/m"\nfree_length = "0 m"\n\n[environment]'
@@ -176,7 +185,7 @@ WRONG_SLIDERS = [
     ('ground = ["O2"]', 'ground = ["O2", "B"]', "slider B is a point of the ground, which does"),
     ('mass = "0.15 kg"', 'inertia = "1e-5 kg m^2"', "a slider on the ground does not turn; leave"),
     ("rigid = true", "", "links.crank.section: is missing"),
-    ('centre = "25 mm"', 'centre = "90 mm"', "links.crank.centre: got 0.09 m, which is beyond"),
+    ('# centre = "25 mm"', 'centre = "90 mm"', "links.crank.centre: got 0.09 m, which is beyond"),
     (
         'A = ["0 mm", "60 mm"]\nB = ["190 mm", "0 mm"]',
         'A = ["0 mm", "60 mm"]\nB = ["0 mm", "260 mm"]',

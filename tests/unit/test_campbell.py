@@ -4,20 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
-from flexmech import CampbellDiagram, ComputationError, InputError, ReferenceEngine, campbell
+from flexmech import (
+    CampbellDiagram,
+    ComputationError,
+    HygrothermalState,
+    InputError,
+    ReferenceEngine,
+    campbell,
+    mechanism_in_state,
+)
 from flexmech.analyses.campbell.crossings import HIGHEST, LOWEST, Edge, critical_speeds, edges_of
 from flexmech.analyses.campbell.sampling import band_fit, speed_grid
 from flexmech.cli.application import app
 from flexmech.cli.typed import ORDERS
 from flexmech.mechanism import Mechanism
+from flexmech.modelfile import mechanism_from_toml
 from tests.unit.plot_data import campbell_dataset
+from tests.unit.test_cli_state import MODEL as WET
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
 
@@ -134,7 +144,7 @@ class TestGap:
         assert np.all(table["mean_Hz"] <= table["highest_Hz"])
 
     def test_the_gap_is_told_with_its_reason(self, diagram: CampbellDiagram) -> None:
-        (line,) = [part for part in diagram.summary().parts if str(part).startswith("gap:")]
+        (line,) = [part for part in diagram.summary().warnings if part.startswith("gap:")]
         first = float(diagram.dataset["gap_first"][0])
         assert first == 3.75
         assert "from 3.75 to 6 rad/s (10 speeds)" in str(line)
@@ -192,6 +202,64 @@ def test_what_is_refused(aluminium: Mechanism, asked: dict[str, Any], message: s
         campbell(ReferenceEngine(aluminium, 2), **({"crank_speeds": [1.0]} | asked))
 
 
+class TestEnvironment:
+    """Heat and moisture, as an argument and as options."""
+
+    ASKED = HygrothermalState(temperature_rise=60.0, moisture=0.04)
+    WAY: ClassVar[dict[str, Any]] = {
+        "crank_angles": np.radians(np.arange(0.0, 360.0, 60.0)),
+        "modes": 2,
+        "orders": [5, 6],
+    }
+
+    def test_bands_are_those_of_the_mechanism_in_that_state(self) -> None:
+        dry = mechanism_from_toml(WET)
+        found, by_hand, without = (
+            campbell(mechanism, [0.0, 10.0], **self.WAY, **environment).dataset
+            for mechanism, environment in (
+                (dry, {"environment": self.ASKED}),
+                (mechanism_in_state(dry, self.ASKED), {}),
+                (dry, {}),
+            )
+        )
+        for part in ("lowest_frequency", "highest_frequency"):
+            np.testing.assert_array_equal(found[part], by_hand[part])
+            # The resin is softer and heavier.
+            assert (found[part] < 0.99 * without[part]).all()
+        assert found.attrs["mechanism"] == f"wet linkage, {self.ASKED.label}"
+
+    def test_the_state_is_told_with_the_links(self) -> None:
+        mechanism = mechanism_from_toml(WET)
+        wet, dry = (
+            campbell(mechanism, [0.0], **self.WAY, environment=each).summary()
+            for each in (self.ASKED, None)
+        )
+        assert f"state: {self.ASKED.label}" in wet.details
+        assert any(str(line).startswith("rocker: ") for line in wet.details)
+        assert "state: " not in str(dry)
+
+    def test_what_is_no_environment_is_refused(self, aluminium: Mechanism) -> None:
+        with pytest.raises(InputError, match="an environment is needed"):
+            campbell(aluminium, [0.0], environment="60 K")  # type: ignore[arg-type]
+
+    def test_options(self, tmp_path: Path) -> None:
+        model = tmp_path / "wet.toml"
+        model.write_text(WET)
+        state = ["--temperature-rise", "60", "--moisture", "4", "--no-plots"]
+        out = tmp_path / "out"
+        result = run(str(model), "--speeds", "0,10", *QUICK, *state, "--out", str(out))
+        assert result.exit_code == 0, result.output
+        assert "+60 K, 4 % moisture" in result.output
+        found = CampbellDiagram.load(out / "campbell.nc").dataset
+        again = campbell(
+            ReferenceEngine(mechanism_from_toml(WET), 2),
+            [0.0, 10.0],
+            **self.WAY | {"crank_angles": np.radians(np.arange(0.0, 361.0, 30.0))},
+            environment=self.ASKED,
+        ).dataset
+        np.testing.assert_allclose(found["mean_frequency"], again["mean_frequency"], rtol=1e-12)
+
+
 class TestOrders:
     @pytest.mark.parametrize(
         ("text", "orders"),
@@ -207,7 +275,7 @@ class TestOrders:
 
 
 def run(*arguments: str) -> Any:
-    return CliRunner().invoke(app, ["campbell", *arguments])
+    return CliRunner().invoke(app, ["campbell", *arguments, "--details"])
 
 
 QUICK = ["--angles", "0:360:30", "--modes", "2", "--elements", "2", "--orders", "5,6"]
@@ -223,13 +291,13 @@ class TestCommand:
         names = {path.name for path in tmp_path.iterdir()}
         assert names == {
             *("campbell.csv", "critical_speeds.csv", "response_peaks.csv"),
-            *("campbell.nc", "campbell.png"),
+            *("campbell.nc", "campbell.png", "summary.txt"),
         }
         assert list(pd.read_csv(tmp_path / "campbell.csv").columns) == BANDS
         assert list(pd.read_csv(tmp_path / "critical_speeds.csv").columns) == CRITICAL
         for name in ("campbell", "critical_speeds", "response_peaks"):
             assert not pd.read_csv(tmp_path / f"{name}.csv").isna().any(axis=None)
-        words = " ".join(result.stdout.split())
+        words = " ".join(result.output.split())
         assert "gap: reference has no result from" in words
         assert "rpm" in words
         assert "periodic motion: at" in words

@@ -34,11 +34,11 @@ def strain(tmp_path, monkeypatch):
 
 @pytest.mark.thorough
 def test_a_strain_gauge_at_the_couplers_middle(strain, tmp_path):
-    done = run(strain, "--speed", "20", "--out", "results", "--no-plots")
+    done = run(strain, "--speed", "20", "--out", "results", "--no-plots", "--details")
     assert done.exit_code == 0, done.stderr
     assert "compared: 'strain (um/m)' of strain.csv with coupler_mid_strain" in done.stdout
     names = sorted(path.name for path in (tmp_path / "results").iterdir())
-    assert names == ["comparison.csv", "comparison.nc", "fit.csv"]
+    assert names == ["comparison.csv", "comparison.nc", "fit.csv", "summary.txt"]
     name, value, unit, error, *ends = (
         (tmp_path / "results/fit.csv").read_text().splitlines()[1].split(",")
     )
@@ -54,7 +54,6 @@ def test_a_strain_gauge_at_the_couplers_middle(strain, tmp_path):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ((), "error: --speed, --angle: give one of them"),
         (("--speed", "20", "--angle", "3"), "error: --speed, --angle: give one of them"),
         (("--angle", "400"), "error: --angle: got '400'; give an angle from 0 to 360 deg"),
         (("--speed", "20", "--fit", "speed"), "error: --fit: 'speed' cannot be fitted"),
@@ -69,6 +68,20 @@ def test_wrong_options_and_records_are_refused_in_one_line(strain, options, mess
     assert done.stderr.startswith(message)
     assert done.stderr.count("\n") == 1
     assert not Path("results").exists()
+
+
+def test_a_record_over_time_is_taken_at_the_greatest_speed_of_the_model(strain):
+    done = run(strain, "--fit", "none", "--no-plots", "--out", "results")
+    assert done.exit_code == 0, done.stderr
+    assert done.stdout.splitlines()[0] == "speed of the model file: 20 rad/s"
+
+
+def test_other_records_need_a_speed_or_an_angle(strain):
+    record = Path("measured/frequencies.csv")
+    record.write_text("crank_angle [deg],frequency [Hz]\n0,44\n90,45\n180,46\n", encoding="utf-8")
+    done = run(str(record))
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert done.stderr.startswith("error: --speed, --angle: give one of them")
 
 
 def test_a_record_that_is_not_there(tmp_path, monkeypatch):

@@ -52,11 +52,11 @@ def nearly_a_change_point(folder: Path) -> Path:
 
 def test_figure_8_dry_and_wet(tmp_path: Path) -> None:
     model = MODELS / "neat_resin_figure_8.toml"
-    code, printed, errors = run(
-        "coupler-curve", model, *WET, "--angles", "0:360:30", "--out", tmp_path
-    )
+    options = (*WET, "--angles", "0:360:30", "--details", "--out", tmp_path)
+    code, printed, errors = run("coupler-curve", model, *options)
     assert (code, errors) == (0, "")
-    assert sorted(file.name for file in tmp_path.iterdir()) == sorted(CouplerPaths.files)
+    written = sorted(file.name for file in tmp_path.iterdir())
+    assert written == sorted([*CouplerPaths.files, "summary.txt"])
     curve = pd.read_csv(tmp_path / "coupler_curve.csv")
     assert list(curve.columns) == [
         "state",
@@ -94,7 +94,11 @@ def test_figure_8_dry_and_wet(tmp_path: Path) -> None:
     assert "dry: 1 crunode and 0 cusps" in printed
     assert "wet: 0 crunodes and 0 cusps" in printed
     assert "wet: ground 4522.54, crank 2308.83" in printed
-    assert printed.splitlines()[-1].startswith("check: the curve's sextic equation is met within ")
+    assert "\ncheck: the curve's sextic equation is met within " in printed
+    said = printed.splitlines()[:3]
+    assert said[0].endswith(" mm, with 1 crunode and no cusps.")
+    assert said[1].startswith("At +80 K, 7 % moisture it runs through ")
+    assert said[2].startswith("It is moved by at most ")
 
 
 def test_the_pins_are_where_their_links_end() -> None:
@@ -200,7 +204,7 @@ def test_an_environment_without_heat_and_moisture_is_a_state_too(tmp_path: Path)
 def test_wet_linkage_that_no_longer_turns_fully(tmp_path: Path) -> None:
     """Its loops when dry lie at crank angles that the wet linkage does not reach."""
     model = nearly_a_change_point(tmp_path)
-    options = [*WET, "--angles", "60:120:20", "--out", tmp_path / "out"]
+    options = [*WET, "--angles", "60:120:20", "--details", "--out", tmp_path / "out"]
     code, printed, errors = run("coupler-curve", model, *options)
     assert (code, errors) == (0, "")
     assert "dry: 1 crunode and 0 cusps\n" in printed
@@ -267,7 +271,7 @@ def test_points_that_cannot_be() -> None:
 
 def test_transmission_angle_dry_and_wet_and_its_limits(tmp_path: Path) -> None:
     """100, 160, 160 and 200 mm, and as R-914 wet at 80 K has them: cosines of eqs. 1 to 3."""
-    options = [*WET, "--point", "0 mm,0 deg", "--angles", "0:360:90", "--no-plots"]
+    options = [*WET, "--point", "0 mm,0 deg", "--angles", "0:360:90", "--details", "--no-plots"]
     code, printed, _ = run(
         "coupler-curve", MODELS / "neat_resin_figure_3.toml", *options, "--out", tmp_path
     )
@@ -289,7 +293,7 @@ def test_transmission_angle_dry_and_wet_and_its_limits(tmp_path: Path) -> None:
 
 def test_above_the_wet_glass_transition_the_path_is_drawn_with_a_warning(tmp_path: Path) -> None:
     """The captions of Figures 3 and 4 have 95 K: strain 62.6e-6 * 95 + 3.02e-3 * 7 = 0.027087."""
-    hot = ["--temperature-rise", "95", "--moisture", "7", "--angles", "0:360:30"]
+    hot = ["--temperature-rise", "95", "--moisture", "7", "--angles", "0:360:30", "--details"]
     code, printed, errors = run(
         "coupler-curve", MODELS / "neat_resin_figure_8.toml", *hot, "--out", tmp_path
     )

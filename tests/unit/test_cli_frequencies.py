@@ -11,7 +11,10 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from flexmech.analyses import MovingFrequencies
+from flexmech.analyses.digits import percent
+from flexmech.analyses.frequencies.compute import with_states
 from flexmech.analyses.frequencies.words import error_lines, tracking_lines
+from flexmech.analyses.summary import Summary, Table
 from flexmech.cli import app
 from flexmech.linear_system import Engine, RotationTerms
 from tests.unit.plot_data import frequency_dataset
@@ -19,13 +22,13 @@ from tests.unit.plot_data import frequency_dataset
 pytestmark = pytest.mark.usefixtures("rough_pictures")
 
 ALUMINIUM = str(Path(__file__).parents[2] / "models" / "aluminium_fourbar.toml")
-DATA = ["frequencies.csv", "frequencies.nc"]
+DATA = ["frequencies.csv", "frequencies.nc", "summary.txt"]
 PICTURES = ["agreement.png", "frequencies.png", "mode_shapes.png", "speed_effect.png"]
 QUICK = ["--angles", "0,60", "--modes", "2", "--elements", "2"]
 
 
 def run(*arguments: str) -> Any:
-    return CliRunner().invoke(app, ["frequencies", *arguments])
+    return CliRunner().invoke(app, ["frequencies", *arguments, "--details"])
 
 
 def names(folder: Path) -> list[str]:
@@ -56,7 +59,7 @@ def test_defaults_are_those_of_the_manual(
     assert engines == [("reference", "euler", 8), ("exudyn", "ancf", 8)]
     np.testing.assert_array_equal(asked.pop("angles"), np.radians(np.arange(0, 361, 5)))
     assert asked == {
-        "speeds": None,
+        "speeds": pytest.approx([0.0, 10.0, 20.0]),
         "modes": None,
         "prestress": "equilibrium",
         "rotation_terms": RotationTerms(),
@@ -170,13 +173,14 @@ def test_the_last_line_says_how_far_the_engines_differ(tmp_path: Path) -> None:
         (1e-5, ", which is beyond their estimated errors (1.0e-05 of reference and 1.0e-05 of "),
     ):
         dataset["discretisation_error"][:], dataset["reduction_error"][:] = error, 0.0
-        assert MovingFrequencies(dataset).summary().verdict.startswith(line + judged)
+        assert MovingFrequencies(dataset).summary().details[-1].startswith(line + judged)
     dataset["discretisation_error"][1] /= 2
     assert (
-        "; trust exudyn, whose error is the smaller" in MovingFrequencies(dataset).summary().verdict
+        "; trust exudyn, whose error is the smaller"
+        in MovingFrequencies(dataset).summary().details[-1]
     )
     alone = MovingFrequencies(frequency_dataset(engines=("exudyn",)))
-    assert alone.summary().verdict == (
+    assert alone.summary().details[-1] == (
         "engines: no comparison was made, only the exudyn engine ran"
     )
 
@@ -185,18 +189,18 @@ def test_the_last_line_says_why_a_tolerance_is_not_reached() -> None:
     dataset = frequency_dataset()
     dataset["frequency"][1] = dataset["frequency"][0] * (1 + 1.5e-3)
     dataset["discretisation_error"][:], dataset["reduction_error"][:] = 9e-4, 0.0
-    assert MovingFrequencies(dataset).summary().verdict.endswith("9.0e-04 of exudyn)")
+    assert MovingFrequencies(dataset).summary().details[-1].endswith("9.0e-04 of exudyn)")
     dataset = dataset.assign_attrs(tolerance=1e-3).assign_coords(elements=("engine", [8, 32]))
     each = "; each error is within the tolerance of 1e-03, both together are not"
-    assert MovingFrequencies(dataset).summary().verdict.endswith(each)
+    assert MovingFrequencies(dataset).summary().details[-1].endswith(each)
     dataset["discretisation_error"][1] = 1.2e-3
     needed = (
         "; beyond the tolerance of 1e-03, for which exudyn needs more than the 32 elements on a "
         "link that are taken unasked; trust reference"
     )
-    assert MovingFrequencies(dataset).summary().verdict.endswith(needed)
+    assert MovingFrequencies(dataset).summary().details[-1].endswith(needed)
     dataset["frequency"][1] = dataset["frequency"][0] * (1 + 9e-4)
-    assert "tolerance" not in MovingFrequencies(dataset).summary().verdict
+    assert "tolerance" not in MovingFrequencies(dataset).summary().details[-1]
 
 
 def test_error_lines_name_the_greatest_error_and_its_place() -> None:
@@ -257,3 +261,124 @@ def test_the_mode_of_a_free_shaft_is_rigid_and_has_a_table(tmp_path: Path) -> No
     assert [row.split(",")[:4] for row in rows] == [
         ["reference", "0", angle, "rigid"] for angle in ("0", "60")
     ]
+
+
+# --- what is printed first ----------------------------------------------------------------------
+
+MODES, SPEEDS = (1, 2), (0.0, 20.0)
+
+
+def damped(error: float, *, engines: tuple[str, ...] = ("reference",)) -> xr.Dataset:
+    """Ratios of 0.1 % at the first angle and 0.3 % elsewhere, in every mode."""
+    data = frequency_dataset(SPEEDS, modes=len(MODES), engines=engines)
+    ratio = xr.full_like(data["frequency"], 3e-3)
+    ratio[{"crank_angle": 0}] = 1e-3
+    wrong = xr.full_like(data["discretisation_error"], error)
+    return data.assign(
+        damping_ratio=ratio,
+        damping_ratio_discretisation_error=wrong,
+        damping_ratio_reduction_error=0.5 * wrong,
+    ).assign_attrs(damped_by="Kelvin-Voigt")
+
+
+def first_said(data: xr.Dataset) -> Summary:
+    return MovingFrequencies(data).summary()
+
+
+def table_of(said: Summary) -> Table:
+    assert said.table is not None
+    return said.table
+
+
+def test_damping_ratios_of_modes_stand_in_the_table_where_something_is_damped() -> None:
+    table = table_of(first_said(damped(1e-6)))
+    assert table.headings[-2:] == ("damping %", "to %")
+    assert "damping: by Kelvin-Voigt" in table.caption
+    for group in table.groups:
+        for row in group:
+            assert [float(cell) for cell in row[-2:]] == pytest.approx([0.1, 0.3])
+    plain = table_of(first_said(frequency_dataset()))
+    assert plain.headings[-1] == "at deg"
+    assert plain.caption == ""
+
+
+def test_both_kinds_of_damping_have_columns_of_their_own() -> None:
+    data = damped(1e-6)
+    data = data.assign(strain_energy_damping=2 * data["damping_ratio"])
+    table = table_of(first_said(data))
+    assert table.headings[-4:] == ("damping %", "to %", "strain-energy damping %", "to %")
+    # No error is known of the second: three digits.
+    assert table.groups[0][0][-2:] == ("0.200", "0.600")
+    names = {number.name for number in first_said(data).numbers}
+    assert {"lowest_damping_ratio", "highest_strain_energy_damping"} <= names
+
+
+def test_damping_has_the_digits_that_its_error_leaves() -> None:
+    """Mesh and component modes together are off by 1.5 times the error of the mesh."""
+    cells = {}
+    for error in (1e-7, 2e-4):
+        said = first_said(damped(error))
+        cells[error] = table_of(said).groups[0][0][-2:]
+        assert said.trust.endswith(f"; damping to {percent(1.5 * error / 3e-3)} of it")
+        number = next(n for n in said.numbers if n.name == "highest_damping_ratio")
+        assert number.value == pytest.approx(0.3)
+        assert number.error == pytest.approx(150 * error)
+    assert cells == {1e-7: ("0.1000", "0.3000"), 2e-4: ("0.10", "0.30")}
+
+
+def test_engines_that_differ_leave_fewer_digits_of_damping() -> None:
+    data = damped(1e-7, engines=("reference", "exudyn"))
+    data["damping_ratio"][1] *= 1.05
+    both = table_of(first_said(data)).groups[0][0]
+    assert both[0] == "both"
+    assert both[-2:] == ("0.10", "0.30")
+
+
+def test_a_mode_that_nothing_damps_has_no_ratio() -> None:
+    data = damped(1e-7)
+    data["damping_ratio"][:] = 1e-14
+    assert table_of(first_said(data)).groups[0][0][-2:] == ("0", "0")
+
+
+def in_two_states(error: float, engines: tuple[str, ...] = ("reference",)) -> xr.Dataset:
+    """Frequencies that heat and moisture lower by 1.23456 %."""
+    dry = frequency_dataset(SPEEDS, modes=2, engines=engines, speed_effect=False)
+    dry["discretisation_error"][:] = error
+    dry["reduction_error"][:] = 0.0
+    wet = dry.assign(frequency=(1 - 0.0123456) * dry["frequency"])
+    both = with_states({"dry": dry, "+60 K": wet}, ["state: +60 K"])
+    return both.assign_attrs(mechanism="invented")
+
+
+@pytest.mark.parametrize(
+    ("error", "told"),
+    [
+        # No more than four digits, below which the error is none of them.
+        (1e-7, "-1.235 %"),
+        (1e-4, "-1.23 % ± 0.02 %"),
+        (2e-3, "-1.2 % ± 0.4 %"),
+        (2e-2, "-1 % ± 4 %"),
+    ],
+)
+def test_changes_in_percent_end_where_their_error_begins(error: float, told: str) -> None:
+    """Of frequencies in both states together."""
+    said = first_said(in_two_states(error))
+    assert said.answer[-1] == f"Heat and moisture change f1 by {told} against the dry linkage."
+    (line,) = (str(part) for part in said.details if str(part).startswith("against dry"))
+    assert line == f"against dry: {told} (mode 1), {told} (mode 2)"
+
+
+def test_engines_that_differ_in_a_change_are_its_error() -> None:
+    data = in_two_states(1e-7, ("reference", "exudyn"))
+    data["frequency"][{"state": 1, "engine": 1}] *= 1.003
+    assert "by -1.2 % ± 0.3 % against" in first_said(data).answer[-1]
+
+
+def test_what_the_speed_changes_has_the_error_of_both_speeds() -> None:
+    data = frequency_dataset(SPEEDS, modes=2, engines=("reference",))
+    data["reduction_error"][:] = 0.0
+    data["discretisation_error"][:, 0] = 1e-4
+    data["discretisation_error"][:, 1] = 2e-4
+    assert first_said(data).answer[1].endswith(" % ± 0.03 %.")
+    data["frequency"][:, 1] = 1.02 * data["frequency"][:, 0].values
+    assert "changes f1 by +2.00 % ± 0.03 %." in first_said(data).answer[1]

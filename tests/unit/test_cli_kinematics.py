@@ -40,9 +40,10 @@ def run(*arguments: str | Path) -> tuple[int, str, str]:
 
 def test_the_command_writes_the_tables_of_the_result(tmp_path: Path) -> None:
     options = ("--speed", "190 rpm", "--angles", "0:360:30", "--lumped", "1,4,4")
-    code, printed, errors = run("kinematics", ALUMINIUM, *options, "--out", tmp_path)
+    code, printed, errors = run("kinematics", ALUMINIUM, *options, "--details", "--out", tmp_path)
     assert (code, errors) == (0, "")
-    assert sorted(file.name for file in tmp_path.iterdir()) == sorted(Kinematics.files)
+    written = sorted(file.name for file in tmp_path.iterdir())
+    assert written == sorted([*Kinematics.files, "summary.txt"])
     assert "at 190 rpm" in printed
     assert "driving torque by 12 lumped masses" in printed
     columns = {
@@ -81,9 +82,10 @@ def test_without_lumped_masses_their_files_are_not_written(tmp_path: Path) -> No
     code, printed, _ = run("kinematics", ALUMINIUM, "--no-plots", "--out", tmp_path)
     assert code == 0
     names = {file.name for file in tmp_path.iterdir()}
-    assert names == {"kinematics.csv", "forces.csv", "drive.csv", "kinematics.nc"}
+    csv = {"kinematics.csv", "forces.csv", "drive.csv", "motion.csv"}
+    assert names == {*csv, "kinematics.nc", "summary.txt"}
     assert len(pd.read_csv(tmp_path / "drive.csv")) == 361
-    assert "at 10 rad/s" in printed  # the first speed of the model
+    assert "at 20 rad/s" in printed  # the greatest speed of the model
 
 
 def test_an_arm_has_no_transmission_angle(tmp_path: Path) -> None:
@@ -220,7 +222,7 @@ def test_joint_masses_and_point_masses_stay_where_they_are_when_mass_is_lumped()
 
 def test_lumps_of_a_link_that_lies_beside_its_pins() -> None:
     """Acceleration of a lump off the axis, against differences of its place."""
-    from flexmech.analyses.kinematics.compute import _acceleration
+    from flexmech.analyses.kinematics.variables import _acceleration
 
     linkage, step, speed = ALUMINIUM_LINKAGE, 1e-4, 20.0
     motion = linkage.motion(0.7 + step * np.arange(-2, 3), speed)
@@ -247,8 +249,9 @@ def test_pictures_show_the_dataset() -> None:
         data["angular_acceleration"].sel(link="coupler").values
     )
     forces = plots.plot_joint_forces(data).axes
-    drawn = [line.get_ydata() for line in forces[1].get_lines()[1:]]
+    size, *drawn = [line.get_ydata() for line in forces[1].get_lines()[1:]]
     at_a = data.sel(joint="A")
+    assert size == pytest.approx(np.linalg.norm(at_a["joint_force"].values, axis=-1))
     assert drawn[0] == pytest.approx(at_a["joint_force"].sel(component="x").values)
     assert drawn[3] == pytest.approx(at_a["lumped_joint_force"].sel(component="y").values)
     drive = plots.plot_drive(data).axes
@@ -273,8 +276,10 @@ def test_an_arm_is_drawn_without_transmission_angles() -> None:
 def test_round_off_is_told_as_zero() -> None:
     """An L-beam at constant speed without gravity needs no torque."""
     beam = load_mechanism(MODELS / "rotating_l_beam.toml")
-    lines = kinematics(beam, KinematicsRequest(TURN)).summary().lines
-    assert [line.count(" 0 ") for line in lines[:2]] == [2, 2]
+    said = kinematics(beam, KinematicsRequest(TURN)).summary()
+    lines = [line for line in said.lines if line.startswith("driving ")]
+    assert [line.count(" 0 ") for line in lines] == [2, 2]
+    assert any("the driving torque is 0 N m" in line for line in said.answer)
 
 
 @pytest.mark.parametrize("name", ["slider_crank", "watt_six_bar", "carton_pusher"])
@@ -299,3 +304,29 @@ def test_a_rigid_link_without_a_section_has_no_lumps() -> None:
     assert data.sizes["lump"] == 4 * 5
     assert "crank" not in data["lump_link"].values
     assert data["lump_mass"].min() > 0
+
+
+def test_the_answer_of_a_slider_crank(tmp_path: Path) -> None:
+    """Stroke, forces and torque; where each place goes; at one angle, at rest, and by round-off."""
+    model = MODELS / "slider_crank.toml"
+    code, printed, _ = run("kinematics", model, "--no-plots", "--out", tmp_path)
+    assert code == 0
+    lines = printed.splitlines()
+    assert "B strokes 300.0 mm, from 150.0 to 450.0 mm along its line, at up to " in printed
+    assert "The greatest joint force is " in printed
+    assert len(lines) <= 25
+    (row,) = [line for line in lines if line.startswith("│ B ")]
+    cells = [cell.strip() for cell in row.strip("│").split("│")]
+    assert cells[:3] == ["B", "slider", "300.0"]
+    mechanism = load_mechanism(model)
+    (place,) = kinematics(mechanism, KinematicsRequest([0.0], 5.0)).summary().answer[:1]
+    assert place == "B stands at 450.0 mm along its line."
+    still = kinematics(mechanism, 0.0).summary().answer
+    assert still == (
+        "B strokes 300.0 mm, from 150.0 to 450.0 mm along its line.",
+        "Nothing acts on the links: no joint carries a force.",
+    )
+    beam = load_mechanism(MODELS / "rotating_l_beam.toml")
+    assert not any("average" in line for line in kinematics(beam, 6.0).summary().answer)
+    pusher = kinematics(load_mechanism(MODELS / "carton_pusher.toml")).summary()
+    assert pusher.answer[-1].startswith("The shaft gives 22.7")

@@ -11,7 +11,9 @@ from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 from flexmech import InputError, Mechanism, MoistureUptake, load_mechanism, moisture_uptake
+from flexmech.analyses.digits import percent
 from flexmech.cli import app
+from flexmech.materials.moisture import Faces
 from flexmech.modelfile import mechanism_from_toml
 from tests.analytical.slab_series import bar_uptake, slab_uptake
 from tests.unit.test_cli_state import MODEL
@@ -42,8 +44,12 @@ def model(tmp_path: Path) -> Path:
 
 def test_tables_and_picture(model: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    code, printed, errors = run("moisture", model, *HUMID, "--temperature", "40", "--out", out)
+    options = (*HUMID, "--temperature", "40", "--details", "--out", out)
+    code, printed, errors = run("moisture", model, *options)
     assert (code, errors) == (0, "")
+    lines = printed.splitlines()
+    assert lines[0].startswith("After 20 d the rocker has ")
+    assert lines[1].startswith("The coupler has 99 % of it after ")
     assert "take up no water: crank\n" in printed
     assert (out / "moisture.png").is_file()
     uptake = pd.read_csv(out / "moisture_uptake.csv")
@@ -65,9 +71,8 @@ def test_tables_and_picture(model: Path, tmp_path: Path) -> None:
 
 def test_one_link_without_pictures(model: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    code, printed, _ = run(
-        "moisture", model, *HUMID, "--link", "rocker", "--no-plots", "--out", out
-    )
+    options = ("--link", "rocker", "--no-plots", "--details", "--out", out)
+    code, printed, _ = run("moisture", model, *HUMID, *options)
     assert code == 0
     # The coupler was not asked for; that is no reason to call it dry.
     assert "take up no water: crank\n" in printed
@@ -75,6 +80,7 @@ def test_one_link_without_pictures(model: Path, tmp_path: Path) -> None:
         "moisture.nc",
         "moisture_profile.csv",
         "moisture_uptake.csv",
+        "summary.txt",
     ]
     assert set(pd.read_csv(out / "moisture_uptake.csv")["link"]) == {"rocker"}
 
@@ -185,3 +191,83 @@ def test_what_python_refuses(model: Path) -> None:
     ):
         with pytest.raises(InputError, match=said):
             moisture_uptake(*arguments)  # type: ignore[arg-type]
+
+
+def test_the_answer_is_the_water_in_the_end_and_when_a_link_is_saturated(model: Path) -> None:
+    found = moisture_uptake(load_mechanism(model), 0.85, 20 * DAY)
+    numbers = {(one.name, one.of): one for one in found.summary().numbers}
+    time = numbers["time_to_saturation", "coupler"]
+    share = slab_uptake(np.array([time.value * DAY]), 6e-3, 6e-13, faces="lower")[0]
+    assert share == pytest.approx(0.99, abs=1e-6)
+    water = numbers["water", "rocker"].value
+    assert (
+        f"{found.dataset['uptake'].sel(link='rocker').values[-1] * 100:.2f} %"
+        in (found.summary().answer[0])
+    )
+    assert water == pytest.approx(100 * found.dataset["water"].sel(link="rocker").values[-1])
+
+
+@pytest.mark.parametrize(("faces", "width"), [("both", None), ("lower", None), ("both", 10e-3)])
+def test_estimated_errors_of_uptake_are_those_against_the_series(
+    faces: Faces, width: float | None
+) -> None:
+    """Never less than half of what the uptake is off by, and no more than ten times as much."""
+    mechanism = with_sides() if width else mechanism_from_toml(MODEL)
+    link = "coupler" if width or faces == "lower" else "rocker"
+    own = moisture_uptake(mechanism, 1.0, 20 * DAY, 293.15, link).dataset.sel(link=link)
+    times = own["time"].values
+    exact = (
+        bar_uptake(times, 6e-3, width, 6e-13, 6e-13)
+        if width
+        else slab_uptake(times, 6e-3, 6e-13, faces=faces)
+    )
+    actual = np.abs(own["uptake"].values - exact)[1:]
+    estimated = own["uptake_error"].values[1:]
+    assert np.all(actual < 2 * np.maximum(estimated, 1e-7))
+    assert estimated.max() < 3 * actual.max()
+
+
+def test_estimated_errors_of_times_to_shares_are_those_against_the_product() -> None:
+    """By the volumes in a bar; by the series in a slab, where round-off is left alone."""
+    data = moisture_uptake(with_sides(), 1.0, DAY, 293.15).dataset
+    bar, slab = (data.sel(link=link) for link in ("coupler", "rocker"))
+    assert (slab["time_to_share_error"] < 1e-11 * slab["time_to_share"]).all()
+    times, errors = bar["time_to_share"].values, bar["time_to_share_error"].values
+    for time, error, share in zip(times, errors, bar["share"].values, strict=True):
+        around = bar_uptake(
+            np.array([time - 2 * error, time + 2 * error]), 6e-3, 10e-3, *[6e-13] * 2
+        )
+        assert around[0] < share < around[1]
+        assert error < 0.01 * time
+
+
+def test_the_trust_line_is_the_greatest_error_of_what_is_printed(model: Path) -> None:
+    data = moisture_uptake(load_mechanism(model), 0.85, 20 * DAY).dataset
+    end = data.isel(time=-1)
+    worst = float((end["uptake_error"] / end["uptake"]).max())
+    said = MoistureUptake(data).summary()
+    assert f"numbers are known to {percent(worst)}, estimated by cells" in said.trust
+    for number in said.numbers:
+        assert 0 < number.error < 1e-3 * number.value
+    wrong = data.assign(uptake_error=data["uptake_error"] + 0.01)
+    coarse = MoistureUptake(wrong).summary()
+    assert coarse.table is not None
+    assert said.table is not None
+    for cells, before in zip(coarse.table.groups[0], said.table.groups[0], strict=True):
+        assert all(
+            len(cell) < len(known) for cell, known in zip(cells[1:4], before[1:4], strict=True)
+        )
+        assert cells[4:] == before[4:]
+    assert percent(float(((wrong["uptake_error"] / wrong["uptake"]).isel(time=-1)).max())) in (
+        coarse.trust
+    )
+    slow = data.assign(time_to_share_error=0.03 * data["time_to_share"])
+    assert "known to 3 %" in MoistureUptake(slow).summary().trust
+
+
+def test_a_result_of_before_errors_were_estimated_says_that_there_are_none(model: Path) -> None:
+    data = moisture_uptake(load_mechanism(model), 0.85, 20 * DAY).dataset
+    before = MoistureUptake(data.drop_vars(["uptake_error", "time_to_share_error"])).summary()
+    assert before.trust == "errors of the numbers are not estimated"
+    assert all(np.isnan(number.error) for number in before.numbers)
+    assert before.answer == MoistureUptake(data).summary().answer

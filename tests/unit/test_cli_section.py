@@ -23,15 +23,19 @@ COMPOSITE = MODELS / "composite_fourbar.toml"
 STEEL = MODELS / "steel_fourbar.toml"
 GENERAL = MODELS / "rotating_arm_slender_70.toml"
 LINKS = ["crank", "coupler", "rocker"]
-DATA = ["sections.csv", "sections.nc", "through_thickness.csv"]
+DATA = ["sections.csv", "sections.nc", "summary.txt", "through_thickness.csv"]
 COLUMNS = (
     "link,load,coupling,layer,ply,angle_deg,y_m,strain,normal_stress_Pa,shear_stress_Pa,"
     "third_order_shear_stress_Pa"
 )
 
 
-def run(*arguments: object) -> Any:
+def section(*arguments: object) -> Any:
     return CliRunner().invoke(app, ["section", *map(str, arguments)])
+
+
+def run(*arguments: object) -> Any:
+    return section(*arguments, "--details")
 
 
 def names(folder: Path) -> list[str]:
@@ -280,7 +284,7 @@ def test_of_general_sections_nothing_is_known_inside(tmp_path: Path) -> None:
     assert "unit loads" not in result.stdout
     assert value_of(result.stdout, "EA (N)") == [4900]
     assert value_of(result.stdout, "out-of-plane width (mm)") == ["not known"]
-    assert names(tmp_path) == ["sections.csv", "sections.nc"]
+    assert names(tmp_path) == ["sections.csv", "sections.nc", "summary.txt"]
     table = pd.read_csv(tmp_path / "sections.csv")
     assert table["shear_correction"].isna().all()
 
@@ -325,7 +329,7 @@ def test_a_bad_laminate_ends_with_exit_code_2(tmp_path: Path) -> None:
 
 
 def test_check_shows_the_axes_and_the_losses_of_a_laminate() -> None:
-    result = CliRunner().invoke(app, ["check", str(COMPOSITE)])
+    result = CliRunner().invoke(app, ["check", str(COMPOSITE), "--details"])
     assert result.exit_code == 0
     coupler = load_mechanism(COMPOSITE).sections["coupler"]
     loss = coupler.specific_damping
@@ -340,7 +344,78 @@ def test_check_shows_the_axes_and_the_losses_of_a_laminate() -> None:
         assert middle == pytest.approx(expected, rel=1e-3)
         if "axis" in label:
             assert crank == rocker == 0
-    plain = CliRunner().invoke(app, ["check", str(STEEL)]).stdout
+    plain = CliRunner().invoke(app, ["check", str(STEEL), "--details"]).stdout
     assert "axis y" not in plain
     assert "specific damping" not in plain
     assert value_of(plain, "damping time, bending (s)") == [0, 0, 0]
+
+
+def test_the_answer_is_one_row_a_link_and_what_coupling_does() -> None:
+    printed = section(COMPOSITE).stdout
+    coupler = load_mechanism(COMPOSITE).sections["coupler"]
+    lines = printed.splitlines()
+    assert lines[0].startswith("The links are as stiff as solid bars of 82.75 to 109.7 GPa in ten")
+    left = 100 * coupler.bending_stiffness / coupler.without_coupling().bending_stiffness
+    assert lines[1] == (
+        f"Tension bends the coupler: its neutral axis is {-1e3 * coupler.neutral_axis:.4g} mm off "
+        f"the pins' axis, and the coupling leaves {left:.3g} % of EI."
+    )
+    (row,) = [line for line in lines if line.startswith("│ coupler ")]
+    cells = [cell.strip() for cell in row.strip("│").split("│")]
+    modulus = 12 * coupler.bending_stiffness / (0.02 * 0.008**3)
+    assert cells == [
+        "coupler",
+        "[C*4/G*4]",
+        f"{1e-6 * coupler.axial_stiffness:.4g}",
+        f"{coupler.bending_stiffness:.4g}",
+        f"{1e-9 * coupler.axial_stiffness / 160e-6:.4g}",
+        f"{1e-9 * modulus:.4g}",
+        f"{coupler.mass_per_length:.4g}",
+        f"{1e3 * coupler.neutral_axis:.4g}",
+        f"{100 * coupler.specific_damping.bending:.4g}",
+    ]
+    assert "unit loads" not in printed
+    assert len(lines) <= 25
+    plain = section(STEEL, "--link", "crank").stdout
+    assert plain.startswith(
+        "The crank is as stiff as a solid bar of 200 GPa in tension and bending"
+    )
+    assert "Tension" not in plain
+
+
+def test_a_link_of_one_material_has_no_picture() -> None:
+    from flexmech import section_profiles
+
+    assert section_profiles(load_mechanism(STEEL)).figures() == {}
+    assert list(section_profiles(load_mechanism(COMPOSITE), "rocker").figures()) == [
+        "section_rocker"
+    ]
+
+
+def test_long_stacks_are_cut_in_the_table_of_links() -> None:
+    """The whole stack stands in the details."""
+    from flexmech import section_profiles
+    from flexmech.analyses.section_profile import words
+
+    result = section_profiles(load_mechanism(MODELS / "moist_composite_fourbar.toml"))
+    table = result.summary().table
+    assert table is not None
+    made_of = [row[1] for row in table.groups[0]]
+    assert all(text.endswith("…") and len(text) == words._LONGEST_STACK for text in made_of)
+    assert "rocker: [U@45/U@-45/U@45/U@-45/" in str(result.summary())
+    assert words._LONGEST_STACK <= 24  # a third of a page of 80 columns
+
+
+def test_of_many_coupled_links_their_number_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    from dataclasses import replace
+
+    from flexmech import section_profiles
+    from flexmech.analyses.section_profile import words
+
+    mechanism = load_mechanism(COMPOSITE)
+    same = replace(mechanism, sections=dict.fromkeys(LINKS, mechanism.sections["coupler"]))
+    assert section_profiles(same).summary().answer[1:] == (
+        "Tension bends 3 links, whose neutral axes are off the pins' axis.",
+    )
+    monkeypatch.setattr(words, "_MOST_NAMED", 3)
+    assert len(section_profiles(same).summary().answer) == 4

@@ -27,16 +27,22 @@ def test_proportions_and_their_check() -> None:
     result = synthesize(*WANTED)
     assert result.exit_code == 0, result.output
     assert result.output.splitlines() == [
-        "crank 0.1408, coupler 0.9005, rocker 0.4572 of the ground",
-        "check: transmission angle 70 to 110 deg, rocker at 100 deg at crank angle 0",
-        "Grashof class: crank-rocker; the rocker swings through 35.874 deg, time ratio 1",
+        "Crank 0.1408, coupler 0.9005, rocker 0.4572 of the ground: crank-rocker with transmission "
+        "angles of 70 to 110 deg.",
+        "The rocker swings through 35.87 deg, with a time ratio of 1.",
+        result.output.splitlines()[2],
     ]
+    gap = result.output.splitlines()[2]
+    assert gap.startswith("check: computed back from the lengths, what was wanted is met within ")
+    assert float(gap.split()[-2]) < 1e-9
+    more = synthesize(*WANTED, "--details").output.splitlines()
+    assert more[-1] == "check: transmission angle 70 to 110 deg, rocker at 100 deg at crank angle 0"
 
 
 def test_lengths_are_a_table_for_a_model_file() -> None:
     result = synthesize(*WANTED, "--ground", "0.4 m")
     assert result.exit_code == 0, result.output
-    table = result.output[result.output.index("[linkage]") :]
+    table = result.output[result.output.index("[linkage]") : result.output.index("check:")]
     assert tomllib.loads(table)["linkage"]["crank"] == "56.3188 mm"
     model = template("four-bar")
     start, end = model.index("[linkage]"), model.index("[materials")
@@ -52,7 +58,8 @@ def test_files(tmp_path: Path) -> None:
     result = synthesize(*WANTED, "--out", str(out))
     assert result.exit_code == 0, result.output
     assert (
-        result.output.splitlines()[-1] == f"files: {out / TABLE}, {out / DATASET}, {out / PICTURE}"
+        result.output.splitlines()[-1]
+        == f"files: {out / TABLE}, {out / DATASET}, {out / PICTURE}, {out / 'summary.txt'}"
     )
     assert (out / TABLE).read_text().splitlines()[:2] == [
         "crank_angle_deg,transmission_angle_deg",
@@ -65,14 +72,15 @@ def test_files(tmp_path: Path) -> None:
 
     later = synthesize("--deviation", "30", "--rocker-angle", "90", "--out", str(out), "--no-plots")
     assert later.output.splitlines()[-2:] == [
-        f"files: {out / TABLE}, {out / DATASET}",
+        f"files: {out / TABLE}, {out / DATASET}, {out / 'summary.txt'}",
         f"from an earlier run, not of this one: {PICTURE}",
     ]
 
 
 def test_no_picture_unless_wanted(tmp_path: Path) -> None:
     assert synthesize(*WANTED, "--out", str(tmp_path), "--no-plots").exit_code == 0
-    assert sorted(path.name for path in tmp_path.iterdir()) == [TABLE, DATASET]
+    names = sorted(path.name for path in tmp_path.iterdir())
+    assert names == ["summary.txt", TABLE, DATASET]
 
 
 def test_a_user_s_script(tmp_path: Path) -> None:

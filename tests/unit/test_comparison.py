@@ -40,7 +40,7 @@ FAR = 3.5
 
 @pytest.fixture(scope="module")
 def with_angle() -> Comparison:
-    request = flexmech.ComparisonRequest(SPEED, speed_unit="rpm")
+    request = flexmech.ComparisonRequest(SPEED * 30 / np.pi, speed_unit="rpm")
     return flexmech.compare_with_record(undamped(), strain_record(), request)
 
 
@@ -123,7 +123,7 @@ def test_the_own_damping_of_a_model_stays_where_it_is_not_fitted():
         damped(), strain_record(), flexmech.ComparisonRequest(SPEED, fit=("none",))
     )
     assert result.unexplained < 1e-3
-    assert "nothing of the model was fitted" in result.summary().verdict
+    assert "nothing was fitted" in result.summary().trust
     worse = flexmech.compare_with_record(
         undamped(), strain_record(), flexmech.ComparisonRequest(SPEED, fit=("none",))
     )
@@ -160,7 +160,7 @@ def test_stiffness_is_found_back_from_frequencies(engine):
         "mode",
         "measured_Hz",
     ]
-    assert "on all moduli of coupler" in result.summary().verdict
+    assert "on all moduli of coupler" in str(result.summary())
 
 
 def test_a_record_without_modes_is_laid_beside_the_nearest():

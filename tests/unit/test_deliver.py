@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import json
 import signal
 from collections.abc import Callable
 from pathlib import Path
@@ -19,10 +20,11 @@ from typer.testing import CliRunner
 
 from flexmech import plots
 from flexmech.analyses import Result, Summary, Table
+from flexmech.analyses.digits import Quantity
 from flexmech.choices import PAGE_WIDTHS
 from flexmech.cli import stopping
 from flexmech.cli.application import COMMANDS, STUDIES
-from flexmech.cli.deliver import Output, Pictures, deliver
+from flexmech.cli.deliver import Output, Pictures, Printing, deliver
 from flexmech.cli.failures import reports_failures
 from flexmech.cli.options import asked_pictures
 from flexmech.cli.reading import from_options
@@ -52,9 +54,17 @@ class Sizes(Result):
         return plots.plot_linkage(linkage_dataset())
 
     def summary(self) -> Summary:
-        return Summary((TABLE, "a line"), "the verdict")
+        return SUMMARY
 
 
+SUMMARY = Summary(
+    ("The answer.",),
+    TABLE,
+    "numbers are known",
+    ("a <line>", TABLE),
+    ("act on it",),
+    (Quantity("size", 2.04, "mm", 0.1, "b"), Quantity("turns", 3.0, "")),
+)
 NO_PICTURES = Pictures(())
 SIZES = Sizes(xr.Dataset({"size": ("place", [1.0, 2.0])}, attrs={"mechanism": "model"}))
 
@@ -65,6 +75,7 @@ def run(
     *,
     pictures: Pictures = Pictures(),  # noqa: B008
     unit: str = "rad/s",
+    printing: Printing = "answer",
 ) -> Any:
     app = typer.Typer()
 
@@ -76,7 +87,7 @@ def run(
     @app.command()
     @reports_failures
     def command() -> None:
-        deliver(Sizes, compute, Output(out, pictures), speeds=Speeds((), unit))
+        deliver(Sizes, compute, Output(out, pictures, printing), speeds=Speeds((), unit))
 
     return CliRunner().invoke(app, [])
 
@@ -89,17 +100,18 @@ def names(folder: Path) -> list[str]:
     return sorted(str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file())
 
 
-def test_files_are_written_and_named_and_the_verdict_comes_last(tmp_path: Path) -> None:
+def test_files_are_written_and_the_answer_comes_first(tmp_path: Path) -> None:
     out = tmp_path / "new" / "folder"
     result = run(out)
-    assert (result.exit_code, result.stderr) == (0, "")
-    assert names(out) == ["below/sizes.csv", "sizes.csv", "sizes.nc", "sizes.png"]
+    assert (result.exit_code, result.stderr) == (0, "warning: act on it\n")
+    assert names(out) == ["below/sizes.csv", "sizes.csv", "sizes.nc", "sizes.png", "summary.txt"]
     assert (out / "sizes.csv").read_text() == "name,size\na,0.3333333333\nb,\n"
     lines = result.stdout.strip().split("\n")
-    assert lines[-1] == "the verdict"
-    listed = ("sizes.csv", "below/sizes.csv", "sizes.nc", "sizes.png")
-    assert lines[-2] == "files: " + ", ".join(str(out / name) for name in listed)
-    assert lines[-3] == "a line"
+    assert lines[0] == "The answer."
+    listed = ("sizes.csv", "below/sizes.csv", "sizes.nc", "sizes.png", "summary.txt")
+    assert lines[-1] == "files: " + ", ".join(str(out / name) for name in listed)
+    assert lines[-2] == "numbers are known"
+    assert "a <line>" not in result.stdout
     rows = [line.split() for line in lines if "│" in line]
     assert [(row[1], row[3]) for row in rows] == [("a", "1"), ("b", "20"), ("c", "3")]
 
@@ -107,7 +119,8 @@ def test_files_are_written_and_named_and_the_verdict_comes_last(tmp_path: Path) 
 def test_pictures_are_written_in_all_formats_asked_for(tmp_path: Path) -> None:
     result = run(tmp_path, pictures=pictures("svg, .PDF,svg", "one-column"))
     assert result.exit_code == 0
-    assert names(tmp_path) == ["below/sizes.csv", "sizes.csv", "sizes.nc", "sizes.pdf", "sizes.svg"]
+    assert {"sizes.pdf", "sizes.svg"} <= set(names(tmp_path))
+    assert "sizes.png" not in names(tmp_path)
     assert "sizes.pdf" in result.stdout
     # Then another run in another format: what lies there is told.
     assert "from an earlier run, not of this one: sizes.pdf, sizes.svg" in run(tmp_path).stdout
@@ -157,7 +170,42 @@ def test_without_a_folder_it_prints_alone(tmp_path: Path) -> None:
     result = run(None)
     assert result.exit_code == 0
     assert "files:" not in result.stdout
-    assert result.stdout.strip().split("\n")[-2:] == ["a line", "the verdict"]
+    assert result.stdout.strip().split("\n")[-1] == "numbers are known"
+
+
+def test_details_print_what_the_file_beside_the_others_has(tmp_path: Path) -> None:
+    printed = run(tmp_path, printing="details").stdout
+    kept = (tmp_path / "summary.txt").read_text(encoding="utf-8")
+    assert kept == f"# sizes\nresult of model\n{SUMMARY}\n\n"
+    for line in ("The answer.", "numbers are known", "a <line>"):
+        assert line in kept
+        assert line in printed
+    assert printed.index("numbers are known") < printed.index("a <line>")
+    assert "warning: act on it" in kept
+
+
+def test_a_second_command_in_a_folder_keeps_what_the_first_has_found(tmp_path: Path) -> None:
+    file = tmp_path / "summary.txt"
+    file.write_text("# check\nan answer\n\n# sizes\nof yesterday\n\n", encoding="utf-8")
+    run(tmp_path)
+    kept = file.read_text(encoding="utf-8")
+    assert kept.startswith("# check\nan answer\n\n# sizes\n")
+    assert "yesterday" not in kept
+    assert kept.count("The answer.") == 1
+
+
+def test_programs_get_answer_numbers_units_and_errors(tmp_path: Path) -> None:
+    said = json.loads(run(tmp_path, printing="json").stdout)
+    assert said["answer"] == ["The answer."]
+    assert said["numbers"] == [
+        {"name": "size", "of": "b", "value": 2.04, "unit": "mm", "error": 0.1},
+        {"name": "turns", "of": None, "value": 3.0, "unit": "", "error": None},
+    ]
+    assert said["table"]["rows"] == [["a", 1.0], ["b", 20.0], ["c", 3.0]]
+    assert (said["trust"], said["warnings"]) == ("numbers are known", ["act on it"])
+    assert said["details"]["lines"] == ["a <line>"]
+    assert [table["title"] for table in said["details"]["tables"]] == ["sizes"]
+    assert said["files"][-1] == str(tmp_path / "summary.txt")
 
 
 def test_what_lies_there_from_an_earlier_run_is_named(tmp_path: Path) -> None:
@@ -224,8 +272,9 @@ def test_a_folder_that_cannot_be_written_is_refused_before_the_work(tmp_path: Pa
 
 
 def test_a_summary_is_a_text_and_a_page() -> None:
-    summary = Summary((TABLE, "a <line>"), "the verdict")
-    assert str(summary).split("\n") == [
+    assert str(SUMMARY).split("\n")[:11] == [
+        "warning: act on it",
+        "The answer.",
         "sizes",
         "name  size",
         "----------",
@@ -234,10 +283,9 @@ def test_a_summary_is_a_text_and_a_page() -> None:
         "----------",
         "c        3",
         "mm",
-        "a <line>",
-        "the verdict",
+        "numbers are known",
     ]
-    page = summary._repr_html_()
+    page = SUMMARY._repr_html_()
     assert "<td>20</td>" in page
     assert "a &lt;line&gt;" in page
 
@@ -246,7 +294,7 @@ def test_a_result_shows_itself_in_a_notebook_and_in_one_line() -> None:
     assert repr(SIZES) == "<Sizes of model: place 2>"
     page = SIZES._repr_html_()
     assert page.startswith('<img src="data:image/png;base64,')
-    assert "the verdict" in page
+    assert "The answer." in page
 
 
 def test_a_signal_that_compiled_code_turned_into_an_error_is_still_one(tmp_path: Path) -> None:

@@ -143,13 +143,13 @@ def test_a_frequency_map_says_what_was_chosen_and_what_that_leaves_out() -> None
     summary = result.summary()
     text = str(summary)
     assert "elements chosen: zigzag (reference), geometrically-exact (exudyn); shear" in text
-    assert "their beam theories differ, zigzag and timoshenko: by up to" in summary.verdict
+    assert "their beam theories differ, zigzag and timoshenko: by up to" in summary.details[-1]
     (warning,) = summary.warnings
     assert "element geometrically-exact (exudyn) leaves out the warping" in warning
     slender = moving_frequencies(both(fourbar()), [0.0], [0.0], modes=2).summary()
     assert "elements chosen" not in str(slender)
     assert slender.warnings == ()
-    assert "theories" not in slender.verdict
+    assert "theories" not in str(slender.details[-1])
 
 
 def test_elements_that_were_asked_for_are_warned_of() -> None:
@@ -197,7 +197,7 @@ def test_the_warning_goes_to_stderr(tmp_path: Path) -> None:
     model.write_text(sandwich().to_toml(), encoding="utf-8")
     options = ["--angles", "0", "--speeds", "0", "--modes", "2", "--no-plots"]
     result: Any = CliRunner().invoke(
-        app, ["frequencies", str(model), *options, "--out", str(tmp_path / "out")]
+        app, ["frequencies", str(model), *options, "--details", "--out", str(tmp_path / "out")]
     )
     assert result.exit_code == 0, result.output
     assert "elements chosen: zigzag (reference)" in result.stdout

@@ -10,7 +10,8 @@ import flexmech
 from flexmech.cli import app
 
 PATHS = {"DIR", "FILE", "MODEL", "RECORD", "MODEL|RESULTS"}
-COMMANDS = typer.main.get_command(app).commands
+GROUP = typer.main.get_command(app)
+COMMANDS = {name: GROUP.get_command(None, name) for name in GROUP.list_commands(None)}
 COMMANDS |= {f"study {name}": each for name, each in COMMANDS.pop("study").commands.items()}
 PLACES = [
     (name, number)

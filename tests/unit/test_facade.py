@@ -111,7 +111,7 @@ def examples() -> list[Any]:
         flexmech.Formulation("axial", flexmech.RotationTerms.parse("coriolis")),
         flexmech.RotationTerms(),
         flexmech.FrequencyRequest([0.0], [0.0]),
-        flexmech.ResponseRequest(flexmech.CrankDrive(20.0)),
+        flexmech.ResponseRequest(20.0),
         flexmech.moving_frequencies(engine, [0.0, 1.0], [0.0], modes=1),
     ]
 
@@ -140,7 +140,7 @@ WRONG = [
     (lambda: flexmech.ReferenceEngine("model.toml"), "load_mechanism"),
     (lambda: flexmech.moving_frequencies("model.toml", [0.0], [0.0]), "ReferenceEngine"),
     (lambda: flexmech.natural_frequencies(flexmech.FourBar, 0.0), "ReferenceEngine"),
-    (lambda: flexmech.ResponseRequest(20.0), "CrankDrive"),
+    (lambda: flexmech.ResponseRequest("fast"), "speed must be a number of rad/s"),
     (lambda: flexmech.HygrothermalState(temperature_rise="60 K"), "temperature_rise"),
     (lambda: flexmech.Formulation("axial", "coriolis"), "RotationTerms.parse"),
     (lambda: flexmech.RotationTerms.parse("gyroscopic"), "coriolis, centripetal, tangential"),

@@ -17,7 +17,7 @@ COARSE = ("rotating_arm", ["--engine", "reference", "--elements", "1"], 3, "the 
 
 
 def run(*arguments: object):
-    return CliRunner().invoke(app, [*map(str, arguments), "--no-plots"])
+    return CliRunner().invoke(app, [*map(str, arguments), "--no-plots", "--details"])
 
 
 @pytest.mark.parametrize(("model", "options", "modes", "reason"), [OVERDAMPED, COARSE])

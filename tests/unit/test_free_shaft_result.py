@@ -22,7 +22,7 @@ QUICK += ["--samples", "25000"]
 
 def run(folder: Path, *options: str) -> str:
     arguments = ["response", str(MODEL), *QUICK, "--shaft", "free", "--no-plots", *options]
-    result = CliRunner().invoke(app, [*arguments, "--out", str(folder)])
+    result = CliRunner().invoke(app, [*arguments, "--details", "--out", str(folder)])
     return result.output + result.stderr
 
 

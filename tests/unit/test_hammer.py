@@ -186,7 +186,7 @@ class TestResult:
         said = small_test().summary()
         assert said.tables[0].headings[2:4] == ("FE Hz", "Ex Hz")
         assert len(said.tables[0].groups) == 2
-        assert "identified against eigen model, first" in said.verdict
+        assert "identified against eigen model, first" in said.trust
 
     def test_a_mode_that_is_not_seen_is_named(self):
         dataset = small_test().dataset.copy(deep=True)

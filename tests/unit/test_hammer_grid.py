@@ -232,7 +232,14 @@ def test_the_command_writes_shapes_and_universal_files(tmp_path):
     )
     assert ran.exit_code == 0, ran.output
     names = {path.name for path in (tmp_path / "results").iterdir()}
-    assert names == {"frf.csv", "identified.csv", "shapes.csv", "hammer.nc", "hammer_96.9deg.uff"}
+    assert names == {
+        "frf.csv",
+        "identified.csv",
+        "shapes.csv",
+        "hammer.nc",
+        "hammer_96.9deg.uff",
+        "summary.txt",
+    }
     assert len(read_uff(tmp_path / "results" / "hammer_96.9deg.uff").traces) == 3
 
 

@@ -58,7 +58,7 @@ LIMITS = {
     "steps of a run": (lambda n: flexmech.ResponseRequest(DRIVE, 1.0, step=1.0 / n), 50_000_000),
     "steps must be": (lambda n: StabilityRequest(np.array([20.0]), steps=n), 1_000_000),
     "must be in rad": (lambda n: in_radians("angles", n * np.pi / 10), 160),
-    "times the lowest": (lambda n: _refuse_too_many_steps(np.array([float(n)]), 1.0), 250),
+    "times the lowest": (lambda n: _refuse_too_many_steps(StabilityRequest([float(n)]), 1.0), 250),
 }
 
 

@@ -10,6 +10,7 @@ from matplotlib.patches import Polygon, Rectangle
 
 from flexmech.linkages import FourBar
 from flexmech.plots import SERIES_STYLES, page_width, plot_mechanism
+from flexmech.plots.drawn_linkage.sketch import JOINT, WELD
 from tests.unit.figure_checks import check_layout, legend_texts, panels
 from tests.unit.plot_data import ARM, mechanism_dataset
 
@@ -52,11 +53,14 @@ def test_paths_are_the_dataset_s_and_the_point_is_on_the_coupler(dataset: xr.Dat
     assert any(np.allclose(t[:3], [coupler[0], coupler[-1], point]) for t in triangles)
 
 
-def test_discs_have_areas_as_the_masses(dataset: xr.Dataset) -> None:
+def test_discs_have_areas_as_the_masses_and_small_ones_are_seen(dataset: xr.Dataset) -> None:
     posture = plot_mechanism(dataset).axes[0]
     discs = [line for line in posture.lines if line.get_color() == SERIES_STYLES[1].color]
     areas = np.array([disc.get_markersize() for disc in discs]) ** 2
-    np.testing.assert_allclose(areas / areas[0], [1.0, 0.25, 0.5])
+    # A quarter would be hidden by the circle of the pin.
+    np.testing.assert_allclose(areas / areas[0], [1.0, 64 / 144, 0.5])
+    assert np.sqrt(areas.min()) > 2.0 * JOINT["ms"]
+    assert np.sqrt(areas.min()) > 1.5 * WELD["ms"]
     np.testing.assert_allclose(
         np.vstack([disc.get_xydata() for disc in discs]),
         [*dataset["joint_position"].values[1:3], dataset["point_mass_position"].values[0]],
@@ -124,3 +128,37 @@ def test_a_curve_ends_where_the_linkage_cannot_stand(dataset: xr.Dataset) -> Non
     check_layout(figure)
     curve = next(line for line in figure.axes[2].lines if len(line.get_xdata()) == 73)
     assert np.isnan(curve.get_ydata()[20:40]).all()
+
+
+def test_sections_stand_beside_a_posture_without_a_transmission_angle() -> None:
+    """Below it they would leave half the page empty; on a narrow page they stay below."""
+    dataset = mechanism_dataset(ARM)
+    figure = plot_mechanism(dataset)
+    figure.draw_without_rendering()
+    posture, sections = (axes.get_position() for axes in figure.axes)
+    assert sections.x0 >= posture.x1
+    assert 0.3 < sections.width < 0.4
+    with page_width(88.0):
+        narrow = plot_mechanism(dataset)
+        narrow.draw_without_rendering()
+        posture, sections = (axes.get_position() for axes in narrow.axes)
+        assert sections.y1 <= posture.y0
+        check_layout(narrow)
+
+
+def test_a_posture_that_is_not_flat_fills_the_height_beside_the_rest(dataset: xr.Dataset) -> None:
+    figure = plot_mechanism(dataset)
+    check_layout(figure)
+    posture, sections, angle = (axes.get_position() for axes in figure.axes)
+    assert min(sections.x0, angle.x0) >= posture.x1 - 0.02
+    assert sections.y0 > angle.y1
+    # At one scale along x and y, so that what the linkage covers is what its axes cover.
+    assert posture.height > 0.7
+    flat = dataset.copy(deep=True)
+    for name in ("path", "rigid_position", "joint_position"):
+        flat[name] = flat[name] * xr.DataArray([1.0, 0.2], dims="component")
+    flat = flat.assign_attrs(drawing=flat.attrs["drawing"])
+    figure = plot_mechanism(flat)
+    check_layout(figure)
+    posture, sections, angle = (axes.get_position() for axes in figure.axes)
+    assert posture.y0 > max(sections.y1, angle.y1)

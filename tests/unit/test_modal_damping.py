@@ -17,9 +17,9 @@ from flexmech.analyses import (
     solve_modes,
     strain_energy_damping,
 )
+from flexmech.analyses.frequencies.damping import strain_energy_lines
 from flexmech.analyses.frequencies.formulation import RunningStates
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping, links_without_loss
-from flexmech.analyses.frequencies.words import damping_lines
 from flexmech.cli.application import app
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
@@ -94,9 +94,27 @@ class TestDataset:
 
     def test_it_does_not_change_what_was_there(self, result: MovingFrequencies) -> None:
         plain = moving_frequencies(ReferenceEngine(losing(), 3), ANGLES, SPEEDS, modes=3)
-        xr.testing.assert_identical(
-            plain.dataset, result.dataset.drop_vars("strain_energy_damping")
-        )
+        own = ["strain_energy_damping", "strain_energy_damping_discretisation_error"]
+        xr.testing.assert_identical(plain.dataset, result.dataset.drop_vars(own))
+
+    def test_its_error_is_that_against_a_far_finer_mesh(self, result: MovingFrequencies) -> None:
+        """Not less than half of it, nor more than twice as much, of modes that do not veer."""
+        name = "strain_energy_damping"
+        error = result.dataset[f"{name}_discretisation_error"]
+        angles = error["check_angle"].values
+        for speed, estimated in zip(SPEEDS, error.values[0], strict=True):
+            here, fine = (
+                strain_energy_damping(
+                    ReferenceEngine(losing(**LOSS), elements, component_modes=False),
+                    *(angles, speed),
+                    modes=3,
+                )
+                for elements in (3, 24)
+            )
+            actual = np.abs(here - fine)
+            assert actual.max() > 1e-8
+            assert estimated.max(axis=0) == pytest.approx(actual.max(axis=0), rel=1.0, abs=1e-7)
+            assert np.all(actual.max(axis=0) < 2 * estimated.max(axis=0) + 1e-7)
 
     def test_kelvin_voigt_times_stay_what_frequencies_are_solved_with(self) -> None:
         tau = 1e-5
@@ -194,7 +212,7 @@ class TestFiles:
             "frequencies", MODEL, "--engine", "reference", "--elements", "2", "--modes", "2",
             "--speeds", "0", "--angles", "0,90,180", "--out", str(tmp_path),
         ]  # fmt: skip
-        done = CliRunner().invoke(app, arguments)
+        done = CliRunner().invoke(app, [*arguments, "--details"])
         assert done.exit_code == 0, done.output
         assert (
             "damping by modal strain energy: 0.518 % to 0.555 % over the crank angles (mode 1), 0.0"
@@ -216,9 +234,9 @@ class TestLines:
         ratio = dataset["strain_energy_damping"]
         ratio[:] = 4e-3
         ratio[0, 1, 3, 0], ratio[1, 2, 4, 0], ratio[1, 0, 0, 1] = 3.456e-3, 5.2e-3, 4.5e-3
-        assert damping_lines(dataset) == [
-            "damping by modal strain energy: 0.346 % to 0.52 % over the crank angles and speeds "
-            "(mode 1), 0.4 % to 0.45 % (mode 2)",
+        assert strain_energy_lines(dataset) == [
+            "damping by modal strain energy: 0.346 % to 0.520 % over the crank angles and speeds "
+            "(mode 1), 0.400 % to 0.450 % (mode 2)",
             "damping by modal strain energy: engines differ by at most 1.2e-03",
             "damping by modal strain energy: no specific damping is known of rocker; taken as "
             "without loss",
@@ -227,8 +245,8 @@ class TestLines:
     def test_no_more_is_said_than_is_known(self, dataset: xr.Dataset) -> None:
         one = dataset.isel(engine=[0]).copy()
         one["strain_energy_damping"].attrs["links_without_data"] = ""
-        assert len(damping_lines(one)) == 1
-        assert damping_lines(frequency_dataset()) == []
+        assert len(strain_energy_lines(one)) == 1
+        assert strain_energy_lines(frequency_dataset()) == []
 
 
 class TestPicture:

@@ -7,6 +7,7 @@ from io import StringIO
 from pathlib import Path
 
 import pytest
+import typer
 from typer.testing import CliRunner
 
 from flexmech.analyses import Summary, Table
@@ -28,17 +29,16 @@ def test_json_is_the_summary_for_scripts(tmp_path: Path) -> None:
     arguments = [str(STEEL), "--link", "crank", "--no-plots", "--out", str(tmp_path), "--json"]
     told = CliRunner().invoke(app, ["section", *arguments])
     said = json.loads(told.stdout)
-    assert set(said) == {"tables", "lines", "warnings", "verdict", "files"}
-    rows = dict(said["tables"][0]["rows"])
-    assert rows["in-plane thickness (mm)"] == 4.25
-    assert rows["specific damping, axial (%)"] == "not known"
-    assert [Path(file).name for file in said["files"]][-1] == "sections.nc"
+    keys = {"answer", "numbers", "table", "trust", "warnings", "details", "files"}
+    assert set(said) == keys
+    names = [Path(file).name for file in said["files"]]
+    assert names[-2:] == ["sections.nc", "summary.txt"]
 
 
 def test_json_and_quiet_are_not_given_together() -> None:
     told = CliRunner().invoke(app, ["check", str(STEEL), "--quiet", "--json"])
     assert (told.exit_code, told.stdout) == (2, "")
-    assert told.stderr == "error: --quiet and --json: give one of them\n"
+    assert told.stderr == "error: --details, --quiet and --json: give one of them\n"
 
 
 @pytest.mark.parametrize(("name", "numbers"), [("reference", 5), ("a" * 60, 3)])
@@ -49,7 +49,7 @@ def test_numbers_of_tables_are_whole_at_80_columns(
     monkeypatch.setenv("COLUMNS", "80")
     row = (name, *(f"-1{number}34.567" for number in range(numbers)))
     headings = ("engine", *(f"normal stress of {number} (MPa)" for number in range(numbers)))
-    say(Summary((Table("stresses", headings, ((row,),)),)))
+    say(Summary((), Table("stresses", headings, ((row,),))))
     lines = capsys.readouterr().out.splitlines()
     assert all(any(cell in line for line in lines) for cell in row[1:])
     assert max(map(len, lines)) <= 80
@@ -74,3 +74,25 @@ def test_shells_complete_commands_and_options() -> None:
         environment = {**asked, "COMP_WORDS": words, "COMP_CWORD": place}
         told = CliRunner().invoke(app, env=environment, prog_name="flexmech")
         assert told.stdout.split() == [expected]
+
+
+def test_help_lists_commands_without_building_them(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fail(command: object) -> None:
+        raise AssertionError(f"{command} was built")
+
+    monkeypatch.setattr("flexmech.cli.application.from_options", fail)
+    with pytest.raises(SystemExit) as ended:
+        typer.main.get_command(app)(["--help"])
+    assert ended.value.code == 0
+    printed = capsys.readouterr().out
+    assert "Moving natural frequencies of a mechanism." in printed
+    assert "Run a whole campaign" in printed
+
+
+def test_a_wrong_command_is_compared_with_all(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        typer.main.get_command(app)(["frequencie"])
+    assert ended.value.code == 2
+    assert "Did you mean 'frequencies'" in capsys.readouterr().err

@@ -28,6 +28,7 @@ from tests.unit.plot_data import arm_response, response_dataset
 
 ALL_PLOTS = (plot_response, plot_forces)
 COLORS = ("#0072B2", "#D55E00")
+PARTS = ("magnitude", "x", "y")
 MINUS = "\N{MINUS SIGN}"
 
 
@@ -81,6 +82,49 @@ class TestResponse:
             for turns in (1.0, 6.0)
         ]
         assert widths[0] > widths[1]
+
+    def test_ripples_do_not_make_a_line_thinner(self) -> None:
+        rippled = arm_response()
+        time, slow = rippled["time"], np.cos(rippled["crank_angle"])
+        ripples = np.sin(2 * np.pi * 200.0 * time)
+        widths = []
+        for size in (0.02, 0.1):
+            rippled["deflection"][:] = 1e-3 * (slow + size * ripples).values[None, :, None]
+            widths.append(plot_response(rippled).axes[0].lines[-1].get_linewidth())
+        assert widths[0] > widths[1]
+
+    def test_many_panels_stand_in_two_columns_on_one_page(self, dataset: xr.Dataset) -> None:
+        links = [f"{name}-{n}" for n in (1, 2) for name in dataset["link"].values]
+        many = xr.concat([dataset, dataset], "link", data_vars="minimal").assign_coords(link=links)
+        figure = plot_response(many)
+        check_layout(figure)
+        assert len(panels(figure)) == 10
+        assert figure.get_figheight() * 25.4 < 240.0
+        first, second, third = figure.axes[:3]
+        for axes in (first, second):
+            (top,) = axes.child_axes
+            assert top.get_xlabel() == "Crank angle (deg)"
+        assert not third.child_axes
+        assert second.get_position().x0 > first.get_position().x1
+
+    def test_too_many_vibrations_are_drawn_as_their_envelope(self) -> None:
+        run = arm_response(40.0)
+        fast = np.sin(2 * np.pi * 100.0 * run["time"]) * np.cos(run["time"])
+        run["deflection"][:] = (1e-3 * fast).values[None, :, None]
+        figure = plot_response(run)
+        (axes,) = panels(figure)
+        assert "envelope of the vibration" in legend_texts(figure)
+        edges = [line.get_ydata() for line in axes.lines if line.get_color() in COLORS]
+        assert [len(edge) for edge in edges] == [300, 300]
+        assert (edges[0] <= edges[1]).all()
+        (band,) = axes.collections
+        corners = band.get_paths()[0].vertices
+        # All of the vibration is inside, and the band follows its size.
+        assert corners[:, 1].min() == pytest.approx(1e3 * float(run["deflection"].min()))
+        assert corners[:, 1].max() == pytest.approx(1e3 * float(run["deflection"].max()))
+        upper = corners[corners[:, 1] > 0]
+        np.testing.assert_allclose(upper[:, 1], np.abs(np.cos(upper[:, 0])), atol=0.06)
+        assert "envelope of the vibration" not in legend_texts(plot_response(arm_response()))
 
     def test_arm_has_one_panel(self) -> None:
         assert y_labels(plot_response(arm_response())) == ["Arm tip deflection (mm)"]
@@ -151,12 +195,29 @@ class TestForces:
         figure = plot_forces(dataset)
         assert y_labels(figure) == [
             "Driving torque (N m)",
-            *(f"Force at {place} (N)" for place in ("A, x", "A, y", "B, x", "B, y")),
+            *(f"Force at {joint}, {part} (N)" for joint in "AB" for part in PARTS),
         ]
         assert legend_texts(figure)[-1] == "rigid links"
         assert y_labels(plot_forces(arm_response()))[1:] == [
-            "Force at O2, x (N)",
-            "Force at O2, y (N)",
+            f"Force at O2, {part} (N)" for part in PARTS
+        ]
+
+    def test_magnitudes_are_those_of_the_components(self, dataset: xr.Dataset) -> None:
+        axes = panels(plot_forces(dataset))[1]
+        at = {"joint": "A"}
+        for of_engine, color in zip(dataset["joint_force"].sel(at), COLORS, strict=True):
+            wanted = np.hypot(of_engine.sel(component="x"), of_engine.sel(component="y"))
+            np.testing.assert_allclose(drawn(axes, color), wanted, rtol=1e-14)
+        rigid = dataset["rigid_joint_force"].sel(at)
+        wanted = np.hypot(rigid.sel(component="x"), rigid.sel(component="y"))
+        np.testing.assert_allclose(drawn(axes, "0.25"), wanted, rtol=1e-14)
+
+    def test_of_more_joints_than_a_page_holds_magnitudes_are_drawn(
+        self, dataset: xr.Dataset
+    ) -> None:
+        pins = dataset.assign_coords(joint_kind=("joint", ["pin"] * dataset.sizes["joint"]))
+        assert y_labels(plot_forces(pins))[1:] == [
+            f"Force at {joint}, magnitude (N)" for joint in ("O2", "A", "B", "O4")
         ]
 
     def test_lines_are_the_dataset_s(self, dataset: xr.Dataset) -> None:
@@ -175,13 +236,13 @@ class TestForces:
             joint_kind=("joint", ["clamp", "pin", "pin", "pivot"]),
         )
         assert y_labels(plot_forces(renamed))[1:] == [
-            f"Force at {place} (N)" for place in ("Output, x", "Output, y", "B, x", "B, y")
+            f"Force at {joint}, {part} (N)" for joint in ("Output", "B") for part in PARTS
         ]
         clamped = arm_response().assign_coords(joint_kind=("joint", ["clamp"]))
-        assert y_labels(plot_forces(clamped))[1:] == ["Force at O2, x (N)", "Force at O2, y (N)"]
+        assert y_labels(plot_forces(clamped))[1:] == [f"Force at O2, {part} (N)" for part in PARTS]
 
     def test_ringing_is_all_in_view_and_can_be_seen_through(self, dataset: xr.Dataset) -> None:
-        axes = panels(plot_forces(dataset))[1]
+        axes = panels(plot_forces(dataset))[2]
         ringing, calm, rigid = axes.lines[-3:]
         low, high = axes.get_ylim()
         assert low < ringing.get_ydata().min()

@@ -240,11 +240,11 @@ def test_a_sweep_is_refused_before_it_computes(orders: object) -> None:
         speed_sweep(ReferenceEngine(fourbar(), 2), [10.0], orders=orders)  # type: ignore[arg-type]
 
 
-def test_a_map_needs_an_engine() -> None:
+def test_a_map_needs_an_engine_or_a_mechanism() -> None:
     with pytest.raises(InputError, match="needs an engine, got an empty list"):
         moving_frequencies([], ANGLES, [0.0])
-    for wrong in (fourbar(), "model.toml", [ReferenceEngine(fourbar(), 2), None]):
-        with pytest.raises(InputError, match=r"write flexmech.ReferenceEngine\(mechanism\)"):
+    for wrong in (fourbar().linkage, "model.toml", [ReferenceEngine(fourbar(), 2), None]):
+        with pytest.raises(InputError, match=r"flexmech.ReferenceEngine\(mechanism\)"):
             moving_frequencies(wrong, ANGLES, [0.0])  # type: ignore[arg-type]
 
 

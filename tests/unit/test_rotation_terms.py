@@ -173,7 +173,7 @@ def test_the_command_line_chooses_terms(
 def test_a_single_term_is_counted_from_the_command_line(tmp_path: Path) -> None:
     """The frequencies are those that the library has with this term, and not those with all."""
     line = ["frequencies", ALUMINIUM, *QUICK, *FAST, "--out", str(tmp_path)]
-    done = CliRunner().invoke(app, [*line, "--rotation-terms", "coriolis"])
+    done = CliRunner().invoke(app, [*line, "--rotation-terms", "coriolis", "--details"])
     assert done.exit_code == 0, done.output
     assert "rotation terms counted: Coriolis" in done.stdout.splitlines()
     table = pd.read_csv(tmp_path / "frequencies.csv")

@@ -103,7 +103,7 @@ def test_its_summary_tells_condition_decay_and_halving(found: RunningHammerTest)
     text = str(found.summary())
     for word in ("condition number", "decayed to", "halving the impacts", "harmonic balance"):
         assert word in text
-    assert found.summary().verdict.startswith("reference: the sidebands identified and predicted")
+    assert found.summary().trust.startswith("reference: the sidebands identified and predicted")
 
 
 def test_an_undamped_linkage_is_refused_with_the_option() -> None:
@@ -156,9 +156,11 @@ def test_what_makes_no_sense_is_refused(wrong: dict[str, object], message: str) 
         replace(REQUEST, **wrong)  # type: ignore[arg-type]
 
 
-def test_a_request_is_the_only_way_to_ask() -> None:
-    with pytest.raises(InputError, match="RunningHammerRequest"):
-        running_hammer_test(engine(), 20.0)  # type: ignore[arg-type]
+def test_a_speed_alone_is_a_request() -> None:
+    with pytest.raises(InputError, match="never decays"):  # the usual damping: none
+        running_hammer_test(engine(), 20.0)
+    with pytest.raises(InputError, match="crank_speed must be a number of rad/s"):
+        running_hammer_test(engine(), "20 rpm")  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -173,7 +175,7 @@ def test_a_rotating_arm_has_no_sidebands(of: type[Engine]) -> None:
     assert peaks.loc[0, "identified_m_N"] == pytest.approx(peaks.loc[0, "predicted_m_N"], rel=0.05)
     assert peaks.loc[[-1, 1], "predicted_m_N"].tolist() == [0.0, 0.0]
     assert (peaks.loc[[-1, 1], "identified_m_N"] < 1e-5 * peaks.loc[0, "identified_m_N"]).all()
-    assert "no sidebands are predicted" in found.summary().verdict
+    assert "no sidebands are predicted" in found.summary().trust
 
 
 @pytest.mark.thorough

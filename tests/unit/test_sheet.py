@@ -17,6 +17,7 @@ from flexmech import plots
 from flexmech.errors import InputError
 from flexmech.plots import chosen
 from tests.unit.comparison_data import drawn_dataset
+from tests.unit.design_data import optimum_dataset, sweep_designs, uncertainty_dataset
 from tests.unit.figure_checks import (
     check_layout,
     check_texts,
@@ -43,6 +44,7 @@ from tests.unit.plot_data import (
 from tests.unit.roved_hammer import roved_dataset
 from tests.unit.running_hammer_data import running_hammer_dataset
 from tests.unit.stability_data import stability_dataset
+from tests.unit.strength_data import strength_dataset
 
 Plot = Callable[..., Figure]
 
@@ -123,10 +125,12 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_campbell: (campbell_dataset, 2),
     plots.plot_coupler_angles: (coupler_dataset, 2),
     plots.plot_coupler_curve: (coupler_dataset, 3),
+    plots.plot_designs: (sweep_designs, 2),
+    plots.plot_distributions: (uncertainty_dataset, 2),
     plots.plot_drive: (kinematics_dataset, 3),
     plots.plot_floquet_frequencies: (stability_dataset, 1),
     plots.plot_floquet_harmonics: (stability_dataset, 4),
-    plots.plot_forces: (response_dataset, 5),
+    plots.plot_forces: (response_dataset, 7),
     plots.plot_frequencies: (frequency_dataset, 4),
     plots.plot_frf: (hammer_dataset, 6),
     plots.plot_frf_parts: (hammer_dataset, 6),
@@ -134,8 +138,10 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_harmonic_frf: (running_hammer_dataset, 6),
     plots.plot_hygrothermal_effect: (in_two_states, 4),
     plots.plot_impact_shapes: (roved_dataset, 3),
+    plots.plot_internal_forces: (strength_dataset, 9),
     plots.plot_joint_forces: (kinematics_dataset, 4),
     plots.plot_kinematics: (kinematics_dataset, 3),
+    plots.plot_motion: (kinematics_dataset, 3),
     plots.plot_laminate_factors: (composite_study, 1),
     plots.plot_linkage: (linkage_dataset, 1),
     plots.plot_mechanism: (mechanism_dataset, 3),
@@ -144,9 +150,12 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_mode_shapes: (frequency_dataset, 4),
     plots.plot_moisture: (moisture_dataset, 4),
     plots.plot_nyquist: (hammer_dataset, 2),
+    plots.plot_pareto: (optimum_dataset, 1),
     plots.plot_response: (response_dataset, 5),
     plots.plot_running_against_steel: (composite_study, 2),
+    plots.plot_search: (optimum_dataset, 2),
     plots.plot_section: (section, 6),
+    plots.plot_sensitivity: (uncertainty_dataset, 2),
     plots.plot_spectrogram: (response_dataset, 3),
     plots.plot_spectrum: (response_dataset, 3),
     plots.plot_speed_effect: (frequency_dataset, 4),
@@ -154,6 +163,7 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_stabilisation: (roved_dataset, 1),
     plots.plot_stability: (stability_dataset, 2),
     plots.plot_stability_against: (stability_dataset, 1),
+    plots.plot_strength: (strength_dataset, 1),
     plots.plot_transmission_angle: (transmission_dataset, 1),
     plots.plot_vibration_effect: (vibration_dataset, 5),
     plots.plot_verification: (verification_dataset, 1),

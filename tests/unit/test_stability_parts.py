@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,9 +10,27 @@ import pytest
 from flexmech.analyses.damping_ratios import with_damping_ratio
 from flexmech.analyses.stability import against, edges, speed_range
 from flexmech.analyses.stability.collisions import Meeting, meetings
-from flexmech.analyses.stability.growth import Sample, runs_of_growth, speeds_between
+from flexmech.analyses.stability.growth import (
+    Sample,
+    SignedGrowth,
+    dips,
+    runs_of_growth,
+    speeds_between,
+    speeds_inside,
+)
 from flexmech.analyses.stability.mode_tracking import usual_frequencies
-from flexmech.analyses.stability.naming import BandName, band_name, signatures_of
+from flexmech.analyses.stability.naming import (
+    DIVERGENCE,
+    UNNAMED,
+    BandName,
+    band_name,
+    closing_fits,
+    following_speeds,
+    multiplier_fits,
+    name_of_growth,
+    signatures_of,
+    without_repetition,
+)
 from flexmech.analyses.stability.parallel import FEW, in_order
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.solver import LinkageSolver
@@ -53,8 +72,8 @@ def test_a_narrow_band_is_named_by_what_meets_exactly():
     # Twice f1 is near seven times the crank's frequency, but f1 + f2 is eight times that.
     parts, crank = np.array([0.8, 0.5, 0.02]), 93.5 / 8
     names = [
-        band_name(np.array([41.2, 52.3, 181.0]), parts, USUAL, crank, width, differences=False)
-        for width in (0.001, 0.05)
+        band_name(np.array([41.2, 52.3, 181.0]), parts, USUAL, crank, pull, differences=False)
+        for pull in (0.004, 0.175)
     ]
     assert [(name.kind, name.order) for name in names] == [("sum", 8), ("principal", 7)]
 
@@ -149,6 +168,80 @@ def test_between_growing_speeds_far_apart_more_are_asked_for():
     grown = samples({1: 1, 3: 1, 3.5: 1, 5: -1, 6: 1, 8: 1})
     assert speeds_between(grown, 1.0, [7.0]) == [2.0]
     assert speeds_between(grown, 0.5, [7.0]) == [1.5, 2.0, 2.5]
+
+
+def test_a_dip_between_two_bands_is_followed_down_to_where_nothing_grows(monkeypatch):
+    """Two bands, 1 to 4.9 and 5.1 to 9: no sample lies between them."""
+
+    def growth(self, speed):
+        signed = (speed - 5.0) ** 2 - 0.01
+        return Sample(speed, signed, signed)
+
+    monkeypatch.setattr(SignedGrowth, "sample", growth)
+    measure = SignedGrowth(None)
+    known = [growth(None, speed) for speed in (1.0, 3.0, 4.5, 7.0, 9.0)]
+    (dip,) = dips(known, [])
+    assert dip.lowest.crank_speed == 4.5
+    assert dips(known, [4.0]) == []
+    found = measure.into(dip)
+    assert found[-1].signed_growth < 0 < min(each.signed_growth for each in found[:-1])
+    assert len(runs_of_growth(known + found, [])) == 2
+
+
+def test_growth_inside_a_wide_run_is_looked_at_closer_to_its_ends():
+    wide, narrow = runs_of_growth(samples({1: -1, 2: 1, 5: -1, 6: 1, 6.5: -1}), [])
+    speeds = speeds_inside([wide, narrow], 4, 3.0)
+    assert speeds == pytest.approx([1 + 4 * share for share in (0.1464, 0.5, 0.8536)], abs=1e-3)
+
+
+def growing(angle, crank=20.0):
+    """Two modes, the first of which grows; angle of its multiplier in half turns."""
+    exponent = np.array([1.0 + 1j * np.pi * angle * crank, -1.0 + 300j])
+    return SimpleNamespace(
+        exponent=exponent,
+        angle=np.array([np.pi * angle, 1.0]),
+        period=1 / crank,
+        crank_speed=2 * np.pi * crank,
+    )
+
+
+@pytest.mark.parametrize(
+    ("angle", "kind", "order", "fits"),
+    [
+        (1.0, "principal", 5, True),
+        (-1.0, "principal", 5, True),
+        (1.0, "principal", 4, False),
+        (0.0, "principal", 4, True),
+        (0.0, "principal", 5, False),
+        (0.5157, "principal", 5, False),
+        (0.5157, "sum", 5, True),
+        (1.0, "sum", 5, False),
+        (0.3, "difference", 2, True),
+    ],
+)
+def test_a_real_multiplier_is_that_of_one_mode_and_of_its_order(angle, kind, order, fits):
+    branches = (1, 1) if kind == "principal" else (1, 2)
+    name = BandName(kind, branches, order, 0.0, (50.0, 50.0))
+    assert multiplier_fits(name, growing(angle)) is fits
+
+
+def test_two_bands_of_one_name_have_none():
+    once, twice = BandName("sum", (1, 2), 5, 0.0, (43.0, 47.0)), BandName("sum", (2, 3), 12, 0.0)
+    found = without_repetition([once, twice, UNNAMED, twice, DIVERGENCE, DIVERGENCE, UNNAMED])
+    assert found == [once, UNNAMED, UNNAMED, UNNAMED, DIVERGENCE, DIVERGENCE, UNNAMED]
+
+
+def test_growth_without_oscillation_is_divergence():
+    assert name_of_growth(growing(0.0), [], differences=False) is DIVERGENCE
+    assert name_of_growth(growing(0.3), [], differences=False) is UNNAMED
+
+
+def test_modes_are_followed_at_the_same_speeds_whatever_is_asked_for():
+    far, near = (following_speeds(fastest, 7.0) for fastest in (116.0, 20.0))
+    assert near.tolist() == [14.0, 21.0]
+    assert far[: len(near)].tolist() == near.tolist()
+    assert far[-1] == 119.0
+    assert following_speeds(-20.0, 7.0).tolist() == [-14.0, -21.0]
 
 
 @pytest.fixture(scope="module")
@@ -284,3 +377,19 @@ def test_two_modes_that_creep_meet_nowhere():
     assert pairs
     assert (0, 0) not in [pair.branches for pair in pairs]
     assert all(np.isfinite(meeting.crank_speed) for pair in pairs for meeting in pair.meetings)
+
+
+@pytest.mark.parametrize("start", [0.0, 1e-3])
+def test_a_name_fits_the_damping_that_closes_its_band(start):
+    """By the growth of two modes that meet: ``(s + d_a) (s + d_b) = g^2``."""
+    lowest, growth = 2 * np.pi * 43.0, 15.3
+    name = BandName("sum", (1, 2), 5, 0.0, (43.0, 47.0))
+    decay = (2 * np.pi * np.array(name.frequencies)) ** 2 / lowest
+    closing = growth / np.sqrt(np.prod(decay))
+    slower = np.roots([1.0, start * decay.sum(), start**2 * np.prod(decay) - growth**2]).max()
+    for factor, fits in ((1.0, True), (1.9, True), (2.1, False), (1 / 1.9, True), (1 / 2.1, False)):
+        assert closing_fits(name, slower, start, factor * closing, lowest) is fits
+    wrong = BandName("principal", (5, 5), 22, 0.0, (199.0, 199.0))
+    assert not closing_fits(wrong, slower, start, closing, lowest)
+    assert closing_fits(wrong, slower, start, float("nan"), lowest)
+    assert closing_fits(UNNAMED, slower, start, closing, lowest)

@@ -8,7 +8,13 @@ from matplotlib.figure import Figure
 
 from flexmech import InputError, plots
 from tests.unit.figure_checks import check_layout, check_texts, legend_texts, panels
-from tests.unit.stability_data import FREQUENCIES, GROWTH, SPEEDS, stability_dataset
+from tests.unit.stability_data import (
+    FREQUENCIES,
+    GROWTH,
+    SPEEDS,
+    growth_at,
+    stability_dataset,
+)
 
 EVERY = [
     plots.plot_stability,
@@ -64,6 +70,11 @@ class TestGrowth:
             assert drawn[speed] == rate
         # Edges grow with zero, the fastest speed with the band's rate.
         assert (drawn[88.1], drawn[88.7], drawn[89.3]) == (0.0, GROWTH, 0.0)
+        # Between speeds asked for, where growth is known; these alone are marked.
+        assert drawn[88.4] == growth_at(88.4)
+        assert drawn[92.5] == growth_at(92.5)
+        marked = {line.get_xdata()[place] for place in line.get_markevery()}
+        assert marked == set(SPEEDS.tolist())
         sizes = max(modulus.lines, key=lambda each: len(each.get_xdata()))
         at = dict(zip(sizes.get_xdata(), sizes.get_ydata(), strict=True))
         assert at[88.7] == pytest.approx(np.exp(GROWTH * 2 * np.pi / 88.7))

@@ -11,6 +11,7 @@ import xarray as xr
 
 from flexmech import StabilityMap
 from flexmech.analyses.stability.dataset import dataset_of
+from flexmech.analyses.stability.engine_stability import ExponentErrors
 from tests.unit.stability_data import (
     GROWTH,
     SPEEDS,
@@ -35,7 +36,7 @@ MULTIPLIERS = [
 ]
 BANDS = [
     *("engine", "from_rad_s", "to_rad_s", "error_rad_s", "kind", "branches", "order"),
-    *("largest_growth_rate_1_s", "closing_damping_ratio"),
+    *("largest_growth_rate_1_s", "closing_damping_ratio", "cut"),
 ]
 
 
@@ -87,6 +88,23 @@ class TestTables:
         assert (row["kind"], row["branches"], row["order"]) == ("sum", "1 3", 11)
         assert np.isnan(table["closing_damping_ratio"].iloc[2])
 
+    def test_an_edge_that_the_range_cuts_has_no_error(self) -> None:
+        cut = edge(80.0, is_open=True)
+        whole = [band(lower=cut, upper=edge(100.0, is_open=True)), band(lower=cut)]
+        found = result(bands=whole)
+        table = found.bands()
+        assert table["cut"].tolist() == ["from to", "from"]
+        assert np.isnan(table["error_rad_s"][0])
+        assert table["error_rad_s"][1] == pytest.approx(0.0151)
+        errors = [number.error for number in found.summary().numbers]
+        assert np.isfinite(errors).tolist() == [False, False, False, True]
+        (rows,) = found.summary().table.groups
+        assert [row[4] for row in rows] == ["cut by the range", "0.02"]
+        assert "edges of bands at most 0.015 rad/s" in str(found.summary().details)
+        both = result(bands=whole[:1]).summary()
+        assert "the range of speeds cuts all bands" in str(both.details)
+        assert both.trust.startswith("logarithms of multipliers are known")
+
     def test_speeds_in_any_order_and_with_round_off_find_their_rows(self) -> None:
         whole = engine_stability()
         last, *others = whole.speeds[::-1]
@@ -131,8 +149,8 @@ class TestWords:
             "0.34 % closes it"
         ) in said
         assert any("twice the frequency of mode 2 is 7 times" in line for line in said)
-        unnamed = next(line for line in said if "no two frequencies" in line)
-        assert unnamed.startswith("avoid 97.00 to 100.00 rad/s and beyond")
+        unnamed = next(line for line in said if "which frequencies meet there is uncertain" in line)
+        assert unnamed.startswith("avoid 97.00 to 100 rad/s, where the range ends")
         assert unnamed.endswith("no damping ratio below 1 closes it")
 
     def test_of_many_bands_the_fastest_are_told(self) -> None:
@@ -158,8 +176,33 @@ class TestWords:
         assert "at 20, 90 rad/s" in line
         assert "Liouville's integral of the trace within 2e-13" in line
 
+    def test_an_error_that_is_not_known_is_named_and_no_zero(self) -> None:
+        unknown = ExponentErrors(90.0, 2e-5, 4e-4, np.nan, np.nan)
+        found = result(errors=[unknown])
+        said = (
+            "the error by the beam theory is not known at 90 rad/s (reference): its equilibrium "
+            "ends there"
+        )
+        assert said in found.summary().details
+        assert said in found.summary().trust
+        assert np.isnan(found.dataset["check_theory"].values).all()
+        line = next(line for line in found.summary().details if line.startswith("errors"))
+        assert "2e-05 of themselves by the number of moving modes and 4e-04 by the mesh" in line
+        assert "nan" not in line
+        assert "not known" not in str(result().summary())
+
+    def test_a_mode_that_does_not_oscillate_diverges(self) -> None:
+        gone = band(kind="divergence", branches=(), order=0, signatures=(np.nan, np.nan))
+        summary = result(bands=[gone]).summary()
+        assert "a mode diverges without oscillating" in str(summary.details)
+        assert summary.table.groups[0][0][1] == "divergence"
+
+    def test_bands_that_can_be_missed_are_told_with_their_width(self) -> None:
+        said = "bands narrower than 4.1 rad/s, the greatest distance of two speeds solved for"
+        assert any(said in line for line in result().summary().details)
+
     def test_gaps_have_their_reasons(self) -> None:
-        gaps = [line for line in result().summary().lines if line.startswith("gap")]
+        gaps = [line for line in result().summary().warnings if line.startswith("gap")]
         assert len(gaps) == 2
         assert "from 98 to 99 rad/s (2 speeds): " in gaps[0]
         assert "buckle statically at crank angle 22.5 deg" in gaps[0]
@@ -185,19 +228,19 @@ class TestWords:
 
     def test_engines_are_compared(self) -> None:
         found = StabilityMap(dataset_of(both_engines(), request()))
-        verdict = found.summary().verdict
+        verdict = found.summary().details[-1]
         assert "moduli of reference and exudyn differ by at most 0.0e+00" in verdict
         assert "edges of bands by at most 0.03 rad/s, 3 bands without a counterpart" in verdict
-        assert "only the reference engine ran" in result().summary().verdict
+        assert "only the reference engine ran" in result().summary().details[-1]
 
     def test_moduli_that_differ_are_told_with_their_speed(self) -> None:
         dataset = dataset_of(both_engines(), request())
         dataset["log_modulus"][1, 5, 0] += 0.01
-        verdict = StabilityMap(dataset).summary().verdict
+        verdict = StabilityMap(dataset).summary().details[-1]
         assert "differ by at most 9.8e-03, at 85 rad/s" in verdict
 
     def test_speeds_are_in_the_users_unit(self) -> None:
-        found = StabilityMap(dataset_of([engine_stability()], request(speed_unit="rpm")))
+        found = StabilityMap(dataset_of([engine_stability()], request(shown_unit="rpm")))
         said = str(found.summary())
         assert "avoid 841.3 to 852.8 rpm: the sum" in said
         assert "from 935.831 to 945.38 rpm" in said
@@ -215,4 +258,4 @@ class TestInterrupted:
             "interrupted after 7 of 21 crank speeds by reference; what was done is kept",
         )
         assert not result().is_interrupted
-        assert not result().summary().warnings
+        assert all(line.startswith("gap: ") for line in result().summary().warnings)

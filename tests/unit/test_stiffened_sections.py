@@ -92,7 +92,7 @@ def test_a_stiffer_laminate_is_found_by_the_command(element, tmp_path):
     record.write_text("\n".join(["crank_angle_deg,frequency_Hz", *rows]), encoding="utf-8")
     asked = ["compare", COMPOSITE, str(record), "--speed", "0", "--fit", "stiffness:coupler"]
     out = ["--element", element, "--out", str(tmp_path / "results"), "--no-plots"]
-    done = CliRunner().invoke(app, [str(part) for part in (*asked, *out)])
+    done = CliRunner().invoke(app, [str(part) for part in (*asked, *out, "--details")])
     assert done.exit_code == 0, done.stderr
     assert f"of the reference engine ({element})" in done.stdout
     fitted = (tmp_path / "results" / "fit.csv").read_text().splitlines()[1].split(",")

@@ -16,9 +16,9 @@ from flexmech import (
     stability,
 )
 from flexmech.analyses import StabilityRequest
+from flexmech.analyses.default_engines import chosen_engines
 from flexmech.choices import MODES
 from flexmech.cli import campaigns, maps
-from flexmech.cli.engines import make_engines
 from flexmech.errors import ComputationError, InputError
 from flexmech.linear_system import inertia_loads
 from flexmech.linear_system.assembly import balanced_loads as balance
@@ -166,7 +166,7 @@ def off_by(frequency, engine):
 
 def test_the_usual_elements_give_four_frequencies_to_a_thousandth(aluminium):
     """Their error, here 2.6e-4, goes with the fourth power of an element's length."""
-    [engine] = make_engines(aluminium, "reference", "euler")
+    [engine] = chosen_engines(aluminium, "reference", "euler")
     found = natural_frequencies(engine, ANGLES, modes=MODES, prestress="none")
     assert 5e-5 < off_by(found, engine) < 1e-3
 

@@ -82,6 +82,7 @@ def mechanism(**stated):
         "gravity": (0.0, 0.0),
         "reference_temperature": 293.15,
         "operating_speeds": (),
+        "speed_unit": "rad/s",
     }
     return SimpleNamespace(**known | stated)
 

@@ -10,6 +10,7 @@ import scipy.sparse
 import xarray as xr
 
 from flexmech.analyses import damping_ratios
+from flexmech.analyses.digits import rounded
 from flexmech.analyses.frequencies import (
     discretisation,
     eigenproblem,
@@ -31,7 +32,7 @@ from flexmech.analyses.frequencies.refinement import (
     refined,
 )
 from flexmech.analyses.frequencies.tracking import find_veering
-from flexmech.analyses.frequencies.words import known_digits, shaft_kind
+from flexmech.analyses.frequencies.words import shaft_kind
 from flexmech.analyses.requests import sampled_turn
 from flexmech.arrays import SAME_PLACE
 
@@ -221,9 +222,10 @@ def test_bounds_are_told_by_positions_every_fifteen_degrees():
     assert len(turn) < 100
 
 
-def test_no_more_than_six_decimals_of_a_frequency_are_told():
-    assert known_digits(12.3456789012, 1e-12) == "12.345679"
-    assert known_digits(12.3456789012, 1e-7) == "12.34568"
+def test_the_last_digit_of_a_number_is_known_to_five_units():
+    assert rounded(12.3456789012, 1e-12, most=8) == "12.345679"
+    assert rounded(12.3456789012, 4e-6, most=8) == "12.345679"
+    assert rounded(12.3456789012, 6e-6, most=8) == "12.34568"
 
 
 def veers(least, turned):

@@ -79,7 +79,7 @@ def asked_of_the_runs(monkeypatch) -> int:
         raise EnoughError(modes)
 
     monkeypatch.setattr(measured, "DrivenLinkage", linkage)
-    request = SimpleNamespace(crank_speed=20.0, prestress="none")
+    request = SimpleNamespace(speed=20.0, prestress="none")
     with pytest.raises(EnoughError) as found:
         measured.runner(
             flexmech.ReferenceEngine(flexmech.load_mechanism(ALUMINIUM), 2), request, None, 1

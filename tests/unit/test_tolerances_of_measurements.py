@@ -374,7 +374,7 @@ def test_orders_that_change_are_hit_half_as_hard(monkeypatch):
 
     monkeypatch.setattr(measured, "added_by_impacts", added)
     monkeypatch.setattr(measured, "_estimated", response)
-    request = SimpleNamespace(orders=0, noise=0.0, crank_speed=20.0)
+    request = SimpleNamespace(orders=0, noise=0.0, speed=20.0)
 
     def taken(bend):
         nonlocal curvature

@@ -71,14 +71,14 @@ def steps_of(monkeypatch, error, *, stretches=False, unbalanced=0, band=0.1):
             raise run.UnbalancedStepError("no balance")
         return Off(step, error(step))
 
-    def apart(engine, first, second, finer=None):
-        return run.RunError(abs(first.error - second.error), {})
+    def apart(first, finer, drive):
+        return run.RunError(abs(first[1].error - finer[1].error), {})
 
     monkeypatch.setattr(run, "_run", taken)
     monkeypatch.setattr(run, "_difference", apart)
     own = SimpleNamespace(time=np.array([0.0, 1.0]), highest=1.0, band=band)
     engine = SimpleNamespace(name="reference", simulates=True)
-    request = SimpleNamespace(step=None, prestress="none")
+    request = SimpleNamespace(step=None, prestress="none", drive=None)
     found = run.run_engine(engine, request, own, lambda *of: None)
     return steps, found.step_error.linkage, abs(found.trajectory.error)
 
@@ -129,6 +129,7 @@ def test_steps_that_are_too_long_by_far_are_no_steps_to_begin_with(monkeypatch):
 def difference(monkeypatch, force):
     """Error of a force of so many newtons, beside one of 1 N."""
     monkeypatch.setattr(run, "deflections", lambda engine, of: np.ones((5, 1)))
+    monkeypatch.setattr(run, "greatest_stresses", lambda engine, of, drive: np.zeros((5, 1)))
     own = SimpleNamespace(linkage=SimpleNamespace(topology=SimpleNamespace(links=())))
 
     def trajectory(factor):
@@ -143,7 +144,8 @@ def difference(monkeypatch, force):
         )
 
     pair = trajectory(1.0), trajectory(-1.0)
-    return run._difference(SimpleNamespace(mechanism=own), *pair).of["force"][1]
+    first, finer = ((SimpleNamespace(mechanism=own), each) for each in pair)
+    return run._difference(first, finer, None).of["force"][1]
 
 
 def test_forces_that_are_round_off_of_none_have_no_error(monkeypatch):

@@ -280,10 +280,21 @@ def test_the_top_of_a_band_is_found_to_a_thousandth_of_its_growth():
         return arch * (1 + 0.8 * np.exp(-10 * (speed - 88.6) ** 2))
 
     known = SimpleNamespace(moving=lambda speed: speed, growth_rate=rate)
-    known.solve = lambda speed: SimpleNamespace(growth_rate=rate(speed))
-    best = edges.find_top(known, (88.1, 88.0, 89.8))
-    assert len(asked) < 11
+
+    def modes(speed, angle):
+        own = SimpleNamespace(growth_rate=rate(speed), angle=np.array([angle]))
+        return SimpleNamespace(exponent=np.array([1.0 + 1.0j]), **vars(own))
+
+    known.solve = lambda speed: modes(speed, np.pi)
+    best, alike = edges.find_top(known, (88.1, 88.0, 89.8))
+    assert len(asked) < 13
     assert best.growth_rate == pytest.approx(rate(np.linspace(88.0, 89.8, 10_001)).max(), rel=1e-3)
+    assert alike
+    # Beside a real multiplier one that is not: two resonances overlap.
+    known.solve = lambda speed: modes(speed, np.pi if speed < 89.0 else 1.0)
+    assert not edges.find_top(known, (88.1, 88.0, 89.8))[1]
+    known.solve = lambda speed: modes(speed, np.pi if speed < 89.0 else 0.0)
+    assert not edges.find_top(known, (88.1, 88.0, 89.8))[1]
 
 
 def measured_edge(monkeypatch, own, mesh, more=None, half=None):

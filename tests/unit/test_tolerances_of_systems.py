@@ -33,8 +33,9 @@ from flexmech.linear_system import refuse_large_displacements
 from flexmech.model_text import quantity, short_repr
 from flexmech.modelfile.attachments import _lines
 from flexmech.modelfile.messages import together
+from flexmech.quantity_lists import parse_quantities
 from flexmech.unit_registry import base_units
-from flexmech.units import ANGULAR_SPEED, LENGTH, MASS, STRESS, parse_quantities
+from flexmech.units import ANGULAR_SPEED, LENGTH, MASS, STRESS
 from flexmech.validation import check_angle
 
 # --- constant systems ---------------------------------------------------------------------------

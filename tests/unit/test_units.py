@@ -13,14 +13,8 @@ from hypothesis import strategies as st
 
 from flexmech import units
 from flexmech.errors import InputError
-from flexmech.units import (
-    Dimension,
-    Quantities,
-    from_si,
-    parse_number,
-    parse_quantities,
-    parse_quantity,
-)
+from flexmech.quantity_lists import Quantities, parse_quantities
+from flexmech.units import Dimension, from_si, parse_number, parse_quantity
 
 ALL = [value for value in vars(units).values() if isinstance(value, Dimension)]
 
@@ -203,7 +197,7 @@ def test_one_unit_at_the_end_covers_a_list_or_a_range(text, values, unit) -> Non
 
 def test_the_default_unit_is_that_of_the_option() -> None:
     found = parse_quantities("0,3", units.LENGTH, "mm")
-    assert found == Quantities((0.0, 0.003), "mm")
+    assert found == Quantities((0.0, 0.003), "mm", (0.0, 3.0))
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ SCRIPTS = sorted((Path(__file__).parents[1] / "user_scripts").glob("*.py"))
 MODELS = Path(__file__).parents[2] / "models"
 MOST_LINES = 10
 # Run by default; what the other scripts compute is tested by their analyses' own tests.
-QUICK = {"check", "coupler_path", "kinematics", "laminate", "moisture"}
+QUICK = {"check", "coupler_path", "kinematics", "laminate", "moisture", "strength"}
 # Of the results there is one that prints no summary: plain numbers.
 SUMMARIES = {path.stem for path in SCRIPTS} - {"laminate"}
 

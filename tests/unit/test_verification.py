@@ -137,7 +137,15 @@ def test_files(five: Verification, tmp_path: Path) -> None:
 
 def test_summary(five: Verification) -> None:
     summary = five.summary()
-    assert summary.verdict == "5 cases: 2 passed, 2 failed, 1 skipped"
+    assert summary.answer[0] == "2 of 5 cases passed."
+    assert summary.answer[1].startswith(f"Failed: {five.failed[0]}; {five.failed[1]}")
+    assert summary.answer[2].startswith("1 could not be compared here")
+    assert [(one.of or one.name, one.value) for one in summary.numbers] == [
+        ("cases_passed", 2.0),
+        ("cases_failed", 2.0),
+        ("cases_skipped", 1.0),
+    ]
+    assert "of its tolerance: " in summary.trust
     text = str(summary)
     assert "source: Kaw, Mechanics of Composite Materials" in text
     assert f"skipped: {LACKING.title}: not installed: scikit-fem" in text
@@ -177,8 +185,9 @@ def test_command_that_passes(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) ->
     cases = (CASE, LACKING, replace(WRONG, thorough=True))
     shown = run(monkeypatch, cases, "--out", str(tmp_path), "--no-plots")
     assert shown.exit_code == 0, shown.stderr
-    assert shown.stdout.splitlines()[-1] == "2 cases: 1 passed, 0 failed, 1 skipped"
+    assert shown.stdout.splitlines()[0] == "1 of 2 cases passed."
     assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "summary.txt",
         "verification.csv",
         "verification.nc",
     ]
@@ -194,7 +203,7 @@ def test_command_that_fails(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> 
     quiet = run(monkeypatch, (CASE, WRONG), "--quiet")
     assert (quiet.exit_code, quiet.stdout) == (1, "")
     content = json.loads(run(monkeypatch, (CASE, WRONG), "--json").stdout)
-    assert content["verdict"] == "2 cases: 1 passed, 1 failed, 0 skipped"
-    assert content["tables"][0]["rows"][1] == [
+    assert content["answer"] == ["1 of 2 cases passed.", f"Failed: {WRONG.title}."]
+    assert content["details"]["tables"][0]["rows"][1] == [
         "a wrong number", 115.288, 116.0, 0.71, 0.0051, "failed"
     ]  # fmt: skip

@@ -16,6 +16,7 @@ from flexmech.analyses.campbell.crossings import CriticalSpeed
 from flexmech.analyses.campbell.engine_bands import EngineDiagram, Gap, engine_diagram
 from flexmech.analyses.campbell.request import ORDERS, CampbellRequest
 from flexmech.analyses.campbell.result import CampbellDiagram
+from flexmech.analyses.crank_speeds import CAMPBELL, asked_speeds
 from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.datasets import (
     columns_of,
@@ -26,8 +27,8 @@ from flexmech.analyses.datasets import (
     with_units,
 )
 from flexmech.analyses.frequencies.formulation import Formulation
-from flexmech.analyses.remarks import left_out_attributes
-from flexmech.analyses.requests import as_many_modes, engines_of
+from flexmech.analyses.remarks import environment_lines, left_out_attributes
+from flexmech.analyses.requests import Engines, as_many_modes, engines_of
 from flexmech.analyses.response.measurements import probes
 from flexmech.analyses.speed_sweep.compute import (
     highest_frequency,
@@ -38,6 +39,7 @@ from flexmech.analyses.speed_sweep.compute import (
 from flexmech.arrays import FloatArray, IntArray, LabelledProgress, silent
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
 from flexmech.errors import ComputationError
+from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine, RotationTerms
 from flexmech.threads import one_thread
 from flexmech.validation import POSITIVE, check_choice, check_flag, check_number, checked_array
@@ -113,9 +115,8 @@ def dataset_of(
         provenance(engines),
         prestress=request.formulation.prestress,
         rotation_terms=str(request.formulation.counted_terms),
-        speed_unit=request.speed_unit,
+        speed_unit=request.shown_unit,
         crank_angles=f"{turn}, {len(request.turn)} angles",
-        operating_speeds=" ".join(map(repr, map(float, engines[0].mechanism.operating_speeds))),
     )
 
 
@@ -130,8 +131,8 @@ TURN = np.radians(np.arange(0.0, 360.0, 5.0))
 
 
 def campbell(
-    engine: Engine | Sequence[Engine],
-    crank_speeds: ArrayLike,
+    engine: Engines,
+    crank_speeds: ArrayLike | None = None,
     *,
     crank_angles: ArrayLike | None = None,
     orders: ArrayLike = ORDERS,
@@ -139,7 +140,8 @@ def campbell(
     prestress: Prestress = "equilibrium",
     rotation_terms: bool | RotationTerms = True,
     response: bool = False,
-    speed_unit: str = "rad/s",
+    environment: Environment | None = None,
+    speed_unit: str | None = None,
     tolerance: float | None = None,
     progress: LabelledProgress | None = None,
 ) -> CampbellDiagram:
@@ -153,10 +155,11 @@ def campbell(
 
     Parameters
     ----------
-    engine : Engine or sequence of Engine
-        Several engines give results side by side.
-    crank_speeds : array_like, shape (S,)
-        rad/s.
+    engine : Engine, Mechanism or sequence of them
+        Several engines give results side by side; of a mechanism the reference engine is made.
+    crank_speeds : array_like, shape (S,), optional
+        In ``speed_unit``. Left out: from zero to 1.5 times the greatest speed at which the
+        mechanism operates.
     crank_angles : array_like, shape (A,), optional
         Increasing, rad, over which the bands reach. Left out: a turn in steps of 5 degrees.
     orders : array_like of int, shape (o,)
@@ -169,8 +172,11 @@ def campbell(
     response : bool
         Also find the periodic motion, with the first engine, and its peaks over the quasi-static
         ones: from a twentieth of the greatest speed on, at a hundred of the speeds at most.
-    speed_unit : str
-        In which the result speaks of crank speeds, such as ``"rpm"``.
+    environment : HygrothermalState or Exposure, optional
+        Heat and moisture that the linkage turns in; dry by default.
+    speed_unit : str, optional
+        Unit of the crank speeds given, such as ``"rpm"``, in which the result speaks of them. Left
+        out: rad/s, and the unit of the model file for speeds that are its own.
     tolerance : float, optional
         Estimated relative error of the frequencies by the mesh: each engine doubles its elements
         until it is met at the lowest speed, up to 32 on each link; the error at higher speeds is
@@ -204,21 +210,26 @@ def campbell(
         check_number(tolerance, "tolerance", bounds=POSITIVE)
     check_choice(prestress, PRESTRESS_LEVELS, "prestress")
     check_flag(response, "response")
-    speeds = checked_array(crank_speeds, "crank_speeds", "rad/s")
+    speeds, unit = asked_speeds(crank_speeds, speed_unit, engines[0].mechanism, CAMPBELL)
     angles = TURN if crank_angles is None else checked_array(crank_angles, "crank_angles", "rad")
     multiples = cast(IntArray, checked_array(orders, "orders"))
     report = progress or silent
+    lines = environment_lines(engines[0].mechanism, environment)
+    if environment is not None:
+        wet = mechanism_in_state(engines[0].mechanism, environment)
+        engines = [each.with_(mechanism=wet) for each in engines]
 
     def compute(count: int) -> xr.Dataset:
         formulation = Formulation(prestress, rotation_terms, count)
-        request = CampbellRequest(speeds, angles, multiples, formulation, speed_unit)
+        request = CampbellRequest(speeds, angles, multiples, formulation, unit)
         fit = [each.fit_for(count) for each in engines]
         found = _diagram(fit, request, tolerance, response, report)
         return found.assign_attrs(theory_attributes(fit, count))
 
-    dataset, fewer = as_many_modes(compute, modes, speed_unit)
+    dataset, fewer = as_many_modes(compute, modes, unit)
     attributes = left_out_attributes(engines[0].mechanism) | fewer
-    return CampbellDiagram(dataset.assign_attrs(attributes))
+    told = dataset.assign_attrs(attributes, environment_lines="\n".join(lines))
+    return CampbellDiagram(told)
 
 
 def _diagram(
@@ -229,7 +240,7 @@ def _diagram(
     report: LabelledProgress,
 ) -> xr.Dataset:
     """Dataset of the diagrams of all engines, with the periodic motion if it is asked for."""
-    unit = request.speed_unit
+    unit = request.shown_unit
     with one_thread():
         diagrams = []
         for each in engines:

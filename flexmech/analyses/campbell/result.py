@@ -10,12 +10,14 @@ import pandas as pd
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines
+from flexmech.analyses.campbell import answer as answers
 from flexmech.analyses.campbell import words
 from flexmech.analyses.datasets import Columns, columns_along, table_of, terms_column
 from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.requests import fewer_modes_lines
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
+from flexmech.analyses.trust import worth_a_warning
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -134,16 +136,31 @@ class CampbellDiagram(Result):
         return plots.plot_campbell(data.isel(critical=np.flatnonzero(shown)), ax=ax)
 
     def summary(self) -> Summary:
-        """Critical speeds, gaps with their reasons, and errors."""
+        """Whether operating speeds are clear of the orders, which to avoid, and the errors."""
         data = self.dataset
-        parts: tuple[Table | str, ...] = (
-            words.critical_table(data),
+        agree = answers.engines_agree(data)
+        details: tuple[Table | str, ...] = (
             *words.operating_lines(data),
             *fewer_modes_lines(data.attrs),
             *filter(None, [plots.terms_text(data)]),
             *theory_lines(data.attrs),
-            *words.gap_lines(data),
             *words.error_lines(data),
             *words.response_lines(data),
+            *str(data.attrs.get("environment_lines", "")).splitlines(),
+            words.verdict(data),
         )
-        return Summary(parts, words.verdict(data), warnings_of(data.attrs))
+        warned = worth_a_warning(answers.engines_apart(data), agree=agree)
+        shown = data.isel(engine=[0]) if agree else data
+        met = (data["critical_gap"] == 0).any()
+        return Summary(
+            answers.answer(data),
+            words.critical_table(shown) if met else answers.band_table(data),
+            answers.trust(data),
+            details,
+            (
+                *words.gap_lines(data),
+                *words.disagreement(data, warned=warned),
+                *warnings_of(data.attrs),
+            ),
+            answers.numbers(data),
+        )

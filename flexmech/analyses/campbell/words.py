@@ -102,6 +102,13 @@ def error_lines(dataset: xr.Dataset) -> list[str]:
     return lines
 
 
+def disagreement(dataset: xr.Dataset, *, warned: bool) -> list[str]:
+    """What to do where two engines differ by more than their errors explain."""
+    if not warned:
+        return []
+    return [f"{verdict(dataset)}; ask for more --elements, or a smaller --tolerance"]
+
+
 def response_lines(dataset: xr.Dataset) -> list[str]:
     """Speeds of the periodic motion, and where its peaks are highest."""
     if "peak_ratio" not in dataset:

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.check.in_short import linkage_in_short
 from flexmech.analyses.check.remarks import USUAL_TRANSMISSION_ANGLE, remarks
 from flexmech.analyses.check.result import ModelCheck
 from flexmech.analyses.datasets import provenance, with_units
@@ -25,27 +26,26 @@ from flexmech.linear_system import Engine
 from flexmech.linkages import (
     CouplerCurve,
     FourBar,
-    LinkEnd,
-    Topology,
     assemblable,
     linkage_positions,
+    moving_points,
     picture_crank_angle,
 )
-from flexmech.linkages.topology import End
 from flexmech.mechanism import Mechanism, drawing
+from flexmech.modelfile import twofold_points
 from flexmech.sections import BeamSection
 from flexmech.threads import one_thread
 from flexmech.units import ZERO_CELSIUS
 from flexmech.validation import checked_number
 
 
-def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCheck:
+def check_mechanism(engine: Engine | Mechanism, crank_angle: float | None = None) -> ModelCheck:
     """What is known of a mechanism, with its natural frequencies at rest and remarks on it.
 
     Parameters
     ----------
-    engine : Engine
-        Of the mechanism; it computes the frequencies.
+    engine : Engine or Mechanism
+        It computes the frequencies; of a mechanism the reference engine is made.
     crank_angle : float, optional
         Of the frequencies and of the posture that is drawn, in rad. Left out: frequencies at 0,
         and a posture in which the links stand apart.
@@ -66,13 +66,14 @@ def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCh
     Examples
     --------
     >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
-    >>> check = flexmech.check_mechanism(flexmech.ReferenceEngine(mechanism))
+    >>> check = flexmech.check_mechanism(mechanism)
     >>> check.dataset["length"].values
     array([0.102 , 0.2794, 0.2667])
     >>> check.remarks[0].partition(":")[0]
     'transmission angle 32.21 to 81.33 deg leaves 40 to 140 deg'
     """
-    mechanism = engine_of(engine, elastic=False).mechanism
+    engine = engine_of(engine, elastic=False)
+    mechanism = engine.mechanism
     links = mechanism.linkage.topology.links
     sections = {link.name: mechanism.sections.get(link.name) for link in links}
     dataset = section_properties(sections).sel(coupling="with", drop=True)
@@ -89,8 +90,9 @@ def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCh
     dataset = dataset.assign_attrs(
         provenance([engine]),
         engine=engine.name,
-        linkage="\n".join(mechanism.linkage.described()),
+        linkage="\n".join([*mechanism.linkage.described(), *map(str, twofold_points(mechanism))]),
         mechanism_lines="\n".join(lines),
+        linkage_in_short=linkage_in_short(mechanism.linkage),
         without_frequencies="",
     )
     at = 0.0 if crank_angle is None else checked_number(crank_angle, "crank_angle", "rad")
@@ -147,7 +149,6 @@ def _hygrothermal_lines(mechanism: Mechanism) -> list[str]:
 
 # Crank angles of paths and of the transmission angle: a degree is what a figure draws.
 TURN = np.radians(np.arange(0.0, 361.0))
-_ENDS: tuple[End, End] = ("start", "end")
 _COUPLER_POINT, _COUPLER_MIDDLE = "coupler point", "coupler's middle"
 
 
@@ -213,7 +214,11 @@ def _paths(mechanism: Mechanism, angles: FloatArray) -> dict[str, FloatArray]:
     assembled = assemblable(linkage, angles)
     motion = linkage.motion(angles[assembled])
     found = {}
-    for name, place in _moving_ends(topology).items():
+    joints = dict(zip(topology.joint_names, topology.joint_kinds, strict=True))
+    for name, place in moving_points(linkage).items():
+        # A slider's path is its line, and what is welded on a link is no joint of the motion.
+        if joints.get(name, "tip") not in ("pin", "tip"):
+            continue
         found[name] = motion.position(*topology.end_place(place))
     if (point := mechanism.coupler_point) is not None and isinstance(linkage, FourBar):
         found[_COUPLER_POINT] = CouplerCurve(linkage, point).position(angles[assembled])
@@ -225,16 +230,6 @@ def _paths(mechanism: Mechanism, angles: FloatArray) -> dict[str, FloatArray]:
         whole[name] = np.full((len(angles), 2), np.nan)
         whole[name][assembled] = places
     return whole
-
-
-def _moving_ends(topology: Topology) -> dict[str, LinkEnd]:
-    """Ends of links whose paths are drawn: pins, each place once, and free tips."""
-    pins = {tie.joint: topology.leader_of(tie.leader) for tie in topology.pins}
-    places = {place: joint for joint, place in reversed(pins.items())}
-    found = {joint: place for joint, place in pins.items() if places[place] == joint}
-    ends = [LinkEnd(link.name, end) for link in topology.links for end in _ENDS]
-    tips = [end for end in ends if end not in topology.joined_ends]
-    return found | {"tip" if len(tips) == 1 else f"tip of {end.link}": end for end in tips}
 
 
 def _transmission_angle(linkage: FourBar) -> FloatArray:

@@ -7,16 +7,18 @@ masses say together.
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Iterator
 
 import numpy as np
 
+from flexmech.analyses.check.in_short import turns_fully
 from flexmech.arrays import FloatArray
-from flexmech.linkages import FourBar
+from flexmech.linkages import FourBar, PlanarLinkage
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection
-from flexmech.units import ZERO_CELSIUS
+from flexmech.units import ZERO_CELSIUS, from_si
 
 # Ashby, Materials Selection in Mechanical Design: foams and soft rubber, diamond.
 _LEAST_MODULUS, _MOST_MODULUS = 1e6, 1.1e12
@@ -26,6 +28,8 @@ _LEAST_DENSITY, _MOST_DENSITY = 10.0, 2.3e4
 _LEAST_WAVE_SPEED, _MOST_WAVE_SPEED = 10.0, 1.9e4
 # Below it shear and the ends govern: a link is no beam. Above it its own weight bends it.
 _LEAST_SLENDERNESS, _MOST_SLENDERNESS = 5.0, 1000.0
+# In degrees, of a crank that is drawn: what coordinates of three digits leave.
+_AS_DRAWN_AT = 0.1
 # In degrees; Alt's limits, as in Balli & Chand 2002, Mechanism and Machine Theory 37, 175-195.
 USUAL_TRANSMISSION_ANGLE = (40.0, 140.0)
 # Above that of machines, 10 or less, and below a slip of a unit: millimetres for centimetres are
@@ -64,6 +68,10 @@ def remarks(mechanism: Mechanism, frequency: FloatArray | None = None) -> tuple[
     found = [*_on_sections(mechanism), *_on_masses(mechanism), *_on_environment(mechanism)]
     if isinstance(mechanism.linkage, FourBar):
         found += _on_four_bar(mechanism.linkage, mechanism.operating_speeds)
+    if isinstance(mechanism.linkage, PlanarLinkage):
+        found += _on_drawing(mechanism.linkage)
+        if mechanism.operating_speeds and not mechanism.linkage.drawing.is_stationary:
+            found += _on_turning(mechanism.linkage)
     if frequency is not None and len(frequency) and frequency[0] > 0:
         found += _on_first_frequency(mechanism, float(frequency[0]))
     return tuple(found)
@@ -180,13 +188,35 @@ def _on_four_bar(linkage: FourBar, speeds: tuple[float, ...]) -> Iterator[str]:
         yield "all links come into one line, or nearly: small errors of lengths decide how it moves"
 
 
+def _on_drawing(linkage: PlanarLinkage) -> Iterator[str]:
+    """On a crank that does not stand at the crank angle for which the linkage is drawn."""
+    drawing = linkage.drawing
+    first = drawing.link(drawing.crank).beams[0]
+    start, end = (drawing.complex_point(name) for name in (first.start, first.end))
+    apart = cmath.phase((end - start) / cmath.rect(1.0, linkage.drawn_angle))
+    if abs(apart) > math.radians(_AS_DRAWN_AT):
+        stands, said = cmath.phase(end - start), linkage.drawn_angle
+        yield (
+            f"the {drawing.crank} is drawn at {math.degrees(stands):.4g} deg, from {first.start} "
+            f"to {first.end}, and drawn_at says {math.degrees(said):.4g} deg: crank angles count "
+            "from drawn_at; correct one of them, unless that is meant"
+        )
+
+
+def _on_turning(linkage: PlanarLinkage) -> Iterator[str]:
+    """On a crank that is to turn and cannot."""
+    if not turns_fully(linkage):
+        yield "the crank cannot turn fully, and operating speeds are stated"
+
+
 def _on_first_frequency(mechanism: Mechanism, first: float) -> Iterator[str]:
     """On crank speeds against the first natural frequency, and its damping."""
     speed = max((abs(each) for each in mechanism.operating_speeds), default=0.0)
-    turns = speed / (2 * math.pi)
+    turns, unit = speed / (2 * math.pi), mechanism.speed_unit
+    told = f"{from_si(speed, unit):.6g} {unit}"
     if turns > _MOST_SPEED_RATIO * first:
         yield (
-            f"operating speed {speed:.6g} rad/s turns the crank {turns:.4g} times a second, the "
+            f"operating speed {told} turns the crank {turns:.4g} times a second, the "
             f"first natural frequency is {first:.4g} Hz: below three times as much linkages ring "
             "and links may buckle; check the unit of the speed"
         )
@@ -197,7 +227,7 @@ def _on_first_frequency(mechanism: Mechanism, first: float) -> Iterator[str]:
         strain = section.mass_per_length * (speed * link.length) ** 2 / section.axial_stiffness / 2
         if strain > _MOST_INERTIA_STRAIN:
             yield (
-                f"{link.name}: stretched by {100 * strain:.2g} % at {speed:.6g} rad/s by its own "
+                f"{link.name}: stretched by {100 * strain:.2g} % at {told} by its own "
                 "inertia, more than materials bear"
             )
     times = [section.damping.bending for section in mechanism.sections.values()]

@@ -8,10 +8,12 @@ import numpy as np
 import pandas as pd
 
 from flexmech import plots
-from flexmech.analyses.frequencies.words import known_digits
+from flexmech.analyses.digits import Quantity, plain, rounded
 from flexmech.analyses.result import Result
 from flexmech.analyses.section_profile.properties import LINK_PROPERTIES, PROPERTIES
 from flexmech.analyses.summary import Summary, Table
+from flexmech.analyses.trust import trust_line
+from flexmech.arrays import ROUND_OFF
 from flexmech.errors import InputError
 
 if TYPE_CHECKING:
@@ -19,6 +21,25 @@ if TYPE_CHECKING:
 
 
 ROWS = (*LINK_PROPERTIES, *PROPERTIES)
+
+# What stands in the table of links: variable, heading, and factor from the SI unit.
+IN_SHORT = (
+    ("length", "length mm", 1e3),
+    ("link_mass", "mass g", 1e3),
+    ("in_plane_thickness", "thick mm", 1e3),
+    ("out_of_plane_width", "wide mm", 1e3),
+    ("axial_stiffness", "EA MN", 1e-6),
+    ("bending_stiffness", "EI N m²", 1.0),
+    ("damping_time_bending", "damping µs", 1e6),
+)
+_OF_ANY_LINK = ("length", "link_mass")
+
+
+def _cell(value: float, rigid: bool) -> str:
+    """A number of four digits; what is not known of a rigid link is rigid."""
+    if np.isnan(value):
+        return "rigid" if rigid else "-"
+    return plain(value)
 
 
 class ModelCheck(Result):
@@ -86,9 +107,12 @@ class ModelCheck(Result):
         return plots.plot_mechanism(self.dataset, ax=ax)
 
     def summary(self) -> Summary:
-        """Source, geometry, links, masses, operation, heat and moisture, frequencies, remarks."""
+        """The linkage, its frequencies and links; source, all properties and masses; remarks."""
         attributes = self.dataset.attrs
         return Summary(
+            self._answer(),
+            self._links_in_short(),
+            self._trust(),
             (
                 attributes["mechanism"],
                 f"source: {attributes['source']}",
@@ -98,8 +122,75 @@ class ModelCheck(Result):
                 *attributes["mechanism_lines"].splitlines(),
                 self._frequency_line(),
             ),
-            warnings=self.remarks,
+            self.remarks,
+            self._numbers(),
         )
+
+    def _answer(self) -> tuple[str, ...]:
+        attributes = self.dataset.attrs
+        said = (attributes.get("linkage_in_short", ""), self._vibration(), self._undamped())
+        return tuple(filter(None, said))
+
+    def _vibration(self) -> str:
+        """Natural frequencies at rest in a sentence."""
+        angle = f"crank angle {np.degrees(self.dataset['frequency_angle'].item()):.6g} deg"
+        texts = [str(number).removesuffix(" Hz") for number in self._frequencies()]
+        if not texts:
+            return (
+                f"No natural frequencies at {angle}: {self.dataset.attrs['without_frequencies']}."
+            )
+        listed = ", ".join(texts[:-1]) + (" and " if len(texts) > 1 else "") + texts[-1]
+        many = "frequencies are" if len(texts) > 1 else "frequency is"
+        return f"The first natural {many} {listed} Hz, at rest and {angle}."
+
+    def _undamped(self) -> str:
+        """That no link damps, where none does."""
+        times = self.dataset["damping_time_bending"].values
+        if not np.isfinite(times).any() or np.nanmax(times) > 0:
+            return ""
+        return "No link is damped: what rings in it has no bound until damping is stated."
+
+    def _frequencies(self) -> list[Quantity]:
+        known = self.dataset
+        if "frequency" not in known:
+            return []
+        frequency = known["frequency"].values
+        error = known.get("discretisation_error", np.nan * known["frequency"]).values * frequency
+        pairs = enumerate(zip(frequency.tolist(), error.tolist(), strict=True), start=1)
+        name, unit = "natural_frequency", "Hz"
+        return [Quantity(name, hz, unit, own, f"mode {mode}") for mode, (hz, own) in pairs]
+
+    def _numbers(self) -> tuple[Quantity, ...]:
+        numbers = self._frequencies()
+        if "transmission_angle_limit" in self.dataset:
+            limits = np.degrees(self.dataset["transmission_angle_limit"].values).tolist()
+            for name, value in zip(("least", "greatest"), limits, strict=True):
+                numbers.append(
+                    Quantity(f"{name}_transmission_angle", value, "deg", ROUND_OFF * value)
+                )
+        return tuple(numbers)
+
+    def _trust(self) -> str:
+        """How far the frequencies are known; there is nothing to doubt in what was read."""
+        numbers = self._frequencies()
+        if not numbers:
+            return ""
+        error = max(number.error / number.value if number.value else 0.0 for number in numbers)
+        return trust_line([str(self.dataset.attrs["engine"])], error)
+
+    def _links_in_short(self) -> Table:
+        """A row for each link with what a designer chooses: size, mass, stiffness, damping."""
+        known, rows = self.dataset, []
+        without = np.isnan(known["axial_stiffness"].values)
+        for number, link in enumerate(known["link"].values.tolist()):
+            own = known.isel(link=number)
+            cells = [
+                _cell(float(own[name]) * scale, bool(without[number]) and name not in _OF_ANY_LINK)
+                for name, _, scale in IN_SHORT
+            ]
+            rows.append((link, *cells))
+        headings = ("link", *(heading for _, heading, _ in IN_SHORT))
+        return Table(f"links: {known.attrs['mechanism']}", headings, (tuple(rows),))
 
     def _link_table(self) -> Table:
         """Properties of the links, a column for each; what no link has is left out."""
@@ -130,7 +221,9 @@ class ModelCheck(Result):
             # A file of an earlier version.
             return f"{title}: {', '.join(f'{hz:.4f}' for hz in frequency)} Hz ({made})"
         errors = self.dataset["discretisation_error"].values.tolist()
-        listed = ", ".join(map(known_digits, frequency, errors))
+        listed = ", ".join(
+            rounded(hz, hz * error) for hz, error in zip(frequency, errors, strict=True)
+        )
         return (
             f"{title}: {listed} Hz ({made}; discretisation error (estimated) at most "
             f"{max(errors):.1e} of the frequency)"

@@ -15,6 +15,7 @@ from flexmech.analyses.comparison.parameters import damping_times
 from flexmech.analyses.comparison.problem import RecordProblem, comparison_dataset
 from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.comparison.result import Comparison
+from flexmech.analyses.crank_speeds import GREATEST, asked_speeds, in_unit
 from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.datasets import provenance, with_units
 from flexmech.analyses.remarks import left_out_attributes
@@ -23,6 +24,7 @@ from flexmech.arrays import LabelledProgress, silent
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord, read_record
+from flexmech.mechanism import Mechanism
 from flexmech.threads import one_thread
 from flexmech.validation import check_instance
 
@@ -34,9 +36,9 @@ _PROBLEMS: dict[str, Callable[[Engine, MeasuredRecord, ComparisonRequest], Recor
 
 
 def compare_with_record(
-    engine: Engine,
+    engine: Engine | Mechanism,
     record: MeasuredRecord | str | PathLike[str],
-    request: ComparisonRequest,
+    request: ComparisonRequest | None = None,
     *,
     progress: LabelledProgress | None = None,
 ) -> Comparison:
@@ -49,10 +51,13 @@ def compare_with_record(
 
     Parameters
     ----------
-    engine : Engine
+    engine : Engine or Mechanism
+        Of a mechanism the reference engine is made.
     record : MeasuredRecord or path-like
         In SI units; or a CSV or universal file.
-    request : ComparisonRequest
+    request : ComparisonRequest, optional
+        Left out, of a record over time: it was taken at the greatest speed at which the mechanism
+        operates.
     progress : callable, optional
         Called with a label, the evaluations done and the most that may be needed.
 
@@ -82,8 +87,10 @@ def compare_with_record(
     True
     """
     own = engine_of(engine)
-    check_instance(request, ComparisonRequest, "request", "give a flexmech.ComparisonRequest")
     taken = record if isinstance(record, MeasuredRecord) else read_record(record)
+    if request is None:
+        request = _usual_request(own.mechanism, taken)
+    check_instance(request, ComparisonRequest, "request", "give a flexmech.ComparisonRequest")
     _check_kind(taken, request)
     with one_thread():
         problem, attributes = _PROBLEMS[taken.abscissa](own, taken, request), provenance([own])
@@ -98,6 +105,14 @@ def compare_with_record(
     if "time" not in dataset.dims:
         attributes |= left_out_attributes(own.mechanism)
     return Comparison(with_units(dataset.assign_attrs(attributes), "comparison"))
+
+
+def _usual_request(mechanism: Mechanism, record: MeasuredRecord) -> ComparisonRequest:
+    """At the greatest speed of the mechanism, if the record is of the running linkage."""
+    if record.abscissa != "time":
+        return ComparisonRequest()
+    speeds, unit = asked_speeds(None, None, mechanism, GREATEST)
+    return ComparisonRequest(float(in_unit(speeds, unit)[0]), speed_unit=unit)
 
 
 def _check_kind(record: MeasuredRecord, request: ComparisonRequest) -> None:

@@ -19,12 +19,14 @@ from flexmech.analyses.comparison.parameters import (
 )
 from flexmech.analyses.comparison.problem import RecordProblem, rows_taken_at
 from flexmech.analyses.comparison.request import ComparisonRequest
+from flexmech.analyses.crank_speeds import RAD_S, in_unit
 from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.analyses.requests import in_radians
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError, suggestion
 from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord
+from flexmech.units import from_si
 
 # Crank speeds of a record that are those asked for, but for rounding, in rad/s.
 _SAME_SPEED = 1e-6
@@ -96,9 +98,9 @@ def frequency_problem(
     InputError
         If the record holds no frequencies, or something is fitted that they do not tell.
     """
-    speed = float(request.speed or 0.0)
+    speed = float(request.crank_speed or 0.0)
     column = _column(record, request.quantity)
-    chosen = _at_speed(record, speed)
+    chosen = _at_speed(record, speed, request.speed_unit or RAD_S)
     frequency = np.asarray(record.quantity(column).values, dtype=float)[chosen]
     if not frequency.min() > 0:
         raise InputError(
@@ -173,13 +175,14 @@ def _column(record: MeasuredRecord, asked: str | None) -> str:
     )
 
 
-def _at_speed(record: MeasuredRecord, speed: float) -> IntArray:
+def _at_speed(record: MeasuredRecord, speed: float, unit: str = RAD_S) -> IntArray:
     """Rows that were taken at the crank speed asked for; all where the record does not tell."""
     if not record.has("crank_speed"):
         return np.arange(len(record.position))
     own = np.asarray(record.quantity("crank_speed").values, dtype=float)
     near = np.abs(own - speed) <= _SAME_SPEED * max(1.0, abs(speed))
-    return rows_taken_at(record, near, own, speed, "speed")
+    known, asked = in_unit(own, unit), from_si(speed, unit)
+    return rows_taken_at(record, near, known, asked, "speed", unit)
 
 
 def _modes(

@@ -247,4 +247,4 @@ def _at_angle(record: MeasuredRecord, angle: float) -> IntArray:
         return np.arange(len(record.position))
     own = np.asarray(record.quantity("crank_angle").values, dtype=float)
     near = np.abs(np.angle(np.exp(1j * (own - angle)))) <= _SAME_ANGLE
-    return rows_taken_at(record, near, np.degrees(own).round(6), np.degrees(angle), "angle")
+    return rows_taken_at(record, near, np.degrees(own).round(6), np.degrees(angle), "angle", "deg")

@@ -295,7 +295,7 @@ def time_problem(engine: Engine, record: MeasuredRecord, request: ComparisonRequ
     InputError
         If the record has gaps or unequal steps, is too short or of another crank speed.
     """
-    assert request.speed is not None
+    assert request.crank_speed is not None
     measured, gauge = matched(record, request.quantity, engine)
     interval = sampling_interval(record.position, record.source, record.rounding)
     time: FloatArray = interval * np.arange(len(record.position), dtype=float)
@@ -307,10 +307,10 @@ def time_problem(engine: Engine, record: MeasuredRecord, request: ComparisonRequ
         column=measured.header or measured.name,
         unit=gauge.unit,
         quantity=gauge.column,
-        crank_speed=request.speed,
+        crank_speed=request.crank_speed,
         gauge=gauge,
         time=time,
-        angle=_crank_angle(record, request.speed, time),
+        angle=_crank_angle(record, request.crank_speed, time),
         begin=float(record.position[0]),
         source=record.source,
     )

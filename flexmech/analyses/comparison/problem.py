@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from flexmech.analyses.comparison.fit import Fit, Parameter
 from flexmech.analyses.comparison.parameters import USUAL_RATIO, free_parameters
 from flexmech.analyses.comparison.request import ComparisonRequest
+from flexmech.analyses.crank_speeds import RAD_S
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
@@ -150,8 +151,8 @@ def comparison_dataset(
     )
     where = (
         {"crank_angle_locked": request.angle}
-        if request.speed is None
-        else {"crank_speed": request.speed}
+        if request.crank_speed is None
+        else {"crank_speed": request.crank_speed}
     )
     dataset = dataset.assign_attrs(
         abscissa=record.abscissa,
@@ -161,7 +162,7 @@ def comparison_dataset(
         unit=problem.unit,
         engine=problem.engine.name,
         element=problem.engine.element,
-        speed_unit=request.speed_unit,
+        speed_unit=request.speed_unit or RAD_S,
         unexplained=fit.unexplained,
         residual_order=fit.order,
         widened=fit.widened,
@@ -172,7 +173,12 @@ def comparison_dataset(
 
 
 def rows_taken_at(
-    record: MeasuredRecord, near: NDArray[np.bool_], own: FloatArray, asked: float, option: str
+    record: MeasuredRecord,
+    near: NDArray[np.bool_],
+    own: FloatArray,
+    asked: float,
+    option: str,
+    unit: str,
 ) -> IntArray:
     """Rows of a record that were taken where the request says.
 
@@ -186,6 +192,8 @@ def rows_taken_at(
     asked : float
         Of the request, as messages name it.
     option : {"speed", "angle"}
+    unit : str
+        Of both, for messages.
 
     Returns
     -------
@@ -199,7 +207,6 @@ def rows_taken_at(
     rows = np.flatnonzero(near)
     if not len(rows):
         known = ", ".join(f"{value:g}" for value in np.unique(own)[:10])
-        unit = "deg" if option == "angle" else "rad/s"
         raise InputError(
             f"{record.source}: was taken at crank {option}s of {known} {unit}, not {asked:g}; "
             f"give one of these with --{option}"

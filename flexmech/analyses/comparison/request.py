@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
+from flexmech.analyses.crank_speeds import one_rad_per_s
 from flexmech.errors import InputError
-from flexmech.validation import check_angle, check_instance, check_number, checked_tuple
+from flexmech.validation import check_angle, check_instance, checked_tuple
 
 
 @dataclass(frozen=True)
@@ -15,7 +17,8 @@ class ComparisonRequest:
     Parameters
     ----------
     speed : float, optional
-        Crank speed in rad/s at which the record was taken; 0 for natural frequencies at rest.
+        Crank speed in ``speed_unit`` at which the record was taken; 0 for natural frequencies at
+        rest.
     angle : float, optional
         Crank angle in rad at which the crank was locked, for a frequency-response function.
         One of the two.
@@ -29,8 +32,8 @@ class ComparisonRequest:
         Any of ``"damping"``, ``"damping:LINK"``, ``"stiffness:LINK"``, ``"offset"`` and
         ``"gain"``, or ``"none"``. Left out: ``damping`` over time, ``damping`` and ``gain`` for a
         frequency-response function, nothing for natural frequencies.
-    speed_unit : str
-        In which results speak of the crank speed, such as ``"rpm"``.
+    speed_unit : str, optional
+        Unit of the speed, such as ``"rpm"``, in which results speak of it. Left out: rad/s.
 
     Raises
     ------
@@ -47,7 +50,7 @@ class ComparisonRequest:
     angle: float | None = None
     quantity: str | None = None
     fit: tuple[str, ...] | None = None
-    speed_unit: str = field(default="rad/s", repr=False)
+    speed_unit: str | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         if (self.speed is None) == (self.angle is None):
@@ -55,8 +58,7 @@ class ComparisonRequest:
                 "a comparison needs either the crank speed at which the record was taken, or the "
                 "angle at which the crank was locked; give one of speed and angle"
             )
-        if self.speed is not None:
-            check_number(self.speed, "speed", "rad/s")
+        _ = self.crank_speed
         if self.angle is not None:
             check_angle(self.angle, "angle")
         if self.quantity is not None:
@@ -66,3 +68,9 @@ class ComparisonRequest:
             object.__setattr__(self, "fit", checked_tuple(self.fit, str, "fit", remedy))
             if not self.fit:
                 raise InputError(f"fit is empty; {remedy}")
+
+    @cached_property
+    def crank_speed(self) -> float | None:
+        """Crank speed in rad/s."""
+        speed = self.speed
+        return None if speed is None else one_rad_per_s(speed, self.speed_unit, "speed")

@@ -14,6 +14,7 @@ from flexmech import plots
 from flexmech.analyses.comparison.parameters import DAMPING, STIFFNESS
 from flexmech.analyses.comparison.problem import CURVES
 from flexmech.analyses.datasets import table_of
+from flexmech.analyses.digits import Quantity
 from flexmech.analyses.remarks import crank_speed_text, warnings_of
 from flexmech.analyses.response.agreement import LARGE_BOW
 from flexmech.analyses.result import Result
@@ -152,19 +153,29 @@ class Comparison(Result):
     def summary(self) -> Summary:
         """Fitted parameters, their correlation and what remains; how the record was aligned."""
         data = self.dataset
-        table = _fit_table(data)
-        parts = (
-            *((table,) if table is not None else ()),
+        unexplained, *intervals = _residual_lines(data)
+        details = (
             *_record_lines(data),
             *_ratio_lines(data),
             *_correlation_lines(data),
-            *_residual_lines(data),
+            unexplained,
+            _verdict(data),
         )
-        return Summary(parts, _verdict(data), (*_warnings(data), *warnings_of(data.attrs)))
+        nothing = "no interval is known: nothing was fitted, the model is compared as it is"
+        return Summary(
+            _answer(data),
+            _fit_table(data),
+            next(iter(intervals), nothing),
+            details,
+            (*_warnings(data), *warnings_of(data.attrs)),
+            _numbers(data),
+        )
 
 
 # Part of the record's variance from which a model is said to miss what was measured.
 _POOR = 0.5
+# Parameters that the answer tells one by one.
+_MOST_TOLD = 2
 # Relative difference of frequencies beyond which other modes are compared, or another linkage.
 _FAR_OFF = 0.1
 # Of its sign turned, a record must be explained better by this factor to be thought of so.
@@ -173,6 +184,41 @@ _TURNED_BETTER = 0.8
 _LITTLE_WIDER = 1.2
 # Beyond it two parameters can hardly be told apart: each is known three times worse than alone.
 _CLOSE = 0.95
+
+
+def _numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
+    """Fitted parameters with half of their 95 % intervals, and what they leave unexplained."""
+    fitted = []
+    for name in data["parameter"].values:
+        own = data.sel(parameter=name)
+        kind, _, link = str(name).partition(":")
+        unit = str(own["parameter_unit"].item())
+        half = float(own["upper"] - own["lower"]) / 2
+        fitted.append(
+            Quantity(
+                f"fitted_{kind}", float(own["fitted"]), "" if unit == "1" else unit, half, link
+            )
+        )
+    return (*fitted, Quantity("unexplained", 100 * float(data.attrs["unexplained"]), "%"))
+
+
+def _answer(data: xr.Dataset) -> tuple[str, ...]:
+    """What fits best, and what of the record it leaves unexplained."""
+    *fitted, unexplained = _numbers(data)
+    lines = []
+    for one, name in zip(fitted, data["parameter"].values, strict=True):
+        own = data.sel(parameter=name)
+        low, high = (f"{float(own[end]):.5g}" for end in ("lower", "upper"))
+        kind = one.name.removeprefix("fitted_")
+        what, of = {
+            DAMPING: (f"damping time of {f'the {one.of}' if one.of else 'the links'}", ""),
+            STIFFNESS: (f"stiffness of the {one.of}", " of the model's"),
+        }.get(kind, (kind.replace("_", " "), ""))
+        lines.append(f"The {what} is {one}{of} ({low} to {high} with 95 % probability).")
+    how = "as it is" if not fitted else "with these values" if len(fitted) > 1 else "with it"
+    last = f"The model {how} leaves {unexplained.value:.3g} % of the record's variance unexplained."
+    # Many links have a parameter each: the table lists them.
+    return (*lines[:_MOST_TOLD], last)
 
 
 def _fit_table(data: xr.Dataset) -> Table | None:

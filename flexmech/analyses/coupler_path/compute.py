@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from flexmech.analyses.coupler_path.result import CouplerPaths
 from flexmech.analyses.datasets import origin
+from flexmech.analyses.kinematics.extremes import extremes
 from flexmech.analyses.remarks import environment_lines, state_name
 from flexmech.analyses.requests import environment_of, in_radians
 from flexmech.arrays import FloatArray
@@ -86,6 +87,16 @@ class _Path:
         arm = self.point.distance * direction(motion.angle[..., self.link] + self.point.angle)
         return np.asarray(motion.origin[..., self.link, :] + arm)
 
+    def _extent(self, crank_angles: FloatArray) -> FloatArray:
+        """Least and greatest coordinates from the first crank angle to the last, (2, 2) in m."""
+        angles = np.unique(crank_angles)
+        try:
+            found = extremes(self.position, angles)
+        except InputError:
+            # The linkage does not reach all angles between them.
+            found = extremes(self.position, angles, between=False)
+        return np.stack([found.least, found.greatest], axis=1)
+
     def dataset(self, crank_angles: FloatArray, windows: FloatArray) -> xr.Dataset:
         """The path, and what it does between pairs of crank angles (W, 2), finely drawn."""
         topology, motion = self.linkage.topology, self.linkage.motion(crank_angles)
@@ -100,10 +111,12 @@ class _Path:
             "pin_position": ((_OVER, "pin", "component"), np.stack(pins, axis=1), _METRE),
             "angle": ((_OVER, "link"), np.unwrap(motion.angle[:, members], axis=0), _RADIAN),
             "coupler_point_distance": ((), self.point.distance, _METRE),
+            "extent": (("component", "bound"), self._extent(crank_angles), _METRE),
         }
         coordinates: dict[str, Any] = {
             "crank_angle": (_OVER, crank_angles, _RADIAN),
             "component": ["x", "y"],
+            "bound": ["least", "greatest"],
             "pin": ["A", "B"] if is_curve else ["start", "end"],
             "link": list(topology.link_names[members]),
         }

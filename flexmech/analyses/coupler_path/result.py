@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,8 +11,10 @@ import xarray as xr
 
 from flexmech import plots
 from flexmech.analyses.datasets import DEGREES, Columns, columns_along, table_of
+from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.result import Result
-from flexmech.analyses.summary import Summary
+from flexmech.analyses.summary import Summary, Table
+from flexmech.arrays import ROUND_OFF
 from flexmech.linkages import FourBar
 
 if TYPE_CHECKING:
@@ -123,10 +126,96 @@ class CouplerPaths(Result):
             worst = float(data["sextic_residual"].max())
             check = f"check: the curve's sextic equation is met within {worst:.1e}"
         return Summary(
-            tuple(lines),
+            tuple(_answer(data, self.is_curve)),
+            _states_table(data),
             check,
+            tuple(lines),
             tuple(filter(None, [data.attrs.get("warning")])),
+            tuple(_numbers(data)),
         )
+
+
+def _answer(data: xr.Dataset, is_curve: bool) -> Iterator[str]:
+    """How large the path is, what crosses in it, and how far the point moves in an environment."""
+    what = "coupler point" if is_curve else "point"
+    for number, state in enumerate(data["state"].values.tolist()):
+        size = _size(data.isel(state=number))
+        counts = _counted(data, state) if is_curve else {}
+        words = [
+            f"{count or 'no'} {kind}{'' if count == 1 else 's'}" for kind, count in counts.items()
+        ]
+        who = f"Dry, the {what} runs" if number == 0 else f"At {state} it runs"
+        loops = f", with {' and '.join(words)}" if words else ""
+        yield f"{who} through {' by '.join(size)} mm{loops}."
+    if data.sizes["state"] > 1:
+        moved, at = _moved(data)
+        yield f"It is moved by at most {moved:.3g} mm, at crank angle {at:.4g} deg."
+
+
+def _states_table(data: xr.Dataset) -> Table:
+    """A row for each state."""
+    limits, rows = data.get("transmission_angle_limit"), []
+    for number, state in enumerate(data["state"].values.tolist()):
+        own = data.isel(state=number)
+        x, y = (1e3 * own["extent"]).transpose("component", "bound").values.tolist()
+        cells = [_text(value, own) for value in (*x, *y)]
+        if limits is not None:
+            angles = DEGREES * limits.isel(state=number).values
+            counts = _counted(data, state)
+            cells += [*map(str, counts.values()), *(f"{angle:.4g}" for angle in angles)]
+        rows.append((state, *cells))
+    headings = ["state", "least x mm", "greatest x mm", "least y mm", "greatest y mm"]
+    if limits is not None:
+        headings += ["crunodes", "cusps", "least µ deg", "greatest µ deg"]
+    caption = "" if limits is None else "µ: transmission angle over the whole motion"
+    return Table(
+        f"path: {data.attrs['mechanism']}", tuple(headings), (tuple(rows),), caption=caption
+    )
+
+
+def _counted(data: xr.Dataset, state: str) -> dict[str, int]:
+    """Number of crunodes and of cusps in a state."""
+    kinds = data["double_point_kind"].values[data["double_point_state"].values == state]
+    return {kind: int((kinds == kind).sum()) for kind in ("crunode", "cusp")}
+
+
+def _size(state: xr.Dataset) -> list[str]:
+    """Extents of a path along x and y in mm."""
+    extent = 1e3 * state["extent"].transpose("component", "bound").values
+    return [_text(high - low, state) for low, high in extent.tolist()]
+
+
+def _text(value: float, state: xr.Dataset) -> str:
+    """A coordinate in mm; what rounding leaves of a zero is none."""
+    noise = 1e3 * ROUND_OFF * float(abs(state["position"]).max())
+    return "0" if abs(value) <= noise else rounded(value, noise)
+
+
+def _moved(data: xr.Dataset) -> tuple[float, float]:
+    """Greatest displacement of the point in mm, and the crank angle in degrees."""
+    dry, wet = (data["position"].isel(state=number) for number in (0, 1))
+    apart = 1e3 * np.hypot(*(wet - dry).transpose("component", ...).values)
+    place = int(apart.argmax())
+    return float(apart[place]), float(DEGREES * data["crank_angle"].values[place])
+
+
+def _numbers(data: xr.Dataset) -> Iterator[Quantity]:
+    """Extents of each state, its double points and transmission angles, and the displacement."""
+    for number, state in enumerate(data["state"].values.tolist()):
+        own = data.isel(state=number)
+        noise = 1e3 * ROUND_OFF * float(abs(own["position"]).max())
+        for axis, (low, high) in zip("xy", 1e3 * own["extent"].values, strict=True):
+            yield Quantity(f"extent_{axis}", float(high - low), "mm", noise, state)
+        if "transmission_angle_limit" in data:
+            for kind, count in _counted(data, state).items():
+                yield Quantity(f"{kind}s", count, "", 0.0, state)
+            for name, value in zip(
+                ("least", "greatest"), own["transmission_angle_limit"].values, strict=True
+            ):
+                angle = float(DEGREES * value)
+                yield Quantity(f"{name}_transmission_angle", angle, "deg", ROUND_OFF * angle, state)
+    if data.sizes["state"] > 1:
+        yield Quantity("greatest_displacement", _moved(data)[0], "mm")
 
 
 def _state_lines(state: xr.Dataset, topology: pd.DataFrame) -> list[str]:

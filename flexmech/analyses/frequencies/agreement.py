@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,6 +66,32 @@ def engine_agreement(dataset: xr.Dataset) -> EngineAgreement | None:
     )
 
 
+def engines_agree(dataset: xr.Dataset) -> bool:
+    """Whether two engines differ by no more than their errors where they differ most.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a map in one state.
+
+    Returns
+    -------
+    bool
+        True with a single engine.
+    """
+    found = engine_agreement(dataset)
+    if found is None:
+        return True
+    error = error_of_model(dataset).sel(crank_speed=found.crank_speed, mode=found.mode)
+    errors = [float(error.sel(engine=name)) for name in found.engines]
+    return found.relative_difference <= _together(errors)
+
+
+def _together(errors: Iterable[float]) -> float:
+    """What errors explain together: of those that are no small parts the product counts too."""
+    return math.prod(1 + each for each in errors) - 1 + 10.0**-MOST_DECIMALS
+
+
 def verdict(dataset: xr.Dataset, effect: xr.DataArray | None) -> str:
     """How far the engines differ at most, and where; or that only one ran.
 
@@ -99,9 +125,7 @@ def _judged(found: EngineAgreement, dataset: xr.Dataset, effect: xr.DataArray | 
     error = error_of_model(dataset).sel(place)
     errors = {name: float(error.sel(engine=name)) for name in found.engines}
     said = " and ".join(f"{errors[name]:.1e} of {name}" for name in found.engines)
-    # Of errors that are no small parts, as those of lumped masses, the product counts too.
-    together = math.prod(1 + each for each in errors.values()) - 1
-    if found.relative_difference <= together + 10.0**-MOST_DECIMALS:
+    if found.relative_difference <= _together(errors.values()):
         beyond = _beyond_tolerance(found.relative_difference, errors, dataset)
         return f", within their estimated errors ({said}){beyond}"
     if reason := theory_reason(dataset.attrs):

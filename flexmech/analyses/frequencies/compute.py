@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexmech.analyses.beam_theory import theory_attributes
+from flexmech.analyses.crank_speeds import asked_speeds
 from flexmech.analyses.datasets import provenance, rigid_positions, with_units
 from flexmech.analyses.frequencies.discretisation import check_angle_indices
 from flexmech.analyses.frequencies.engine_map import map_engine
@@ -21,7 +22,7 @@ from flexmech.analyses.frequencies.pictured import drawn_between, shapes_asked_f
 from flexmech.analyses.frequencies.request import FrequencyRequest, operating_speeds
 from flexmech.analyses.frequencies.result import MovingFrequencies
 from flexmech.analyses.remarks import environment_lines, left_out_attributes, state_name
-from flexmech.analyses.requests import as_many_modes, engines_of
+from flexmech.analyses.requests import Engines, as_many_modes, engines_of
 from flexmech.arrays import FloatArray, LabelledProgress, silent
 from flexmech.choices import MapPrestress, ShaftChoice
 from flexmech.errors import InputError
@@ -94,7 +95,7 @@ def joined(
         drawing=drawing(first.mechanism),
         prestress=formulation.prestress,
         rotation_terms=str(formulation.counted_terms),
-        speed_unit=request.speed_unit,
+        speed_unit=request.shown_unit,
         **({"lumped_masses": lumps} if lumps else {}),
     )
 
@@ -134,9 +135,13 @@ def with_states(states: dict[str, xr.Dataset], environment_lines: Sequence[str])
     return both.assign_attrs(environment_lines="\n".join(environment_lines))
 
 
+# Every 5 degrees of a turn, its end with them.
+MAP_ANGLES = np.radians(np.arange(0.0, 361.0, 5.0))
+
+
 def moving_frequencies(
-    engine: Engine | Sequence[Engine],
-    crank_angles: ArrayLike,
+    engine: Engines,
+    crank_angles: ArrayLike | None = None,
     crank_speeds: ArrayLike | None = None,
     *,
     modes: int | None = None,
@@ -144,7 +149,7 @@ def moving_frequencies(
     rotation_terms: bool | RotationTerms = True,
     speed_effect: bool | Literal["fastest"] = False,
     environment: Environment | None = None,
-    speed_unit: str = "rad/s",
+    speed_unit: str | None = None,
     tolerance: float | None = None,
     shapes_at: ArrayLike | None = None,
     smooth: bool = False,
@@ -155,13 +160,13 @@ def moving_frequencies(
 
     Parameters
     ----------
-    engine : Engine or sequence of Engine
-        Several engines give results side by side.
-    crank_angles : array_like, shape (A,)
-        Increasing, rad.
+    engine : Engine, Mechanism or sequence of them
+        Several engines give results side by side; of a mechanism the reference engine is made.
+    crank_angles : array_like, shape (A,), optional
+        Increasing, rad. Left out: a turn in steps of 5 degrees.
     crank_speeds : array_like, shape (S,), optional
-        rad/s. Left out: zero and the speeds at which the mechanism operates; 0, 10 and 20 if it
-        names none.
+        In ``speed_unit``. Left out: zero and the speeds at which the mechanism operates; 0, 10 and
+        20 rad/s if it names none.
     modes : int, optional
         Number of natural frequencies. Left out: 4, or as many as the model has and as oscillate at
         all positions.
@@ -179,8 +184,9 @@ def moving_frequencies(
         bend without load, which have no unstressed state to begin with.
     environment : HygrothermalState or Exposure, optional
         Heat and moisture: the mechanism is computed in them and dry.
-    speed_unit : str
-        In which the result speaks of crank speeds, such as ``"rpm"``.
+    speed_unit : str, optional
+        Unit of the crank speeds given, such as ``"rpm"``, in which the result speaks of them. Left
+        out: rad/s, and the unit of the model file for speeds that are its own.
     tolerance : float, optional
         Estimated relative error of the frequencies by the mesh: each engine doubles its elements
         until it is met, up to 32 on each link. Left out: the engines' elements are kept.
@@ -216,16 +222,15 @@ def moving_frequencies(
     (1, 2, 3, 4)
     """
     engines = engines_of(engine, shaft=shaft)
-    if crank_speeds is None:
-        crank_speeds = operating_speeds(engines[0].mechanism)
+    speeds, unit = asked_speeds(crank_speeds, speed_unit, engines[0].mechanism, operating_speeds)
     if prestress == "trajectory" and not any(each.simulates for each in engines):
         names = " and ".join(each.name for each in engines)
         raise InputError(
             f"prestress 'trajectory' needs an engine that simulates the running linkage, and "
             f"{names} does not: use the exudyn engine, or prestress 'equilibrium'"
         )
-    angles = checked_array(crank_angles, "crank_angles", "rad")
-    speeds = checked_array(crank_speeds, "crank_speeds", "rad/s")
+    asked_angles = MAP_ANGLES if crank_angles is None else crank_angles
+    angles = checked_array(asked_angles, "crank_angles", "rad")
     report = progress or silent
 
     def compute(count: int) -> xr.Dataset:
@@ -234,7 +239,7 @@ def moving_frequencies(
             speeds,
             Formulation(prestress, rotation_terms, count),
             speed_effect,
-            speed_unit,
+            unit,
             tolerance,
             np.zeros(0) if shapes_at is None else np.asanyarray(shapes_at),
             smooth and prestress != "trajectory",
@@ -246,7 +251,7 @@ def moving_frequencies(
             )
         return _dry_and_in(environment, fit, request, report)
 
-    found, fewer = as_many_modes(compute, modes, speed_unit)
+    found, fewer = as_many_modes(compute, modes, unit)
     asked = {} if tolerance is None else {"tolerance": tolerance}
     left_out = left_out_attributes(engines[0].mechanism)
     return MovingFrequencies(found.assign_attrs(left_out | asked | fewer))

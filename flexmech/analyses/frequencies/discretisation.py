@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.analyses.frequencies.eigenproblem import solve_eigenvalues
+from flexmech.analyses.frequencies.eigenproblem import solve_eigenvalues, solve_modes
 from flexmech.analyses.frequencies.formulation import Systems
+from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
 from flexmech.analyses.frequencies.reduction import (
     ModeErrors,
     converged_modes,
@@ -75,9 +76,7 @@ def mesh_error(systems: Systems, crank_angles: FloatArray, crank_speed: float) -
         np.concatenate([solve_eigenvalues(s, count) for s in m.batches(crank_angles, crank_speed)])
         for m in meshed
     )
-    # Of half the mesh, where a finer one does not fit into memory, the distance is the error
-    # itself in first order and more than it in a higher one.
-    share = np.sqrt(1 - elements / compared) if compared > elements else 1.0
+    share = share_of_error(elements, compared)
     error = _apart(here, there, share)
     if not systems.engine.component_modes or systems.engine.turns_as_one_body:
         return error
@@ -89,6 +88,29 @@ def mesh_error(systems: Systems, crank_angles: FloatArray, crank_speed: float) -
             here, there = (unreduced_eigenvalues(m, crank_angles, crank_speed) for m in meshed)
             return _apart(here, there, share)
     return error
+
+
+def share_of_error(divisions: int, compared: int) -> float:
+    """Share of an error that is the distance to a result of other divisions; see `mesh_error`.
+
+    Parameters
+    ----------
+    divisions, compared : int
+        Elements or time steps of the result, and of the one that it is compared with.
+
+    Returns
+    -------
+    float
+        Between the share in first order and that of high orders. Of half the divisions, where
+        twice as many do not fit into memory, the distance is the error itself in first order
+        and more than it in a higher one.
+
+    Examples
+    --------
+    >>> round(share_of_error(8, 16), 3), share_of_error(8, 4)
+    (0.707, 1.0)
+    """
+    return float(np.sqrt(1 - divisions / compared)) if compared > divisions else 1.0
 
 
 def lumping_error(systems: Systems, crank_angles: FloatArray, crank_speed: float) -> FloatArray:
@@ -119,6 +141,45 @@ def lumping_error(systems: Systems, crank_angles: FloatArray, crank_speed: float
         [solve_eigenvalues(s, count) for s in systems.batches(crank_angles, crank_speed)]
     )
     return np.asarray(np.abs(2 * np.pi * exact.frequency[:, :count] / np.abs(lumped) - 1))
+
+
+def damping_error(systems: Systems, crank_angles: FloatArray, crank_speed: float) -> FloatArray:
+    """Estimated error of damping by modal strain energy by the mesh, as :func:`mesh_error` has it.
+
+    Parameters
+    ----------
+    systems : Systems
+        As in the map, of an engine on a mechanism with specific damping.
+    crank_angles : ndarray, shape (A,)
+    crank_speed : float
+
+    Returns
+    -------
+    ndarray, shape (A, m)
+        Of the damping ratio.
+    """
+    elements = systems.engine.elements
+    compared = _compared_mesh(elements)
+    here, there = (
+        _strain_energy_damping(_on_mesh(systems, mesh), crank_angles, crank_speed)
+        for mesh in (elements, compared)
+    )
+    return np.asarray(np.abs(here - there) / share_of_error(elements, compared))
+
+
+def _strain_energy_damping(
+    systems: Systems, crank_angles: FloatArray, crank_speed: float
+) -> FloatArray:
+    """Damping ratios (A, m) of systems about the quasi-static state."""
+    losses, formulation = StrainEnergyDamping.of(systems.engine), systems.formulation
+    assert losses is not None
+    ratios = [
+        losses.ratio(
+            system, solve_modes(system, formulation.modes), formulation.quasi_static_prestress
+        )
+        for system in systems.batches(crank_angles, crank_speed)
+    ]
+    return np.concatenate(ratios)
 
 
 def _outweighs(mesh: ModeErrors, reduction: ModeErrors) -> bool:

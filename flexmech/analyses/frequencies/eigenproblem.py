@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from flexmech.analyses.frequencies.quadratic_eigenproblem import QuadraticModes, quadratic_modes
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
+    BucklingError,
     LinearSystem,
     OverdampedError,
     TooManyModesError,
@@ -258,4 +259,4 @@ def _refuse(system: LinearSystem, failed: NDArray[np.bool_], what: str) -> None:
             "; at rest only gravity, loads, springs, heat or water can do that, or links "
             "whose lengths, stiffnesses and masses differ beyond all proportion: check their units"
         )
-    refuse_positions(system.motion, failed, what, remedy)
+    refuse_positions(system.motion, failed, what, remedy, BucklingError)

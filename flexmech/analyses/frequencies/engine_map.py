@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from flexmech.analyses.frequencies.discretisation import (
     HIGHEST_ORDER,
     check_angle_indices,
+    damping_error,
     lumping_error,
     mesh_error,
 )
@@ -177,8 +178,11 @@ def _map_on_mesh(
                 "damping_ratio_discretisation_error": check.mesh_error.damping_ratio,
                 "damping_ratio_reduction_error": check.reduction_error.damping_ratio,
             }
+        at = angles[check_angle_indices(angles, asked.full_turn)]
+        if losses is not None:
+            found = damping_error(systems, at, speed)
+            errors["strain_energy_damping_discretisation_error"] = found
         if systems.engine.mass == "lumped":
-            at = angles[check_angle_indices(angles, asked.full_turn)]
             errors["lumping_error"] = lumping_error(systems, at, speed)
         over_checks = {name: (OVER_CHECKS[: v.ndim], v) for name, v in errors.items()}
         part = along.isel(mode=slice(modes)).assign(over_checks)

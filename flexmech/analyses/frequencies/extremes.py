@@ -56,6 +56,15 @@ class Extremes:
     highest_frequency: FloatArray
     highest_angle: FloatArray
 
+    def of_speed(self, number: int) -> Extremes:
+        """Those at one of several crank speeds, (m,)."""
+        return Extremes(
+            self.lowest_frequency[number],
+            self.lowest_angle[number],
+            self.highest_frequency[number],
+            self.highest_angle[number],
+        )
+
 
 def known_error(dataset: xr.Dataset) -> xr.DataArray:
     """Relative error of each mode's frequencies by mesh and component modes, greatest of a turn.

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.analyses.frequencies.discretisation import check_angle_indices
+from flexmech.analyses.frequencies.extremes import Extremes, extremes_between
 from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
@@ -15,12 +16,16 @@ from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine, RotationTerms
+from flexmech.mechanism import Mechanism
 from flexmech.threads import one_thread
 from flexmech.validation import checked_array
 
+# Relative error of an extreme between crank angles; it is refined to a tenth of this.
+EXTREMES_WITHIN = 1e-5
+
 
 def natural_frequencies(
-    engine: Engine,
+    engine: Engine | Mechanism,
     crank_angle: ArrayLike,
     crank_speed: ArrayLike = 0.0,
     *,
@@ -32,7 +37,8 @@ def natural_frequencies(
 
     Parameters
     ----------
-    engine : Engine
+    engine : Engine or Mechanism
+        Of a mechanism the reference engine is made.
     crank_angle, crank_speed : array_like
         rad and rad/s; broadcast against each other to shape (...).
     modes : int, optional
@@ -87,26 +93,81 @@ def frequencies_at(
         In Hz, ascending.
     """
     angle, speed, systems = _systems(engine, crank_angle, crank_speed, formulation)
-    flat_angle, flat_speed = angle.ravel(), speed.ravel()
     if not angle.size:
         raise InputError("crank_angle is empty; give one crank angle or more")
+    found, _ = _along(systems, angle.ravel(), speed.ravel())
+    return found.reshape(*angle.shape, formulation.modes)
+
+
+def _along(systems: Systems, angle: FloatArray, speed: FloatArray) -> tuple[FloatArray, Systems]:
+    """Frequencies (B, modes) at positions, and the systems with as many modes as they need."""
     some = check_angle_indices(np.arange(angle.size, dtype=float), full_turn=False)
     with one_thread():
         # The stress is the same in whatever modes: it is sought once in the first batch, and in
         # the positions to check along with it.
         first = systems.engine.batches(angle.size)[0]
         known = np.union1d(np.arange(first.stop), some)
-        stressed = systems.stressed(flat_angle[known], flat_speed[known])
+        stressed = systems.stressed(angle[known], speed[known])
         there = stressed.at(np.searchsorted(known, some))
-        checked = converged_modes(systems, flat_angle[some], flat_speed[some], stressed=there)
+        checked = converged_modes(systems, angle[some], speed[some], stressed=there)
         if len(some) == angle.size:
-            return checked.modes.frequency.reshape(*angle.shape, formulation.modes)
-        found = frequencies_along(checked.systems, flat_angle, flat_speed, stressed.at(first))
-    return found.reshape(*angle.shape, formulation.modes)
+            return checked.modes.frequency, checked.systems
+        found = frequencies_along(checked.systems, angle, speed, stressed.at(first))
+    return found, checked.systems
+
+
+def frequency_extremes(
+    engine: Engine | Mechanism,
+    crank_angles: FloatArray,
+    crank_speed: float = 0.0,
+    *,
+    modes: int | None = None,
+    prestress: Prestress = "equilibrium",
+    rotation_terms: bool | RotationTerms = True,
+) -> Extremes:
+    """Lowest and highest natural frequencies over a turn, found between the crank angles.
+
+    Parameters
+    ----------
+    engine : Engine or Mechanism
+        Of a mechanism the reference engine is made.
+    crank_angles : ndarray, shape (A,)
+        Evenly spaced over a turn in rad, without its end.
+    crank_speed : float
+        In rad/s.
+    modes : int, optional
+        Left out: 4, or as many as the model has and as oscillate at all positions.
+    prestress : {"none", "axial", "equilibrium"}
+    rotation_terms : bool or RotationTerms
+
+    Returns
+    -------
+    Extremes
+        Arrays of shape (modes,); to a millionth of the frequency, besides the errors of the model.
+
+    Raises
+    ------
+    InputError, ComputationError
+        See :func:`natural_frequencies`.
+    """
+    engine = engine_of(engine)
+    speeds = np.full(len(crank_angles), float(crank_speed))
+
+    def compute(count: int) -> Extremes:
+        formulation = Formulation(prestress, rotation_terms, count)
+        systems = _systems(engine.fit_for(count), crank_angles, speeds, formulation)[2]
+        found, systems = _along(systems, crank_angles, speeds)
+        error = np.full(count, EXTREMES_WITHIN)
+        with one_thread():
+            return extremes_between(
+                systems, crank_angles, speeds[:1], found[None], error, full_turn=True
+            ).of_speed(0)
+
+    return as_many_modes(compute, modes)[0]
 
 
 def strain_energy_damping(
-    engine: Engine,
+    engine: Engine | Mechanism,
     crank_angle: ArrayLike,
     crank_speed: ArrayLike = 0.0,
     *,
@@ -118,7 +179,8 @@ def strain_energy_damping(
 
     Parameters
     ----------
-    engine : Engine
+    engine : Engine or Mechanism
+        Of a mechanism the reference engine is made.
     crank_angle, crank_speed : array_like
         rad and rad/s; broadcast against each other to shape (...).
     modes : int, optional

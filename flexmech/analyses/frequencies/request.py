@@ -37,7 +37,7 @@ class FrequencyRequest:
     speed_effect : bool or "fastest"
         Whether to split the effect of speed by term, with the first engine: at every speed, or
         at the greatest alone.
-    speed_unit : str
+    shown_unit : str
         In which results speak of crank speeds, such as ``"rpm"``.
     tolerance : float, optional
         Estimated relative error of the frequencies by the mesh up to which the elements given
@@ -63,7 +63,7 @@ class FrequencyRequest:
     crank_speeds: FloatArray
     formulation: Formulation = FORMULATION
     speed_effect: bool | Literal["fastest"] = False
-    speed_unit: str = "rad/s"
+    shown_unit: str = "rad/s"
     tolerance: float | None = None
     shapes_at: FloatArray = field(default_factory=lambda: np.zeros(0))
     smooth: bool | FloatArray = False

@@ -12,13 +12,16 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.datasets import table_of, terms_column
-from flexmech.analyses.frequencies import words
+from flexmech.analyses.frequencies import answer as answers
+from flexmech.analyses.frequencies import damping, words
 from flexmech.analyses.frequencies.agreement import (
     DIMS,
     EngineAgreement,
     engine_agreement,
     verdict,
 )
+from flexmech.analyses.frequencies.changes import change_lines
+from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
@@ -308,8 +311,12 @@ class MovingFrequencies(Result):
         return draw(data, ax=ax)
 
     def summary(self) -> Summary:
-        """Extremes, errors, branches and damping; the last line compares the engines."""
-        last, change = self._last, self.relative_change() if self._has_states else None
+        """Where frequencies lie over the turn, what moves them, and how far they are known."""
+        last, change, error = self._last, None, None
+        if self._has_states:
+            change = self.relative_change()
+            dry, wet = (known_error(self.state(name).dataset) for name in self.states)
+            error = dry + wet
         data = last.dataset
         title = f"natural frequencies, {data.attrs.get('mechanism', '')}"
         lines = [
@@ -318,17 +325,23 @@ class MovingFrequencies(Result):
             *words.error_lines(data),
             *words.tracking_lines(data),
             *words.vibration_lines(last.vibration_effect(), data),
-            *words.damping_ratio_lines(data),
-            *words.damping_lines(data),
+            *damping.ratio_lines(data),
+            *damping.strain_energy_lines(data),
             *words.shaft_lines(data),
             *str(self.dataset.attrs.get("environment_lines", "")).splitlines(),
-            *words.change_lines(change),
+            *change_lines(change, error),
         ]
         if "speed_effect" in self.dataset and "speed_effect" not in data:
             lines.append("effect of speed: not split by term, since links bend without load")
-        table = words.extremes_table(last.extremes(), data, title)
-        warnings = warnings_of(self.dataset.attrs)
-        return Summary((table, *lines), verdict(data, last.vibration_effect()), warnings)
+        extremes, effect = last.extremes(), last.vibration_effect()
+        return Summary(
+            tuple(answers.answer(extremes, data, change, error)),
+            words.extremes_table(extremes, data, title),
+            answers.trust(data),
+            (*lines, verdict(data, effect)),
+            (*answers.disagreement(data, effect), *warnings_of(self.dataset.attrs)),
+            answers.numbers(extremes, data),
+        )
 
 
 def _table(data: xr.Dataset, name: str) -> pd.DataFrame:

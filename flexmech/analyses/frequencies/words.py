@@ -8,6 +8,8 @@ import numpy as np
 import xarray as xr
 
 from flexmech import plots
+from flexmech.analyses.digits import rounded
+from flexmech.analyses.frequencies import damping
 from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.analyses.remarks import speed_text, speed_unit
 from flexmech.analyses.requests import fewer_modes_lines
@@ -15,6 +17,8 @@ from flexmech.analyses.summary import Table
 
 # Of a frequency in Hz: more are not known of any model, however fine its mesh is.
 MOST_DECIMALS = 6
+# Of frequencies in the table.
+_MOST_DIGITS = 8
 # Frequency in Hz below which the free shaft's mode is a rigid one: at rest it is zero but for the
 # root of round-off, and what takes a quarter of an hour is no vibration.
 RIGID = 1e-3
@@ -23,9 +27,10 @@ TOGETHER = ("both", "all")
 
 
 def extremes_table(extremes: xr.Dataset, dataset: xr.Dataset, title: str) -> Table:
-    """Lowest and highest frequency of each mode, and the crank angles of both.
+    """Lowest and highest frequency of each mode, the crank angles of both, and its damping.
 
-    Frequencies have as many digits as their errors by mesh and component modes leave known.
+    Frequencies have as many digits as their errors by mesh and component modes, and the
+    difference of engines that agree, leave known.
 
     Parameters
     ----------
@@ -49,12 +54,16 @@ def extremes_table(extremes: xr.Dataset, dataset: xr.Dataset, title: str) -> Tab
     def row(engine: Any, label: str, speed: float, mode: int) -> tuple[str, ...]:
         where = {"engine": engine, "crank_speed": speed, "mode": mode}
         place, relative = extremes.sel(where), float(error.sel(where))
+        here, both = {"crank_speed": speed, "mode": mode}, label != engine
         cells = [label, speed_text(speed, unit), str(mode)]
         for extreme in ("lowest", "highest"):
             angle = place[f"{extreme}_angle"]
-            cells.append(known_digits(float(place[extreme]), relative))
+            value = float(place[extreme])
+            engines_apart = float(abs(extremes[extreme].sel(here) - value).max()) if both else 0.0
+            known = max(value * relative, engines_apart)
+            cells.append(rounded(value, known, most=_MOST_DIGITS))
             cells.append(f"{np.degrees(float(angle)):.1f}" if between else _degrees(angle))
-        return tuple(cells)
+        return (*cells, *damping.cells(dataset, engine, speed, mode, both=both))
 
     engines = [str(engine) for engine in extremes["engine"].values]
     groups = []
@@ -68,8 +77,11 @@ def extremes_table(extremes: xr.Dataset, dataset: xr.Dataset, title: str) -> Tab
             tuple(row(engine, label, speed, mode) for mode in extremes["mode"].values)
             for engine, label in shown
         ]
-    headings = ("engine", unit, "mode", "lowest Hz", "at deg", "highest Hz", "at deg")
-    return Table(title, headings, tuple(groups))
+    headings = (
+        *("engine", unit, "mode", "lowest Hz", "at deg", "highest Hz", "at deg"),
+        *damping.headings(dataset),
+    )
+    return Table(title, headings, tuple(groups), caption=damping.caption(dataset))
 
 
 def _engines_agree(extremes: xr.Dataset, error: xr.DataArray) -> bool:
@@ -85,21 +97,6 @@ def _engines_agree(extremes: xr.Dataset, error: xr.DataArray) -> bool:
     first, errors = extremes.isel(engine=0), error.isel(engine=0) + error + 10.0**-MOST_DECIMALS
     apart = (abs(extremes[name] / first[name] - 1) for name in ("lowest", "highest"))
     return all(bool((each <= errors).all()) for each in apart)
-
-
-def known_digits(value: float, error: float) -> str:
-    """A positive value to the last decimal place that is no smaller than its relative error.
-
-    Parameters
-    ----------
-    value, error : float
-
-    Returns
-    -------
-    str
-    """
-    place = np.floor(-np.log10(max(value * error, 10.0**-MOST_DECIMALS)))
-    return f"{value:.{max(int(place), 0)}f}"
 
 
 def counted_lines(dataset: xr.Dataset) -> list[str]:
@@ -168,60 +165,6 @@ def vibration_lines(effect: xr.DataArray | None, dataset: xr.Dataset) -> list[st
     return lines
 
 
-def damping_ratio_lines(dataset: xr.Dataset) -> list[str]:
-    """Report damping ratios of links with Kelvin-Voigt damping, and the errors of both kinds."""
-    if "damping_ratio_reduction_error" not in dataset:
-        return []
-    ratio, over = dataset["damping_ratio"], ["engine", "crank_speed", "crank_angle"]
-    damped_by = dataset.attrs.get("damped_by", "Kelvin-Voigt")
-    at_checks = abs(ratio.sel(crank_angle=dataset["check_angle"]))
-    lines = []
-    for mode in ratio["mode"].values:
-        errors = []
-        for name in ("discretisation", "reduction"):
-            error = dataset[f"damping_ratio_{name}_error"].sel(mode=mode)
-            share = float((error / at_checks.sel(mode=mode)).max())
-            errors.append((float(error.max()), share))
-        (mesh, of_ratio), (reduction, of_reduced) = errors
-        # One digit more than is known, so that a ratio with an error of a tenth is not one digit.
-        places = 1 + int(np.floor(-np.log10(max(mesh + reduction, 10.0**-MOST_DECIMALS))))
-        low, high = (
-            float(each) for each in (ratio.sel(mode=mode).min(over), ratio.sel(mode=mode).max(over))
-        )
-        lines.append(
-            f"damping ratio ({damped_by}) of mode {mode}: {low:.{places}f} to {high:.{places}f}; "
-            f"discretisation error (estimated) at most {100 * of_ratio:.2g} % of it, reduction "
-            f"error at most {100 * of_reduced:.2g} % of it"
-        )
-    if dataset.attrs.get("rotation_terms", "off") != "off" and float(ratio.min()) < 0:
-        lines.append(
-            "damping ratio: turning link frames may make it negative in a frozen position; "
-            "that is no instability, whether vibrations grow is told by `flexmech stability`"
-        )
-    return lines
-
-
-def damping_lines(dataset: xr.Dataset) -> list[str]:
-    """Report damping by modal strain energy, where the mechanism's sections tell a loss."""
-    if "strain_energy_damping" not in dataset:
-        return []
-    ratio = dataset["strain_energy_damping"]
-    over = ["engine", "crank_speed", "crank_angle"]
-    low, high = 100 * ratio.min(over), 100 * ratio.max(over)
-    ranges = [f"{float(a):.3g} % to {float(b):.3g} %" for a, b in zip(low, high, strict=True)]
-    ranges[0] += " over the crank angles" + " and speeds" * (ratio.sizes["crank_speed"] > 1)
-    modes = (f"{r} (mode {m})" for r, m in zip(ranges, ratio["mode"].values, strict=True))
-    said = [", ".join(modes)]
-    if ratio.sizes["engine"] > 1:
-        said.append(f"engines differ by at most {_apart(ratio):.1e}")
-    if ratio.attrs.get("links_without_data"):
-        said.append(
-            f"no specific damping is known of {ratio.attrs['links_without_data']}; taken as "
-            "without loss"
-        )
-    return [f"damping by modal strain energy: {text}" for text in said]
-
-
 def shaft_lines(dataset: xr.Dataset) -> list[str]:
     """Say what became of the free shaft's mode, where the shaft is free."""
     if "shaft_frequency" not in dataset:
@@ -270,40 +213,6 @@ def shaft_kind(dataset: xr.Dataset) -> xr.DataArray:
     kind = np.where(frequency.values > 0, "oscillates", "diverges")
     fastest = np.maximum(frequency.values, np.abs(growth.values) / (2 * np.pi))
     return frequency.copy(data=np.where(fastest < RIGID, "rigid", kind))
-
-
-def change_lines(change: xr.DataArray | None) -> list[str]:
-    """How far heat and moisture move each frequency over the crank angles and speeds.
-
-    Parameters
-    ----------
-    change : xarray.DataArray or None
-        Relative, over (engine, crank_speed, crank_angle, mode); None where there are no states.
-
-    Returns
-    -------
-    list of str
-    """
-    if change is None:
-        return []
-    first, over = change.isel(engine=0), ["crank_speed", "crank_angle"]
-    ranges = [
-        f"{100 * low:+.4g} to {100 * high:+.4g} % (mode {mode})"
-        for low, high, mode in zip(
-            first.min(over).values, first.max(over).values, first["mode"].values, strict=True
-        )
-    ]
-    lines = [f"against dry: {', '.join(ranges)}"]
-    if change.sizes["engine"] > 1:
-        lines.append(
-            f"against dry: engines differ by at most {_apart(change):.1e} of the frequency"
-        )
-    return lines
-
-
-def _apart(values: xr.DataArray) -> float:
-    """Greatest difference of any engine from the first."""
-    return float(abs(values - values.isel(engine=0, drop=True)).max())
 
 
 def _veering(flags: xr.DataArray, engine: str, dataset: xr.Dataset) -> list[str]:

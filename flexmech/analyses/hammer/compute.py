@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.analyses.damping_ratios import CountedLoss
@@ -15,21 +15,21 @@ from flexmech.analyses.datasets import attributes_of, complex_parts, padded, pro
 from flexmech.analyses.hammer.locked_linkage import LockedLinkage
 from flexmech.analyses.hammer.measurement import Measurement, grid_points, measured
 from flexmech.analyses.hammer.plan import LEFT, RecordPlan, planned_record
-from flexmech.analyses.hammer.request import HammerRequest
+from flexmech.analyses.hammer.request import HammerRequest, middle_of
 from flexmech.analyses.hammer.result import HammerTest
 from flexmech.analyses.hammer.uff import geometry_variables
 from flexmech.analyses.remarks import left_out_attributes
 from flexmech.analyses.requests import engine_of
 from flexmech.arrays import ComplexArray, FloatArray, LabelledProgress, silent
 from flexmech.linear_system import Engine
+from flexmech.mechanism import Mechanism
 from flexmech.modal_testing import StabilisationChart
 from flexmech.threads import one_thread
-from flexmech.validation import check_instance
 
 
 def hammer_test(
-    engine: Engine,
-    request: HammerRequest,
+    engine: Engine | Mechanism,
+    request: HammerRequest | ArrayLike = 0.0,
     *,
     progress: LabelledProgress | None = None,
 ) -> HammerTest:
@@ -41,9 +41,11 @@ def hammer_test(
 
     Parameters
     ----------
-    engine : Engine
-        Whose links are damped.
-    request : HammerRequest
+    engine : Engine or Mechanism
+        Whose links are damped; of a mechanism the reference engine is made.
+    request : HammerRequest or array_like
+        All that a test can be asked to be; or the crank angles in rad alone, for hits on the middle
+        of the coupler, or of the last link where there is none.
     progress : callable, optional
         Called with a label, the steps done and the steps to do.
 
@@ -67,8 +69,11 @@ def hammer_test(
     >>> found.identified()["frequency_Hz"].round(-1).tolist()
     [880.0, 1020.0, 1420.0]
     """
-    check_instance(request, HammerRequest, "request", "give a flexmech.HammerRequest")
-    engine = engine_of(engine).fit_for(request.modes)
+    own = engine_of(engine)
+    if not isinstance(request, HammerRequest):
+        middle = middle_of(own.mechanism.linkage.topology)
+        request = HammerRequest(request, middle, middle)
+    engine = own.fit_for(request.modes)
     report = progress or silent
     with one_thread():
         loss = CountedLoss.of(engine, request.angles)

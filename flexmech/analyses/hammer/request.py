@@ -19,6 +19,7 @@ from flexmech.choices import (
 )
 from flexmech.errors import InputError
 from flexmech.linear_system import LinkPoint
+from flexmech.linkages import Topology
 from flexmech.modal_testing import IdentificationMethod
 from flexmech.validation import (
     NOT_NEGATIVE,
@@ -115,6 +116,12 @@ class HammerRequest:
     def angles(self) -> FloatArray:
         """Crank angles in rad, shape (A,)."""
         return np.asarray(self.crank_angles, dtype=float)
+
+
+def middle_of(topology: Topology) -> LinkPoint:
+    """Middle of the coupler, or of the last link where there is none: where a hammer hits."""
+    names = topology.link_names
+    return _MIDDLE if _MIDDLE.link in names else LinkPoint(names[-1], _MIDDLE.fraction)
 
 
 def check_impacts(request: object) -> None:

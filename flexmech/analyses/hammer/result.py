@@ -13,6 +13,7 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.datasets import DEGREES, table_of
+from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.hammer.uff import uff_contents
 from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.result import Result
@@ -166,15 +167,16 @@ class HammerTest(Result):
         return plots.plot_frf(self.dataset, ax=ax)
 
     def summary(self) -> Summary:
-        """Modes as papers print them, how they were measured, and how sure that is."""
+        """Modes identified, as papers print them, and how near they are to the eigen model."""
         data = self.dataset
-        parts: tuple[Table | str, ...] = (
+        return Summary(
+            _answer(data),
             _mode_table(data),
-            *_record_lines(data),
-            *theory_lines(data.attrs),
+            _verdict(data),
+            (*_record_lines(data), *theory_lines(data.attrs)),
+            (*_unfound_warnings(data), *warnings_of(data.attrs)),
+            _numbers(data),
         )
-        warned = (*_unfound_warnings(data), *warnings_of(data.attrs))
-        return Summary(parts, _verdict(data), warned)
 
     def save_uff(self, folder: str | Path) -> list[Path]:
         """Write universal files, one a crank angle: records, frequency responses and modes.
@@ -209,6 +211,50 @@ _CAPTION = (
 )
 # Modes that the verdict speaks of, as papers do.
 _FIRST_MODES = 3
+
+
+def _answer(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Identified frequencies and damping ratios of the first modes, over all crank angles."""
+    found = dataset.isel(mode=slice(None, _FIRST_MODES))
+    told = []
+    for number, mode in enumerate(found["mode"].values):
+        own = found.isel(mode=number)
+        frequency = own["identified_frequency"].values
+        ratio = own["identified_damping_ratio"].values
+        known = np.isfinite(frequency)
+        if not known.any():
+            continue
+        errors = np.abs(frequency - own["eigen_frequency"].values)[known]
+        away = np.abs(ratio - own["eigen_damping_ratio"].values)[known]
+        hertz = _span(frequency[known], float(errors.max()))
+        percents = _span(100 * ratio[known], 100 * float(away.max()))
+        told.append(f"mode {int(mode)} at {hertz} Hz, damped by {percents} %")
+    angles = DEGREES * dataset["crank_angle"].values
+    one = f"at crank angle {angles[0]:.6g} deg"
+    where = one if len(angles) == 1 else f"at {len(angles)} crank angles"
+    if not told:
+        return (f"The test identifies none of the first modes {where}.",)
+    return (f"The test identifies, {where}: {'; '.join(told)}.",)
+
+
+def _span(values: FloatArray, error: float) -> str:
+    """Least and greatest of some values, or the one that they are."""
+    ends = (rounded(float(end), error) for end in (values.min(), values.max()))
+    return " to ".join(dict.fromkeys(ends))
+
+
+def _numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
+    """What was identified at the first crank angle; its error is the way to the eigen model."""
+    own = dataset.isel(crank_angle=0)
+    found = []
+    for what, unit, factor in (("frequency", "Hz", 1.0), ("damping_ratio", "%", 100.0)):
+        for number, mode in enumerate(own["mode"].values):
+            value = factor * float(own[f"identified_{what}"][number])
+            apart = abs(value - factor * float(own[f"eigen_{what}"][number]))
+            if np.isfinite(value):
+                name = f"identified_{what}"
+                found.append(Quantity(name, value, unit, apart, f"mode {int(mode)}"))
+    return tuple(found)
 
 
 def _mode_table(dataset: xr.Dataset) -> Table:

@@ -8,27 +8,32 @@ from dataclasses import dataclass, field
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.crank_speeds import RAD_S, one_rad_per_s
 from flexmech.analyses.datasets import origin, with_units
+from flexmech.analyses.kinematics.quantities import extremes_dataset
 from flexmech.analyses.kinematics.result import Kinematics
+from flexmech.analyses.kinematics.variables import of_centres, of_forces, of_lumps, of_points
+from flexmech.analyses.remarks import crank_speed_text
 from flexmech.analyses.requests import in_radians
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linear_system import checked_mechanism
+from flexmech.linear_system import Engine, checked_mechanism
 from flexmech.linkages import (
     FourBar,
     InverseDynamics,
-    LinkMass,
-    RigidMotion,
-    Topology,
+    Linkage,
+    PlanarLinkage,
+    assemblable,
     continuous_angles,
 )
-from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
-from flexmech.validation import check_count, check_instance, check_number, checked_tuple
+from flexmech.validation import check_count, check_number, checked_tuple
 
 # Elements of a link whose mass is lumped: with so many the inertia force is the distributed one to
 # six digits.
 _MOST_LUMPS = 1000
+# A linkage whose range of motion has a gap of less than a degree passes as one that turns.
+_TURN = np.radians(np.arange(0.0, 360.0))
 
 
 @dataclass(frozen=True)
@@ -40,13 +45,14 @@ class KinematicsRequest:
     crank_angles : array_like, shape (A,)
         In rad, increasing; a turn in steps of one degree if left out.
     crank_speed : float, optional
-        In rad/s; may be zero or negative. Left out: the first speed at which the mechanism
-        operates, zero if it names none.
+        In ``speed_unit``; may be zero or negative. Left out: the greatest speed at which the
+        mechanism operates, zero if it names none.
     lumped : sequence of int, optional
         For each link in order the number of elements whose mass is halved onto their ends, or
         one number for all; Kumar & Chandrakar's Figure 1.5 has (1, 4, 4).
-    speed_unit : str
-        In which crank speeds are printed and drawn.
+    speed_unit : str, optional
+        Unit of the crank speed, such as ``"rpm"``, in which it is printed and drawn. Left out:
+        rad/s, and the unit of the model file for the mechanism's speed.
     crank_acceleration : float, optional
         In rad/s^2, alpha2 of Kumar & Chandrakar's eqs. 1.35 to 1.40. At each crank angle
         the crank has the speed and this acceleration: these are states, and not one run through
@@ -67,7 +73,7 @@ class KinematicsRequest:
     crank_angles: FloatArray = field(default_factory=lambda: np.radians(np.arange(361.0)))
     crank_speed: float | None = None
     lumped: Sequence[int] | None = None
-    speed_unit: str = "rad/s"
+    speed_unit: str | None = None
     crank_acceleration: float = 0.0
 
     def __post_init__(self) -> None:
@@ -78,7 +84,7 @@ class KinematicsRequest:
             )
         object.__setattr__(self, "crank_angles", angles)
         if self.crank_speed is not None:
-            check_number(self.crank_speed, "crank_speed", "rad/s")
+            one_rad_per_s(self.crank_speed, self.speed_unit)
         check_number(self.crank_acceleration, "crank_acceleration", "rad/s^2")
         if self.lumped is not None:
             remedy = "give the elements of each link, as (1, 4, 4)"
@@ -93,10 +99,15 @@ class KinematicsRequest:
             object.__setattr__(self, "lumped", counts)
 
     def speed_of(self, mechanism: Mechanism) -> float:
-        """Crank speed in rad/s: the one asked for, or the first at which a mechanism operates."""
+        """Crank speed in rad/s: as asked for, or the greatest at which a mechanism operates."""
         if self.crank_speed is not None:
-            return float(self.crank_speed)
-        return float(mechanism.operating_speeds[0]) if mechanism.operating_speeds else 0.0
+            return one_rad_per_s(self.crank_speed, self.speed_unit)
+        return float(max(mechanism.operating_speeds, key=abs, default=0.0))
+
+    def shown_unit(self, mechanism: Mechanism) -> str:
+        """Unit in which the result for a mechanism speaks of crank speeds."""
+        own = mechanism.speed_unit if self.crank_speed is None else RAD_S
+        return self.speed_unit or own
 
     def lumped_of(self, mechanism: Mechanism) -> tuple[int, ...] | None:
         """Number of elements of each link of a mechanism; None where masses stay distributed.
@@ -127,7 +138,12 @@ class KinematicsRequest:
         return tuple(self.lumped)
 
 
-def kinematics(mechanism: Mechanism, request: KinematicsRequest | None = None) -> Kinematics:
+def kinematics(
+    mechanism: Mechanism | Engine,
+    speed: KinematicsRequest | float | None = None,
+    *,
+    speed_unit: str | None = None,
+) -> Kinematics:
     """Angles, velocities, accelerations, joint forces and driving torque of the rigid linkage.
 
     The shaft turns at constant speed, or has an acceleration besides. Loads over time begin at
@@ -135,9 +151,14 @@ def kinematics(mechanism: Mechanism, request: KinematicsRequest | None = None) -
 
     Parameters
     ----------
-    mechanism : Mechanism
-    request : KinematicsRequest, optional
-        A turn in steps of one degree at the mechanism's speed if left out.
+    mechanism : Mechanism or Engine
+        Of an engine its mechanism counts.
+    speed : float or KinematicsRequest, optional
+        Crank speed in ``speed_unit``, over a turn in steps of one degree, or all that can be asked
+        for. Left out: the greatest speed at which the mechanism operates.
+    speed_unit : str, optional
+        Unit of the speed, such as ``"rpm"``, in which the result speaks of it. Left out: rad/s,
+        that of the request, or that of the model file for the mechanism's speed.
 
     Returns
     -------
@@ -153,23 +174,60 @@ def kinematics(mechanism: Mechanism, request: KinematicsRequest | None = None) -
     Examples
     --------
     >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
-    >>> found = flexmech.kinematics(mechanism, flexmech.KinematicsRequest(crank_speed=20.0))
+    >>> found = flexmech.kinematics(mechanism, 20.0)
     >>> float(abs(found.dataset["driving_torque"]).max().round(3))  # N m
     0.33
     """
-    mechanism = checked_mechanism(mechanism)
-    request = KinematicsRequest() if request is None else request
-    check_instance(request, KinematicsRequest, "request", "give a flexmech.KinematicsRequest")
-    speed, elements = request.speed_of(mechanism), request.lumped_of(mechanism)
+    own = mechanism.mechanism if isinstance(mechanism, Engine) else mechanism
+    mechanism = checked_mechanism(own)
+    if not isinstance(speed, KinematicsRequest):
+        speed = KinematicsRequest(crank_speed=speed, speed_unit=speed_unit)
+    elif speed_unit is not None:
+        raise InputError("speed_unit: the request has its own; give it there")
+    request, speed = speed, speed.speed_of(mechanism)
+    elements = request.lumped_of(mechanism)
     if request.crank_acceleration:
         _refuse_loads_over_time(mechanism)
-    motion = mechanism.linkage.motion(request.crank_angles, speed, request.crank_acceleration)
-    time = request.crank_angles / speed if speed else np.zeros_like(request.crank_angles)
-    forces = mechanism.inverse_dynamics(motion, time)
-    lumped = None
-    if elements is not None:
-        lumped = mechanism.inverse_dynamics(motion, time, elements)
-    return Kinematics(kinematics_dataset(mechanism, forces, lumped, elements, request))
+
+    def at(angles: FloatArray) -> tuple[InverseDynamics, InverseDynamics | None]:
+        motion = mechanism.linkage.motion(angles, speed, request.crank_acceleration)
+        time = angles / speed if speed else np.zeros_like(angles)
+        forces = mechanism.inverse_dynamics(motion, time)
+        if elements is None:
+            return forces, None
+        return forces, mechanism.inverse_dynamics(motion, time, elements)
+
+    dataset = kinematics_dataset(mechanism, *at(request.crank_angles), elements, request)
+    found = extremes_dataset(mechanism, at, request.crank_angles)
+    if request.crank_acceleration:
+        # States, and not one run: power has no mean.
+        found = found.drop_vars([n for n in found if str(n).startswith("mean_")])
+    dataset = with_units(dataset.merge(found), "kinematics")
+    return Kinematics(dataset.assign_attrs(warning=_on_turning(mechanism, request)))
+
+
+def _on_turning(mechanism: Mechanism, request: KinematicsRequest) -> str:
+    """Warning of a crank that is to turn and cannot turn fully; empty where it can."""
+    linkage = mechanism.linkage
+    if not request.speed_of(mechanism) or _turns_fully(linkage):
+        return ""
+    kind = f" ({linkage.grashof_class})" if isinstance(linkage, FourBar) else ""
+    speed = crank_speed_text(
+        {"crank_speed": request.speed_of(mechanism), "speed_unit": request.shown_unit(mechanism)}
+    )
+    return (
+        f"the crank cannot turn fully{kind}, so that it cannot run at {speed}: the numbers are of "
+        "states in which it passes an angle at that speed; change the lengths, or let it swing"
+    )
+
+
+def _turns_fully(linkage: Linkage) -> bool:
+    """Whether the crank makes whole turns; what stands still has none to make."""
+    if isinstance(linkage, FourBar):
+        return linkage.crank_turns_fully
+    if isinstance(linkage, PlanarLinkage) and linkage.drawing.is_stationary:
+        return True
+    return bool(assemblable(linkage, _TURN).all())
 
 
 def _refuse_loads_over_time(mechanism: Mechanism) -> None:
@@ -184,7 +242,6 @@ def _refuse_loads_over_time(mechanism: Mechanism) -> None:
 
 
 _ANGLE, _LINK = "crank_angle", "link"
-_PLANE = (_ANGLE, _LINK, "component")
 
 
 def kinematics_dataset(
@@ -218,8 +275,9 @@ def kinematics_dataset(
             "angle": ((_ANGLE, _LINK), continuous_angles(linkage, motion)),
             "angular_velocity": ((_ANGLE, _LINK), motion.angular_velocity),
             "angular_acceleration": ((_ANGLE, _LINK), motion.angular_acceleration),
-            **_of_centres(forces.masses, motion),
-            **_of_forces(topology, forces),
+            **of_centres(forces.masses, motion),
+            **of_forces(topology, forces),
+            **of_points(mechanism, motion),
         },
         coords={
             _ANGLE: request.crank_angles,
@@ -235,90 +293,22 @@ def kinematics_dataset(
         for name in ("transmission_angle", "reversed_transmission_angle"):
             dataset[name] = _ANGLE, getattr(linkage, name)(request.crank_angles)
     if lumped is not None and elements is not None:
-        of_lumps = _of_forces(topology, lumped)
-        dataset = dataset.assign({f"lumped_{name}": of for name, of in of_lumps.items()})
-        dataset = dataset.assign(_of_lumps(forces.masses, elements, motion))
+        by_lumps = of_forces(topology, lumped)
+        dataset = dataset.assign({f"lumped_{name}": of for name, of in by_lumps.items()})
+        dataset = dataset.assign(of_lumps(forces.masses, elements, motion))
         lumps = (mass.lumps(count) for mass, count in zip(forces.masses, elements, strict=True))
         names = np.repeat(topology.link_names, [len(of_link) for of_link in lumps])
         dataset = dataset.assign_coords(lump_link=("lump", names))
     speed = request.speed_of(mechanism)
-    attributes = {**origin(mechanism), "crank_speed": speed, "speed_unit": request.speed_unit}
+    attributes = {
+        **origin(mechanism),
+        "crank_speed": speed,
+        "speed_unit": request.shown_unit(mechanism),
+    }
     if request.crank_acceleration:
         acceleration = float(request.crank_acceleration)
         attributes["crank_acceleration"] = acceleration
         attributes["shaft_inertia_torque"] = mechanism.shaft_inertia * acceleration
     if elements is not None:
         attributes["lumped"] = ",".join(map(str, elements))
-    return with_units(dataset, "kinematics").assign_attrs(attributes)
-
-
-def _of_centres(
-    masses: Sequence[LinkMass], motion: RigidMotion
-) -> dict[str, tuple[tuple[str, ...], FloatArray]]:
-    """Centres of mass, their accelerations, and inertia forces without weight."""
-    along, across = (np.array(each) for each in zip(*(m.centre for m in masses), strict=True))
-    mass = np.array([m.moment(0) for m in masses])
-    inertia = np.array([m.central_inertia for m in masses])
-    arm = along[:, None] * direction(motion.angle) + across[:, None] * normal(motion.angle)
-    ahead = np.stack([-arm[..., 1], arm[..., 0]], axis=-1)
-    acceleration = (
-        motion.origin_acceleration
-        + motion.angular_acceleration[..., None] * ahead
-        - motion.angular_velocity[..., None] ** 2 * arm
-    )
-    return {
-        "centre_position": (_PLANE, motion.origin + arm),
-        "centre_acceleration": (_PLANE, acceleration),
-        "inertia_force": (_PLANE, -mass[:, None] * acceleration),
-        "inertia_moment": ((_ANGLE, _LINK), -inertia * motion.angular_acceleration),
-    }
-
-
-def _of_forces(
-    topology: Topology, forces: InverseDynamics
-) -> dict[str, tuple[tuple[str, ...], FloatArray]]:
-    """Joint forces and moments, torque and power."""
-    names = topology.joint_names
-    force = np.stack([forces.joint_force[name] for name in names], axis=1)
-    moment = np.stack([forces.joint_moment[name] for name in names], axis=1)
-    return {
-        "joint_force": ((_ANGLE, "joint", "component"), force),
-        "joint_moment": ((_ANGLE, "joint"), moment),
-        "driving_torque": ((_ANGLE,), forces.driving_torque),
-        "driving_power": ((_ANGLE,), forces.driving_power),
-    }
-
-
-def _of_lumps(
-    masses: Sequence[LinkMass], elements: Sequence[int], motion: RigidMotion
-) -> dict[str, tuple[tuple[str, ...], FloatArray]]:
-    """Place, size, acceleration and inertia force of every lumped mass."""
-    places, sizes, accelerations = [], [], []
-    for link, (mass, count) in enumerate(zip(masses, elements, strict=True)):
-        for x, lump in mass.lumps(count):
-            places.append(x)
-            sizes.append(lump)
-            accelerations.append(_acceleration(motion, link, x, mass.offset))
-    if not sizes:
-        raise InputError("lumped: no link has distributed mass that could be lumped; leave it out")
-    acceleration = np.stack(accelerations, axis=1)
-    plane = (_ANGLE, "lump", "component")
-    return {
-        "lump_position": (("lump",), np.array(places)),
-        "lump_mass": (("lump",), np.array(sizes)),
-        "lump_acceleration": (plane, acceleration),
-        "lump_inertia_force": (plane, -np.array(sizes)[:, None] * acceleration),
-    }
-
-
-def _acceleration(motion: RigidMotion, link: int, x: float, y: float) -> FloatArray:
-    """Of a point of a link; shape (..., 2)."""
-    quarter = motion.acceleration(link, x)
-    if not y:
-        return quarter
-    across = normal(motion.angle[..., link])
-    along = direction(motion.angle[..., link])
-    square = motion.angular_velocity[..., link, None] ** 2
-    return np.asarray(
-        quarter - y * (motion.angular_acceleration[..., link, None] * along + square * across)
-    )
+    return dataset.assign_attrs(attributes)

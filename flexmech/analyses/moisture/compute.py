@@ -8,9 +8,10 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.datasets import origin
+from flexmech.analyses.frequencies.discretisation import share_of_error
 from flexmech.analyses.moisture.result import MoistureUptake
 from flexmech.analyses.requests import link_of
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ROUND_OFF, FloatArray
 from flexmech.errors import ComputationError, InputError
 from flexmech.hygrothermal import LinkDiffusion, absorbing_links, link_diffusion
 from flexmech.linear_system import checked_mechanism
@@ -30,6 +31,10 @@ from flexmech.validation import POSITIVE, Bounds, checked_number
 _PARTS = np.array([0.01, 0.05, 0.2, 0.5, 1.0])
 _TIMES = 121
 _SHARES = np.array([0.5, 0.9, 0.99])
+# Cells in each direction of the solution that another one is compared with, over its own.
+_FINER = 2
+# Times of a history from which times to shares are read.
+_TIMES_TO_SHARES = 400
 # Of the time scale of filling; a slab is full to 1e-17 by then.
 _LONGEST = 40.0
 _ONE, _METRE, _SECOND = {"units": "1"}, {"units": "m"}, {"units": "s"}
@@ -109,7 +114,10 @@ def _link(
     roots = np.round(np.concatenate([np.linspace(0.0, 1.0, _TIMES), np.sqrt(_PARTS)]), 12)
     times = end * np.unique(roots) ** 2
     parts = np.abs(times - end * _PARTS[:, np.newaxis]).argmin(axis=1)
-    history = _history(diffusion, humidity, kelvin, tuple(times))
+    history, finer = (_history(diffusion, humidity, kelvin, tuple(times), n) for n in (1, _FINER))
+    final = _final(diffusion, humidity)
+    error = np.abs(history.uptake - finer.uptake) / final / share_of_error(1, _FINER)
+    shares, shares_error = _times_to_shares(diffusion, humidity, kelvin)
     short_time, shen_springer = _laws(diffusion, kelvin, times)
     layers, saturation = diffusion.layers, np.array(diffusion.saturation)
     of_layers = zip(layers, saturation, strict=True)
@@ -125,10 +133,12 @@ def _link(
             "profile": (("profile_time", "cell"), profile, _ONE),
             "moisture": ("time", history.water / resin, _ONE),
             "water": ("time", water, _ONE),
-            "uptake": ("time", history.uptake / _final(diffusion, humidity), _ONE),
+            "uptake": ("time", history.uptake / final, _ONE),
+            "uptake_error": ("time", error, _ONE),
             "short_time_uptake": ("time", short_time, _ONE),
             "shen_springer_uptake": ("time", shen_springer, _ONE),
-            "time_to_share": ("share", _times_to_shares(diffusion, humidity, kelvin), _SECOND),
+            "time_to_share": ("share", shares, _SECOND),
+            "time_to_share_error": ("share", shares_error, _SECOND),
             "mass_balance_error": ((), history.mass_balance_error, _ONE),
         },
         {
@@ -170,20 +180,33 @@ def _laws(diffusion: LinkDiffusion, kelvin: float, times: FloatArray) -> FloatAr
     return np.stack([root, shen_springer_uptake(times, *slab, faces=diffusion.faces)])
 
 
-def _times_to_shares(diffusion: LinkDiffusion, humidity: float, kelvin: float) -> list[float]:
-    """Times in s at which the link has taken up shares of its water in equilibrium.
+def _times_to_shares(
+    diffusion: LinkDiffusion, humidity: float, kelvin: float
+) -> tuple[FloatArray, FloatArray]:
+    """Times in s at which the link has its shares of the equilibrium, and their errors in s.
 
-    By the series where there is one; else from the finite volumes, within 1e-3.
+    By the series where there is one, which is exact but for round-off; else from the finite
+    volumes, whose error is estimated by finer cells and more times.
     """
     slab = _slab(diffusion, kelvin)
     if slab is not None:
-        return [time_to_saturation(share, *slab, faces=diffusion.faces) for share in _SHARES]
+        exact = [time_to_saturation(share, *slab, faces=diffusion.faces) for share in _SHARES]
+        return np.array(exact), ROUND_OFF * np.array(exact)
+    found, finer = (_shares_by_volumes(diffusion, humidity, kelvin, n) for n in (1, _FINER))
+    return found, np.abs(found - finer) / share_of_error(1, _FINER)
+
+
+def _shares_by_volumes(
+    diffusion: LinkDiffusion, humidity: float, kelvin: float, finer: int
+) -> FloatArray:
+    """Times to shares from finite volumes, with so many times the cells and times."""
     # The time in the scale of which the link fills.
     layers = [(one.thickness, float(one.diffusivity.at(kelvin))) for one in diffusion.layers]
     root = sum(thickness / np.sqrt(diffusivity) for thickness, diffusivity in layers)
     scale = float(root**2) * (1 if diffusion.faces == "both" else 4) / np.pi**2
-    times = np.concatenate([[0.0], np.geomspace(1e-4 * scale, _LONGEST * scale, 400)])
-    history = _history(diffusion, humidity, kelvin, tuple(times))
+    rising = np.geomspace(1e-4 * scale, _LONGEST * scale, finer * _TIMES_TO_SHARES)
+    times = np.concatenate([[0.0], rising])
+    history = _history(diffusion, humidity, kelvin, tuple(times), finer)
     uptake = history.uptake / _final(diffusion, humidity)
     if uptake[-1] < _SHARES[-1]:
         raise ComputationError(
@@ -192,12 +215,12 @@ def _times_to_shares(diffusion: LinkDiffusion, humidity: float, kelvin: float) -
         )
     # Near the end what is left falls exponentially: straight in its logarithm.
     left = -np.log(np.clip(1 - uptake, 1e-12, 1.0))
-    return [float(np.interp(-np.log(1 - share), left, times)) for share in _SHARES]
+    return np.asarray(np.interp(-np.log(1 - _SHARES), left, times))
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=32)
 def _history(
-    diffusion: LinkDiffusion, humidity: float, kelvin: float, times: tuple[float, ...]
+    diffusion: LinkDiffusion, humidity: float, kelvin: float, times: tuple[float, ...], finer: int
 ) -> MoistureHistory:
     """Water over time; links are often alike."""
-    return diffusion.history(Ambient.constant(humidity, kelvin), np.array(times))
+    return diffusion.history(Ambient.constant(humidity, kelvin), np.array(times), finer)

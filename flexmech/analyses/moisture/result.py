@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
 from flexmech import plots
 from flexmech.analyses.datasets import Columns, table_of
+from flexmech.analyses.digits import Quantity, percent, plain, rounded
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.units import ZERO_CELSIUS, from_si
@@ -35,7 +39,8 @@ class MoistureUptake(Result):
         over the dry mass of the link; ``uptake``, the water over that in equilibrium, and beside
         it ``short_time_uptake`` by the law of the root of time and ``shen_springer_uptake`` by
         Shen & Springer's formula, not a number where they do not hold. ``time_to_share`` of the
-        equilibrium, and ``mass_balance_error`` over what the link can hold.
+        equilibrium, and ``mass_balance_error`` over what the link can hold. Estimated errors:
+        ``uptake_error`` over ``time`` and ``time_to_share_error`` in s.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """
@@ -67,16 +72,19 @@ class MoistureUptake(Result):
         return plots.plot_moisture(self.dataset, ax=ax)
 
     def summary(self) -> Summary:
-        """Water in the links at the end, and how long they take to their equilibrium."""
-        data, attrs = self.dataset, self.dataset.attrs
-        percent = 100 * data[["moisture", "water", "uptake"]].isel(time=-1).to_dataframe()
-        times = data["time_to_share"]
+        """Water in the links at the end, how long they take to their equilibrium, and errors."""
+        data, attrs = _with_errors(self.dataset), self.dataset.attrs
+        end, times = data.isel(time=-1), data["time_to_share"]
         rows = tuple(
-            (str(link), *(f"{value:.4g}" for value in water), *map(_duration, times.sel(link=link)))
-            for link, *water in percent[["moisture", "water", "uptake"]].itertuples()
+            (
+                link,
+                *(rounded(*_water(end, link, name)) for name in ("moisture", "water", "uptake")),
+                *(_time_to(data, link, share) for share in times["share"].values),
+            )
+            for link in map(str, times["link"].values)
         )
         table = Table(
-            f"{attrs['mechanism']}: {_duration(data['time'][-1])} at "
+            f"{attrs['mechanism']}: {_exposure(end)} at "
             f"{100 * attrs['relative_humidity']:.4g} % relative humidity and "
             f"{attrs['temperature'] - ZERO_CELSIUS:.4g} °C",
             (
@@ -87,13 +95,120 @@ class MoistureUptake(Result):
             caption="water over the dry mass of resin and link; time to a share of the equilibrium",
         )
         dry, gap = attrs["links_without_uptake"], float(data["mass_balance_error"].max())
+        balance = f"mass of water is balanced within {gap:.1e} of what the links can hold"
         return Summary(
-            (table, *([f"take up no water: {dry}"] if dry else [])),
-            f"check: mass of water is balanced within {gap:.1e} of what the links can hold",
+            tuple(_answer(data)),
+            table,
+            _trust(data),
+            (f"check: {balance}", *([f"take up no water: {dry}"] if dry else [])),
+            numbers=tuple(_numbers(data)),
         )
 
 
-def _duration(time: xr.DataArray) -> str:
-    seconds = float(time)
-    days = from_si(seconds, "day")
-    return f"{days:.4g} d" if days >= 1 else f"{from_si(seconds, 'hour'):.4g} h"
+# Share of the water in equilibrium at which laboratories call a specimen saturated.
+_SATURATED = 0.99
+
+
+def _answer(data: xr.Dataset) -> Iterator[str]:
+    """Water in the end, and when the slowest link is saturated."""
+    end = data.isel(time=-1)
+    wettest, driest = (_link_at(end["uptake"], pick) for pick in ("argmax", "argmin"))
+    after = _exposure(end)
+    if len({_share(end, str(link)) for link in end["link"].values}) == 1:
+        who = f"the {wettest} has" if data.sizes["link"] == 1 else "each link has"
+        yield f"After {after} {who} {_share(end, wettest)} of the water that it takes up."
+    else:
+        yield (
+            f"After {after} the {wettest} has {_share(end, wettest)} of the water that it takes "
+            f"up, the {driest} {_share(end, driest)}."
+        )
+    slowest = _link_at(data["time_to_share"].sel(share=_SATURATED), "argmax")
+    yield (
+        f"The {slowest} has {100 * _SATURATED:g} % of it after "
+        f"{_time_to(data, slowest, _SATURATED)}; "
+        f"water is then {_final(end, slowest)} of its dry mass."
+    )
+
+
+def _with_errors(data: xr.Dataset) -> xr.Dataset:
+    """The dataset; results of before errors were estimated have errors that are not numbers."""
+    if "uptake_error" in data:
+        return data
+    unknown = {f"{name}_error": np.nan * data[name] for name in ("uptake", "time_to_share")}
+    return data.assign(unknown)
+
+
+def _link_at(values: xr.DataArray, pick: str) -> str:
+    return str(values["link"].values[getattr(values.values, pick)()])
+
+
+def _water(end: xr.Dataset, link: str, name: str) -> tuple[float, float]:
+    """Moisture, water or uptake of a link in percent, and its error: all have that of the uptake.
+
+    Parameters
+    ----------
+    end : xarray.Dataset
+        At one time.
+    link : str
+    name : {"moisture", "water", "uptake"}
+    """
+    own = end.sel(link=link)
+    value = 100 * float(own[name])
+    return value, value * float(own["uptake_error"] / own["uptake"])
+
+
+def _share(end: xr.Dataset, link: str) -> str:
+    return f"{rounded(*_water(end, link, 'uptake'))} %"
+
+
+def _final(end: xr.Dataset, link: str) -> str:
+    """Water of a saturated link over its dry mass: of links and air alone, without an error."""
+    own = end.sel(link=link)
+    return f"{plain(100 * _SATURATED * float(own['water'] / own['uptake']))} %"
+
+
+def _time_to(data: xr.Dataset, link: str, share: float) -> str:
+    own = data.sel(link=link, share=share)
+    time = float(own["time_to_share"])
+    relative = float(own["time_to_share_error"]) / time
+    return _in_days(time, lambda value: rounded(value, relative * value))
+
+
+def _numbers(data: xr.Dataset) -> Iterator[Quantity]:
+    """Water of resin and link in the end, and times to saturation."""
+    end = data.isel(time=-1)
+    for link in data["link"].values.tolist():
+        for name in ("moisture", "water", "uptake"):
+            value, error = _water(end, link, name)
+            yield Quantity(name, value, "%", error, str(link))
+        own = data.sel(link=link, share=_SATURATED)
+        days = (
+            from_si(float(own[name]), "day") for name in ("time_to_share", "time_to_share_error")
+        )
+        time, error = days
+        yield Quantity("time_to_saturation", time, "day", error, str(link))
+
+
+def _trust(data: xr.Dataset) -> str:
+    """How far water and times are known, by cells half as large."""
+    end = data.isel(time=-1)
+    water = end["uptake_error"] / end["uptake"]
+    times = data["time_to_share_error"] / data["time_to_share"]
+    worst = max(float(water.max()), float(times.max()))
+    if not math.isfinite(worst):
+        return "errors of the numbers are not estimated"
+    return (
+        f"numbers are known to {percent(worst)}, estimated by cells half as large; diffusivity "
+        "and equilibrium are those of the model file"
+    )
+
+
+def _exposure(end: xr.Dataset) -> str:
+    """Time of exposure, as it was asked for."""
+    return _in_days(float(end["time"]), plain)
+
+
+def _in_days(seconds: float, told: Callable[[float], str]) -> str:
+    """A time in days, or in hours where it is less than one."""
+    unit, name = ("day", "d") if from_si(seconds, "day") >= 1 else ("hour", "h")
+    return f"{told(from_si(seconds, unit))} {name}"

@@ -12,6 +12,7 @@ _CAUSES = ("step", "reduction", "mesh")
 _ERRORS = {
     "deflection": "deflection",
     "peak_deflection": "peak_deflection",
+    "peak_stress": "peak_stress",
     "joint_force": "force",
     "peak_joint_force": "peak_force",
     "driving_torque": "torque",
@@ -33,9 +34,9 @@ def errors_of(dataset: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        ``deflection`` and ``peak_deflection`` over (engine, link), ``joint_force`` and
-        ``peak_joint_force`` over (engine, joint), ``driving_torque`` and ``peak_driving_torque``
-        over (engine); each over its own peak.
+        ``deflection``, ``peak_deflection`` and ``peak_stress`` over (engine, link), ``joint_force``
+        and ``peak_joint_force`` over (engine, joint), ``driving_torque`` and
+        ``peak_driving_torque`` over (engine); each over its own peak.
     """
     known = [cause for cause in _CAUSES if f"{cause}_error" in dataset]
     return xr.Dataset(

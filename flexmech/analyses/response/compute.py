@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, Protocol, TypeVar, cast
 
 from flexmech.analyses.beam_theory import theory_attributes
+from flexmech.analyses.crank_speeds import GREATEST, asked_speeds, in_unit
 from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.datasets import with_units
-from flexmech.analyses.requests import engine_of
+from flexmech.analyses.default_engines import engine_for
+from flexmech.analyses.requests import Engines, engine_of, engines_of
 from flexmech.analyses.response.dataset import add_mesh_errors, build_dataset
 from flexmech.analyses.response.plan import engines_in_state, planned
 from flexmech.analyses.response.request import ResponseRequest
@@ -24,6 +25,7 @@ from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
+from flexmech.mechanism import Mechanism
 from flexmech.threads import one_thread
 from flexmech.time_domain import LinkState
 from flexmech.validation import check_flag
@@ -32,9 +34,10 @@ System = TypeVar("System", covariant=True)
 
 
 def response(
-    engines: Engine | Sequence[Engine],
-    request: ResponseRequest,
+    engines: Engines,
+    speed: ResponseRequest | CrankDrive | float | None = None,
     *,
+    speed_unit: str | None = None,
     check_mesh: bool = False,
     environment: Environment | None = None,
     progress: LabelledProgress | None = None,
@@ -47,9 +50,14 @@ def response(
 
     Parameters
     ----------
-    engines : Engine or sequence of Engine
-        All of one mechanism.
-    request : ResponseRequest
+    engines : Engine, Mechanism or sequence of them
+        All of one mechanism; of a mechanism the reference engine is made.
+    speed : float, CrankDrive or ResponseRequest, optional
+        Crank speed in ``speed_unit``, a drive in rad/s, or all that a run can be asked to be. Left
+        out: the greatest speed at which the mechanism operates.
+    speed_unit : str, optional
+        Unit of the speed, such as ``"rpm"``, in which the result speaks of it. Left out: rad/s,
+        that of the request, or that of the model file for the mechanism's speed.
     check_mesh : bool
         Run again with twice the elements.
     environment : HygrothermalState or Exposure, optional
@@ -72,13 +80,14 @@ def response(
     Examples
     --------
     >>> engine = flexmech.ReferenceEngine(flexmech.load_mechanism("models/aluminium_fourbar.toml"))
-    >>> request = flexmech.ResponseRequest(flexmech.CrankDrive(20.0), revolutions=0.25)
+    >>> request = flexmech.ResponseRequest(20.0, revolutions=0.25)
     >>> run = flexmech.response(engine, request)
     >>> [str(name) for name in run.dataset["deflection"].dims]
     ['engine', 'time', 'link']
     """
     check_flag(check_mesh, "check_mesh")
-    report = progress or silent
+    engines, report = engines_of(engines), progress or silent
+    request = _request(speed, speed_unit, engines[0].mechanism)
     chosen, lines = engines_in_state(engines, request, environment)
     with one_thread():
         loss = CountedLoss.of(chosen[0])
@@ -93,6 +102,22 @@ def response(
     dataset.attrs["environment_lines"] = "\n".join(lines)
     dataset.attrs |= theory_attributes(chosen, request.modes) | loss.attributes
     return Response(with_units(dataset, "response"))
+
+
+def _request(
+    speed: ResponseRequest | CrankDrive | float | None, unit: str | None, mechanism: Mechanism
+) -> ResponseRequest:
+    """All that a run is asked to be, as it is usual but for the speed where that alone is given."""
+    if isinstance(speed, ResponseRequest):
+        if unit is not None:
+            raise InputError("speed_unit: the request has its own; give it there")
+        request = speed
+    else:
+        request = ResponseRequest(speed, speed_unit=unit)
+    if request.speed is not None:
+        return request
+    speeds, shown = asked_speeds(None, request.speed_unit, mechanism, GREATEST)
+    return replace(request, speed=float(in_unit(speeds, shown)[0]), speed_unit=shown)
 
 
 class _HandsOver(Protocol[System]):
@@ -112,9 +137,10 @@ class _HandsOver(Protocol[System]):
 
 
 def exudyn_system(
-    engine: _HandsOver[System],
-    request: ResponseRequest,
+    engine: _HandsOver[System] | Mechanism,
+    speed: ResponseRequest | CrankDrive | float | None = None,
     *,
+    speed_unit: str | None = None,
     environment: Environment | None = None,
     progress: LabelledProgress | None = None,
 ) -> System:
@@ -125,9 +151,12 @@ def exudyn_system(
 
     Parameters
     ----------
-    engine : ExudynEngine
-    request : ResponseRequest
-        Without a step, the run of :func:`response` is made first to find it.
+    engine : ExudynEngine or Mechanism
+        Of a mechanism that engine is made.
+    speed : float, CrankDrive or ResponseRequest, optional
+        As of :func:`response`, whose run is made first to find the step where none is asked for.
+    speed_unit : str, optional
+        As of :func:`response`.
     environment : HygrothermalState or Exposure, optional
         Heat and moisture that the mechanism runs in; dry by default.
     progress : callable, optional
@@ -147,17 +176,17 @@ def exudyn_system(
     Examples
     --------
     >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
-    >>> request = flexmech.ResponseRequest(flexmech.CrankDrive(20.0), 0.01, step=1e-4)
+    >>> request = flexmech.ResponseRequest(20.0, 0.01, step=1e-4)
     >>> system = flexmech.exudyn_system(flexmech.ExudynEngine(mechanism, 2), request)
     >>> system.nodes["coupler_node_1"], system.objects["pin_A"], system.sensors["driving_torque"]
     (4, 14, 15)
     """
-    asked = engine_of(cast(Engine, engine))
+    asked = engine_of(engine_for(cast("Engine | Mechanism", engine), "exudyn"))
     if not hasattr(asked, "running_system"):
         raise InputError(
             f"the {asked.name} engine has no Exudyn system; give flexmech.ExudynEngine(mechanism)"
         )
-    report = progress or silent
+    report, request = progress or silent, _request(speed, speed_unit, asked.mechanism)
     [chosen], _ = engines_in_state([asked], request, environment)
     with one_thread():
         loss = CountedLoss.of(chosen)

@@ -23,6 +23,7 @@ from flexmech.analyses.response.spectra import (
     spectrogram,
     window_duration,
 )
+from flexmech.analyses.response.stresses import peak_stresses
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive, RigidMotion
@@ -86,14 +87,17 @@ def build_dataset(runs: Sequence[EngineRun], request: ResponseRequest, plan: Run
     if (point := first.mechanism.coupler_point) is not None:
         place = {"coupler_point_distance": point.distance, "coupler_point_angle": point.angle}
         dataset = dataset.assign_attrs(place)
-    asked = ("speed_unit", "revolutions", "start", "integrator", "prestress")
+    asked = ("revolutions", "start", "integrator", "prestress")
     return dataset.assign_attrs(
         provenance(engines) | attributes_of(request, *asked),
         drawing=drawing(first.mechanism),
         crank_speed=request.drive.speed,
+        speed_unit=request.shown_unit,
         run_up_time=request.drive.run_up_time,
         shaft=first.shaft,
         force_band=plan.band,
+        damped=int(any(link.damping.any() for link in first.links)),
+        start=request.start,
         spectrum_turns=whole_turns(request),
     )
 
@@ -166,15 +170,21 @@ def _shaft(trajectory: Trajectory, refined: Trajectory) -> xr.Dataset:
 
 
 def _peaks(run: EngineRun, drive: CrankDrive) -> xr.Dataset:
-    """Greatest deflections and strains, between the samples that were asked for too."""
+    """Greatest deflections, strains and stresses, between the samples that were asked for too."""
     angle = drive.crank_angle(run.trajectory.time)
     deflection, where = peaks_between(measurements.deflections(run.engine, run.trajectory), angle)
     strain, _ = peaks_between(measurements.bending_strains(run.engine, run.trajectory), angle)
+    stressed = peak_stresses(run.engine, run.trajectory, drive)
     return xr.Dataset(
         {
             "peak_deflection": ("link", deflection),
             "peak_deflection_angle": ("link", where),
             "peak_strain": ("link", strain),
+            "peak_stress": ("link", stressed.stress),
+            "peak_axial_stress": ("link", stressed.axial),
+            "peak_stress_place": ("link", stressed.place),
+            "peak_stress_angle": ("link", stressed.crank_angle),
+            "yield_strength": ("link", stressed.yield_strength),
         }
     )
 
@@ -185,11 +195,14 @@ def add_mesh_errors(dataset: xr.Dataset, errors: Sequence[RunError]) -> None:
     dataset.update(xr.concat(parts, dataset["engine"]))
 
 
+_OVER = {"deflection": "link", "stress": "link", "force": "joint"}
+
+
 def _errors(cause: str, error: RunError) -> dict[str, Any]:
     """Errors by one cause: of deflections over link, of forces over joint, and of the torque."""
     variables: dict[str, Any] = {f"{cause}_error": error.linkage}
     for name, values in error.of.items():
-        over = {"deflection": "link", "force": "joint"}.get(name.removeprefix("peak_"))
+        over = _OVER.get(name.removeprefix("peak_"))
         variables[f"{cause}_error_of_{name}"] = (over, values) if over else float(values[0])
     return variables
 

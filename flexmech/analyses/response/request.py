@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from flexmech import choices
+from flexmech.analyses.crank_speeds import RAD_S, one_rad_per_s
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages import CrankDrive
-from flexmech.validation import POSITIVE, check_choice, check_count, check_instance, check_number
+from flexmech.validation import POSITIVE, check_choice, check_count, check_number
 
 # More samples or steps than this are taken for a slip of the keyboard: a run would take hours.
 MOST_SAMPLES = 2_000_000
@@ -27,7 +29,9 @@ class ResponseRequest:
 
     Parameters
     ----------
-    drive : CrankDrive
+    speed : float or CrankDrive, optional
+        Crank speed in ``speed_unit``, negative turns backwards; or a drive, which is in rad/s. Left
+        out: the greatest speed at which the mechanism operates.
     revolutions : float
         Turns at the final speed, after the run-up if there is one.
     samples : int
@@ -52,23 +56,25 @@ class ResponseRequest:
         Whether the shaft turns as prescribed; or carries, over time, the torque that drives the
         rigid linkage so, and answers with its own rotation. As the engines have it where it is
         left out.
-    speed_unit : str
-        In which results speak of crank speeds, such as ``"rpm"``.
+    speed_unit : str, optional
+        Unit of the speed, such as ``"rpm"``, in which results speak of it. Left out: rad/s.
+    run_up_time : float
+        Duration in s of a smooth run-up to the speed, see :class:`flexmech.CrankDrive`.
 
     Raises
     ------
     InputError
-        If a value is impossible, or a periodic start is asked for with a run-up or a free shaft.
+        If a value is impossible, a drive is given with a unit or a run-up beside it, or a periodic
+        start is asked for with a run-up or a free shaft.
 
     Examples
     --------
-    >>> drive = flexmech.CrankDrive(20.0)
-    >>> request = flexmech.ResponseRequest(drive, revolutions=2, start="periodic")
+    >>> request = flexmech.ResponseRequest(1500.0, 2, start="periodic", speed_unit="rpm")
     >>> round(request.duration, 3)
-    0.628
+    0.08
     """
 
-    drive: CrankDrive
+    speed: float | CrankDrive | None = None
     revolutions: float = 4.0
     samples: int = 720
     start: choices.Start = "rigid"
@@ -77,12 +83,15 @@ class ResponseRequest:
     prestress: choices.Prestress = "equilibrium"
     modes: int = choices.MODES
     shaft: choices.ShaftChoice | None = field(default=None, repr=False)
-    speed_unit: str = field(default="rad/s", repr=False)
+    speed_unit: str | None = field(default=None, repr=False)
+    run_up_time: float = field(default=0.0, repr=False)
 
     def __post_init__(self) -> None:
-        check_instance(
-            self.drive, CrankDrive, "drive", "write flexmech.CrankDrive(20.0) for 20 rad/s"
-        )
+        if isinstance(self.speed, CrankDrive) and (self.speed_unit or self.run_up_time):
+            raise InputError(
+                "a CrankDrive is in rad/s and has its own run-up; leave speed_unit and run_up_time "
+                "out, or give the speed as a number"
+            )
         check_number(self.revolutions, "revolutions", "", POSITIVE)
         check_count(self.samples, "samples", 8, "a revolution")
         check_count(self.modes, "modes", most=choices.MOST_MODES)
@@ -93,8 +102,14 @@ class ResponseRequest:
             check_choice(self.shaft, choices.SHAFTS, "shaft")
         if self.start == "periodic" and self.shaft == "free":
             raise InputError(NO_PERIODIC_START)
-        if self.start == "periodic" and not self.drive.is_constant:
+        if self.start == "periodic" and self.speed is not None and not self.drive.is_constant:
             raise InputError("a periodic start needs a constant crank speed: leave out the run-up")
+        if self.step is not None:
+            check_number(self.step, "step", "s", POSITIVE)
+        if self.speed is not None:
+            self._check_duration()
+
+    def _check_duration(self) -> None:
         samples = self.duration / self.sample_interval
         if samples > MOST_SAMPLES:
             raise InputError(
@@ -107,7 +122,6 @@ class ResponseRequest:
                 "between two samples; ask for more revolutions or samples"
             )
         if self.step is not None:
-            check_number(self.step, "step", "s", POSITIVE)
             self._check_length_of_step(self.step)
 
     def _check_length_of_step(self, step: float) -> None:
@@ -121,6 +135,20 @@ class ResponseRequest:
                 f"a step of {step:g} s makes more than {MOST_STEPS} steps of a run of "
                 f"{self.duration:g} s; choose a longer one, or leave it out"
             )
+
+    @cached_property
+    def drive(self) -> CrankDrive:
+        """Motion of the crank, in rad/s."""
+        if isinstance(self.speed, CrankDrive):
+            return self.speed
+        if self.speed is None:
+            raise InputError("speed is left out; give one, as flexmech.ResponseRequest(20.0)")
+        return CrankDrive(one_rad_per_s(self.speed, self.speed_unit, "speed"), self.run_up_time)
+
+    @property
+    def shown_unit(self) -> str:
+        """Unit in which results speak of crank speeds."""
+        return self.speed_unit or RAD_S
 
     @property
     def duration(self) -> float:

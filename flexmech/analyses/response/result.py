@@ -15,6 +15,7 @@ from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.datasets import Columns, columns_along, table_of
 from flexmech.analyses.remarks import crank_speed_text, warnings_of
+from flexmech.analyses.response import answer as answers
 from flexmech.analyses.response import words
 from flexmech.analyses.response.agreement import (
     agreement_line,
@@ -64,7 +65,7 @@ class Response(Result):
     )
 
     def peaks(self) -> xr.Dataset:
-        """Greatest size of each link's deflection and strain, and of torque and joint forces.
+        """Greatest deflection, strain and stress of each link, torque and joint forces.
 
         Between the samples too.
         Forces and torque as far as the band ``force_band`` lets them through.
@@ -72,9 +73,10 @@ class Response(Result):
         Returns
         -------
         xarray.Dataset
-            ``deflection``, ``strain`` over (engine, link), ``driving_torque`` over (engine),
-            ``joint_force`` over (engine, joint), and the crank angle of each peak deflection
-            in rad as ``deflection_angle``.
+            ``deflection``, ``strain`` and ``stress`` over (engine, link), ``driving_torque``
+            over (engine), ``joint_force`` over (engine, joint), the crank angles of the first
+            and the last in rad as ``deflection_angle`` and ``stress_angle``, and the distance
+            of the stress from the link's start in m as ``stress_place``.
         """
         data = self.dataset
         return xr.Dataset(
@@ -82,6 +84,9 @@ class Response(Result):
                 "deflection": data["peak_deflection"],
                 "deflection_angle": data["peak_deflection_angle"],
                 "strain": data["peak_strain"],
+                "stress": data["peak_stress"],
+                "stress_angle": data["peak_stress_angle"],
+                "stress_place": data["peak_stress_place"],
                 "driving_torque": data["peak_driving_torque"],
                 "joint_force": data["peak_joint_force"],
             }
@@ -289,25 +294,43 @@ class Response(Result):
         return [given_path(folder) / name for name in names]
 
     def summary(self) -> Summary:
-        """Peaks and how far they can be trusted; the last line compares the engines."""
+        """How far links bend, what pins carry and the shaft needs; what that rests on."""
         data, peaks, agreement = self.dataset, self.peaks(), self.agreement()
         title = f"peaks at {crank_speed_text(data.attrs)}, {data.attrs['mechanism']}"
         trusted = representative(agreement, data)
-        parts = (
-            words.peak_table(
-                peaks,
-                float(data["crank_angle"][0]),
-                title,
-                trusted,
-                errors_of(data)["peak_deflection"],
-            ),
+        forces = self.force_agreement()
+        table = words.peak_table(
+            peaks, float(data["crank_angle"][0]), title, trusted, self._peak_errors()
+        )
+        details = (
             *theory_lines(data.attrs),
             *words.check_lines(data),
             *words.load_lines(peaks, data),
+            *words.stress_lines(data),
             *words.shaft_lines(data),
             *words.spectrogram_lines(data),
-            *force_agreement_lines(self.force_agreement(), data),
+            *force_agreement_lines(forces, data),
             *data.attrs["environment_lines"].splitlines(),
+            agreement_line(agreement, data),
         )
-        verdict = agreement_line(agreement, data)
-        return Summary(parts, verdict, warnings_of(data.attrs))
+        return Summary(
+            answers.answer(data),
+            table,
+            answers.trust(data, agreement, forces),
+            details,
+            (
+                *answers.yielding(data),
+                *answers.disagreement(data, agreement, forces),
+                *warnings_of(data.attrs),
+            ),
+            answers.numbers(data),
+        )
+
+    def _peak_errors(self) -> xr.Dataset:
+        """Relative errors of peak deflections and stresses, the engines' difference included."""
+        errors = {}
+        for name in ("deflection", "stress"):
+            estimated, peaks = self.errors()[f"peak_{name}"], self.dataset[f"peak_{name}"]
+            apart = (abs(peaks - peaks.isel(engine=0)).max("engine") / peaks).fillna(0.0)
+            errors[name] = estimated.where(estimated > apart, apart)
+        return xr.Dataset(errors)

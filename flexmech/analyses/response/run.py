@@ -13,9 +13,11 @@ from flexmech.analyses.response.measurements import deflections, peaks_between
 from flexmech.analyses.response.plan import RunPlan
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.start import linear_start, simulation_start
+from flexmech.analyses.response.stresses import greatest_stresses
 from flexmech.arrays import ROUND_OFF, FloatArray, LabelledProgress, StepProgress
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
+from flexmech.linkages import CrankDrive
 from flexmech.time_domain import (
     DETAIL,
     DrivenLinkage,
@@ -65,8 +67,9 @@ class RunError:
         Of the deflections of all links, over the greatest peak among them: what a step is
         chosen by.
     of : dict of str to ndarray
-        ``deflection`` and ``peak_deflection`` of each link (n_links,), ``force`` and
-        ``peak_force`` of each joint (n_joints,), ``torque`` and ``peak_torque`` (1,).
+        ``deflection`` and ``peak_deflection``, ``stress`` and ``peak_stress`` of each link
+        (n_links,), ``force`` and ``peak_force`` of each joint (n_joints,), ``torque`` and
+        ``peak_torque`` (1,).
     """
 
     linkage: float
@@ -142,32 +145,40 @@ def run_engine(
         progress = partial(report, engine.name)
         return _run(engine, request, plan, step, progress, detail)
 
+    def difference(first: Trajectory, second: Trajectory) -> RunError:
+        return _difference((engine, first), (engine, second), request.drive)
+
     def judged(trajectory: Trajectory, plain: Trajectory, step_error: RunError) -> EngineRun:
-        reduction_error = _difference(engine, plain, plain)
+        reduction_error = difference(plain, plain)
         if not engine.simulates and is_reduced(engine):
             finer = run(plain.step, 2 * DETAIL)
-            reduction_error = _difference(engine, plain, finer)
+            reduction_error = difference(plain, finer)
         return EngineRun(engine, trajectory, plain, step_error, reduction_error)
 
     if request.step is not None:
         trajectory, finer = run(request.step), run(request.step / 2)
         # Second order: the asked run is off by 4/3 of what halving changes.
-        return judged(trajectory, trajectory, _difference(engine, trajectory, finer) * (4 / 3))
+        return judged(trajectory, trajectory, difference(trajectory, finer) * (4 / 3))
     interval = float(plan.time[1] - plan.time[0])
     fastest = max(_STEPS_PER_PERIOD * plan.highest, _STEPS_PER_BAND * plan.band)
     stretches = stretches_in_runs(engine, request.prestress)
     step = interval / np.ceil(interval * fastest)
     for _ in range(_MOST_HALVINGS):
         try:
-            return judged(*_extrapolated(engine, run, step, stretches=stretches))
+            return judged(*_extrapolated(engine, run, difference, step, stretches=stretches))
         except UnbalancedStepError:
             step /= 2
             logger.info("%s: no balance in a step; begins with %.3g s", engine.name, step)
-    return judged(*_extrapolated(engine, run, step, stretches=stretches))
+    return judged(*_extrapolated(engine, run, difference, step, stretches=stretches))
 
 
 def _extrapolated(
-    engine: Engine, run: Callable[[float], Trajectory], step: float, *, stretches: bool
+    engine: Engine,
+    run: Callable[[float], Trajectory],
+    difference: Callable[[Trajectory, Trajectory], RunError],
+    step: float,
+    *,
+    stretches: bool,
 ) -> tuple[Trajectory, Trajectory, RunError]:
     """The first run, extrapolated from two steps, that is near enough.
 
@@ -187,9 +198,9 @@ def _extrapolated(
     for _ in range(_MOST_HALVINGS + 1):
         fine = run(coarse.step / 2)
         found = fine.extrapolated(coarse, order)
-        errors = [_difference(engine, coarse, fine).remaining(left)]
+        errors = [difference(coarse, fine).remaining(left)]
         if before is not None:
-            errors.append(_difference(engine, before, found).remaining(left))
+            errors.append(difference(before, found).remaining(left))
         error = min(errors, key=lambda each: each.linkage)
         if error.linkage <= _STEP_TOLERANCE:
             return found, coarse, error
@@ -227,22 +238,22 @@ def mesh_error(
     finer = run.engine.with_(elements=2 * run.engine.elements)
     progress = partial(report, f"{finer.name} on twice the elements")
     trajectory = _run(finer, request, plan, run.plain.step, progress)
-    return _difference(run.engine, run.plain, trajectory, finer)
+    return _difference((run.engine, run.plain), (finer, trajectory), request.drive)
 
 
 def _difference(
-    engine: Engine, first: Trajectory, second: Trajectory, finer: Engine | None = None
+    first: tuple[Engine, Trajectory], finer: tuple[Engine, Trajectory], drive: CrankDrive
 ) -> RunError:
-    """Greatest differences over the peaks; round-off of what is nothing is none.
-
-    The second run is of the same engine, or of a finer one.
-    """
-    before, after = _histories(engine, first), _histories(finer or engine, second)
+    """Greatest differences over the peaks; round-off of what is nothing is none."""
+    before, after = _histories(*first, drive), _histories(*finer, drive)
+    engine, second = finer
     extent = sum(link.length for link in engine.mechanism.linkage.topology.links)
     nothing = _NO_FORCE * max(float(second.peak_joint_force.max()), np.finfo(float).tiny)
-    deflected = _sizes(after["deflection"][0]).max(axis=0)
+    deflected, stressed = (_sizes(after[of][0]).max(axis=0) for of in ("deflection", "stress"))
     scales = {
         "deflection": np.maximum(deflected, ROUND_OFF * extent),
+        # Of links whose stress is not known it is zero.
+        "stress": np.where(stressed > 0, stressed, 1.0),
         "force": np.maximum(second.peak_joint_force, nothing),
         "torque": np.maximum(second.peak_driving_torque, nothing * extent),
     }
@@ -258,11 +269,14 @@ def _difference(
     return RunError(linkage, errors)
 
 
-def _histories(engine: Engine, run: Trajectory) -> dict[str, tuple[FloatArray, FloatArray]]:
-    """Histories (N, k, components) of deflection, force and torque, and their peaks (k,)."""
-    deflection = deflections(engine, run)
+def _histories(
+    engine: Engine, run: Trajectory, drive: CrankDrive
+) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """Histories (N, k, components) of what has an error, and their peaks (k,)."""
+    deflection, stress = deflections(engine, run), greatest_stresses(engine, run, drive)
     return {
         "deflection": (deflection[..., None], peaks_between(deflection, run.time)[0]),
+        "stress": (stress[..., None], peaks_between(stress, run.time)[0]),
         "force": (run.joint_force, run.peak_joint_force),
         "torque": (run.driving_torque[:, None, None], np.array([run.peak_driving_torque])),
     }

@@ -8,11 +8,10 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.datasets import DEGREES
+from flexmech.analyses.digits import MOST_DIGITS, rounded
 from flexmech.analyses.response.agreement import errors_of, listed
 from flexmech.analyses.summary import Table
 
-# Of forces and torque: no catalogue of bearings has more.
-_MOST_DIGITS = 4
 # Of deflections in the table of peaks.
 _TABLE_DIGITS = 5
 # Rotation of a free shaft in rad beyond which equations for small ones show.
@@ -26,9 +25,9 @@ def peak_table(
     start: float,
     title: str,
     trusted: tuple[str, str] | None = None,
-    errors: xr.DataArray | None = None,
+    errors: xr.Dataset | None = None,
 ) -> Table:
-    """Peak deflection and strain of each link, and the crank angle then.
+    """Peak deflection, strain and stress of each link, where, and the crank angle then.
 
     Parameters
     ----------
@@ -39,9 +38,9 @@ def peak_table(
     title : str
     trusted : (str, str), optional
         Engine that stands for all, where they agree, and what it is called then.
-    errors : xarray.DataArray, optional
-        Of the peak deflections over themselves, over (engine, link): digits that they do not
-        support are left out.
+    errors : xarray.Dataset, optional
+        Of the peaks of ``deflection`` and ``stress`` over themselves, over (engine, link): digits
+        that they do not support are left out.
 
     Returns
     -------
@@ -53,15 +52,25 @@ def peak_table(
         peak = peaks.sel(engine=engine, link=link)
         place = str(peak["probe"].item())
         degrees, turn = _crank(float(peak["deflection_angle"]), start)
-        # A clamped link is bent most at its clamp; strain in its middle is no peak.
-        strain = f"{1e6 * float(peak['strain']):.4g}" if place == "middle" else "-"
-        deflection = f"{1e3 * float(peak['deflection']):.{_TABLE_DIGITS}g}"
-        if errors is not None:
-            error = float(errors.sel(engine=engine, link=link))
-            deflection = supported(1e3 * float(peak["deflection"]), error, _TABLE_DIGITS)
-        return (label, link, place, deflection, f"{degrees:.1f}", str(turn), strain)
 
-    headings = ("engine", "link", "place", "deflection mm", "at deg", "turn", "strain 1e-6")
+        def told(name: str, factor: float, digits: int = MOST_DIGITS, by: str = "stress") -> str:
+            value = factor * float(peak[name])
+            error = 0.0 if errors is None else float(errors[by].sel(engine=engine, link=link))
+            return rounded(value, value * error, digits) if np.isfinite(value) else "-"
+
+        deflection = told("deflection", 1e3, _TABLE_DIGITS, by="deflection")
+        # A clamped link is bent most at its clamp; strain in its middle is no peak.
+        strain = told("strain", 1e6) if place == "middle" else "-"
+        stress = told("stress", 1e-6), "-", "-"
+        if np.isfinite(peak["stress"]):
+            stressed, _ = _crank(float(peak["stress_angle"]), start)
+            stress = stress[0], f"{1e3 * float(peak['stress_place']):.3g}", f"{stressed:.1f}"
+        return (label, link, place, deflection, f"{degrees:.1f}", str(turn), strain, *stress)
+
+    headings = (
+        *("engine", "link", "place", "deflection mm", "at deg", "turn"),
+        *("strain 1e-6", "stress MPa", "at mm", "at deg"),
+    )
     bent = peaks.sel(link=(peaks["deflection"] > 0).any("engine"))
     links = [str(link) for link in (bent if bent.sizes["link"] else peaks)["link"].values]
     shown = [trusted] if trusted else [(str(e), str(e)) for e in peaks["engine"].values]
@@ -154,6 +163,21 @@ def shaft_lines(data: xr.Dataset) -> list[str]:
     return lines
 
 
+def stress_lines(dataset: xr.Dataset) -> list[str]:
+    """Say of what the stress is, and of which links none is told."""
+    own = dataset.isel(engine=0)
+    known = np.isfinite(own["peak_stress"].values)
+    without = [str(link) for link in dataset["link"].values[~known]]
+    line = "stress: |N| / A + |M| h / (2 I) at the surfaces, greatest along the link"
+    parts = [
+        f"{link} {rounded(1e-6 * float(own['peak_axial_stress'].sel(link=link)), 0.0, 3)}"
+        for link in dataset["link"].values[known]
+    ]
+    if parts:
+        line += f"; by the normal force alone at most {', '.join(parts)} MPa"
+    return [f"{line}; not known of {', '.join(without)}" if without else line]
+
+
 def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
     """Report the peaks of the driving torque and the joint forces, next to rigid links'.
 
@@ -176,7 +200,9 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
     def forces(engine: str) -> str:
         own = peaks["joint_force"].sel(engine=engine).values
         error = errors["peak_joint_force"].sel(engine=engine).values
-        return line([supported(*pair) for pair in zip(own, error, strict=True)], engine)
+        return line(
+            [rounded(one, one * part) for one, part in zip(own, error, strict=True)], engine
+        )
 
     def line(texts: Iterable[str], name: str) -> str:
         pairs = zip(data["joint"].values, texts, strict=True)
@@ -189,7 +215,7 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
     def torque(engine: str) -> str:
         own = peaks["driving_torque"].sel(engine=engine)
         error = errors["peak_driving_torque"].sel(engine=engine)
-        return f"{supported(float(own), float(error))} N m ({engine})"
+        return f"{rounded(float(own), float(own * error))} N m ({engine})"
 
     torques = ", ".join(map(torque, engines))
     return [
@@ -200,34 +226,6 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
         *map(forces, engines),
         line([f"{force:.4g}" for force in rigid_force], "rigid links"),
     ]
-
-
-def supported(value: float, error: float, most: int = _MOST_DIGITS) -> str:
-    """A value with the digits that its relative error supports, four at most.
-
-    Parameters
-    ----------
-    value, error : float
-    most : int
-        Digits.
-
-    Returns
-    -------
-    str
-        The last digit may be off by as many units as the first digit of the error says.
-
-    Examples
-    --------
-    >>> supported(146.38, 4e-3)
-    '146'
-    """
-    if not value:
-        return "0"
-    digits = most
-    if error > 0:
-        digits = min(most, max(1, int(np.floor(-np.log10(error))) + 1))
-    decimals = digits - 1 - int(np.floor(np.log10(abs(value))))
-    return f"{round(value, decimals):.{max(decimals, 0)}f}"
 
 
 def spectrogram_lines(dataset: xr.Dataset) -> list[str]:

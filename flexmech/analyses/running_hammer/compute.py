@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_attributes
+from flexmech.analyses.crank_speeds import GREATEST, RAD_S, asked_speeds, in_unit
 from flexmech.analyses.damping_ratios import (
     CountedLoss,
     lowest_frequency,
@@ -15,6 +16,7 @@ from flexmech.analyses.damping_ratios import (
     with_damping_time,
 )
 from flexmech.analyses.datasets import attributes_of, complex_parts, provenance, with_units
+from flexmech.analyses.hammer.request import middle_of
 from flexmech.analyses.requests import engine_of
 from flexmech.analyses.running_hammer.measured import MeasuredResponse, measured_response, runner
 from flexmech.analyses.running_hammer.plan import GUARD_ORDERS, planned
@@ -26,10 +28,11 @@ from flexmech.analyses.running_hammer.prediction import (
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.analyses.running_hammer.result import RunningHammerTest
 from flexmech.arrays import ComplexArray, IntArray, LabelledProgress, silent
+from flexmech.errors import InputError
 from flexmech.linear_system import Engine
+from flexmech.mechanism import Mechanism
 from flexmech.threads import one_thread
 from flexmech.time_domain import step_lag, stretches_in_runs
-from flexmech.validation import check_instance
 
 # Of the first natural frequency at rest: the bandwidth, if none is asked for. It holds the first
 # resonance and the beginning of what lies between it and the second.
@@ -41,13 +44,14 @@ _MODES = 6
 # is beyond what damping shifts, and nearer than the next resonance.
 _BINS, _NEAR = 5, 0.05
 # What a dataset has of the request as it is.
-_OF_REQUEST = ["crank_speed", "speed_unit", "direction", "prestress", "averages", "noise", "seed"]
+_OF_REQUEST = ["direction", "prestress", "averages", "noise", "seed"]
 
 
 def running_hammer_test(
-    engine: Engine,
-    request: RunningHammerRequest,
+    engine: Engine | Mechanism,
+    speed: RunningHammerRequest | float | None = None,
     *,
+    speed_unit: str | None = None,
     progress: LabelledProgress | None = None,
 ) -> RunningHammerTest:
     """Hit the running linkage with a hammer: harmonic transfer functions H_n(f).
@@ -60,9 +64,15 @@ def running_hammer_test(
 
     Parameters
     ----------
-    engine : Engine
-        Exudyn runs the nonlinear motion, the reference engine its own equations.
-    request : RunningHammerRequest
+    engine : Engine or Mechanism
+        Exudyn runs the nonlinear motion, the reference engine its own equations; of a mechanism
+        that one is made.
+    speed : float or RunningHammerRequest, optional
+        Crank speed in ``speed_unit``, or all that a test can be asked to be. Left out: the greatest
+        speed at which the mechanism operates.
+    speed_unit : str, optional
+        Unit of the speed, such as ``"rpm"``, in which the result speaks of it. Left out: rad/s,
+        that of the request, or that of the model file for the mechanism's speed.
     progress : callable, optional
         Called as ``progress(label, done, total)``.
 
@@ -90,15 +100,9 @@ def running_hammer_test(
     >>> found.peaks()["order"].tolist()
     [-1, 0, 1]
     """
-    check_instance(
-        request,
-        RunningHammerRequest,
-        "request",
-        "write flexmech.RunningHammerRequest(20.0, impact, response, damping_ratio=0.005)",
-    )
-    report = progress or silent
+    chosen, report = engine_of(engine).fit_for(_MODES), progress or silent
+    request = _request(speed, speed_unit, chosen.mechanism)
     with one_thread():
-        chosen = engine_of(engine).fit_for(_MODES)
         for point in (request.impact, request.response):
             point.index(chosen.mechanism.linkage.topology)
         # A crank that cannot turn round shows itself here, before anything is computed.
@@ -112,7 +116,7 @@ def running_hammer_test(
             attributes |= loss.attributes
         bandwidth = _bandwidth(chosen, request)
         fitted = request.orders + GUARD_ORDERS
-        crank = abs(request.crank_speed) / (2 * np.pi)
+        crank = abs(request.speed) / (2 * np.pi)
         prediction = predicted_linkage(chosen, request, bandwidth + fitted * crank)
         plan = planned(chosen, request, prediction, bandwidth)
         run = runner(chosen, request, plan, prediction.modes)
@@ -122,6 +126,21 @@ def running_hammer_test(
         dataset = _dataset(chosen, request, prediction, measured, frozen)
     dataset.attrs |= attributes
     return RunningHammerTest(with_units(dataset, "running_hammer"))
+
+
+def _request(
+    speed: RunningHammerRequest | float | None, unit: str | None, mechanism: Mechanism
+) -> RunningHammerRequest:
+    """All that a test is asked to be; as it is usual where the speed alone is given."""
+    if isinstance(speed, RunningHammerRequest):
+        if unit is not None:
+            raise InputError("speed_unit: the request has its own; give it there")
+        return speed
+    if speed is None:
+        speeds, shown = asked_speeds(None, unit, mechanism, GREATEST)
+        speed, unit = float(in_unit(speeds, shown)[0]), shown
+    middle = middle_of(mechanism.linkage.topology)
+    return RunningHammerRequest(speed, middle, middle, speed_unit=unit)
 
 
 def _bandwidth(engine: Engine, request: RunningHammerRequest) -> float:
@@ -162,7 +181,7 @@ def _dataset(
         "identified_peak": ("order", np.abs(identified)[rows, found]),
         "identified_peak_frequency": ("order", frequency[found]),
         "bins_apart": ("order", np.abs(found - at)),
-        "impact_angle": ("impact", np.sign(request.crank_speed) * 2 * np.pi * plan.phase),
+        "impact_angle": ("impact", np.sign(request.speed) * 2 * np.pi * plan.phase),
         "decay": ("impact", measured.decay),
     }
     dataset = xr.Dataset(
@@ -179,6 +198,8 @@ def _dataset(
         | attributes_of(plan, "bandwidth", "pulse", "peak_force", "turns", "turn_time", "step")
         | attributes_of(measured, "peak_response", "twin_defect")
         | attributes_of(estimate, "condition", "misfit"),
+        crank_speed=request.speed,
+        speed_unit=request.speed_unit or RAD_S,
         engine=engine.name,
         element=engine.element,
         impact_point=str(request.impact),

@@ -115,7 +115,7 @@ def measured_response(
             f"halving the impacts still changes the response by {100 * change.max():.3g} % at "
             f"crank speed {CRANK_SPEED}, however small they are: the runs are not linear there; "
             "give the links more damping, or take another speed",
-            crank_speed=request.crank_speed,
+            crank_speed=request.speed,
         )
     size = np.abs(added).max(axis=1)
     turn = plan.steps
@@ -246,7 +246,7 @@ def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: 
     ComputationError
         If there is no periodic motion.
     """
-    drive = CrankDrive(request.crank_speed)
+    drive = CrankDrive(request.speed)
     if engine.simulates:
         return _simulated(engine, request, plan, drive)
     count = max(_LEAST_MODES, modes)
@@ -277,7 +277,7 @@ def _simulated(
     if engine.connectors.any:
         start = _settled(engine, request, plan, drive)
     else:
-        orbit = nonlinear_orbit(engine, request.crank_speed, 1)
+        orbit = nonlinear_orbit(engine, request.speed, 1)
         start = LinkState([q[0] for q in orbit.displacement], [rate[0] for rate in orbit.rate])
     point = (request.response, request.direction)
 

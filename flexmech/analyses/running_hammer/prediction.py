@@ -161,7 +161,7 @@ def predicted_linkage(engine: Engine, request: RunningHammerRequest, highest: fl
     systems, count, steps = [], 0, 0
     for larger in (0, 1):
         solver = LinkageSolver(engine, request.prestress, modes, larger=larger)
-        moving = solver.moving_modes(request.crank_speed)
+        moving = solver.moving_modes(request.speed)
         stressed = engine.stressed_links(moving.turn.motion, request.prestress)
         connected = _connected(engine, request, moving.turn.displaced, stressed)
         pair = (request.impact, request.response)
@@ -179,7 +179,7 @@ def predicted_linkage(engine: Engine, request: RunningHammerRequest, highest: fl
             f"no record decays at crank speed {CRANK_SPEED}: a vibration of the running linkage "
             f"grows by {growth_rate:.3g} 1/s; give the links more damping, or take another speed "
             "(flexmech stability tells which speeds do that)",
-            crank_speed=request.crank_speed,
+            crank_speed=request.speed,
         )
     return Prediction(systems[0], systems[1], hit, steps, modes, count, growth_rate)
 
@@ -220,8 +220,8 @@ def frozen_response(
     """
     phase = 2 * np.pi / _FROZEN_ANGLES * np.arange(_FROZEN_ANGLES)
     system = engine.linear_system(
-        np.sign(request.crank_speed) * phase,
-        request.crank_speed,
+        np.sign(request.speed) * phase,
+        request.speed,
         prestress=request.prestress,
         rotation_terms=False,
         detail=1.0,

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from flexmech import choices
+from flexmech.analyses.crank_speeds import one_rad_per_s
 from flexmech.analyses.damping_ratios import DAMPING_RATIO
 from flexmech.analyses.hammer.request import check_impacts
 from flexmech.errors import InputError
@@ -23,7 +25,7 @@ class RunningHammerRequest:
     Parameters
     ----------
     crank_speed : float
-        rad/s, not zero.
+        In ``speed_unit``, not zero.
     impact, response : LinkPoint
         Where the hammer hits, and where the displacement is read; the middle of the coupler.
     direction : {"transverse", "axial"}
@@ -49,8 +51,8 @@ class RunningHammerRequest:
         Root mean square of the noise over that of each record of force and response.
     seed : int
         Of the noise and of the jitter of the crank angles.
-    speed_unit : str
-        In which results speak of crank speeds, such as ``"rpm"``.
+    speed_unit : str, optional
+        Unit of the crank speed, such as ``"rpm"``, in which results speak of it. Left out: rad/s.
 
     Raises
     ------
@@ -77,10 +79,10 @@ class RunningHammerRequest:
     pulse: float | None = None
     noise: float = 0.0
     seed: int = 0
-    speed_unit: str = field(default="rad/s", repr=False)
+    speed_unit: str | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        check_number(self.crank_speed, "crank_speed", "rad/s")
+        _ = self.speed
         if self.crank_speed == 0:
             raise InputError(
                 "crank_speed is zero, at which nothing turns; ask for a hammer test at rest "
@@ -90,3 +92,8 @@ class RunningHammerRequest:
         if self.damping_ratio is not None:
             check_number(self.damping_ratio, "damping_ratio", bounds=DAMPING_RATIO)
         check_count(self.orders, "orders", most=_MOST_ORDERS)
+
+    @cached_property
+    def speed(self) -> float:
+        """Crank speed in rad/s."""
+        return one_rad_per_s(self.crank_speed, self.speed_unit)

@@ -11,6 +11,7 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.datasets import table_of
+from flexmech.analyses.digits import Quantity
 from flexmech.analyses.remarks import crank_speed_text, warnings_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.running_hammer.measured import FAINT
@@ -115,20 +116,52 @@ class RunningHammerTest(Result):
     def summary(self) -> Summary:
         """Peaks of the orders, impacts, errors, and how runs and prediction agree."""
         data = self.dataset
-        parts: tuple[Table | str, ...] = (
-            _peak_table(data),
+        details = (
             *_impact_lines(data),
             *_prediction_lines(data),
             *theory_lines(data.attrs),
             *_error_lines(data),
         )
-        return Summary(parts, _verdict(data), warnings_of(data.attrs))
+        warned = warnings_of(data.attrs)
+        answer = _answer(data)
+        return Summary(answer, _peak_table(data), _verdict(data), details, warned, _numbers(data))
 
 
 # Of the acceptance of a test: amplitudes within this part, and frequencies within so many bins.
 _AGREES, _BINS = 0.05, 1
 # Sidebands that the last line speaks of: those that the default asks for.
 _SIDEBANDS = 2
+
+
+def _answer(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Greatest amplitude of all orders, and how strong the sidebands are against it."""
+    peaks = dataset["identified_peak"]
+    order = int(peaks.idxmax("order"))
+    own = dataset.sel(order=order)
+    at = float(own["identified_peak_frequency"])
+    [greatest] = (one for one in _numbers(dataset) if one.of == f"order {order}")
+    sides = peaks.sel(order=peaks["order"] != 0)
+    said = f"The response is greatest at {at:.4g} Hz, {greatest} of order {order}"
+    if order == 0 and sides.sizes["order"]:
+        share = 100 * float(sides.max() / peaks.max())
+        strongest = int(sides.idxmax("order"))
+        said += f"; the strongest sideband, order {strongest:+d}, has {share:.2g} % of it"
+    return (f"{said}.",)
+
+
+def _numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
+    """Greatest amplitude of each order; its error is the way to the prediction."""
+    return tuple(
+        Quantity(
+            "identified_peak",
+            float(own["identified_peak"]),
+            "m/N",
+            abs(float(own["identified_peak"]) - float(own["predicted_peak"])),
+            f"order {order}",
+        )
+        for order in dataset["order"].values.tolist()
+        for own in [dataset.sel(order=order)]
+    )
 
 
 def _peak_table(dataset: xr.Dataset) -> Table:

@@ -14,6 +14,13 @@ from flexmech.analyses.datasets import Columns, columns_along, table_of
 from flexmech.analyses.requests import link_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.section_profile.properties import COUPLINGS, PROPERTIES, STORED
+from flexmech.analyses.section_profile.words import (
+    EXACT,
+    STATED,
+    answer_of,
+    links_table,
+    numbers_of,
+)
 from flexmech.analyses.summary import Summary, Table
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
@@ -110,8 +117,14 @@ class SectionProfiles(Result):
         return tables
 
     def figures(self) -> dict[str, Figure]:
-        """Strain and stress through each link whose layers are known."""
-        return {f"section_{link}": self.plot(link) for link in self.links_with_layers}
+        """Strain and stress through each laminate.
+
+        Of one material they are straight lines and a parabola, which a picture adds nothing to.
+        """
+        laminates = (
+            link for link in self.links_with_layers if self.profile(link).sizes["layer"] > 1
+        )
+        return {f"section_{link}": self.plot(link) for link in laminates}
 
     def plot(self, link: str | None = None, *, ax: plots.AxesLike | None = None) -> Figure:
         """Draw strain and stress through the thickness of a link.
@@ -136,7 +149,7 @@ class SectionProfiles(Result):
         return plots.plot_section(self.profile(chosen), ax=ax)
 
     def summary(self) -> Summary:
-        """Sections and what is inside them, link by link, and what the loads are."""
+        """Stiffness, mass and coupling; then sections and what is inside them, link by link."""
         parts: list[Table | str] = []
         for link in self.links:
             parts.append(property_table(self.dataset.sel(link=link)))
@@ -147,7 +160,16 @@ class SectionProfiles(Result):
             if np.nan_to_num(self.dataset["neutral_axis"].values).any():
                 parts.append(STORED["without_coupling"])
         parts += [_nothing_known(link) for link in self.links if link not in self.links_with_layers]
-        return Summary((*parts, *self.dataset.attrs["environment_lines"].splitlines()))
+        whole = (_composition(self.dataset.sel(link=link)) for link in self.links)
+        short = (text.split(", ")[0].removeprefix("rectangle of ") for text in whole)
+        made_of = ["as stated" if text == _STATED_ALONE else text for text in short]
+        return Summary(
+            answer_of(self.dataset),
+            links_table(self.dataset, made_of),
+            EXACT if self.links_with_layers else STATED,
+            (*parts, *self.dataset.attrs["environment_lines"].splitlines()),
+            numbers=numbers_of(self.dataset),
+        )
 
 
 def _nothing_known(link: str) -> str:
@@ -159,6 +181,8 @@ def _nothing_known(link: str) -> str:
 
 _STRAIN = ((1e-6, "1e-6"),)
 _STRESSES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
+# Of a section that is stated by its numbers.
+_STATED_ALONE = "by its stiffness and mass"
 # What rounding leaves of a zero, over the largest value of its column.
 _ZERO = 1e-9
 
@@ -244,7 +268,7 @@ def _composition(section: xr.Dataset) -> str:
     """Say in one line what a section is made of, from its lowest y up."""
     reduction = section["reduction"].item()
     if not reduction:
-        return "by its stiffness and mass"
+        return _STATED_ALONE
     stack = _stack(section.isel(layer=section["run"].values > 0))
     if stack == [("", 0.0)]:
         return "rectangle of one material"

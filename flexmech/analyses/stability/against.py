@@ -17,6 +17,7 @@ from flexmech.analyses.damping_ratios import (
     with_damping_ratio,
     with_damping_time,
 )
+from flexmech.analyses.parameters import DAMPING_PARAMETER, MOISTURE, Parameters
 from flexmech.analyses.stability.dataset import NO, NO_EQUILIBRIUM, NOT_COMPUTED, YES
 from flexmech.analyses.stability.parallel import in_order
 from flexmech.analyses.stability.request import StabilityRequest
@@ -32,46 +33,16 @@ from flexmech.analyses.stability.speed_window import NODES
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.errors import ComputationError, InputError, suggestion
-from flexmech.hygrothermal import HygrothermalState, mechanism_in_state
 from flexmech.linear_system import Engine
 from flexmech.mechanism import Mechanism
-from flexmech.modelfile import mechanism_with, quantities_of
-from flexmech.units import (
-    RATIO,
-    TEMPERATURE_DIFFERENCE,
-    Dimension,
-    parse_number,
-    parse_quantities,
-    parse_quantity,
-)
+from flexmech.quantity_lists import parse_quantities
+from flexmech.units import TEMPERATURE_DIFFERENCE, Dimension, parse_number, parse_quantity
 from flexmech.validation import check_number, checked_array
 
-DAMPING_PARAMETER, MOISTURE, TEMPERATURE_RISE = "damping-ratio", "moisture", "temperature-rise"
-OF_ITS_OWN = {
-    DAMPING_PARAMETER: RATIO,
-    MOISTURE: RATIO,
-    TEMPERATURE_RISE: TEMPERATURE_DIFFERENCE,
-}
 # More are taken for a slip: each value is a map of its own.
 MOST_VALUES = 1000
 # Of a range that a user writes: more than three digits are a slip of the keyboard.
 MOST_STEPS = 999
-
-
-def parameters_of(mechanism: Mechanism) -> dict[str, Dimension]:
-    """What a stability map can go over besides the crank speed.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-
-    Returns
-    -------
-    dict of str to Dimension
-        ``damping-ratio``, ``moisture``, ``temperature-rise``, and the quantities of the model
-        file by their keys, such as ``linkage.coupler`` or ``links.coupler.in_plane_thickness``.
-    """
-    return OF_ITS_OWN | quantities_of(mechanism)
 
 
 def values_of(text: str, dimension: Dimension, default: str | None) -> list[float]:
@@ -127,6 +98,35 @@ def values_of(text: str, dimension: Dimension, default: str | None) -> list[floa
     return [start + (stop - start) * number / count for number in range(count)] + [stop]
 
 
+def asked_range(mechanism: Mechanism, parameter: str, text: str) -> tuple[str, list[float]]:
+    """A parameter and its values as a user writes them; see :func:`values_of`.
+
+    Bare numbers are ratios, kelvins, percent of moisture, or SI values of what needs no unit.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    parameter, text : str
+
+    Returns
+    -------
+    str
+    list of float
+        In SI units.
+
+    Raises
+    ------
+    InputError
+        If there is no such parameter, or as :func:`values_of`.
+    """
+    dimension = Parameters.of(mechanism).dimension(parameter)
+    default = None if dimension.unit else ""
+    if dimension is TEMPERATURE_DIFFERENCE:
+        default = "K"
+    # As --moisture is.
+    return parameter, values_of(text, dimension, "%" if parameter == MOISTURE else default)
+
+
 @dataclass(frozen=True)
 class Against:
     """A parameter and its values.
@@ -134,7 +134,7 @@ class Against:
     Parameters
     ----------
     parameter : str
-        One of :func:`parameters_of`.
+        One of :class:`flexmech.analyses.parameters.Parameters`.
     values : ndarray, shape (P,)
         In SI units; kept ascending.
     dimension : Dimension
@@ -184,7 +184,7 @@ class Against:
                 f"got {asked!r}"
             )
         parameter, values = asked
-        known = parameters_of(mechanism)
+        known = Parameters.of(mechanism).dimensions
         if not isinstance(parameter, str) or parameter not in known:
             raise InputError(
                 f"against: there is no {parameter!r}; {suggestion(str(parameter), list(known))}"
@@ -215,16 +215,7 @@ class Against:
         InputError
             If the mechanism cannot be so.
         """
-        if self.parameter == DAMPING_PARAMETER:
-            return with_damping_ratio(engine, value)
-        mechanism = engine.mechanism
-        if self.parameter == MOISTURE:
-            changed = mechanism_in_state(mechanism, HygrothermalState(moisture=value))
-        elif self.parameter == TEMPERATURE_RISE:
-            changed = mechanism_in_state(mechanism, HygrothermalState(temperature_rise=value))
-        else:
-            changed = mechanism_with(mechanism, self.parameter, value)
-        return engine.with_(mechanism=changed)
+        return Parameters.of(engine.mechanism).engine_with(engine, {self.parameter: value})
 
 
 # A growth rate in 1/s, and what the column ``unstable`` says.

@@ -208,6 +208,9 @@ def met(
             break
         try:
             frequency = meeting.frequencies(meeting.crank_speed)
+            if not frequency.all():
+                # A mode that creeps does not vibrate, and meets no other one.
+                continue
             for_ratio = float(np.prod(2 * np.pi * frequency)) / lowest
             centre, strength = _middle(solver, meeting, FAR**2 * least_ratio * for_ratio)
             ratio = strength / for_ratio

@@ -7,17 +7,16 @@ in. The stress of the running links is in them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexmech.analyses.beam_theory import theory_attributes
+from flexmech.analyses.crank_speeds import STABILITY, asked_speeds
 from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.datasets import with_units
 from flexmech.analyses.remarks import left_out_attributes
-from flexmech.analyses.requests import engines_of
+from flexmech.analyses.requests import Engines, engines_of
 from flexmech.analyses.stability.against import Against, map_against
 from flexmech.analyses.stability.dataset import dataset_of
 from flexmech.analyses.stability.engine_map import map_engine
@@ -31,7 +30,6 @@ from flexmech.interruption import tidying
 from flexmech.linear_system import Engine, stressed_along_turn
 from flexmech.threads import one_thread
 from flexmech.time_domain import SampledTurn
-from flexmech.validation import checked_array
 
 # Each is a search for the equilibria of a turn of its own; the bands change slowly with the speed.
 MOST_SPEEDS = 9
@@ -76,8 +74,8 @@ def _frequencies(engine: Engine, speed: float, prestress: Prestress, modes: int)
 
 
 def stability(
-    engine: Engine | Sequence[Engine],
-    crank_speeds: ArrayLike,
+    engine: Engines,
+    crank_speeds: ArrayLike | None = None,
     *,
     prestress: MapPrestress = "equilibrium",
     frame: MovingFrame = "link",
@@ -85,7 +83,7 @@ def stability(
     steps: int | None = None,
     damping_ratio: float | None = None,
     against: tuple[str, ArrayLike] | None = None,
-    speed_unit: str = "rad/s",
+    speed_unit: str | None = None,
     shaft: ShaftChoice | None = None,
     progress: LabelledProgress | None = None,
 ) -> StabilityMap:
@@ -97,10 +95,11 @@ def stability(
 
     Parameters
     ----------
-    engine : Engine or sequence of Engine
-        Several engines give results side by side.
-    crank_speeds : array_like, shape (S,)
-        rad/s, not zero, all of one sign.
+    engine : Engine, Mechanism or sequence of them
+        Several engines give results side by side; of a mechanism the reference engine is made.
+    crank_speeds : array_like, shape (S,), optional
+        In ``speed_unit``, not zero, all of one sign. Left out: from half to 1.5 times the greatest
+        speed at which the mechanism operates.
     prestress : {"none", "axial", "equilibrium", "trajectory"}
         Of the motion that vibrations are about: the quasi-static equilibrium along the turn, or
         the periodic motion itself (``trajectory``).
@@ -118,8 +117,9 @@ def stability(
         ``"temperature-rise"``, or a quantity of the model file by its key, such as
         ``"linkage.coupler"`` or ``"links.coupler.in_plane_thickness"``. With prestress
         ``trajectory`` each point has a periodic motion of its own, which takes its time.
-    speed_unit : str
-        In which the result speaks of crank speeds, such as ``"rpm"``.
+    speed_unit : str, optional
+        Unit of the crank speeds given, such as ``"rpm"``, in which the result speaks of them. Left
+        out: rad/s, and the unit of the model file for speeds that are its own.
     shaft : {"prescribed", "free"}, optional
         Of all engines: whether the shaft turns as prescribed, or its rotation against that is one
         more coordinate. Left out: that of the engines.
@@ -151,14 +151,15 @@ def stability(
     0        86.2      88.0  principal        2      7
     """
     engines = engines_of(engine, modes, shaft)
+    speeds, unit = asked_speeds(crank_speeds, speed_unit, engines[0].mechanism, STABILITY)
     request = StabilityRequest(
-        checked_array(crank_speeds, "crank_speeds", "rad/s"),
+        speeds,
         prestress,
         frame,
         modes,
         steps,
         damping_ratio,
-        speed_unit,
+        unit,
     )
     second = None if against is None else Against.of(engines[0].mechanism, against)
     report = progress or silent

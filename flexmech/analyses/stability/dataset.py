@@ -17,6 +17,7 @@ from flexmech.analyses.stability.engine_stability import (
     NoEquilibrium,
     TrackedSpeed,
 )
+from flexmech.analyses.stability.growth import Sample
 from flexmech.analyses.stability.request import StabilityRequest
 
 YES, NO, NO_EQUILIBRIUM = "yes", "no", "no equilibrium"
@@ -61,6 +62,10 @@ OF_BANDS: dict[str, Column[Band]] = {
     "mismatch": (float, "mismatch"),
     "first_signature": (float, lambda band: band.signatures[0]),
     "second_signature": (float, lambda band: band.signatures[1]),
+}
+OF_CURVES: dict[str, Column[Sample]] = {
+    "speed": (float, "crank_speed"),
+    "growth_rate": (float, "growth_rate"),
 }
 OF_CHECKS: dict[str, Column[ExponentErrors]] = {
     "speed": (float, "crank_speed"),
@@ -120,8 +125,10 @@ def dataset_of(maps: Sequence[EngineStability], request: StabilityRequest) -> xr
         add("shaft_growth_rate", OVER_SPEEDS)
     add("harmonic_share", (*OVER_MULTIPLIERS, "harmonic"))
     bands = [(each.engine, band) for each in maps for band in each.bands]
+    curve = [(each.engine, sample) for each in maps for sample in each.growth]
     checks = [(each.engine, errors) for each in maps for errors in each.errors]
     variables |= records("band", bands, OF_BANDS) | records("check", checks, OF_CHECKS)
+    variables |= records("curve", curve, OF_CURVES)
     for name in OF_ENGINES:
         variables[name] = ("engine", [getattr(each, name) for each in maps])
     dataset = xr.Dataset(
@@ -142,7 +149,7 @@ def dataset_of(maps: Sequence[EngineStability], request: StabilityRequest) -> xr
         damping=_damping(request),
         # Bands that it closes are left out.
         least_closing_ratio=max(LEAST_CLOSING_RATIO, request.damping_ratio or 0.0),
-        speed_unit=request.speed_unit,
+        speed_unit=request.shown_unit,
     )
 
 

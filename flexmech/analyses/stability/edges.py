@@ -14,6 +14,7 @@ import scipy.optimize
 
 from flexmech.analyses.stability.engine_stability import BandEdge, ExponentErrors
 from flexmech.analyses.stability.growth import SignedGrowth
+from flexmech.analyses.stability.naming import parity_of
 from flexmech.analyses.stability.selected_modes import SelectedModes, wrapped
 from flexmech.analyses.stability.solver import BY_REFINEMENT, LinkageSolver
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
@@ -119,7 +120,8 @@ def edge_errors(solver: LinkageSolver, found: FoundEdge) -> BandEdge:
     """
     edge, width = found.crank_speed, found.width
     if not width:
-        return BandEdge(edge, 0.0, 0.0, 0.0, is_open=True)
+        # The speeds asked for end there: the band's own edge, and its error, are not known.
+        return BandEdge(edge, np.nan, np.nan, np.nan, is_open=True)
     growth, apart = SignedGrowth(solver), SLOPE_OVER * width
     slope = abs((growth(edge + apart) - growth(edge - apart)) / (2 * apart))
     place = _Place(edge, slope, width)
@@ -172,8 +174,17 @@ class _Place:
         return min(distances)
 
 
-def find_top(solver: LinkageSolver, place: tuple[float, float, float]) -> SelectedModes:
+# Distance of the speeds near the edges from them, over the width of the band.
+SIDE = 0.1
+
+
+def find_top(
+    solver: LinkageSolver, place: tuple[float, float, float]
+) -> tuple[SelectedModes, bool]:
     """Find the speed between two edges at which a vibration grows most.
+
+    Resonances may overlap without a gap, as one of two different modes and one of twice the same
+    mode: then the band has no single name.
 
     Parameters
     ----------
@@ -185,6 +196,9 @@ def find_top(solver: LinkageSolver, place: tuple[float, float, float]) -> Select
     -------
     SelectedModes
         At that speed.
+    bool
+        Whether the multipliers near both edges are of one kind with it: real and of one sign, or
+        not real.
     """
     known, lower, upper = place
     best = solver.solve(solver.moving(known))
@@ -197,7 +211,10 @@ def find_top(solver: LinkageSolver, place: tuple[float, float, float]) -> Select
         )
         other = solver.solve(solver.moving(float(found.x)))
         best = max(best, other, key=lambda modes: modes.growth_rate)
-    return best
+    inside = SIDE * (upper - lower)
+    sides = [solver.solve(solver.moving(speed)) for speed in (lower + inside, upper - inside)]
+    growing = [side for side in sides if side.growth_rate > 0]
+    return best, all(parity_of(side) == parity_of(best) for side in growing)
 
 
 # Relative: ratios are written with three digits, which two more keep right.
@@ -323,22 +340,34 @@ def exponent_errors(solver: LinkageSolver, crank_speed: float) -> ExponentErrors
     Returns
     -------
     ExponentErrors
+        Not a number for what cannot be compared, because the other linkage has no equilibrium at
+        the speed: beams that are softer buckle earlier.
     """
     coarse = solver.sampled_coarsely()
     moving, with_more_modes = coarse.both_reductions(crank_speed)
     # In as many steps: what more modes change is far more than the steps of these leave.
     stepped = replace(coarse, steps=coarse.steps_for(moving))
-    modes, finer, theory = coarse.solve(moving), coarse.refined(), coarse.with_finer_beams()
+    modes, theory = coarse.solve(moving), coarse.with_finer_beams()
     others = {
         "reduction": (stepped.solve(with_more_modes), 1.0),
-        "mesh": (finer.solve(finer.moving(crank_speed)), BY_REFINEMENT),
-        "theory": (theory.solve(theory.moving(crank_speed)), 1.0) if theory else (modes, 1.0),
+        "mesh": (_modes_of(coarse.refined(), crank_speed), BY_REFINEMENT),
+        "theory": (_modes_of(theory, crank_speed) if theory else modes, 1.0),
     }
-    apart = {name: factor * _apart(modes, other) for name, (other, factor) in others.items()}
-    growth = sum(
-        factor * abs(other.growth_rate - modes.growth_rate) for other, factor in others.values()
-    )
+    apart, growth = {}, 0.0
+    for name, (other, factor) in others.items():
+        apart[name] = factor * _apart(modes, other) if other else np.nan
+        grows = other.growth_rate if other else np.nan
+        growth += factor * abs(grows - modes.growth_rate)
     return ExponentErrors(crank_speed, **apart, growth=growth * modes.period)
+
+
+def _modes_of(solver: LinkageSolver, crank_speed: float) -> SelectedModes | None:
+    """Floquet modes at a crank speed; None where there is no equilibrium."""
+    try:
+        moving = solver.moving(crank_speed)
+    except ComputationError:
+        return None
+    return solver.solve(moving)
 
 
 def _apart(modes: SelectedModes, others: SelectedModes) -> float:

@@ -6,10 +6,11 @@ import logging
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import pairwise
+from itertools import chain, compress
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexmech.analyses.damping_ratios import lowest_frequency, with_damping_time
 from flexmech.analyses.requests import CHECKED_SPEEDS
@@ -32,9 +33,25 @@ from flexmech.analyses.stability.engine_stability import (
     NoEquilibrium,
     TrackedSpeed,
 )
-from flexmech.analyses.stability.growth import Sample, SignedGrowth, runs_of_growth, speeds_between
-from flexmech.analyses.stability.mode_tracking import TrackedModes, track_modes
-from flexmech.analyses.stability.naming import name_of_growth, signatures_of
+from flexmech.analyses.stability.growth import (
+    Sample,
+    SignedGrowth,
+    dips,
+    runs_of_growth,
+    speeds_between,
+    speeds_inside,
+)
+from flexmech.analyses.stability.mode_tracking import track_modes
+from flexmech.analyses.stability.naming import (
+    UNNAMED,
+    closing_fits,
+    following_speeds,
+    name_of_growth,
+    order_is_nearest,
+    passes_through,
+    signatures_of,
+    without_repetition,
+)
 from flexmech.analyses.stability.parallel import in_order
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.selected_modes import SelectedModes, matched
@@ -48,6 +65,7 @@ from flexmech.analyses.stability.speed_range import (
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.linear_system import Engine
+from flexmech.units import from_si
 
 logger = logging.getLogger(__name__)
 
@@ -62,6 +80,9 @@ LEAST_CLOSING_RATIO = 1e-5
 # Between growing speeds farther apart than this part of the lowest frequency, a band may end and
 # another begin: bands that are narrower are found by the modes that meet in them.
 BETWEEN = 1 / 300
+# Bands narrower than this part of the range of speeds, and than the distance above, are strokes in
+# a picture; others are divided into so many parts, to show their growth and their gaps.
+LEAST_SHOWN, SHOWN_PARTS = 1e-2, 6
 
 # Modes at a speed, or why there are none.
 _Outcome = SolvedSpeed | ComputationError
@@ -101,15 +122,17 @@ class _EngineMap:
         self._request = request
         self._report = report
         self._lowest = lowest_frequency(engine)
-        _refuse_too_many_steps(request.crank_speeds, self._lowest)
+        _refuse_too_many_steps(request, self._lowest)
         # A damping ratio is the factor on the damping of links whose time is that of ratio 1.
         by_ratio = with_damping_time(engine, 2 / self._lowest)
         self._by_ratio = LinkageSolver(
             by_ratio, request.prestress, request.modes, steps=request.steps, frame=request.frame
         )
+        damped = any(link.damping.any() for link in engine.links)
+        self._has_own_damping = request.damping_ratio is None and damped
         if request.damping_ratio is not None:
             self._solver = replace(self._by_ratio, damping=request.damping_ratio)
-        elif any(link.damping.any() for link in engine.links):
+        elif self._has_own_damping:
             self._solver = replace(self._by_ratio, engine=engine)
         else:
             self._solver = replace(self._by_ratio, damping=0.0)
@@ -135,24 +158,38 @@ class _EngineMap:
         solved = [each for each in outcomes.values() if isinstance(each, SolvedSpeed)]
         if not solved:
             raise next(iter(refused.values()))
+        fastest = abs(self._request.crank_speeds[-1])
         branches = track_modes([each.modes for each in solved])
         tracked = [
             _tracked(each, modes, alike)
             for each, modes, alike in zip(solved, branches.modes, branches.likeness, strict=True)
         ]
-        definite = all(each.is_definite for each in solved)
+        # The last one followed is beyond the speeds asked for.
+        asked_for = [each for each in solved if abs(each.modes.crank_speed) <= fastest]
+        if not asked_for:
+            raise next(iter(refused.values()))
+        definite = all(each.is_definite for each in asked_for)
         bands: list[Band] = []
+        samples: list[Sample] = []
         narrower = 0
-        within = [f for f in tracked if abs(f.crank_speed) >= abs(self._request.crank_speeds[0])]
+        slowest = abs(self._request.crank_speeds[0])
+        within = [f for f in tracked if slowest <= abs(f.crank_speed) <= fastest]
         errors: list[ExponentErrors] = []
+        measure = SignedGrowth(self._solver).of_exponents
+        samples += [
+            Sample(f.crank_speed, measure(f.exponent, f.period), f.growth_rate) for f in within
+        ]
         try:
             if not interrupted and within:
                 found, narrower = self._meetings(within)
-                same = branches.last(len(within))
-                bands, errors = self._bands(within, same, found, list(refused), definite)
+                samples += [sample for meeting in found for sample in meeting.samples]
+                every_mode = [each.modes for each in solved]
+                at = np.array([modes.crank_speed for modes in every_mode])
+                followed = list(compress(every_mode, _among(self._following_speeds(), at)))
+                bands, errors = self._bands(within, followed, samples, list(refused), definite)
         except KeyboardInterrupt:
             interrupted = True
-        unit = self._request.speed_unit
+        unit = self._request.shown_unit
         speeds: list[TrackedSpeed | NoEquilibrium] = [
             *(each for each in tracked if each.crank_speed in asked),
             *(NoEquilibrium(w, e.told(unit)) for w, e in refused.items() if w in asked),
@@ -161,9 +198,10 @@ class _EngineMap:
             engine=self._solver.engine,
             speeds=sorted(speeds, key=lambda each: abs(each.crank_speed)),
             bands=bands,
+            growth=samples,
             errors=errors,
             is_definite=definite,
-            moving_modes=solved[-1].moving_modes,
+            moving_modes=asked_for[-1].moving_modes,
             closed_early=narrower,
             interrupted=interrupted,
         )
@@ -179,7 +217,9 @@ class _EngineMap:
 
     def _outcomes(self, asked: Sequence[float]) -> tuple[dict[float, _Outcome], bool]:
         """Modes at the speeds asked for and those between, by which modes are tracked."""
-        speeds = _with_steps_between(np.array(asked), FOLLOWING_STEP * self._lowest).tolist()
+        steps = self._following_speeds()
+        steps = steps[~_among(np.array(asked), steps)]
+        speeds = sorted([*asked, *steps.tolist()], key=abs)
         found: dict[float, _Outcome] = {}
         try:
             for outcome in in_order(partial(_outcome, self._solver), speeds):
@@ -191,6 +231,9 @@ class _EngineMap:
             logger.info("interrupted after %d of %d speeds", len(found), len(speeds))
             return found, True
         return found, False
+
+    def _following_speeds(self) -> FloatArray:
+        return following_speeds(self._request.crank_speeds[-1], FOLLOWING_STEP * self._lowest)
 
     def _meetings(self, tracked: Sequence[TrackedSpeed]) -> tuple[list[MetModes], int]:
         """Modes that meet between the speeds, and grow or nearly do."""
@@ -205,19 +248,20 @@ class _EngineMap:
     def _bands(
         self,
         tracked: Sequence[TrackedSpeed],
-        branches: TrackedModes,
-        found: Sequence[MetModes],
+        followed: Sequence[SelectedModes],
+        samples: list[Sample],
         refused: Sequence[float],
         definite: bool,
     ) -> tuple[list[Band], list[ExponentErrors]]:
+        """Bands, and errors of exponents; further samples of growth are added to those known."""
         growth = SignedGrowth(self._solver)
-        samples = [
-            Sample(f.crank_speed, growth.of_exponents(f.exponent, f.period), f.growth_rate)
-            for f in tracked
-        ]
-        samples += [sample for meeting in found for sample in meeting.samples]
-        between = speeds_between(samples, BETWEEN * self._lowest, refused)
+        step = BETWEEN * self._lowest
+        between = speeds_between(samples, step, refused)
         samples += self._each("growth in bands", growth.sample, between)
+        seen = LEAST_SHOWN * abs(tracked[-1].crank_speed - tracked[0].crank_speed)
+        inside = speeds_inside(runs_of_growth(samples, refused), SHOWN_PARTS, min(step, seen))
+        samples += self._each("growth in bands", growth.sample, inside)
+        samples += chain(*self._each("growth in bands", growth.into, dips(samples, refused)))
         runs = runs_of_growth(samples, refused)
         known = {sample.crank_speed: sample.signed_growth for sample in samples}
         searches = [
@@ -231,16 +275,23 @@ class _EngineMap:
             for lower, upper in zip(found_edges[::2], found_edges[1::2], strict=True)
         ]
         places = [(run.fastest, *pair) for run, pair in zip(runs, ends, strict=True)]
-        tops = self._each("growth in bands", partial(find_top, self._solver), places)
+        found_tops = self._each("growth in bands", partial(find_top, self._solver), places)
+        tops = [modes for modes, _ in found_tops]
         start = self._request.damping_ratio or 0.0
         closings = [
             ClosingSearch(top.crank_speed, *pair, start)
             for top, pair in zip(tops, ends, strict=True)
         ]
         edges, ratios, errors = self._measured(found_edges, closings, tracked)
-        bands = []
+        names, bands = [], []
         for n, (top, ratio) in enumerate(zip(tops, ratios, strict=True)):
-            name = name_of_growth(top, ends[n], tracked, branches, differences=not definite)
+            name = name_of_growth(top, followed, differences=not definite)
+            possible = found_tops[n][1] and order_is_nearest(name, self._solver, top)
+            if passes_through(name, ends[n], tracked) or not possible:
+                name = UNNAMED
+            closes = closing_fits(name, top.growth_rate, start, ratio, self._lowest)
+            names.append(name if self._has_own_damping or closes else UNNAMED)
+        for n, name in enumerate(without_repetition(names)):
             bands.append(
                 Band(
                     lower=edges[2 * n],
@@ -248,9 +299,9 @@ class _EngineMap:
                     kind=name.kind,
                     branches=name.branches,
                     order=name.order,
-                    largest_growth_rate=top.growth_rate,
-                    fastest_speed=top.crank_speed,
-                    closing_damping_ratio=ratio,
+                    largest_growth_rate=tops[n].growth_rate,
+                    fastest_speed=tops[n].crank_speed,
+                    closing_damping_ratio=ratios[n],
                     mismatch=name.mismatch,
                     signatures=signatures_of(name, ends[n], tracked),
                 )
@@ -308,31 +359,26 @@ def _outcome(solver: LinkageSolver, crank_speed: float) -> _Outcome:
         return refusal
 
 
-def _refuse_too_many_steps(speeds: FloatArray, lowest: float) -> None:
+def _refuse_too_many_steps(request: StabilityRequest, lowest: float) -> None:
     """Refuse speeds so far above the lowest frequency that no run of steps reaches them."""
+    speeds, unit = request.crank_speeds, request.shown_unit
     fastest = float(speeds[np.argmax(np.abs(speeds))])
     most = MOST_STEPS * FOLLOWING_STEP * lowest
     if abs(fastest) > most:
         raise InputError(
             f"crank speed {CRANK_SPEED} is {abs(fastest) / lowest:.3g} times the lowest natural "
-            f"frequency of {lowest:.3g} rad/s; branches are followed in steps of a fortieth of it, "
-            f"{MOST_STEPS} at most: ask for speeds below {most:.3g} rad/s, or check the sizes, "
-            "stiffnesses and masses of the links",
+            f"frequency of {lowest / (2 * np.pi):.3g} Hz; branches are followed in steps of a "
+            f"fortieth of it, {MOST_STEPS} at most: ask for speeds below "
+            f"{from_si(most, unit):.3g} {unit}, or check the sizes, stiffnesses and masses of the "
+            "links",
             crank_speed=fastest,
         )
 
 
-def _with_steps_between(speeds: FloatArray, step: float) -> FloatArray:
-    """Speeds from a slow one on in steps small enough to track modes, those asked for included."""
-    sense = float(np.sign(speeds[0]))
-    size = np.abs(speeds)
-    start = min(2 * step, float(size[0]))
-    ends = np.append(start, size) if start < size[0] else size
-    between = [
-        np.linspace(a, b, int(np.ceil((b - a) / step)), endpoint=False)
-        for a, b in pairwise(ends.tolist())
-    ]
-    return np.asarray(sense * np.concatenate([*between, size[-1:]]))
+def _among(some: FloatArray, speeds: FloatArray) -> NDArray[np.bool_]:
+    """Whether each of the speeds is one of some but for round-off."""
+    near = np.isclose(speeds[:, None], some, rtol=1e-9, atol=0.0)
+    return np.asarray(near.any(axis=1))
 
 
 def _tracked(solved: SolvedSpeed, modes: SelectedModes, alike: FloatArray) -> TrackedSpeed:

@@ -8,13 +8,15 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.analyses.stability.growth import Sample
 from flexmech.analyses.stability.selected_modes import GROWS, FloquetExponents
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import Engine
 
-Kind = Literal["principal", "sum", "difference", "unnamed"]
-# ``f_a + f_a``, ``f_a + f_b`` or ``f_a - f_b`` a multiple of the crank's frequency, or none.
-KINDS: tuple[Kind, ...] = ("principal", "sum", "difference", "unnamed")
+Kind = Literal["principal", "sum", "difference", "divergence", "unnamed"]
+# ``f_a + f_a``, ``f_a + f_b`` or ``f_a - f_b`` a multiple of the crank's frequency, growth without
+# oscillation, or none of these for certain.
+KINDS: tuple[Kind, ...] = ("principal", "sum", "difference", "divergence", "unnamed")
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,7 @@ class BandEdge:
     crank_speed : float
         rad/s.
     step_error, reduction_error, mesh_error : float
-        Parts of its error in rad/s.
+        Parts of its error in rad/s; not a number where the band is open.
     is_open : bool
         Whether the band goes on beyond: the range of speeds, or the equilibrium, ends here.
     """
@@ -81,8 +83,8 @@ class Band:
 
     @property
     def error(self) -> float:
-        """Greater of the edges' errors in rad/s."""
-        return max(self.lower.error, self.upper.error)
+        """Greater of the edges' errors in rad/s; not a number where both are open."""
+        return float(np.fmax(self.lower.error, self.upper.error))
 
 
 @dataclass(frozen=True)
@@ -193,9 +195,11 @@ class ExponentErrors:
         rad/s.
     reduction, mesh, theory : float
         Change with the next larger number of moving modes; estimated error by the elements'
-        length; change by beams of the next finer theory that the engine has.
+        length; change by beams of the next finer theory that the engine has. Not a number where
+        linkages of that kind have no equilibrium at the speed.
     growth : float
-        What all three change of the logarithm of the largest multiplier's modulus.
+        What all three change of the logarithm of the largest multiplier's modulus; not a number
+        where one of them is not known.
     """
 
     crank_speed: float
@@ -217,6 +221,8 @@ class EngineStability:
         In the order of the crank speeds asked for.
     bands : list of Band
         Unstable bands, by increasing speed.
+    growth : list of Sample
+        Growth at all speeds of the range that it is known at, in any order.
     errors : list of ExponentErrors
         At some speeds without growth.
     is_definite : bool
@@ -233,6 +239,7 @@ class EngineStability:
     engine: Engine
     speeds: list[TrackedSpeed | NoEquilibrium]
     bands: list[Band]
+    growth: list[Sample]
     errors: list[ExponentErrors]
     is_definite: bool
     moving_modes: int

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+import scipy.optimize
 from numpy.typing import NDArray
 
 from flexmech.analyses.stability.selected_modes import GROWS, SelectedModes, wrapped
@@ -134,6 +136,71 @@ def speeds_between(samples: Sequence[Sample], step: float, refused: Sequence[flo
     return found
 
 
+# Of the distance of the neighbours of a dip: two bands whose gap is narrower stay one.
+NARROWEST_GAP = 0.02
+
+
+@dataclass(frozen=True)
+class Dip:
+    """A sample that grows less than both its neighbours: a band may end there, and another begin.
+
+    Parameters
+    ----------
+    before, lowest, after : Sample
+    """
+
+    before: Sample
+    lowest: Sample
+    after: Sample
+
+
+def dips(samples: Sequence[Sample], refused: Sequence[float]) -> list[Dip]:
+    """Dips of the growth inside runs.
+
+    Parameters
+    ----------
+    samples : sequence of Sample
+        In any order.
+    refused : sequence of float
+        Crank speeds without equilibrium.
+
+    Returns
+    -------
+    list of Dip
+    """
+    return [
+        Dip(before, here, after)
+        for run in runs_of_growth(samples, refused)
+        for before, here, after in zip(run.samples, run.samples[1:], run.samples[2:], strict=False)
+        if here.signed_growth < min(before.signed_growth, after.signed_growth)
+    ]
+
+
+def speeds_inside(runs: Sequence[RunOfGrowth], parts: int, least_width: float) -> list[float]:
+    """Speeds inside runs, closer together towards their ends, where growth is steep.
+
+    Parameters
+    ----------
+    runs : sequence of RunOfGrowth
+    parts : int
+        Into which the range between the nearest speeds without growth is divided.
+    least_width : float
+        Narrower ranges have none, rad/s.
+
+    Returns
+    -------
+    list of float
+    """
+    share = (1 - np.cos(np.pi * np.arange(1, parts) / parts)) / 2
+    ranges = [(lower[1], upper[1]) for lower, upper in (run.brackets for run in runs)]
+    return [
+        float(speed)
+        for low, high in ranges
+        if high - low >= least_width
+        for speed in low + (high - low) * share
+    ]
+
+
 @dataclass(frozen=True)
 class SignedGrowth:
     """Positive where a vibration grows, negative where none does, zero at the edge of a band.
@@ -161,6 +228,22 @@ class SignedGrowth:
             return Sample(crank_speed, growth, growth)
         modes = self.solver.solve(moving)
         return Sample(crank_speed, self._of(modes), modes.growth_rate)
+
+    def into(self, dip: Dip) -> list[Sample]:
+        """Samples towards the bottom of a dip, up to one at which nothing grows."""
+        found: list[Sample] = []
+
+        def measure(crank_speed: float) -> float:
+            found.append(self.sample(crank_speed))
+            if found[-1].signed_growth <= 0:
+                raise StopIteration
+            return found[-1].signed_growth
+
+        ends = dip.before.crank_speed, dip.after.crank_speed
+        options = {"xatol": NARROWEST_GAP * (ends[1] - ends[0])}
+        with suppress(StopIteration):
+            scipy.optimize.minimize_scalar(measure, bounds=ends, method="bounded", options=options)
+        return found
 
     def at(self, moving: VibratingLinkage) -> float:
         """Measure of a linkage in its moving modes."""

@@ -45,7 +45,7 @@ class StabilityRequest:
     damping_ratio : float, optional
         Z from 0 on and less than 1: the Kelvin-Voigt time of all links is 2 Z/omega_1, with the
         first natural frequency at rest averaged over the turn. Left out: the model's damping.
-    speed_unit : str
+    shown_unit : str
         In which results speak of crank speeds.
 
     Raises
@@ -67,7 +67,7 @@ class StabilityRequest:
     modes: int = KEPT_MODES
     steps: int | None = None
     damping_ratio: float | None = None
-    speed_unit: str = "rad/s"
+    shown_unit: str = "rad/s"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "crank_speeds", _checked_speeds(self.crank_speeds))

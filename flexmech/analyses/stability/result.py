@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import compress
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,9 @@ from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.datasets import Columns, table_of
 from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.result import Result
+from flexmech.analyses.stability import answer as answers
 from flexmech.analyses.stability import words
+from flexmech.analyses.stability.agreement import disagreement, verdict
 from flexmech.analyses.stability.dataset import EDGES, NOT_COMPUTED, PARTS
 from flexmech.analyses.summary import Summary, Table
 
@@ -55,6 +58,7 @@ BANDS = {
     "order": "band_order",
     "largest_growth_rate_1_s": "band_largest_growth_rate",
     "closing_damping_ratio": "band_closing_damping_ratio",
+    "cut": "band_cut",
 }
 
 
@@ -128,16 +132,20 @@ class StabilityMap(Result):
         Returns
         -------
         pandas.DataFrame
-            ``error_rad_s`` is that of the less certain edge; ``closing_damping_ratio`` is not a
-            number where none closes the band.
+            ``error_rad_s`` is that of the less certain edge that is not cut, not a number where
+            both are; ``cut`` says which, ``from`` or ``to`` or both, the range of speeds or the
+            last equilibrium cuts. ``closing_damping_ratio`` is not a number where none closes the
+            band.
         """
         data = self.dataset
         lower, upper = (
             np.sum([data[f"band_{edge}_{part}_error"].values for part in PARTS], axis=0)
             for edge in EDGES
         )
-        error = ("band", np.maximum(lower, upper))
-        return table_of(data.assign(band_error=error), ("band",), BANDS)
+        error = ("band", np.fmax(lower, upper))
+        ends = zip(data["band_lower_open"].values, data["band_upper_open"].values, strict=True)
+        cut = np.array([" ".join(compress(("from", "to"), each)) for each in ends], dtype=str)
+        return table_of(data.assign(band_error=error, band_cut=("band", cut)), ("band",), BANDS)
 
     def against(self) -> pd.DataFrame:
         """Growth over the second parameter and the crank speed; empty where none was asked for.
@@ -203,20 +211,31 @@ class StabilityMap(Result):
         return plots.plot_stability(plots.chosen(self.dataset, engine=engine), ax=ax)
 
     def summary(self) -> Summary:
-        """Speeds to avoid, errors, gaps, and how the engines agree."""
+        """Speeds at which a vibration grows, what calms them, and how far that is known."""
         data = self.dataset
-        table = words.band_table(data)
-        parts: tuple[Table | str, ...] = (
-            *([table] if table is not None else []),
+        details: tuple[Table | str, ...] = (
             *words.avoid_lines(data),
             *theory_lines(data.attrs),
-            *words.gap_lines(data),
             *words.error_lines(data),
+            *words.unknown_error_lines(data),
             *words.motion_lines(data),
             *words.shaft_lines(data),
         )
-        warned = (*words.interrupted_warnings(data), *warnings_of(data.attrs))
-        return Summary(parts, words.verdict(data), warned)
+        warned = (
+            *words.interrupted_warnings(data),
+            *words.gap_lines(data),
+            *disagreement(data),
+            *warnings_of(data.attrs),
+        )
+        details = (*details, verdict(data))
+        return Summary(
+            answers.answer(data),
+            words.band_table(data),
+            answers.trust(data),
+            details,
+            warned,
+            answers.numbers(data),
+        )
 
 
 def _bands_at(data: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from itertools import groupby
 
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.beam_theory import theory_reason
+from flexmech.analyses.digits import plain
 from flexmech.analyses.remarks import speed_text, speed_unit
 from flexmech.analyses.stability.dataset import NO_EQUILIBRIUM, NOT_COMPUTED, PARTS
 from flexmech.analyses.summary import Table
@@ -16,6 +16,12 @@ from flexmech.units import from_si
 
 # Bands of an engine that are told in a sentence and in a row; of more, the fastest growing.
 MOST_LINES, MOST_ROWS = 6, 24
+# What exponents are compared by, in words.
+CHECKS = {
+    "reduction": "number of moving modes",
+    "mesh": "mesh",
+    "theory": "beam theory",
+}
 # Growth rate in 1/s of a free shaft's motion that is none but round-off: of steady motion both its
 # exponents are zero, and two that meet there are known to the root of round-off.
 STILL = 1e-3
@@ -56,7 +62,7 @@ def avoid_lines(dataset: xr.Dataset) -> list[str]:
         some = ", ".join(f"{speed:.6g}" for speed in speeds[:MOST_ROWS]) or "none"
         return [f"bands were not searched for; speeds that grow: {some} {speed_unit(dataset)}"]
     if not own.sizes["band"]:
-        return [f"avoid: {first} finds no crank speed{_within(dataset)} at which a vibration grows"]
+        return [f"avoid: {first} finds no crank speed{within(dataset)} at which a vibration grows"]
     lines = [f"avoid {_sentence(own.isel(band=n))}" for n in _fastest(own, MOST_LINES)]
     if rest := max(own.sizes["band"] - MOST_LINES, 0):
         bands = "1 more band" if rest == 1 else f"{rest} more bands"
@@ -78,7 +84,9 @@ def band_table(dataset: xr.Dataset) -> Table | None:
         return None
     caption = "+-: greater error of the two edges by steps, moving modes and mesh"
     if dataset["band_lower_open"].any() or dataset["band_upper_open"].any():
-        caption += "; <, >: the band goes on beyond"
+        caption += (
+            ", of the band's own edges alone; <, >: cut by the range, the band goes on beyond"
+        )
     if left_out:
         caption += f"; {left_out} that grow more slowly are left out here"
     return Table(
@@ -104,8 +112,10 @@ def band_name(band: xr.Dataset) -> str:
         Such as ``"the sum of modes 1 and 3 is 11 times the crank's frequency"``.
     """
     kind, branches = str(band["band_kind"].item()), str(band["band_branches"].item()).split()
+    if kind == "divergence":
+        return "a mode diverges without oscillating, as in static buckling"
     if kind == "unnamed" or not branches:
-        return "no two frequencies of the kept modes name it"
+        return "which frequencies meet there is uncertain"
     times = f"{int(band['band_order'])} times the crank's frequency"
     if kind == "principal":
         return f"twice the frequency of mode {branches[0]} is {times}"
@@ -115,9 +125,8 @@ def band_name(band: xr.Dataset) -> str:
 def band_range(band: xr.Dataset, unit: str) -> str:
     """From where to where a band reaches, such as ``"88.12 to 89.34 rad/s"``."""
     lower, upper = (text.lstrip("<> ") for text in _edges(band, unit))
-    below = "below " if bool(band["band_lower_open"]) else ""
-    beyond = " and beyond" if bool(band["band_upper_open"]) else ""
-    return f"{below}{lower} to {upper} {unit}{beyond}"
+    goes_on = bool(band["band_lower_open"]) or bool(band["band_upper_open"])
+    return f"{lower} to {upper} {unit}{', where the range ends' * goes_on}"
 
 
 def error_lines(dataset: xr.Dataset) -> list[str]:
@@ -128,7 +137,12 @@ def error_lines(dataset: xr.Dataset) -> list[str]:
         said = []
         bands = dataset.isel(band=np.flatnonzero(dataset["band_engine"].values == name))
         if bands.sizes["band"]:
-            said.append(f"edges of bands at most {_edge_error(bands, unit)}")
+            known = _edge_error(bands, unit)
+            said.append(
+                f"edges of bands at most {known}"
+                if known
+                else "the range of speeds cuts all bands, whose own edges are not known"
+            )
         if np.isfinite(own["step_error"]).any():
             said.append(f"logarithms of multipliers at most {_multiplier_error(own, name)}")
             defect = float(own["liouville_defect"].max())
@@ -183,7 +197,20 @@ def motion_lines(dataset: xr.Dataset) -> list[str]:
                 f"{100 * float(own.attrs['least_closing_ratio']):.3g} % closes "
                 f"{'it' if count == 1 else 'them'}"
             )
+        lines += _search_line(dataset, str(name), unit)
     return [*lines, FRAME_LINE]
+
+
+def _search_line(dataset: xr.Dataset, name: str, unit: str) -> list[str]:
+    """Which bands a map may miss: those between two speeds; none where there are no two."""
+    own = dataset["curve_speed"].values[dataset["curve_engine"].values == name]
+    if len(own) < 2:
+        return []
+    step = abs(from_si(float(np.diff(np.sort(own)).max()), unit))
+    return [
+        f"{name}: bands narrower than {step:.2g} {unit}, the greatest distance of two speeds "
+        "solved for, are found where two modes meet between them, and can be missed"
+    ]
 
 
 def interrupted_warnings(dataset: xr.Dataset) -> list[str]:
@@ -196,54 +223,6 @@ def interrupted_warnings(dataset: xr.Dataset) -> list[str]:
         for name in dataset["engine"].values
     ]
     return [f"interrupted after {', '.join(done)}; what was done is kept"]
-
-
-def verdict(dataset: xr.Dataset) -> str:
-    """How far two engines' multipliers and band edges differ; or that only one ran."""
-    names = [str(name) for name in dataset["engine"].values]
-    if len(names) < 2:
-        return f"engines: no comparison was made, only the {names[0]} engine ran"
-    moduli = np.exp(np.sort(dataset["log_modulus"].values[:2], axis=-1))
-    apart = np.abs(moduli[1] - moduli[0])
-    if not np.isfinite(apart).any():
-        return "engines: no comparison is possible, at no speed have both a result"
-    unit, place = speed_unit(dataset), int(np.nanargmax(np.nan_to_num(apart).max(axis=-1)))
-    where = speed_text(dataset["crank_speed"][place], unit)
-    return (
-        f"engines: moduli of {names[0]} and {names[1]} differ by at most "
-        f"{float(np.nanmax(apart)):.1e}, at {where} {unit}; "
-        f"{_edges_apart(dataset, names, unit)}{theory_reason(dataset.attrs)}"
-    )
-
-
-def _edges_apart(dataset: xr.Dataset, names: Sequence[str], unit: str) -> str:
-    """How far edges of bands of the same name are apart, and how many bands have no other."""
-    named: list[dict[tuple[str, str, int], list[xr.Dataset]]] = []
-    for name in names[:2]:
-        own: dict[tuple[str, str, int], list[xr.Dataset]] = {}
-        for n in np.flatnonzero(dataset["band_engine"].values == name).tolist():
-            band = dataset.isel(band=n)
-            key = str(band["band_kind"].item()), str(band["band_branches"].item())
-            own.setdefault((*key, int(band["band_order"])), []).append(band)
-        named.append(own)
-    pairs = [
-        (one, two)
-        for key in named[0].keys() & named[1].keys()
-        for one, two in zip(named[0][key], named[1][key], strict=False)
-    ]
-    alone = sum(len(found) for own in named for found in own.values()) - 2 * len(pairs)
-    if not pairs and not alone:
-        return "neither has an unstable band"
-    without = f"{alone} band{'' if alone == 1 else 's'} without a counterpart"
-    if not pairs:
-        return without
-    widest = max(
-        abs(float(one[f"band_{edge}"]) - float(two[f"band_{edge}"]))
-        for one, two in pairs
-        for edge in ("lower", "upper")
-    )
-    said = f"edges of bands by at most {abs(from_si(widest, unit)):.2g} {unit}"
-    return f"{said}, {without}" if alone else said
 
 
 def _fastest(bands: xr.Dataset, most: int) -> list[int]:
@@ -274,21 +253,29 @@ def _signatures(band: xr.Dataset) -> str:
 
 def _row(engine: str, band: xr.Dataset, unit: str) -> tuple[str, ...]:
     closing = float(band["band_closing_damping_ratio"])
+    errors = [edge_error(band, edge) for edge in ("lower", "upper")]
+    known = [from_si(error, unit) for error in errors if np.isfinite(error)]
     return (
         engine,
-        _short_name(band),
+        short_name(band),
         *_edges(band, unit),
-        f"{from_si(max(_edge_parts(band, edge).sum() for edge in ('lower', 'upper')), unit):.1g}",
+        f"{max(known):.1g}" if known else "cut by the range",
         f"{float(band['band_largest_growth_rate']):.3g}",
         f"{100 * closing:.3g} %" if np.isfinite(closing) else "-",
     )
 
 
-def _short_name(band: xr.Dataset) -> str:
-    """Frequencies that meet, such as ``"f1 + f3 = 11 f"``, with f of the crank."""
+def short_name(band: xr.Dataset) -> str:
+    """Frequencies that meet, such as ``"f1 + f3 = 11 f"``, with f of the crank.
+
+    Parameters
+    ----------
+    band : xarray.Dataset
+        At one band.
+    """
     kind, branches = str(band["band_kind"].item()), str(band["band_branches"].item()).split()
-    if kind == "unnamed" or not branches:
-        return "unnamed"
+    if not branches:
+        return kind if kind == "divergence" else "name uncertain"
     sign = "-" if kind == "difference" else "+"
     return f"f{branches[0]} {sign} f{branches[-1]} = {int(band['band_order'])} f"
 
@@ -300,11 +287,16 @@ def _edges(band: xr.Dataset, unit: str) -> tuple[str, str]:
     """
     scale = abs(from_si(1.0, unit))
     values = [from_si(float(band[f"band_{edge}"]), unit) for edge in ("lower", "upper")]
-    error = scale * max(_edge_parts(band, edge).sum() for edge in ("lower", "upper"))
+    errors = [scale * edge_error(band, edge) for edge in ("lower", "upper")]
+    error = max((each for each in errors if np.isfinite(each)), default=0.0)
     finest = max(min(error, abs(values[1] - values[0]) / 5), 1e-6 * max(map(abs, values)))
     decimals = int(np.clip(np.ceil(-np.log10(finest)), 0, 6))
-    lower, upper = (f"{value:.{decimals}f}" for value in values)
     opened = [bool(band[f"band_{edge}_open"]) for edge in ("lower", "upper")]
+    # Where the range cuts a band, its end is what was asked for.
+    lower, upper = (
+        plain(value) if cut else f"{value:.{decimals}f}"
+        for value, cut in zip(values, opened, strict=True)
+    )
     return f"{'< ' * opened[0]}{lower}", f"{'> ' * opened[1]}{upper}"
 
 
@@ -312,13 +304,30 @@ def _edge_parts(band: xr.Dataset, edge: str) -> np.ndarray[tuple[int], np.dtype[
     return np.array([float(band[f"band_{edge}_{part}_error"]) for part in PARTS])
 
 
+def edge_error(band: xr.Dataset, edge: str) -> float:
+    """Error of an edge in rad/s; not a number where the range of speeds cuts the band.
+
+    Parameters
+    ----------
+    band : xarray.Dataset
+        At one band.
+    edge : {"lower", "upper"}
+    """
+    if bool(band[f"band_{edge}_open"]):
+        return float("nan")
+    return float(_edge_parts(band, edge).sum())
+
+
 def _edge_error(bands: xr.Dataset, unit: str) -> str:
-    """Greatest error of all edges with its parts."""
+    """Greatest error of all edges that are not cut with its parts."""
     edges = [
         _edge_parts(bands.isel(band=n), edge)
         for n in range(bands.sizes["band"])
         for edge in ("lower", "upper")
+        if np.isfinite(edge_error(bands.isel(band=n), edge))
     ]
+    if not edges:
+        return ""
     worst = from_si(1.0, unit) * max(edges, key=lambda parts: float(parts.sum()))
     parts = ", ".join(
         f"{n} {e:.1g}" for n, e in zip(("steps", "moving modes", "mesh"), worst, strict=True)
@@ -332,16 +341,35 @@ def _multiplier_error(own: xr.Dataset, engine: object) -> str:
     if checks.sizes["check"]:
         unit = speed_unit(own)
         speeds = ", ".join(speed_text(w, unit) for w in checks["check_speed"].values)
-        reduction, mesh, theory, growth = (
-            f"{float(checks[f'check_{name}'].max()):.0e}"
-            for name in ("reduction", "mesh", "theory", "growth")
-        )
-        said += (
-            f"; at {speeds} {unit} exponents at most {reduction} of themselves by the number of "
-            f"moving modes, {mesh} by the mesh (estimated) and {theory} by the beam theory, the "
-            f"logarithm of the largest modulus {growth}"
-        )
+        greatest = {name: float(checks[f"check_{name}"].max()) for name in (*CHECKS, "growth")}
+        parts = [
+            f"{greatest[name]:.0e}{of} by the {words}{how}"
+            for (name, words), of, how in zip(
+                CHECKS.items(), (" of themselves", "", ""), ("", " (estimated)", ""), strict=True
+            )
+            if np.isfinite(greatest[name])
+        ]
+        told = " and ".join(filter(None, (", ".join(parts[:-1]), *parts[-1:])))
+        said += f"; at {speeds} {unit} exponents at most {told}" if told else ""
+        if np.isfinite(greatest["growth"]):
+            said += f", the logarithm of the largest modulus {greatest['growth']:.0e}"
     return said
+
+
+def unknown_error_lines(dataset: xr.Dataset) -> list[str]:
+    """Errors of exponents that are not known, and where: a line for each engine and cause."""
+    unit, lines = speed_unit(dataset), []
+    for name in dataset["engine"].values:
+        checks = dataset.isel(check=np.flatnonzero(dataset["check_engine"].values == name))
+        for part, words in CHECKS.items():
+            missing = checks["check_speed"].values[np.isnan(checks[f"check_{part}"].values)]
+            if missing.size:
+                where = ", ".join(speed_text(w, unit) for w in missing)
+                lines.append(
+                    f"the error by the {words} is not known at {where} {unit} ({name}): its "
+                    "equilibrium ends there"
+                )
+    return lines
 
 
 def _runs(own: xr.Dataset) -> Iterator[list[int]]:
@@ -353,7 +381,13 @@ def _runs(own: xr.Dataset) -> Iterator[list[int]]:
             yield list(group)
 
 
-def _within(dataset: xr.Dataset) -> str:
+def within(dataset: xr.Dataset) -> str:
+    """Range of the crank speeds of a map, with a blank before it.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+    """
     unit, speeds = speed_unit(dataset), dataset["crank_speed"].values
     first, last = (speed_text(w, unit) for w in speeds[[0, -1]])
     return f" from {first} to {last} {unit}" if len(speeds) > 1 else f" at {first} {unit}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,8 +10,10 @@ import pandas as pd
 
 from flexmech import plots
 from flexmech.analyses.datasets import table_of
+from flexmech.analyses.digits import Quantity
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
+from flexmech.arrays import ROUND_OFF
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -47,18 +50,45 @@ class CrankRockerSynthesis(Result):
     def summary(self) -> Summary:
         """Proportions, and what the linkage made of them has, computed back from its lengths."""
         data = self.dataset
-        ratios = data["ratio"].to_series().drop("ground").items()
-        least, greatest = np.degrees(data["transmission_angle_limit"].values)
-        lines = [
-            ", ".join(f"{link} {ratio:.4f}" for link, ratio in ratios) + " of the ground",
-            f"check: transmission angle {least:.6g} to {greatest:.6g} deg, rocker at "
-            f"{np.degrees(data['rocker_angle'].item()):.6g} deg at crank angle 0",
-            f"Grashof class: {data.attrs['grashof_class']}; the rocker swings through "
-            f"{np.degrees(data['rocker_swing'].item()):.5g} deg, time ratio "
-            f"{data['time_ratio'].item():.4g}",
+        least, greatest = np.degrees(data["transmission_angle_limit"].values).tolist()
+        wanted = np.degrees([data.attrs["wanted_least"], data.attrs["wanted_greatest"]])
+        gap = float(np.abs(np.array([least, greatest]) - wanted).max())
+        answer = [
+            ", ".join(f"{link} {ratio:.4f}" for link, ratio in self._ratios())
+            + f" of the ground: {data.attrs['grashof_class']} with transmission angles of "
+            f"{least:.4g} to {greatest:.4g} deg.",
+            f"The rocker swings through {np.degrees(data['rocker_swing'].item()):.4g} deg, "
+            f"with a time ratio of {data['time_ratio'].item():.4g}.",
         ]
+        answer[0] = f"{answer[0][0].upper()}{answer[0][1:]}"
         if "length" in data:
             lengths = data["length"].to_series().items()
             table = [f'{link} = "{1e3 * length:.6g} mm"' for link, length in lengths]
-            lines += ["", "[linkage]", 'kind = "four-bar"', *table, ""]
-        return Summary(tuple(lines))
+            # It is what was asked for by the length of the ground.
+            answer.append("\n".join(["", "[linkage]", 'kind = "four-bar"', *table, ""]))
+        return Summary(
+            tuple(answer),
+            None,
+            f"check: computed back from the lengths, what was wanted is met within {gap:.1e} deg",
+            (
+                f"check: transmission angle {least:.6g} to {greatest:.6g} deg, rocker at "
+                f"{np.degrees(data['rocker_angle'].item()):.6g} deg at crank angle 0",
+            ),
+            numbers=tuple(self._numbers()),
+        )
+
+    def _ratios(self) -> list[tuple[str, float]]:
+        """Lengths over that of the ground."""
+        ratios = self.dataset["ratio"].to_series().drop("ground").items()
+        return [(str(link), float(ratio)) for link, ratio in ratios]
+
+    def _numbers(self) -> Iterator[Quantity]:
+        data = self.dataset
+        for link, ratio in self._ratios():
+            yield Quantity("ratio", ratio, "", ROUND_OFF, link)
+        limits = np.degrees(data["transmission_angle_limit"].values).tolist()
+        for name, value in zip(("least", "greatest"), limits, strict=True):
+            yield Quantity(f"{name}_transmission_angle", value, "deg", ROUND_OFF * value)
+        swing = float(np.degrees(data["rocker_swing"].item()))
+        yield Quantity("rocker_swing", swing, "deg", ROUND_OFF * swing, "rocker")
+        yield Quantity("time_ratio", data["time_ratio"].item(), "", ROUND_OFF)

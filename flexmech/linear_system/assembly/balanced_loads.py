@@ -16,7 +16,12 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.joints.position_errors import LESS_LOADED, refuse_positions
+from flexmech.linear_system.joints.position_errors import (
+    LESS_LOADED,
+    BucklingError,
+    EquilibriumError,
+    refuse_positions,
+)
 from flexmech.linear_system.links.chains import LinkMatrix, whole
 from flexmech.linear_system.links.displaced_inertia import DisplacedInertia
 from flexmech.linear_system.links.link_model import LinkModel
@@ -135,6 +140,7 @@ def balanced_loads(
         f": they still change by {float((load_change / size).max()):.3g} of the greatest after "
         f"{MOST_PASSES} passes; use softer springs, smaller loads or a lower crank speed, or "
         "prestress 'axial'",
+        EquilibriumError,
     )
     return BalancedLoads(_sum(loads, force), moved)
 
@@ -202,6 +208,7 @@ def _refuse_instability(motion: RigidMotion, stiffness: FloatArray) -> None:
         "the linkage buckles: the inertia forces and springs on its displaced links",
         f" grow faster with the displacement than the links' own forces; {LESS_LOADED} or stiffen "
         "the links",
+        BucklingError,
     )
 
 
@@ -280,6 +287,7 @@ def refuse_large_displacements(
             f"the {link.name} is displaced by {100 * farthest[too_far.argmax()]:.3g} % of its "
             "length",
             f": that equilibrium is not near the rigid linkage; {LESS_LOADED} or stiffen the links",
+            EquilibriumError,
         )
 
 

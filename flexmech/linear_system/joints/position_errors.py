@@ -49,6 +49,14 @@ class RefusedPositionsError(ComputationError):
         self.crank_speeds = none if crank_speeds is None else crank_speeds
 
 
+class BucklingError(RefusedPositionsError):
+    """The equilibrium is statically unstable."""
+
+
+class EquilibriumError(RefusedPositionsError):
+    """No equilibrium is found."""
+
+
 def refuse_positions(
     motion: RigidMotion,
     refused: NDArray[np.bool_],

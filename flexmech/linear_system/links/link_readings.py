@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from flexmech.arrays import SAME_PLACE, FloatArray
-from flexmech.mesh import middle_curvature, shapes_at, station_shapes
+from flexmech.mesh import curvature_at, shapes_at, station_shapes
 
 # Of the shortest element: the slope of a cubic is off by the square of it, the difference of its
 # deflections by round-off over it, both 1e-8 or less.
@@ -32,7 +32,7 @@ class LinkReadings:
         Which of a node's coordinates is its slope or rotation.
     deflection : int, optional
         Which is its deflection, where the slope is that of the axis; see
-        :func:`flexmech.mesh.middle_curvature`.
+        :func:`flexmech.mesh.curvature_at`.
     basis : ndarray, shape (n_full, n), optional
         From a reduced link's coordinates to those of the nodes.
     element_maps : ndarray, shape (k - 1, 2 per_node, 2 per_node), optional
@@ -56,9 +56,13 @@ class LinkReadings:
     @cached_property
     def curvature(self) -> FloatArray:
         """Bending curvature in the middle of the link, (n,)."""
-        return self._reduced(
-            middle_curvature(self.nodes, self.per_node, self.slope, self.deflection)
-        )
+        (middle,) = self.curvatures_at(self.nodes[-1:] / 2)
+        return np.asarray(middle)
+
+    def curvatures_at(self, places: FloatArray) -> FloatArray:
+        """Bending curvature at places (s,) in m from the link's start, (s, n)."""
+        mesh = self.nodes, self.per_node, self.slope, self.deflection
+        return self._reduced(np.stack([curvature_at(place, *mesh) for place in places.tolist()]))
 
     def displacement_at(self, fraction: FloatArray) -> FloatArray:
         """Displacement along and across at fractions (s,) of the link's length, (s, 2, n)."""

@@ -14,7 +14,8 @@ from flexmech.errors import InputError
 from flexmech.linkages.fourbar import FourBar
 from flexmech.linkages.motion import RigidMotion, cross, direction
 from flexmech.model_text import TomlTable, fields_table, short_repr
-from flexmech.units import ANGLE, LENGTH
+from flexmech.plausible import check_plausible, of_dimension
+from flexmech.units import ANGLE, LENGTH, parse_quantity
 from flexmech.validation import POSITIVE, check_angle, check_instance, check_number
 
 # Number of the coupler among the links of a four-bar.
@@ -79,6 +80,39 @@ class CouplerPoint:
                 f"{self.distance} m; for the other side of the pin turn the angle by 180 deg"
             )
         check_angle(self.angle, "angle of the coupler point")
+
+    @classmethod
+    def parse(cls, text: str) -> CouplerPoint:
+        """Read a point as a user writes it, such as ``"33 mm,320 deg"``.
+
+        Parameters
+        ----------
+        text : str
+            Distance and angle, each with its unit.
+
+        Returns
+        -------
+        CouplerPoint
+
+        Raises
+        ------
+        InputError
+            If it is anything else.
+        """
+        parts = [part.strip() for part in text.split(",")]
+        try:
+            if len(parts) != 2:
+                raise InputError(f"got {text!r}, which has {len(parts)} parts")
+            dimensions = (LENGTH, ANGLE)
+            distance, angle = map(parse_quantity, parts, dimensions)
+            for value, part, dimension in zip((distance, angle), parts, dimensions, strict=True):
+                if (sizes := of_dimension(dimension)) is not None:
+                    check_plausible(value, part, sizes)
+            return cls(distance, angle)
+        except InputError as error:
+            raise InputError(
+                f'{error}; write distance and angle, each with its unit, as in "33 mm,320 deg"'
+            ) from error
 
     @property
     def place(self) -> FloatArray:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
-from flexmech.errors import InputError
+from flexmech.errors import AssemblyError, InputError, LockingError
 from flexmech.linkages.body_motion import BodyPoint
 from flexmech.linkages.constraints import Coincidence, PointOnLine
 from flexmech.linkages.planar.drawing import Drawing
@@ -203,7 +203,8 @@ class Refusal:
         """
         if np.any(where):
             place = self.first(where, angle)
-            raise InputError(SAID[cause].format(angle=place, links=self.links, joint=self.joint))
+            error = AssemblyError if cause == "apart" else LockingError
+            raise error(SAID[cause].format(angle=place, links=self.links, joint=self.joint))
 
     def first(self, where: NDArray[np.bool_], angle: FloatArray) -> str:
         """First of the crank angles in a set, as text."""

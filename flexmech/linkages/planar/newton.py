@@ -16,7 +16,7 @@ import scipy
 from numpy.typing import NDArray
 
 from flexmech.arrays import ROUND_OFF, FloatArray
-from flexmech.errors import ComputationError, InputError
+from flexmech.errors import AssemblyError, ComputationError, InputError
 from flexmech.linkages.body_motion import BodyMotion
 from flexmech.linkages.constraints import Constraints
 from flexmech.linkages.motion import LOCKING_SINE
@@ -213,7 +213,7 @@ class NewtonGroup:
         for beyond, end in ends:
             if np.any(beyond):
                 refusal = self.refusal(path.locks[end])
-                raise InputError(
+                raise AssemblyError(
                     f"the linkage cannot be assembled at crank angle "
                     f"{refusal.first(beyond, angle)}: from the drawing on it locks at crank angle "
                     f"{degrees(refusal.drawn_at + path.angle[end])}, where {refusal.links} are in "

@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from flexmech.errors import InputError
+from flexmech.errors import InputError, LockingError
 from flexmech.linkages.planar.bodies import (
     CRANK,
     GROUND_BODY,
@@ -124,7 +124,7 @@ class _Order:
             else:
                 joint = joints[-1].point
             names = ", ".join(self.bodies.name(body) for body in group)
-            raise InputError(
+            raise LockingError(
                 f"{names}: the chain is redundant at joint {joint}, at crank angle "
                 f"{degrees(self.drawn_at)} as drawn: it is held by more joints than it needs and "
                 "locks; remove a link or a joint there"

@@ -33,8 +33,10 @@ MASS_COLOR = "0.45"
 # Of marks of masses and bodies over those in a picture of one linkage, where several are beside
 # each other.
 SMALL = 0.6
-# Area of the greatest point mass's mark in square points: ten points wide, more hides the links.
-LARGEST_MARK = 110.0
+# Area of the greatest point mass's mark in square points: twelve points wide, more hides links.
+LARGEST_MARK = 144.0
+# Of a point mass's mark at least: a ring of it is seen around the marks of pins and welds.
+LEAST_MARK = 64.0
 # Width of a rigid link over that of one that bends: told from it where both are thin.
 THICK = 1.9
 
@@ -302,7 +304,7 @@ class LinkageSketch(Posture):
         return found
 
     def _masses(self) -> list[Symbol]:
-        """Attached bodies, and point masses as discs whose areas are as the masses."""
+        """Attached bodies, and point masses as discs with areas as the masses, if not small."""
         color: Look = {"color": self.mass_color}
         found = []
         for body in self.parts.bodies:
@@ -310,7 +312,8 @@ class LinkageSketch(Posture):
             found += symbols.body(place, centre, color, self.mark_size)
         largest = max((mass["kg"] for mass in self.parts.masses), default=0.0)
         for mass in self.parts.masses:
-            size = self.mark_size * float(np.sqrt(LARGEST_MARK * mass["kg"] / largest))
+            area = self.mark_size**2 * LARGEST_MARK * mass["kg"] / largest
+            size = float(np.sqrt(max(area, self.mark_size * LEAST_MARK)))
             look: Look = MASS | color | {"ms": size}
             found += symbols.marks("mass", [self.place(mass["at"])], look)
         return found

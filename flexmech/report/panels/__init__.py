@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from flexmech.analyses import CrankRockerSynthesis, SpeedSweep
-from flexmech.report.panel import Panel, PanelMaker, panel_of
+from flexmech.report.panel import Panel, PanelMaker, further_lines, panel_of
 from flexmech.report.panels.claims import claims_panel
+from flexmech.report.panels.designs import optimum_panel, sweep_panel, uncertainty_panel
 from flexmech.report.panels.frequencies import (
     campbell_panel,
     damping_panel,
@@ -30,11 +31,9 @@ def other_panel(results: Results) -> Panel | None:
     return panel_of(
         "further-results",
         source=", ".join(sources),
+        answer=tuple(line for one in said for line in one.answer),
         tables=tuple(table for one in said for table in one.tables),
-        lines=(
-            *(line for one in said for line in one.lines),
-            *(one.verdict for one in said if one.verdict),
-        ),
+        lines=tuple(line for one in said for line in further_lines(one)),
         warnings=tuple(warning for one in said for warning in one.warnings),
         titles=", ".join(each.title for each in found),
     )
@@ -55,6 +54,9 @@ PANELS: tuple[PanelMaker, ...] = (
     section_panel,
     moisture_panel,
     mechanism_panel,
+    optimum_panel,
+    sweep_panel,
+    uncertainty_panel,
     claims_panel,
     other_panel,
 )

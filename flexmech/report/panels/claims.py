@@ -58,7 +58,7 @@ def claims_panel(result: CompositeStudy, results: Results) -> panel.Panel:
         "claims",
         plots=(plot,),
         tables=(*said.tables, table),
-        lines=(said.verdict,),
+        lines=(said.trust,),
         first=names[0],
         source=f"{data.attrs['source']}; bending of linear beams",
     )

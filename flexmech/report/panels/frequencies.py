@@ -8,6 +8,8 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses import CampbellDiagram, MovingFrequencies, StabilityMap, Table
+from flexmech.analyses.digits import decimals_of, with_error
+from flexmech.analyses.frequencies.damping import error_of_damping
 from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.arrays import FloatArray
 from flexmech.plots.campbell import critical_stretches
@@ -17,11 +19,9 @@ from flexmech.plots.style import series_style
 from flexmech.report import panel
 from flexmech.report.results import (
     Results,
-    decimals_of,
     speed_name,
     speed_unit_of,
     state_of,
-    with_error,
 )
 from flexmech.units import from_si
 
@@ -51,7 +51,7 @@ def frequency_panel(result: MovingFrequencies, results: Results) -> panel.Panel:
         result.summary(),
         plots=(_plot(result, unit, "frequency"),),
         readings=tuple(_readings(result, unit)),
-        tables=_tables(result, unit),
+        folded=_tables(result, unit),
         stress=STRESSES[str(attrs["prestress"])],
         terms=_terms(str(attrs.get("rotation_terms", "off"))),
     )
@@ -149,11 +149,8 @@ def _readings(result: MovingFrequencies, unit: str) -> list[panel.Reading]:
 
 def _damping_error(data: xr.Dataset, variable: str, engine: str, speed: float, mode: int) -> float:
     """Absolute error of a damping ratio, greatest of the turn; not a number if not known."""
-    names = [f"damping_ratio_{cause}_error" for cause in ("discretisation", "reduction")]
-    if variable != "damping_ratio" or not set(names) <= set(data):
-        return float("nan")
     where = {"engine": engine, "crank_speed": speed, "mode": mode}
-    return sum(float(np.nanmax(data[name].sel(where).values)) for name in names)
+    return float(error_of_damping(data, variable).sel(where))
 
 
 def _tables(result: MovingFrequencies, unit: str) -> tuple[Table, ...]:
@@ -201,7 +198,7 @@ def campbell_panel(result: CampbellDiagram, results: Results) -> panel.Panel:
     )
     of = {"engine": names_of(data, "engine")[0], "state": state_of(data.attrs)}
     table = _critical_table(data, unit)
-    return panel.panel_of("campbell", result.summary(), plots=(plot,), tables=(table,), **of)
+    return panel.panel_of("campbell", result.summary(), plots=(plot,), folded=(table,), **of)
 
 
 @panel.shows(StabilityMap)
@@ -276,15 +273,43 @@ def _rays(data: xr.Dataset, unit: str) -> list[panel.Trace]:
     ends = np.array([min(speed.min(), 0.0), 0.0, max(speed.max(), 0.0)])
     top = 1.06 * float(np.nanmax(data["highest_frequency"].values))
     traces: list[panel.Trace] = []
+    labelled = _labelled(data["order"].values.tolist(), float(np.abs(ends).max()), top)
     for order in data["order"].values.tolist():
         # Rays end where the bands do: beyond there is nothing to meet.
         most = min(float(np.abs(ends).max()), 2 * np.pi * top / order)
         along = np.clip(ends, -most, most)
         x, y = from_si(1.0, unit) * along, order * np.abs(along) / (2 * np.pi)
         name = f"order {order}" if traces else "order of the crank"
-        ray = panel.Trace(name, x, y, panel.GREY, width=0.8, legend=not traces, label=f"{order}×")
+        ray = panel.Trace(name, x, y, panel.GREY, width=0.8, legend=not traces)
+        if order in labelled:
+            ray = replace(ray, label=f"{order}×")
         traces.append(ray)
     return traces
+
+
+# Least distance of two labels of orders, as a part of the axes: height and width of their letters.
+_APART = 0.05
+
+
+def _labelled(orders: list[int], fastest: float, top: float) -> set[int]:
+    """Orders whose labels stand clear of each other, from the highest on.
+
+    Parameters
+    ----------
+    orders : list of int
+    fastest : float
+        Greatest crank speed in rad/s.
+    top : float
+        Highest frequency of the axes in Hz.
+    """
+    kept: dict[int, tuple[float, float]] = {}
+    for order in sorted(orders, reverse=True):
+        # A ray ends at the right edge, or where it leaves the axes at their top.
+        along = min(1.0, 2 * np.pi * top / (order * fastest)) if fastest else 1.0
+        place = along, order * along * fastest / (2 * np.pi * top)
+        if all(max(abs(place[n] - other[n]) for n in (0, 1)) > _APART for other in kept.values()):
+            kept[order] = place
+    return set(kept)
 
 
 def _critical(data: xr.Dataset, unit: str) -> list[panel.Trace]:

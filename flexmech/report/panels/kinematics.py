@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses import CouplerPaths, Kinematics, ModelCheck
+from flexmech.analyses import CouplerPaths, Kinematics, ModelCheck, Table
 from flexmech.arrays import FloatArray
+from flexmech.plots.motion import KINDS, MOST_POINTS, drawn_points, motion_lines
 from flexmech.plots.reading import degrees, names_of
 from flexmech.report import panel
 from flexmech.report import results as words
@@ -16,25 +17,34 @@ from flexmech.report.results import Results
 
 
 def kinematics_panel(results: Results) -> panel.Panel | None:
-    """Angular velocities and accelerations, sizes of joint forces, torque and power.
+    """Motion of links and points, sizes of joint forces, torque and power.
 
     Of several speeds those at the one that the reader has chosen.
     """
     found = results.of_kind(Kinematics)
     if not found:
         return None
-    motion, forces, lines = list[panel.Trace](), list[panel.Trace](), list[str]()
+    motion, moved, forces = (list[panel.Trace]() for _ in range(3))
+    answer, lines, warnings = list[str](), list[str](), list[str]()
+    tables, folded = list[Table](), list[Table]()
     links, joints = (names_of(found[0].dataset, what) for what in ("link", "joint"))
+    points = drawn_points(found[-1].dataset)[:MOST_POINTS]
     for result in found:
         data = result.dataset
         speed = words.speed_name(float(data.attrs["crank_speed"]), words.speed_unit_of(results))
         when = {"speed": speed} if len(found) > 1 else {}
         angle = degrees(data["crank_angle"])
         motion += _motion(data, angle, links, when)
+        moved += _moved(data, angle, points, when)
         forces += _forces(data, angle, when)
         at = f"{speed}: " if len(found) > 1 else ""
-        lines += [f"{at}{line}" for line in result.summary().lines]
-    plots = (
+        said = result.summary()
+        answer += [f"{at}{line}" for line in said.answer]
+        lines += [f"{at}{line}" for line in panel.further_lines(said)]
+        tables += said.tables[:1]
+        folded += said.tables[1:]
+        warnings += [f"{at}{warning}" for warning in said.warnings]
+    shown = [
         panel.over_angle(
             "link-motion",
             (panel.YAxis("velocity (rad/s)"), panel.YAxis("acceleration (rad/s²)")),
@@ -44,9 +54,47 @@ def kinematics_panel(results: Results) -> panel.Panel | None:
             title="Angular velocity and acceleration",
         ),
         forces_plot("rigid-forces", joints, forces, "over the crank angle, rigid links"),
+    ]
+    if points:
+        shown.insert(1, _points_plot(points, moved))
+    return panel.panel_of(
+        "kinematics",
+        answer=tuple(answer),
+        plots=tuple(shown),
+        tables=tuple(tables),
+        folded=tuple(folded),
+        lines=tuple(lines),
+        warnings=tuple(warnings),
     )
-    tables = tuple(table for result in found for table in result.summary().tables)
-    return panel.panel_of("kinematics", plots=plots, tables=tables, lines=tuple(lines))
+
+
+def _points_plot(points: list[str], traces: list[panel.Trace]) -> panel.Plot:
+    """Position, velocity and acceleration of sliders along their lines, of points along x and y."""
+    units = ("mm", "m/s", "m/s²")
+    return panel.over_angle(
+        "point-motion",
+        tuple(
+            panel.YAxis(f"{name} ({unit})") for (name, *_), unit in zip(KINDS, units, strict=True)
+        ),
+        traces,
+        text=f"Position, velocity and acceleration of {', '.join(points)} over the crank angle",
+        height=480,
+        title="Position, velocity and acceleration of points",
+    )
+
+
+def _moved(
+    data: xr.Dataset, angle: FloatArray, points: list[str], when: panel.Choice
+) -> list[panel.Trace]:
+    """Each direction of a point in a style of its own, above each other."""
+    traces = []
+    for number, line in enumerate(motion_lines(data, points)):
+        for axis, (values, factor) in enumerate(zip(line.values, (1e3, 1.0, 1.0), strict=True)):
+            shown: dict[str, Any] = {"when": when, "followed": {}, "axis": axis}
+            shown["legend"] = axis == 0
+            name = f"{line.point} along {line.along}"
+            traces.append(panel.Trace(name, angle, factor * values, number, **shown))
+    return traces
 
 
 def forces_plot(name: str, joints: list[str], traces: list[panel.Trace], over: str) -> panel.Plot:
@@ -130,14 +178,15 @@ def coupler_panel(result: CouplerPaths, results: Results) -> panel.Panel:
         equal=True,
         height=420,
     )
-    return panel.panel_of("coupler-curve", result.summary(), plots=(plot,), tables=())
+    return panel.panel_of("coupler-curve", result.summary(), plots=(plot,))
 
 
 @panel.shows(ModelCheck)
 def mechanism_panel(result: ModelCheck, results: Results) -> panel.Panel:
     """Links, masses and operation in words and a table, and the transmission angle."""
     said, data, plots = result.summary(), result.dataset, list[panel.Plot]()
-    if "transmission_angle" in data:
+    variant = "transmission_angle" if "transmission_angle" in data else "drawn"
+    if variant in data:
         angle = degrees(data["crank_angle"])
         values = np.degrees(data["transmission_angle"].values.astype(float))
         traces = [panel.Trace("transmission angle", angle, values, followed={}, legend=False)]
@@ -147,4 +196,4 @@ def mechanism_panel(result: ModelCheck, results: Results) -> panel.Panel:
         text = "Transmission angle between coupler and rocker against crank angle"
         axes = (panel.YAxis("Transmission angle (deg)"),)
         plots.append(panel.over_angle("transmission-angle", axes, traces, text=text, height=260))
-    return panel.panel_of("mechanism", said, plots=tuple(plots), lines=said.lines)
+    return panel.panel_of("mechanism", said, variant, plots=tuple(plots))

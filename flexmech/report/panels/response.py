@@ -9,8 +9,9 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses import Response, Table
+from flexmech.analyses.digits import decimals_of, with_error
 from flexmech.arrays import FloatArray
-from flexmech.plots.reading import STARTS, names_of
+from flexmech.plots.reading import STARTS, bending_links, names_of
 from flexmech.report.last_turn import MOST_POINTS, LastTurn, over_a_turn
 from flexmech.report.panel import (
     FRAME_HEIGHT,
@@ -22,17 +23,16 @@ from flexmech.report.panel import (
     Reading,
     Trace,
     YAxis,
+    further_lines,
     over_angle,
     panel_of,
 )
 from flexmech.report.panels.kinematics import forces_plot
 from flexmech.report.results import (
     Results,
-    decimals_of,
     speed_name,
     speed_unit_of,
     state_of,
-    with_error,
 )
 
 
@@ -42,25 +42,29 @@ def response_panel(results: Results) -> Panel | None:
     if not runs:
         return None
     deflection, force, shaft = list[Trace](), list[Trace](), list[Trace]()
-    readings, lines, warnings, thinned = list[Reading](), list[str](), list[str](), list[str]()
+    links, joints = bending_links(runs[0].dataset), names_of(runs[0].dataset, "joint")
+    states = {state_of(run.dataset.attrs) for run in runs}
+    answer, readings, lines = list[str](), list[Reading](), list[str]()
+    warnings, thinned = list[str](), list[str]()
     for run in runs:
         data, said = run.dataset, run.summary()
         turn = over_a_turn(data["crank_angle"].values)
         speed = speed_name(float(data.attrs["crank_speed"]), unit)
         for engine in names_of(data, "engine"):
             shown = _Shown(data, turn, engine, _when(run, engine, unit))
-            deflection += _deflections(shown)
+            deflection += _deflections(shown, links)
             force += _forces(shown)
             shaft += _shaft(shown)
-            readings += _readings(run, shown)
-        lines += [f"{speed}: {line}" for line in (*said.lines, said.verdict)]
+            readings += _readings(run, shown, links)
+        at = f"{speed}, {state_of(data.attrs)}" if len(states) > 1 else speed
+        answer += [f"{at}: {line}" for line in said.answer]
+        lines += [f"{at}: {line}" for line in further_lines(said)]
         warnings += said.warnings
         if turn.left_out:
             thinned.append(
                 f"run at {speed}: {len(turn.angle)} of {turn.samples} samples of the last "
                 f"turn are kept, at most {MOST_POINTS} to a line"
             )
-    links, joints = (names_of(runs[0].dataset, what) for what in ("link", "joint"))
     plots = [
         over_angle(
             "deflection",
@@ -87,9 +91,10 @@ def response_panel(results: Results) -> Panel | None:
     begun = {STARTS[str(run.dataset.attrs["start"])] for run in runs}
     return panel_of(
         "response",
+        answer=tuple(answer),
         plots=tuple(plots),
         readings=tuple(readings),
-        tables=(_peak_table(runs, unit),),
+        tables=(_peak_table(runs, links, unit),),
         lines=tuple(lines),
         warnings=tuple(warnings),
         thinned=tuple(thinned),
@@ -106,7 +111,7 @@ def spectrum_panel(results: Results) -> Panel | None:
     runs, unit = results.of_kind(Response), speed_unit_of(results)
     if not runs:
         return None
-    links = names_of(runs[0].dataset, "link")
+    links = bending_links(runs[0].dataset)
     traces, at_orders = list[Trace](), False
     for run in runs:
         data = run.dataset
@@ -155,9 +160,9 @@ def _when(run: Response, engine: str, unit: str) -> Choice:
     return {"engine": engine, "state": state_of(run.dataset.attrs), "speed": speed}
 
 
-def _deflections(run: _Shown) -> list[Trace]:
-    deflection = 1e3 * run.own["deflection"].transpose("link", ...).values
-    named = enumerate(zip(names_of(run.data, "link"), deflection, strict=True))
+def _deflections(run: _Shown, links: list[str]) -> list[Trace]:
+    deflection = 1e3 * run.own["deflection"].sel(link=links).transpose("link", ...).values
+    named = enumerate(zip(links, deflection, strict=True))
     return [run.trace(link, values, number, number) for number, (link, values) in named]
 
 
@@ -193,11 +198,11 @@ def _shaft(run: _Shown) -> list[Trace]:
     ]
 
 
-def _readings(run: Response, shown: _Shown) -> list[Reading]:
+def _readings(run: Response, shown: _Shown, links: list[str]) -> list[Reading]:
     """Deflections, joint forces and torque with their errors, which are parts of the peaks."""
     own, errors = shown.own, run.errors().sel(engine=shown.engine)
     found: list[tuple[str, str, str, FloatArray, float]] = []
-    for link in names_of(own, "link"):
+    for link in links:
         values, at = 1e3 * own["deflection"].sel(link=link).values, {"link": link}
         error = 1e3 * float(own["peak_deflection"].sel(at)) * float(errors["deflection"].sel(at))
         found.append(("Deflection", link, "mm", values, error))
@@ -226,14 +231,14 @@ def _spectrum_points(
     return frequency[shown], amplitude[shown]
 
 
-def _peak_table(runs: list[Response], unit: str) -> Table:
+def _peak_table(runs: list[Response], links: list[str], unit: str) -> Table:
     rows: list[tuple[str, ...]] = []
     for run in runs:
         data, peaks = run.dataset, run.peaks()
         speed = speed_name(float(data.attrs["crank_speed"]), unit)
         for engine in names_of(data, "engine"):
             own, errors = peaks.sel(engine=engine), run.errors().sel(engine=engine)
-            of_links = [(link, {"link": link}) for link in names_of(data, "link")]
+            of_links = [(link, {"link": link}) for link in links]
             of_joints = [(joint, {"joint": joint}) for joint in names_of(data, "joint")]
             found = [("deflection", "deflection (mm)", 1e3, *each) for each in of_links]
             found += [("joint_force", "force (N)", 1.0, *each) for each in of_joints]

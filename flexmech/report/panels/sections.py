@@ -45,17 +45,16 @@ Kind = tuple[str, float]
 @shows(SectionProfiles)
 def section_panel(result: SectionProfiles, results: Results) -> Panel:
     """Stacks to scale, stress through the thickness under unit loads, and properties."""
-    said, check = result.summary(), results.first(ModelCheck)
+    check = results.first(ModelCheck)
     drawings: tuple[tuple[str, str], ...] = ()
     if check is not None and "layer_low" in check.dataset:
         drawings = stack_drawings(check.dataset)
     return panel_of(
         "sections",
-        said,
+        result.summary(),
         plots=tuple(_plot(result, link, n) for n, link in enumerate(result.links_with_layers)),
         drawings=drawings,
-        tables=tuple(property_table(result.dataset.sel(link=link)) for link in result.links),
-        lines=said.lines,
+        folded=tuple(property_table(result.dataset.sel(link=link)) for link in result.links),
         thinned=(
             "sections: stresses of every layer are drawn; their tables are what flexmech section "
             "writes to through_thickness.csv",

@@ -121,6 +121,14 @@
     }
   }
 
+  // A screen that is not narrow has room for all that the answers say.
+  if (window.innerWidth > 900) {
+    for (const each of document.querySelectorAll(".answer details")) {
+      each.open = true;
+      each.classList.add("whole");
+    }
+  }
+
   makeTheme();
   makeControls();
   makeLinkage();

@@ -62,7 +62,8 @@
     const plot = { spec, host, cursors: element("svg", { class: "cursors" }, null), dots: [] };
     const drawn = Plotly.newPlot(host, spec.traces.map(plotlyTrace), plotlyLayout(spec, host.clientWidth),
       { displaylogo: false, responsive: false, displayModeBar: "hover", scrollZoom: false,
-        modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] });
+        // Nothing of a page leaves the machine that it is read on.
+        modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d", "sendChartToCloud"] });
     host.append(plot.cursors);
     plot.line = element("line", { visibility: "hidden" }, plot.cursors);
     plot.nothing = document.createElement("p");

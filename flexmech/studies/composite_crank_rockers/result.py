@@ -10,9 +10,17 @@ import pandas as pd
 from flexmech import plots
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
-from flexmech.studies.claim import REPRODUCED_WITHIN, SPREADS, Claim, claim_lines, count_of_verdicts
+from flexmech.studies.claim import (
+    REPRODUCED_WITHIN,
+    SPREADS,
+    Claim,
+    claim_lines,
+    claim_table,
+    verdict_numbers,
+    verdict_sentences,
+)
 from flexmech.studies.composite_crank_rockers.claims import composite_claims
-from flexmech.studies.composite_crank_rockers.linkages import composite_model_files
+from flexmech.studies.composite_crank_rockers.linkages import composite_model_files, stored_table
 from flexmech.studies.composite_crank_rockers.tables import (
     frequency_table,
     property_frame,
@@ -100,7 +108,7 @@ class CompositeStudy(Result):
         }
 
     def summary(self) -> Summary:
-        """Ratios beside the printed ones, every claim, and how many are reproduced."""
+        """What became of the claims and conclusions, every claim, and ratios beside the printed."""
         claims = self.claims()
         lines = (
             *claim_lines(claims),
@@ -115,7 +123,13 @@ class CompositeStudy(Result):
             running_table(self.dataset),
             *ratio_tables(self.dataset),
         )
-        return Summary((*tables, *lines), count_of_verdicts(claims))
+        return Summary(
+            verdict_sentences(claims, stored_table("claims.toml")["conclusions"]),
+            claim_table(claims),
+            f"a number is reproduced within {100 * REPRODUCED_WITHIN:g} % or twice its uncertainty",
+            (*tables, *lines),
+            numbers=verdict_numbers(claims),
+        )
 
     def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
         """Draw the frequency of each laminate over that of C1, by model and as published."""

@@ -1,18 +1,53 @@
-"""From ``--engine``, ``--element`` and ``--elements`` to engines."""
+"""Engines by their names, and those of mechanisms that are given where an engine can be.
+
+Analyses know no engine but by its contract; here alone one is chosen for somebody who did not.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from flexmech import choices
+from flexmech.choices import EngineName
 from flexmech.errors import InputError
-
-if TYPE_CHECKING:
-    from flexmech.linear_system import Engine
-    from flexmech.mechanism import Mechanism
+from flexmech.linear_system import Engine
+from flexmech.mechanism import Mechanism
 
 
-def make_engines(
+def engine_kind(name: EngineName) -> type[Engine]:
+    """Class of an engine; Exudyn is loaded only if it is chosen.
+
+    Parameters
+    ----------
+    name : {"reference", "exudyn"}
+
+    Returns
+    -------
+    type
+    """
+    if name == "reference":
+        from flexmech.reference import ReferenceEngine
+
+        return ReferenceEngine
+    from flexmech.multibody import ExudynEngine
+
+    return ExudynEngine
+
+
+def engine_for(value: Engine | Mechanism, name: EngineName = "reference") -> Engine:
+    """The engine of a mechanism; whatever else is given stays as it is.
+
+    Parameters
+    ----------
+    value : Engine or Mechanism
+    name : {"reference", "exudyn"}
+
+    Returns
+    -------
+    Engine
+    """
+    return engine_kind(name)(value) if isinstance(value, Mechanism) else value
+
+
+def chosen_engines(
     mechanism: Mechanism,
     engine: choices.EngineChoice,
     element: choices.ElementName | None = None,
@@ -58,20 +93,9 @@ def make_engines(
         )
     engines: list[Engine] = []
     for name in chosen:
-        kind = _engine_kind(name)
+        kind = engine_kind(name)
         its_element = None if element is None else kind.element_like(element)
         its_mass = mass if name == "reference" else "distributed"
         count = elements or choices.ELEMENTS_A_LINK
         engines.append(kind(mechanism, count, its_element, shaft=shaft, mass=its_mass))
     return engines
-
-
-def _engine_kind(name: choices.EngineName) -> type[Engine]:
-    """Class of an engine; Exudyn is loaded only if it is chosen."""
-    if name == "reference":
-        from flexmech.reference import ReferenceEngine
-
-        return ReferenceEngine
-    from flexmech.multibody import ExudynEngine
-
-    return ExudynEngine

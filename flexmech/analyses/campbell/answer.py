@@ -1,0 +1,353 @@
+"""What a Campbell diagram answers: whether a speed is clear of the crank's orders."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses.campbell.crossings import ray
+from flexmech.analyses.digits import Quantity, rounded
+from flexmech.analyses.remarks import speed_text, speed_unit
+from flexmech.analyses.summary import Table
+from flexmech.analyses.trust import trust_line
+from flexmech.arrays import FloatArray
+from flexmech.plots.reading import merged
+from flexmech.units import from_si
+
+PARTS = ("lowest_frequency", "mean_frequency", "highest_frequency")
+# Operating speeds that have a sentence each; of more the greatest has, and the others share one.
+_MOST_TOLD = 2
+# Ranges that one sentence can list.
+_MOST_LISTED = 4
+# Speeds of a range that a cubic curve needs.
+_CUBIC = 4
+# A speed meets the range of an order by which the range itself changes: few steps settle it.
+_STEPS = 8
+
+
+@dataclass(frozen=True)
+class CriticalRange:
+    """Speeds at which an order meets a branch of the first engine.
+
+    Parameters
+    ----------
+    order, branch : int
+        Counted from 1.
+    start, end : float
+        In rad/s, the smaller first.
+    is_cut : tuple of bool
+        Whether the diagram begins or ends inside of the range, so that its own end is beyond.
+    error : float
+        Relative, of an end that is not cut.
+    """
+
+    order: int
+    branch: int
+    start: float
+    end: float
+    is_cut: tuple[bool, bool]
+    error: float
+
+    @property
+    def end_errors(self) -> tuple[float, float]:
+        """Of start and end in rad/s; not a number where the range is cut."""
+        ends = zip((self.start, self.end), self.is_cut, strict=True)
+        first, last = (math.nan if cut else abs(end) * self.error for end, cut in ends)
+        return first, last
+
+
+def operating_speeds(dataset: xr.Dataset) -> list[float]:
+    """Operating speeds of the model file among the speeds of the diagram, in rad/s."""
+    named = [float(speed) for speed in str(dataset.attrs.get("operating_speeds", "")).split()]
+    low, high = np.sort(dataset["crank_speed"].values[[0, -1]])
+    # What went through another unit may be off by its last digits.
+    slack = 1e-9 * max(abs(low), abs(high))
+    return [speed for speed in named if low - slack <= speed <= high + slack]
+
+
+def answer(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Whether the operating speeds are clear of the orders, and which speeds to avoid."""
+    speeds = sorted(operating_speeds(dataset), key=abs, reverse=True)
+    told = len(speeds) if len(speeds) <= _MOST_TOLD else 1
+    sentences = [_at_speed(dataset, speed) for speed in speeds[:told]]
+    sentences += [_at_others(dataset, speeds[told:])] if speeds[told:] else []
+    return (*sentences, _speeds_to_avoid(dataset))
+
+
+def numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
+    """Ends of all critical ranges of speed, and frequencies at the greatest operating speed."""
+    unit, found = speed_unit(dataset), list[Quantity]()
+    for met in critical_ranges(dataset):
+        of = f"order {met.order}, branch {met.branch}"
+        ends = zip(("from", "to"), (met.start, met.end), met.end_errors, strict=True)
+        found += [
+            Quantity(
+                f"critical_speed_{name}", from_si(end, unit), unit, abs(from_si(error, unit)), of
+            )
+            for name, end, error in ends
+        ]
+    for speed in sorted(operating_speeds(dataset), key=abs)[-1:]:
+        for branch in range(dataset.sizes["branch"]):
+            bands, errors = band_at(dataset, speed, branch)
+            found += [
+                Quantity(f"{part}_at_operating_speed", value, "Hz", away, f"branch {branch + 1}")
+                for part, value, away in zip(PARTS, bands.tolist(), errors.tolist(), strict=True)
+                if math.isfinite(value)
+            ]
+    return tuple(found)
+
+
+def band_table(dataset: xr.Dataset) -> Table:
+    """Frequencies at the greatest operating speed, or at the greatest speed of the diagram."""
+    unit = speed_unit(dataset)
+    speeds = operating_speeds(dataset) or dataset["crank_speed"].values.tolist()
+    speed = max(speeds, key=abs)
+    rows = []
+    for branch in range(dataset.sizes["branch"]):
+        bands, errors = band_at(dataset, speed, branch)
+        cells = (rounded(*pair) for pair in zip(bands, errors, strict=True))
+        rows.append((f"f{branch + 1}", *cells))
+    return Table(
+        f"natural frequencies at {speed_text(speed, unit)} {unit}, "
+        f"{dataset.attrs.get('mechanism', '')}",
+        ("branch", "lowest Hz", "mean Hz", "highest Hz"),
+        (tuple(rows),),
+        caption="over the turn; no order meets a branch among the speeds asked for",
+    )
+
+
+def band_at(dataset: xr.Dataset, speed: float, branch: int) -> tuple[FloatArray, FloatArray]:
+    """Lowest, mean and highest frequency of a branch at a speed, by the first engine.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of the diagram.
+    speed : float
+        Crank speed in rad/s.
+    branch : int
+        Counted from 0.
+
+    Returns
+    -------
+    values, errors : ndarray, shape (3,)
+        Hz; errors by mesh and fit, and between the speeds by what a cubic curve makes of it.
+    """
+    own = dataset.isel(engine=0, branch=branch)
+    speeds = dataset["crank_speed"].values
+    values = np.stack([own[part].values for part in PARTS])
+    known = np.isfinite(values).all(axis=0)
+    if not known.any():
+        return np.full(3, np.nan), np.full(3, np.nan)
+    at, values = speeds[known], values[:, known]
+    straight = np.array([np.interp(speed, at, row) for row in values])
+    curved = straight
+    if len(at) >= _CUBIC:
+        from scipy.interpolate import CubicSpline
+
+        curved = np.asarray(CubicSpline(at, values, axis=1)(np.clip(speed, at[0], at[-1])))
+    return curved, _error(dataset, branch) * curved + np.abs(curved - straight)
+
+
+def _error(dataset: xr.Dataset, branch: int) -> float:
+    """Relative error of a branch's frequencies by mesh and fit, and the engines' difference."""
+    mesh = float(dataset["discretisation_error"].isel(branch=branch).max())
+    fit = float(dataset["fit_error"].max())
+    apart = engines_apart(dataset.isel(branch=[branch]))
+    return max(mesh + fit, apart if math.isfinite(apart) else 0.0)
+
+
+def engines_apart(dataset: xr.Dataset) -> float:
+    """Greatest relative difference of two engines' frequencies; not a number with one engine."""
+    if dataset.sizes["engine"] < 2:
+        return math.nan
+    values = np.stack([dataset[part].values[:2] for part in PARTS])
+    apart = np.abs(values[:, 1] / values[:, 0] - 1)
+    return float(np.nanmax(apart)) if np.isfinite(apart).any() else math.nan
+
+
+def engines_agree(dataset: xr.Dataset) -> bool:
+    """Whether two engines differ by no more than their errors together, in every branch."""
+    if dataset.sizes["engine"] < 2:
+        return True
+    for branch in range(dataset.sizes["branch"]):
+        own = dataset.isel(branch=[branch])
+        mesh = own["discretisation_error"].max(
+            [d for d in own["discretisation_error"].dims if d != "engine"]
+        )
+        allowed = float((mesh + own["fit_error"]).sum())
+        apart = engines_apart(own)
+        if math.isfinite(apart) and apart > allowed:
+            return False
+    return True
+
+
+def trust(dataset: xr.Dataset) -> str:
+    """How far frequencies and critical speeds are known."""
+    names = [str(name) for name in dataset["engine"].values]
+    error = float(dataset["discretisation_error"].max()) + float(dataset["fit_error"].max())
+    apart = engines_apart(dataset)
+    return trust_line(names, error, apart, agree=engines_agree(dataset))
+
+
+def critical_ranges(dataset: xr.Dataset) -> list[CriticalRange]:
+    """Ranges of speed in which an order meets a branch of the first engine.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of the diagram.
+
+    Returns
+    -------
+    list of CriticalRange
+    """
+    own = (dataset["critical_engine"] == dataset["engine"].values[0]) & (
+        dataset["critical_gap"] == 0
+    )
+    met = dataset.isel(critical=np.flatnonzero(own.values))
+    columns = (
+        met[f"critical_{name}"].values.tolist()
+        for name in ("order", "branch", "start", "end", "starts_inside", "ends_inside")
+    )
+    return [
+        CriticalRange(order, branch, start, end, (before, after), _error(dataset, branch - 1))
+        for order, branch, start, end, before, after in zip(*columns, strict=True)
+    ]
+
+
+def _orders_text(dataset: xr.Dataset) -> str:
+    orders = dataset["order"].values
+    first, last = int(orders.min()), int(orders.max())
+    if len(orders) <= 2:
+        return f"order{'s' * (len(orders) > 1)} {' and '.join(map(str, orders.tolist()))}"
+    whole = len(orders) == last - first + 1
+    listed = f"{first} to {last}" if whole else ", ".join(map(str, orders.tolist()))
+    return f"orders {listed}"
+
+
+def _meet(dataset: xr.Dataset) -> str:
+    return "meets" if dataset.sizes["order"] == 1 else "meet"
+
+
+def _at_speed(dataset: xr.Dataset, speed: float) -> str:
+    """Whether a speed is clear of the orders, its lowest frequency, and the nearest order."""
+    name = _name(dataset, speed)
+    bands, errors = band_at(dataset, speed, 0)
+    ends = [rounded(bands[n], errors[n]) for n in (0, 2)]
+    first = f"f1 is {' to '.join(dict.fromkeys(ends))} Hz"
+    if here := _met_at(dataset, speed):
+        listed = "; ".join(
+            f"order {met.order} meets f{met.branch} at {_range(dataset, [met])}" for met in here
+        )
+        return f"{name} is critical: {listed}; {first}."
+    nearest = _nearest(dataset, speed)
+    return f"{name} is clear of {_orders_text(dataset)}; {first}{nearest}."
+
+
+def _at_others(dataset: xr.Dataset, speeds: list[float]) -> str:
+    """Which of several speeds are clear of the orders, and which are critical."""
+    met = [bool(_met_at(dataset, speed)) for speed in speeds]
+    parts = []
+    for is_met, word in ((True, "critical"), (False, "clear")):
+        names = [_name(dataset, w) for w, each in zip(speeds, met, strict=True) if each is is_met]
+        if names:
+            parts.append(f"{', '.join(names)} {'is' if len(names) == 1 else 'are'} {word}")
+    return f"Of the other operating speeds {'; '.join(parts)}."
+
+
+def _name(dataset: xr.Dataset, speed: float) -> str:
+    unit = speed_unit(dataset)
+    return f"{speed_text(speed, unit)} {unit}"
+
+
+def _met_at(dataset: xr.Dataset, speed: float) -> list[CriticalRange]:
+    return [met for met in critical_ranges(dataset) if met.start <= speed <= met.end]
+
+
+def _range(dataset: xr.Dataset, met: list[CriticalRange]) -> str:
+    """Ends of ranges that overlap in the user's unit, with the digits that are known."""
+    unit, texts = speed_unit(dataset), []
+    first, last = min(met, key=lambda one: one.start), max(met, key=lambda one: one.end)
+    for one, place, beyond in ((first, 0, "less"), (last, 1, "more")):
+        end, error = (one.start, one.end)[place], one.end_errors[place]
+        if one.is_cut[place]:
+            texts.append(f"{speed_text(end, unit)} or {beyond}")
+        else:
+            texts.append(rounded(from_si(end, unit), abs(from_si(error, unit))))
+    return f"{' to '.join(dict.fromkeys(texts))} {unit}"
+
+
+def _nearest(dataset: xr.Dataset, speed: float) -> str:
+    """The lowest order that meets the lowest branch at a speed, or nearest to it; empty at rest.
+
+    Higher branches are met by orders so high that they excite nothing.
+    """
+    bands, _ = band_at(dataset, speed, 0)
+    if not speed or not np.isfinite(bands).all():
+        return ""
+    per_order = float(ray(1, speed))
+    first, last = math.ceil(bands[0] / per_order), math.floor(bands[2] / per_order)
+    if first <= last:
+        met = _range(dataset, [_meeting_of(dataset, speed, first)])
+        return f"; the lowest order that meets f1 there is {first}, at {met}"
+    found = list[CriticalRange]()
+    # The order just below the band, and the one just above it.
+    for order in {last, first} - {0}:
+        found.append(_meeting_of(dataset, speed, order))
+    nearest = min(found, key=lambda one: max(one.start - speed, speed - one.end))
+    return f"; the nearest is order {nearest.order}, which meets f1 at {_range(dataset, [nearest])}"
+
+
+def _meeting_of(dataset: xr.Dataset, speed: float, order: int) -> CriticalRange:
+    """The range about a speed in which any order meets the lowest branch."""
+    low, high = sorted(_meeting(dataset, speed, order, end) for end in (0, 2))
+    return CriticalRange(order, 1, low, high, (False, False), _error(dataset, 0))
+
+
+def _meeting(dataset: xr.Dataset, speed: float, order: int, end: int) -> float:
+    """Speed in rad/s at which an order meets an end of the lowest branch's band.
+
+    Bands beyond the speeds of the diagram are taken as at its last one.
+    """
+    low, high = np.sort(dataset["crank_speed"].values[[0, -1]])
+    found = speed
+    for _ in range(_STEPS):
+        hertz = float(band_at(dataset, float(np.clip(found, low, high)), 0)[0][end])
+        found = math.copysign(2 * math.pi * hertz / order, speed)
+    return found
+
+
+def _speeds_to_avoid(dataset: xr.Dataset) -> str:
+    """All critical ranges of the diagram as one sentence, and the widest range without one."""
+    low, high = np.sort(dataset["crank_speed"].values[[0, -1]]).tolist()
+    unit, orders = speed_unit(dataset), _orders_text(dataset)
+    met = critical_ranges(dataset)
+    groups = [
+        [one for one in met if start <= one.start and one.end <= end]
+        for start, end in merged((one.start, one.end) for one in met)
+    ]
+    if not groups:
+        within = f"from {speed_text(low, unit)} to {speed_text(high, unit)} {unit}"
+        return (
+            f"No speed {within} is critical: {orders} of the crank {_meet(dataset)} no frequency."
+        )
+    if len(groups) > _MOST_LISTED:
+        avoid = f"{len(groups)} ranges of speed, {_range(dataset, met)}"
+    else:
+        avoid = ", ".join(_range(dataset, group) for group in groups)
+    said = f"Avoid {avoid}: there {orders} of the crank {_meet(dataset)} a frequency"
+    ends = [low, *(end for group in groups for end in _ends(group)), high]
+    clear = max(zip(ends[::2], ends[1::2], strict=True), key=lambda pair: pair[1] - pair[0])
+    if clear[1] <= clear[0]:
+        return f"{said}; no speed of the diagram is clear."
+    error = max(one.error for one in met)
+    first, last = (rounded(from_si(w, unit), abs(from_si(w, unit)) * error) for w in clear)
+    return f"{said}; the widest range that is clear is {first} to {last} {unit}."
+
+
+def _ends(group: list[CriticalRange]) -> tuple[float, float]:
+    return min(one.start for one in group), max(one.end for one in group)

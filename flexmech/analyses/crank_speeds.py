@@ -1,0 +1,190 @@
+"""Crank speeds of a request: numbers with their unit, or those that a mechanism names.
+
+One form for all functions and requests: numbers are in ``speed_unit`` where it is given and in
+rad/s where it is left out, and results speak in the same unit. Speeds that are left out are the
+mechanism's, and results speak in the unit of its file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexmech.arrays import FloatArray
+from flexmech.errors import InputError
+from flexmech.mechanism import Mechanism
+from flexmech.units import ANGULAR_SPEED, from_si, to_si
+from flexmech.validation import check_number, checked_array
+
+RAD_S = ANGULAR_SPEED.unit
+# Of speeds of a model file that are told: each of a few, of more the least and the greatest.
+_MOST_TOLD = 5
+# Digits of a speed that is told: machines' speeds are known to fewer.
+_DIGITS = 6
+
+
+def rad_per_s(values: ArrayLike, unit: str | None, name: str = "crank_speeds") -> FloatArray:
+    """Crank speeds in rad/s.
+
+    Parameters
+    ----------
+    values : array_like
+        In ``unit``.
+    unit : str or None
+        None: in rad/s.
+    name : str
+        Of the argument, for messages.
+
+    Returns
+    -------
+    ndarray
+        Of the same shape.
+
+    Raises
+    ------
+    InputError
+        If a value is no number, or the unit is none of crank speeds.
+    """
+    numbers = checked_array(values, name, unit or RAD_S)
+    if unit is None:
+        return numbers
+    try:
+        found = [to_si(number, unit, ANGULAR_SPEED) for number in numbers.ravel().tolist() or [0.0]]
+    except InputError as error:
+        raise error.within("speed_unit") from error
+    return np.array(found[: numbers.size], dtype=float).reshape(numbers.shape)
+
+
+def one_rad_per_s(value: float, unit: str | None, name: str = "crank_speed") -> float:
+    """One crank speed in rad/s.
+
+    Parameters
+    ----------
+    value : float
+    unit : str or None
+    name : str
+        As of :func:`rad_per_s`.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        As :func:`rad_per_s`.
+    """
+    check_number(value, name, unit or RAD_S)
+    return float(rad_per_s(value, unit, name))
+
+
+@dataclass(frozen=True)
+class UsualSpeeds:
+    """Evenly spaced crank speeds that an analysis takes where none are asked for.
+
+    Parameters
+    ----------
+    first, last : float
+        Over the greatest speed at which the mechanism operates.
+    count : int
+    or_rest : bool
+        Whether a mechanism that names no speed stands still.
+    """
+
+    first: float
+    last: float
+    count: int
+    or_rest: bool = False
+
+    def __call__(self, mechanism: Mechanism) -> FloatArray:
+        """Those of a mechanism in rad/s; refused where it names no speed at which it turns."""
+        greatest = max(mechanism.operating_speeds, key=abs, default=0.0)
+        if not greatest and not self.or_rest:
+            raise InputError(
+                "is left out, and the model names no crank speed; give it, or write in the model "
+                'file, under [operation], crank_speeds = ["300 rpm"]'
+            )
+        return np.asarray(greatest * np.linspace(self.first, self.last, self.count))
+
+
+# Beyond the greatest speed by a half: what a machine that is made faster meets next. The numbers of
+# steps alone are of speed; with both of them the greatest speed is one of the steps.
+CAMPBELL = UsualSpeeds(0.0, 1.5, 61)
+# At standstill there is no period.
+STABILITY = UsualSpeeds(0.5, 1.5, 41)
+GREATEST = UsualSpeeds(1.0, 1.0, 1)
+GREATEST_OR_REST = UsualSpeeds(1.0, 1.0, 1, or_rest=True)
+
+
+def asked_speeds(
+    values: ArrayLike | None,
+    unit: str | None,
+    mechanism: Mechanism,
+    usual: Callable[[Mechanism], FloatArray],
+) -> tuple[FloatArray, str]:
+    """Crank speeds in rad/s, and the unit in which a result speaks of them.
+
+    Parameters
+    ----------
+    values : array_like or None
+        In ``unit``; None where they are left out.
+    unit : str or None
+    mechanism : Mechanism
+    usual : callable
+        Takes the mechanism, and gives the speeds in rad/s that are taken where they are left out.
+
+    Returns
+    -------
+    ndarray
+    str
+
+    Raises
+    ------
+    InputError
+        As :func:`rad_per_s`, or if speeds are left out and the mechanism names none.
+    """
+    if values is not None:
+        return rad_per_s(values, unit), unit or RAD_S
+    try:
+        return usual(mechanism), unit or mechanism.speed_unit
+    except InputError as error:
+        raise error.within("crank_speeds") from error
+
+
+def in_unit(speeds: FloatArray, unit: str) -> FloatArray:
+    """Numbers (S,) of crank speeds (S,) in a unit, without the round-off of the conversion."""
+    return np.array([float(f"{from_si(speed, unit):.15g}") for speed in np.ravel(speeds).tolist()])
+
+
+def told_speeds(mechanism: Mechanism, speeds: FloatArray) -> str:
+    """Which crank speeds were taken where none were asked for, in one line.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    speeds : ndarray
+        In rad/s.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> from flexmech.analyses.crank_speeds import CAMPBELL, told_speeds
+    >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
+    >>> told_speeds(mechanism, CAMPBELL(mechanism))
+    'speeds of the model file: 0 to 30 rad/s'
+    """
+    unit = mechanism.speed_unit
+    texts = [f"{number:.{_DIGITS}g}" for number in in_unit(np.sort(speeds), unit)]
+    if len(texts) > _MOST_TOLD:
+        told = f"{texts[0]} to {texts[-1]} {unit}"
+    else:
+        told = f"{' and '.join([', '.join(texts[:-1]), texts[-1]][len(texts) == 1 :])} {unit}"
+    if not any(mechanism.operating_speeds):
+        return f"speeds, for the model names none: {told}"
+    return f"speed{'s' * (len(texts) > 1)} of the model file: {told}"

@@ -1,0 +1,225 @@
+"""What a frequency map says of the damping of its modes: ranges over the turn, and their errors."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses.digits import Quantity, percent, rounded
+from flexmech.analyses.remarks import speed_text, speed_unit
+
+# Headings of the damping of critical, by variable.
+_HEADINGS = {"damping_ratio": "damping %", "strain_energy_damping": "strain-energy damping %"}
+_CAUSES = ("discretisation", "reduction")
+# Digits of a ratio whose error is not known, and a ratio in percent that is round-off of none.
+_DIGITS, _NOTHING = 3, 1e-9
+
+
+def told(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Variables of the damping that a map has; none where nothing is damped.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of the map in one state.
+
+    Returns
+    -------
+    tuple of str
+        ``damping_ratio`` of Kelvin-Voigt damping and dampers, ``strain_energy_damping``.
+    """
+    # Ratios of undamped links are there too, and have no errors.
+    found = {
+        "damping_ratio": "damping_ratio_reduction_error" in dataset,
+        "strain_energy_damping": "strain_energy_damping" in dataset,
+    }
+    return tuple(name for name, is_there in found.items() if is_there)
+
+
+def error_of_damping(dataset: xr.Dataset, variable: str) -> xr.DataArray:
+    """Error of a damping ratio by mesh and component modes, greatest of a turn.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of the map in one state.
+    variable : {"damping_ratio", "strain_energy_damping"}
+
+    Returns
+    -------
+    xarray.DataArray
+        Over (engine, crank_speed, mode); not a number in results of before it was estimated.
+    """
+    names = [f"{variable}_{cause}_error" for cause in _CAUSES]
+    known = [dataset[name].max("check_angle") for name in names if name in dataset]
+    if not known:
+        return np.nan * dataset["discretisation_error"].max("check_angle")
+    return sum(known[1:], start=known[0])
+
+
+def damping_range(dataset: xr.Dataset, variable: str) -> xr.Dataset:
+    """Lowest and highest damping ratio over the crank angles, and its error, in percent.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of the map in one state.
+    variable : {"damping_ratio", "strain_energy_damping"}
+
+    Returns
+    -------
+    xarray.Dataset
+        ``lowest``, ``highest`` and ``error`` over (engine, crank_speed, mode).
+    """
+    ratio = 100 * dataset[variable]
+    return xr.Dataset(
+        {
+            "lowest": ratio.min("crank_angle"),
+            "highest": ratio.max("crank_angle"),
+            "error": 100 * error_of_damping(dataset, variable),
+        }
+    )
+
+
+def headings(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Headings of the columns of :func:`cells`."""
+    return tuple(text for name in told(dataset) for text in (_HEADINGS[name], "to %"))
+
+
+def caption(dataset: xr.Dataset) -> str:
+    """What the columns of damping are; empty where there are none."""
+    by = {
+        "damping_ratio": f"by {dataset.attrs.get('damped_by', 'Kelvin-Voigt')}",
+        "strain_energy_damping": "by modal strain energy",
+    }
+    said = [f"{_HEADINGS[name].removesuffix(' %')}: {by[name]}" for name in told(dataset)]
+    return f"{'; '.join(said)}; ratio to critical damping over the turn" if said else ""
+
+
+def cells(dataset: xr.Dataset, engine: str, speed: float, mode: int, *, both: bool) -> list[str]:
+    """Least and greatest damping ratio of a mode in percent, with the digits that are known.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of the map in one state.
+    engine : str
+    speed : float
+        Crank speed in rad/s.
+    mode : int
+        Counted from 1.
+    both : bool
+        Whether the row is of all engines, so that their difference counts as an error.
+
+    Returns
+    -------
+    list of str
+        Two for each variable of :func:`told`.
+    """
+    found = []
+    for name in told(dataset):
+        every = damping_range(dataset, name).sel(crank_speed=speed, mode=mode)
+        own = every.sel(engine=engine)
+        for end in ("lowest", "highest"):
+            apart = float(abs(every[end] - own[end]).max()) if both else 0.0
+            found.append(percent_text(float(own[end]), np.fmax(float(own["error"]), apart)))
+    return found
+
+
+def percent_text(value: float, error: float) -> str:
+    """A damping ratio in percent as text; zero where it is the round-off of none."""
+    if abs(value) < _NOTHING:
+        return "0"
+    return rounded(value, error) if error > 0 else rounded(value, error, most=_DIGITS)
+
+
+def numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
+    """Least and greatest damping ratio of each mode at each speed, by the first engine.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of the map in one state.
+
+    Returns
+    -------
+    tuple of Quantity
+    """
+    unit, found = speed_unit(dataset), list[Quantity]()
+    for name in told(dataset):
+        first = damping_range(dataset, name).isel(engine=0)
+        for speed in dataset["crank_speed"].values:
+            for mode in dataset["mode"].values.tolist():
+                own = first.sel(crank_speed=speed, mode=mode)
+                of = f"mode {mode} at {speed_text(speed, unit)} {unit}"
+                found += [
+                    Quantity(f"{end}_{name}", float(own[end]), "%", float(own["error"]), of)
+                    for end in ("lowest", "highest")
+                ]
+    return tuple(found)
+
+
+def trust(dataset: xr.Dataset) -> str:
+    """How far damping ratios are known, to follow what is said of frequencies; may be empty."""
+    said = ""
+    for name in told(dataset):
+        found = damping_range(dataset, name)
+        size = np.fmax(abs(found["lowest"]), abs(found["highest"]))
+        worst = float((found["error"] / size).where(size > _NOTHING).max())
+        if np.isfinite(worst):
+            said += f"; {_HEADINGS[name].removesuffix(' %')} to {percent(worst)} of it"
+    return said
+
+
+def ratio_lines(dataset: xr.Dataset) -> list[str]:
+    """Report damping ratios of links with Kelvin-Voigt damping, and the errors of both kinds."""
+    if "damping_ratio" not in told(dataset):
+        return []
+    ratio = dataset["damping_ratio"]
+    damped_by = dataset.attrs.get("damped_by", "Kelvin-Voigt")
+    at_checks = abs(ratio.sel(crank_angle=dataset["check_angle"]))
+    ends, lines = damping_range(dataset, "damping_ratio"), []
+    for mode in ratio["mode"].values:
+        shares = []
+        for cause in _CAUSES:
+            error = dataset[f"damping_ratio_{cause}_error"].sel(mode=mode)
+            shares.append(percent(float((error / at_checks.sel(mode=mode)).max())))
+        own = ends.sel(mode=mode)
+        known = float(own["error"].max())
+        low, high = float(own["lowest"].min()), float(own["highest"].max())
+        lines.append(
+            f"damping ratio ({damped_by}) of mode {mode}: {percent_text(low, known)} % to "
+            f"{percent_text(high, known)} %; discretisation error (estimated) at most "
+            f"{shares[0]} of it, reduction error at most {shares[1]} of it"
+        )
+    if dataset.attrs.get("rotation_terms", "off") != "off" and float(ratio.min()) < 0:
+        lines.append(
+            "damping ratio: turning link frames may make it negative in a frozen position; "
+            "that is no instability, whether vibrations grow is told by `flexmech stability`"
+        )
+    return lines
+
+
+def strain_energy_lines(dataset: xr.Dataset) -> list[str]:
+    """Report damping by modal strain energy, where the mechanism's sections tell a loss."""
+    if "strain_energy_damping" not in dataset:
+        return []
+    ratio, ends = dataset["strain_energy_damping"], damping_range(dataset, "strain_energy_damping")
+    ranges = []
+    for mode in ratio["mode"].values:
+        own = ends.sel(mode=mode)
+        known = float(own["error"].max())
+        low, high = float(own["lowest"].min()), float(own["highest"].max())
+        ranges.append(f"{percent_text(low, known)} % to {percent_text(high, known)} %")
+    ranges[0] += " over the crank angles" + " and speeds" * (ratio.sizes["crank_speed"] > 1)
+    modes = (f"{r} (mode {m})" for r, m in zip(ranges, ratio["mode"].values, strict=True))
+    said = [", ".join(modes)]
+    if ratio.sizes["engine"] > 1:
+        apart = float(abs(ratio - ratio.isel(engine=0, drop=True)).max())
+        said.append(f"engines differ by at most {apart:.1e}")
+    if ratio.attrs.get("links_without_data"):
+        said.append(
+            f"no specific damping is known of {ratio.attrs['links_without_data']}; taken as "
+            "without loss"
+        )
+    return [f"damping by modal strain energy: {text}" for text in said]

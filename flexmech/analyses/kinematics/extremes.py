@@ -1,0 +1,172 @@
+"""Least and greatest values over the crank angle, between the angles too, and means over turns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.arrays import ROUND_OFF, FloatArray
+
+Values = Callable[[FloatArray], FloatArray]
+"""From crank angles (A,) in rad to quantities there, (A, n)."""
+
+# Of the first search: between two of these angles a linkage and its loads have one extreme.
+_STEP = np.radians(1.0)
+# Each zoom lays so many angles into the two steps around an extreme, and goes on with the two
+# around the best of them; so often, two degrees become 1e-7 deg, where a corner of a table of loads
+# or a dead point is found to 1e-9 of a quantity that changes by its own size over a radian.
+_INSIDE, _ZOOMS = 17, 8
+# Of a mean: steps of the first trapezoidal rule a turn, and how often they are halved at most. The
+# rule converges faster than any power for what is smooth and periodic, as the square of the step
+# for tables of loads, whose mean is known to 1e-7 by then.
+_FEWEST_STEPS, _HALVINGS = 360, 5
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """Least and greatest values of n quantities, where they are, and how far they are known.
+
+    Parameters
+    ----------
+    least, least_angle, greatest, greatest_angle : ndarray, shape (n,)
+        Angles in rad.
+    error : ndarray, shape (n,)
+        Of either value; not a number where nothing was sought between the angles.
+    """
+
+    least: FloatArray
+    least_angle: FloatArray
+    greatest: FloatArray
+    greatest_angle: FloatArray
+    error: FloatArray
+
+
+def extremes(values_at: Values, crank_angles: FloatArray, *, between: bool = True) -> Extremes:
+    """Least and greatest values from the first to the last of some crank angles.
+
+    They are sought in steps of a degree, and each is narrowed down between its neighbours.
+
+    Parameters
+    ----------
+    values_at : callable
+        See :data:`Values`.
+    crank_angles : ndarray, shape (A,)
+        In rad, increasing.
+    between : bool
+        Whether values between the angles count; else those at the angles alone.
+
+    Returns
+    -------
+    Extremes
+    """
+    angles = crank_angles
+    if between and angles.size > 1:
+        steps = int(np.ceil(round((angles[-1] - angles[0]) / _STEP, 6)))
+        angles = np.union1d(angles, np.linspace(angles[0], angles[-1], max(steps, 1) + 1))
+    values = values_at(angles)
+    greatest = _greatest(values_at, angles, values, 1.0, between)
+    least = _greatest(values_at, angles, values, -1.0, between)
+    error = np.maximum(greatest[2], least[2])
+    return Extremes(-least[0], least[1], greatest[0], greatest[1], error)
+
+
+def _greatest(
+    values_at: Values, angles: FloatArray, values: FloatArray, sign: float, between: bool
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Greatest values of the quantities times a sign, their angles, and their errors."""
+    found, columns = sign * values, np.arange(values.shape[1])
+    place = _first_peak(_vertices(found) if between else found)
+    best, where = found[place, columns], angles[place]
+    error = np.full(best.shape, np.nan)
+    if angles.size == 1:
+        return best, where, np.zeros_like(error)
+    if not between:
+        return best, where, error
+    step = np.diff(angles)
+    ends = (0, len(angles) - 1)
+    # Of a periodic quantity of a whole turn the end goes on with the beginning.
+    size = np.abs(values).max(axis=0)
+    joined = np.abs(values[-1] - values[0]) <= ROUND_OFF * size
+    joined &= _is_whole(angles[-1] - angles[0])
+    low = where - np.where((place > ends[0]) | joined, step[np.maximum(place - 1, 0)], 0.0)
+    high = where + np.where((place < ends[1]) | joined, step[np.minimum(place, len(step) - 1)], 0.0)
+    for _ in range(_ZOOMS):
+        inside = np.linspace(low, high, _INSIDE)
+        flat = sign * values_at(inside.ravel())
+        own = flat.reshape(_INSIDE, len(columns), -1)[:, columns, columns]
+        at = own.argmax(axis=0)
+        peak = own[at, columns]
+        # What is constant but for round-off keeps its place.
+        better = peak - best > ROUND_OFF * size
+        error = np.abs(peak - best)
+        where = np.where(better, inside[at, columns], where)
+        best = np.where(better, peak, best)
+        width = (high - low) / (_INSIDE - 1)
+        low, high = np.maximum(low, where - width), np.minimum(high, where + width)
+    # What rounding leaves of the quantity is no less.
+    error = np.maximum(error, ROUND_OFF * size)
+    turn = 2 * np.pi
+    where = where + turn * ((where < angles[0]) & joined) - turn * ((where > angles[-1]) & joined)
+    return best, where, error
+
+
+def _first_peak(heights: FloatArray) -> FloatArray:
+    """Number of the first greatest value of each column but for round-off."""
+    top = heights.max(axis=0)
+    return np.asarray(np.argmax(heights >= top - ROUND_OFF * np.abs(top), axis=0))
+
+
+def _vertices(values: FloatArray) -> FloatArray:
+    """Heights of the parabolas through neighbours at peaks; the values themselves elsewhere."""
+    heights = values.copy()
+    if len(values) < 3:
+        return heights
+    before, here, after = values[:-2], values[1:-1], values[2:]
+    bend = before - 2 * here + after
+    is_peak = (here >= before) & (here >= after) & (bend < 0)
+    rise = (after - before) ** 2 / np.where(is_peak, -8 * bend, 1.0)
+    heights[1:-1] += np.where(is_peak, rise, 0.0)
+    return heights
+
+
+def _is_whole(angle: float) -> bool:
+    """Whether an angle in rad is one turn or several."""
+    turns = angle / (2 * np.pi)
+    return bool(turns > 0.5 and abs(turns - round(turns)) <= ROUND_OFF)
+
+
+def mean_over_turns(
+    value_at: Callable[[FloatArray], FloatArray], crank_angles: FloatArray
+) -> tuple[float, float] | None:
+    """Mean of a quantity over whole turns, and its error.
+
+    By the trapezoidal rule, whose steps are halved until the mean holds still.
+
+    Parameters
+    ----------
+    value_at : callable
+        From crank angles (A,) in rad to the quantity there, (A,).
+    crank_angles : ndarray, shape (A,)
+        In rad, increasing: the first and the last of them count.
+
+    Returns
+    -------
+    tuple of float, or None
+        None where the angles are no whole turns.
+    """
+    first, last = float(crank_angles[0]), float(crank_angles[-1])
+    if not _is_whole(last - first):
+        return None
+    steps = _FEWEST_STEPS * round((last - first) / (2 * np.pi))
+    values = value_at(np.linspace(first, last, steps + 1))
+    mean, error = np.trapezoid(values, dx=1 / steps), np.inf
+    noise = ROUND_OFF * np.abs(values).max()
+    for _ in range(_HALVINGS):
+        middle = first + (last - first) * (np.arange(steps) + 0.5) / steps
+        finer = (mean + value_at(middle).mean()) / 2
+        error, mean, steps = abs(finer - mean), finer, 2 * steps
+        if error <= noise:
+            break
+    return float(mean), float(max(error, noise))

@@ -1,0 +1,239 @@
+"""Normal stress at the surfaces of links of one isotropic material along a run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.analyses.response.measurements import peaks_between
+from flexmech.arrays import FloatArray
+from flexmech.linear_system import Engine, LinkModel
+from flexmech.linkages import CrankDrive, RigidMotion, continuous_angles, forces_by_joints
+from flexmech.linkages.applied_forces import applied_forces
+from flexmech.linkages.internal_forces import LinkForces
+from flexmech.materials import Material
+from flexmech.sections import BeamSection, LaminateSection
+from flexmech.time_domain import Trajectory
+
+# Of a link, at least: a parabola of stress is highest between two of them by a thousandth less.
+_PLACES = 32
+# Off the ends of a link, where joint forces act, and off the masses and loads at nodes.
+_INSIDE = 1e-9
+
+
+@dataclass(frozen=True)
+class StressedLink:
+    """A link whose stress is known by its strain.
+
+    Parameters
+    ----------
+    number : int
+        In the topology.
+    section : BeamSection
+    material : Material
+    places : ndarray, shape (p,)
+        From the link's start in m: nodes of the mesh, and evenly between them.
+    curvature : ndarray, shape (p, n_link)
+        Bending curvature there by the link's coordinates.
+    """
+
+    number: int
+    section: BeamSection
+    material: Material
+    places: FloatArray
+    curvature: FloatArray
+
+    def stress(self, displacement: FloatArray, tension: FloatArray) -> FloatArray:
+        """Greatest size of the normal stress of both surfaces (N, p) in Pa.
+
+        ``|N| / A + E |kappa| h / 2`` of the normal force N and the curvature (Timoshenko and Gere,
+        *Mechanics of Materials*, sec. 5.12).
+
+        Parameters
+        ----------
+        displacement : ndarray, shape (N, n_link)
+        tension : ndarray, shape (N, p)
+            Normal force in N.
+        """
+        bent = np.abs(displacement @ self.curvature.T) * self.section.in_plane_thickness / 2
+        stretched = np.abs(tension) / self.section.axial_stiffness
+        return np.asarray(self.material.youngs_modulus * (bent + stretched))
+
+
+@dataclass(frozen=True)
+class PeakStress:
+    """Greatest stress of each link, and where it is.
+
+    Parameters
+    ----------
+    stress : ndarray, shape (n_links,)
+        In Pa; not a number where it is not known by the strain: of laminates, of sections stated by
+        their stiffness, and of rigid links.
+    axial : ndarray, shape (n_links,)
+        Greatest part of the normal force alone.
+    place : ndarray, shape (n_links,)
+        From the link's start in m.
+    crank_angle : ndarray, shape (n_links,)
+        In rad.
+    yield_strength : ndarray, shape (n_links,)
+        Of the material in Pa; not a number where it is not stated.
+    """
+
+    stress: FloatArray
+    axial: FloatArray
+    place: FloatArray
+    crank_angle: FloatArray
+    yield_strength: FloatArray
+
+
+def stressed_links(engine: Engine) -> list[StressedLink]:
+    """Elastic links of one isotropic material.
+
+    Parameters
+    ----------
+    engine : Engine
+
+    Returns
+    -------
+    list of StressedLink
+    """
+    found = []
+    for number, link in enumerate(engine.links):
+        section = engine.mechanism.sections.get(link.name)
+        material = None if section is None or link.rigid else _only_material(section)
+        if section is not None and material is not None:
+            places = _places(link)
+            rows = link.readings.curvatures_at(places)
+            found.append(StressedLink(number, section, material, places, rows))
+    return found
+
+
+def greatest_stresses(engine: Engine, trajectory: Trajectory, drive: CrankDrive) -> FloatArray:
+    """Greatest size of the normal stress anywhere in each link along a run.
+
+    Parameters
+    ----------
+    engine : Engine
+    trajectory : Trajectory
+        N samples.
+    drive : CrankDrive
+
+    Returns
+    -------
+    ndarray, shape (N, n_links)
+        In Pa; zero of links whose stress is not known.
+    """
+    greatest = np.zeros((len(trajectory.time), len(engine.links)))
+    for link, _, stress in _stresses(engine, trajectory, drive):
+        greatest[:, link.number] = stress.max(axis=1)
+    return greatest
+
+
+def peak_stresses(engine: Engine, trajectory: Trajectory, drive: CrankDrive) -> PeakStress:
+    """Greatest stress of each link along a run, between the samples too.
+
+    Parameters
+    ----------
+    engine : Engine
+    trajectory : Trajectory
+    drive : CrankDrive
+
+    Returns
+    -------
+    PeakStress
+    """
+    angle = drive.crank_angle(trajectory.time)
+    found = np.full((5, len(engine.links)), np.nan)
+    for link, tension, stress in _stresses(engine, trajectory, drive):
+        worst = int(stress.max(axis=0).argmax())
+        (size,), (where,) = peaks_between(stress[:, [worst]], angle)
+        material = link.material
+        axial = material.youngs_modulus * np.abs(tension).max() / link.section.axial_stiffness
+        bound = math.nan if material.yield_strength is None else material.yield_strength
+        found[:, link.number] = size, axial, link.places[worst], where, bound
+    return PeakStress(*found)
+
+
+def _stresses(
+    engine: Engine, trajectory: Trajectory, drive: CrankDrive
+) -> Iterator[tuple[StressedLink, FloatArray, FloatArray]]:
+    """Links with their normal force and the stress of both surfaces along a run, (N, p) each."""
+    links = stressed_links(engine)
+    for link, tension in zip(links, _tensions(links, engine, trajectory, drive), strict=True):
+        yield link, tension, link.stress(trajectory.displacement[link.number], tension)
+
+
+def _only_material(section: BeamSection) -> Material | None:
+    """The one isotropic material of a section; None where it has others, or they are not known."""
+    layers = section.layers
+    if not isinstance(layers, LaminateSection) or len(layers.laminate.layers) > 1:
+        return None
+    return layers.laminate.layers[0].ply.isotropic_material
+
+
+def _places(link: LinkModel) -> FloatArray:
+    nodes = link.readings.nodes
+    parts = math.ceil(_PLACES / (len(nodes) - 1))
+    number = np.arange((len(nodes) - 1) * parts + 1) / parts
+    return np.asarray(np.interp(number, np.arange(len(nodes)), nodes))
+
+
+def _tensions(
+    links: list[StressedLink], engine: Engine, trajectory: Trajectory, drive: CrankDrive
+) -> list[FloatArray]:
+    """Normal force (N, p) of links along a run."""
+    forces = running_forces(engine, trajectory, drive)
+    lengths = [engine.mechanism.linkage.topology.links[link.number].length for link in links]
+    return [
+        forces.axial_force(link.number, np.clip(link.places, _INSIDE * a, (1 - _INSIDE) * a))
+        for link, a in zip(links, lengths, strict=True)
+    ]
+
+
+def running_forces(engine: Engine, trajectory: Trajectory, drive: CrankDrive) -> LinkForces:
+    """Internal forces by the joint forces of a run and the inertia of rigid links.
+
+    Parameters
+    ----------
+    engine : Engine
+    trajectory : Trajectory
+        N samples.
+    drive : CrankDrive
+
+    Returns
+    -------
+    LinkForces
+        At the samples; of :func:`flexmech.linkages.forces_by_joints`, without couples of clamps.
+    """
+    mechanism, motion = engine.mechanism, _carried(engine, trajectory, drive)
+    topology = mechanism.linkage.topology
+    turning = any(spring.torsional_stiffness for spring in mechanism.joint_springs)
+    applied = applied_forces(
+        topology,
+        motion,
+        mechanism.loads,
+        mechanism.springs,
+        mechanism.joint_springs,
+        continuous_angles(mechanism.linkage, motion) if turning else motion.angle,
+        trajectory.time,
+    )
+    return forces_by_joints(
+        topology,
+        motion,
+        mechanism.link_masses_in_order,
+        mechanism.gravity,
+        trajectory.joint_force,
+        applied,
+    )
+
+
+def _carried(engine: Engine, trajectory: Trajectory, drive: CrankDrive) -> RigidMotion:
+    """Motion of the rigid linkage at a run's samples, with what a free shaft has turned."""
+    time, linkage = trajectory.time, engine.mechanism.linkage
+    if trajectory.shaft is None:
+        return drive.motion(linkage, time)
+    angle = drive.crank_angle(time) + trajectory.shaft.rotation
+    return linkage.motion(angle, drive.crank_speed(time), drive.crank_acceleration(time))

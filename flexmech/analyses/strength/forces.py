@@ -1,0 +1,118 @@
+"""Tension, shear force and bending moment at places along every link over the turn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.arrays import SAME_PLACE, FloatArray
+from flexmech.linkages import InverseDynamics
+from flexmech.linkages.internal_forces import LinkForces
+from flexmech.mechanism import Mechanism
+
+# Off the ends of a link and off masses, loads and springs, where internal forces jump.
+_BESIDE = 2 * SAME_PLACE
+
+
+@dataclass(frozen=True)
+class InternalForces:
+    """Internal forces of a link.
+
+    Parameters
+    ----------
+    place : ndarray, shape (k,)
+        From the link's start in m; twice where they jump.
+    loads : ndarray, shape (A, k, 3)
+        Axial force along the pins' axis in N, bending moment in N m that stretches the side of
+        lower y, shear force in N along y on the face towards higher x.
+    """
+
+    place: FloatArray
+    loads: FloatArray
+
+
+@dataclass(frozen=True)
+class Cuts:
+    """Where a link is cut to see its internal forces.
+
+    Parameters
+    ----------
+    place : ndarray, shape (k,)
+        From the link's start in m, ascending; twice where internal forces jump.
+    cut : ndarray, shape (k,)
+        The same, off the ends and on one or the other side of jumps.
+    """
+
+    place: FloatArray
+    cut: FloatArray
+
+
+def cuts_of(mechanism: Mechanism, link: str, elements: int) -> Cuts:
+    """Where internal forces of a link are looked at.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    link : str
+    elements : int
+        Parts of equal length.
+
+    Returns
+    -------
+    Cuts
+        At the ends of the parts, and at both sides of all that acts on the link between its ends.
+    """
+    mass = mechanism.link_mass(link)
+    acting = [*mass.point_positions, *(body.position for body in mass.bodies)]
+    acting += mechanism.acting_at(link)
+    length = mass.length
+    beside = _BESIDE * length
+    jumps = np.unique([x for x in acting if beside < x < length - beside])
+    even = np.linspace(0.0, length, elements + 1)
+    # A part's end at a jump is there already, on both of its sides.
+    apart = np.abs(even[:, None] - jumps).min(axis=1, initial=np.inf) > SAME_PLACE * length
+    place = np.concatenate([even[apart], jumps, jumps])
+    cut = np.concatenate([even[apart], jumps - beside, jumps + beside])
+    order = np.argsort(cut)
+    return Cuts(place[order], np.clip(cut[order], beside, length - beside))
+
+
+def internal_forces(forces: LinkForces, link: int, cuts: Cuts) -> InternalForces:
+    """Internal forces of a link.
+
+    Parameters
+    ----------
+    forces : LinkForces
+        At A crank angles.
+    link : int
+    cuts : Cuts
+
+    Returns
+    -------
+    InternalForces
+    """
+    found = (forces.axial_force, forces.bending_moment, forces.shear_force)
+    return InternalForces(cuts.place, np.stack([of(link, cuts.cut) for of in found], axis=-1))
+
+
+def forces_over_the_turn(
+    mechanism: Mechanism, crank_angles: FloatArray, speed: float
+) -> InverseDynamics:
+    """Forces of the rigid linkage in its steady motion, with all that acts on it.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    crank_angles : ndarray, shape (A,)
+        In rad.
+    speed : float
+        In rad/s.
+
+    Returns
+    -------
+    InverseDynamics
+    """
+    motion = mechanism.linkage.motion(crank_angles, speed, 0.0)
+    time = crank_angles / speed if speed else np.zeros_like(crank_angles)
+    return mechanism.inverse_dynamics(motion, time)

@@ -1,0 +1,161 @@
+"""One link judged: its ply stresses over the turn, failure indices, load and speed factors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.arrays import FloatArray, IntArray
+from flexmech.choices import CriterionName
+from flexmech.hygrothermal import HygrothermalState
+from flexmech.materials import FailureCriterion, Ply, failure_criterion, moisture_of
+from flexmech.mechanism import Mechanism
+from flexmech.sections import Layers, residual_ply_stresses, unit_ply_stresses
+
+DEFAULT: CriterionName = "tsai-wu"
+"""Of plies with fibres, where none is asked for."""
+# Stresses that criteria of plies ask for, among all five.
+_IN_PLANE = 3
+
+
+@dataclass(frozen=True)
+class JudgedLink:
+    """What is found at each place of a link, at its worst crank angle.
+
+    Parameters
+    ----------
+    index, load_factor : ndarray, shape (k, N, 2)
+        At places, in layers, at their lower and upper surface.
+    worst : ndarray of int, shape (k, N, 2)
+        Number of the crank angle at which the load factor is least.
+    mode : ndarray of str, shape (k, N, 2)
+        How the ply fails there first; empty where nothing grows towards failure.
+    speed_factor : ndarray, shape (k, N, 2)
+        Over all crank angles; not a number where it does not follow.
+    criterion : tuple of str, length N
+        Of each layer.
+    """
+
+    index: FloatArray
+    load_factor: FloatArray
+    worst: IntArray
+    mode: FloatArray
+    speed_factor: FloatArray
+    criterion: tuple[CriterionName, ...]
+
+
+def criteria_of(
+    layers: Layers, asked: CriterionName | None
+) -> list[tuple[FailureCriterion, list[int]]]:
+    """Criterion of each kind of ply, and the numbers of the layers of it.
+
+    Parameters
+    ----------
+    layers : LaminateSection or SheetSection
+    asked : str or None
+        For plies with fibres.
+
+    Returns
+    -------
+    list of tuple of FailureCriterion and list of int
+
+    Raises
+    ------
+    InputError
+        If a ply does not state what its criterion needs; names it.
+    """
+    numbers: dict[Ply, list[int]] = {}
+    for number, layer in enumerate(layers.laminate.layers):
+        numbers.setdefault(layer.ply, []).append(number)
+    found = []
+    for ply, own in numbers.items():
+        isotropic = ply.isotropic_material is not None
+        found.append((failure_criterion("von-mises" if isotropic else asked or DEFAULT, ply), own))
+    return found
+
+
+def residual_of(
+    mechanism: Mechanism, link: str, state: HygrothermalState, wet: Layers
+) -> FloatArray:
+    """Stresses of cure, heat and moisture in a link's plies, (N, 2, 5), in Pa.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Dry, at its reference temperature.
+    link : str
+    state : HygrothermalState
+    wet : LaminateSection or SheetSection
+        The link's layers in this state.
+
+    Returns
+    -------
+    ndarray, shape (N, 2, 5)
+    """
+    dry = mechanism.layers_of(link)
+    assert dry is not None
+    reference = mechanism.reference_temperature
+    free = dry.laminate.stress_free_temperature
+    start = reference if free is None else free
+    moisture = [moisture_of(layer.ply, state.moisture) for layer in dry.laminate.layers]
+    rise = reference + state.temperature_rise - start
+    return residual_ply_stresses(wet, rise, np.array(moisture))
+
+
+def judge(
+    layers: Layers,
+    loads: FloatArray,
+    static: FloatArray | None,
+    residual: FloatArray,
+    asked: CriterionName | None,
+) -> JudgedLink:
+    """Judge a link over the turn.
+
+    Parameters
+    ----------
+    layers : LaminateSection or SheetSection
+    loads : ndarray, shape (A, k, 3)
+        Axial force, bending moment, shear force.
+    static : ndarray, shape (A, k, 3) or None
+        Part of them that does not grow with the square of the speed; None where the rest does not
+        either, and no speed factor follows.
+    residual : ndarray, shape (N, 2, 5)
+        Stresses that stay, in Pa.
+    asked : str or None
+        Criterion of plies with fibres.
+
+    Returns
+    -------
+    JudgedLink
+    """
+    unit = unit_ply_stresses(layers)
+    shape = (loads.shape[1], *unit.shape[1:3])
+    index, factor, speed = np.empty(shape), np.empty(shape), np.full(shape, np.nan)
+    worst, mode = np.empty(shape, dtype=np.intp), np.empty(shape, dtype=object)
+    names: dict[int, CriterionName] = {}
+    for criterion, own in criteria_of(layers, asked):
+        names |= dict.fromkeys(own, criterion.name)
+        known = 5 if criterion.name == "von-mises" else _IN_PLANE
+        by_load = unit[:, own][..., :known]
+        stays = residual[own][..., :known]
+        stress = np.tensordot(loads, by_load, axes=1)
+        over_turn, modes = criterion.load_factor(stress, stays)
+        at = over_turn.argmin(axis=0)[None]
+        least = np.take_along_axis(over_turn, at, axis=0)[0]
+        factor[:, own], worst[:, own] = least, at[0]
+        then = np.take_along_axis(stress, at[..., None], axis=0)[0]
+        index[:, own] = criterion.index(stays + then)
+        first = np.array(criterion.mode_names)[np.take_along_axis(modes, at, axis=0)[0]]
+        mode[:, own] = np.where(np.isfinite(least), first, "")
+        if static is None:
+            continue
+        if not static.any():
+            speed[:, own] = np.sqrt(least)
+            continue
+        still = np.tensordot(static, by_load, axes=1)
+        grown, _ = criterion.load_factor(stress - still, stays + still)
+        speed[:, own] = np.sqrt(grown.min(axis=0))
+    count = len(layers.laminate.layers)
+    criteria = tuple(names[number] for number in range(count))
+    return JudgedLink(index, factor, worst, mode, speed, criteria)

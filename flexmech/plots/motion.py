@@ -1,0 +1,147 @@
+"""Points and sliders over the crank angle: position, velocity and acceleration."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from flexmech.arrays import SAME_PLACE, FloatArray
+from flexmech.plots import angle_panels, reading, scales, style
+from flexmech.plots.layout import AxesLike, grid, sheet
+
+# More columns are too narrow for the numbers of their axes; what is left out stands in the tables.
+MOST_POINTS = 4
+HEIGHT = 4.6
+VELOCITIES: reading.Units = ((1.0, "m/s"), (1e3, "mm/s"))
+ACCELERATIONS: reading.Units = ((1.0, "m/s²"), (1e3, "mm/s²"))
+KINDS = (
+    ("position", "Position", reading.LENGTH_UNITS),
+    ("velocity", "Velocity", VELOCITIES),
+    ("acceleration", "Acceleration", ACCELERATIONS),
+)
+"""What is known of a point: variable, words, and units."""
+ITS_LINE, COUPLER_POINT = "its line", "coupler point"
+
+
+class MotionLine(NamedTuple):
+    """Motion of a point along one direction.
+
+    Parameters
+    ----------
+    point, along : str
+        Name of the point, and of the direction: ``x``, ``y`` or ``its line``.
+    values : tuple of ndarray, shape (A,)
+        Position in m, velocity in m/s and acceleration in m/s^2.
+    """
+
+    point: str
+    along: str
+    values: tuple[FloatArray, ...]
+
+
+def drawn_points(dataset: xr.Dataset) -> list[str]:
+    """Names of points whose motion is shown: sliders first, then what does not turn with the crank.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``Kinematics`` result.
+
+    Returns
+    -------
+    list of str
+    """
+    sliders = reading.names_of(dataset, "slider") if "slider" in dataset.coords else []
+    if "point" not in dataset.coords:
+        return sliders
+    speed = np.linalg.norm(
+        reading.values_of(dataset["point_velocity"], "point", "crank_angle", "component"), axis=-1
+    )
+    # The end of the crank goes round in a circle at one speed, which needs no picture.
+    turns = np.ptp(speed, axis=1) <= SAME_PLACE * speed.max(axis=1)
+    turns &= bool(dataset.attrs["crank_speed"])
+    names = reading.names_of(dataset, "point")
+    others = [name for name, out in zip(names, turns, strict=True) if not out]
+    rest = [name for name in others if name not in sliders]
+    # The coupler point of a model file, the last one, is what its user asked for.
+    rest.sort(key=lambda name: name != COUPLER_POINT)
+    return [*sliders, *rest]
+
+
+def motion_lines(dataset: xr.Dataset, points: list[str]) -> list[MotionLine]:
+    """Motion of points along the ground's axes, of sliders along their lines.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``Kinematics`` result.
+    points : list of str
+
+    Returns
+    -------
+    list of MotionLine
+    """
+    sliders = reading.names_of(dataset, "slider") if "slider" in dataset.coords else []
+    lines = []
+    for point in points:
+        if point in sliders:
+            along = dataset.sel(slider=point)
+            values = tuple(along[f"slider_{name}"].values for name, _, _ in KINDS)
+            lines.append(MotionLine(point, ITS_LINE, values))
+            continue
+        own = dataset.sel(point=point)
+        for axis in reading.names_of(dataset, "component"):
+            there = own.sel(component=axis)
+            values = tuple(there[f"point_{name}"].values for name, _, _ in KINDS)
+            lines.append(MotionLine(point, axis, values))
+    return lines
+
+
+def plot_motion(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw position, velocity and acceleration of sliders and points against the crank angle.
+
+    Points of the crank, which go round in a circle, are left out, and more than four.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``Kinematics`` result with points or sliders.
+    ax : sequence of Axes, optional
+        The user's, three for each of the points, in rows of positions, velocities and
+        accelerations. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+    """
+    angles = reading.degrees(dataset["crank_angle"])
+    points = drawn_points(dataset)[:MOST_POINTS]
+    lines = motion_lines(dataset, points)
+    layout = grid(3, len(points), HEIGHT, sharex=True, narrow=min(len(points), 2))
+    with sheet(layout, ax=ax) as drawn:
+        # Alphabetical, but for lines of sliders, which are last.
+        ways = sorted({line.along for line in lines}, key=lambda way: (way == ITS_LINE, way))
+        handles = style.series_handles(f"along {way}" for way in ways)
+        title = f"Motion of points at {reading.drive_text(dataset)}"
+        drawn.header(handles, title, of=dataset)
+        for row, (_, words, units) in enumerate(KINDS):
+            shown = np.concatenate([line.values[row] for line in lines])
+            factor, unit = reading.fitting_unit(shown, units)
+            for column, point in enumerate(points):
+                axes = drawn.panels[row * len(points) + column]
+                if row:
+                    scales.zero_line(axes)
+                for line in lines:
+                    if line.point == point:
+                        values = factor * line.values[row]
+                        angle_panels.draw_line(axes, angles, values, ways.index(line.along))
+                scales.plain_numbers(axes)
+                if row == 0 or style.is_narrow():
+                    axes.set_title(point.replace("$", r"\$"))
+                if column == 0 or style.is_narrow():
+                    axes.set_ylabel(f"{words} ({unit})")
+        angle_panels.label_angles(drawn, angles)
+    return drawn.figure

@@ -1,0 +1,1 @@
+"""Studies of many designs of one linkage: sweeps, uncertainty, optima."""

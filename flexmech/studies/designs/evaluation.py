@@ -1,0 +1,113 @@
+"""Designs to their outputs, each with what became of it."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Literal, NamedTuple, get_args
+
+import numpy as np
+
+from flexmech.analyses.default_engines import engine_kind
+from flexmech.arrays import FloatArray, IntArray
+from flexmech.errors import AssemblyError, FlexmechError, LockingError, one_line
+from flexmech.linear_system import BucklingError, Engine, EquilibriumError
+from flexmech.studies.designs.outputs import Design
+from flexmech.studies.designs.study import Study
+from flexmech.studies.designs.variables import CRANK_SPEED, as_values
+
+Status = Literal["ok", "not_assembled", "locked", "buckled", "no_equilibrium", "refused", "error"]
+STATUSES: tuple[str, ...] = get_args(Status)
+"""What can become of a design, in the order of their codes."""
+
+_KINDS: tuple[tuple[type[FlexmechError], Status], ...] = (
+    (AssemblyError, "not_assembled"),
+    (LockingError, "locked"),
+    (BucklingError, "buckled"),
+    (EquilibriumError, "no_equilibrium"),
+    (FlexmechError, "refused"),
+)
+MOST_LETTERS = 240
+"""Of a reason."""
+_log = logging.getLogger(__name__)
+
+
+class Evaluated(NamedTuple):
+    """Outputs of designs.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n, m)
+        In SI units; not numbers where the design failed.
+    status : ndarray of int, shape (n,)
+        Number in :data:`STATUSES`.
+    reasons : list of str
+        Empty where the design is computed.
+    """
+
+    values: FloatArray
+    status: IntArray
+    reasons: list[str]
+
+
+def evaluate(study: Study, designs: FloatArray, finer: int = 1) -> Evaluated:
+    """Compute the outputs of designs.
+
+    No failure of one changes another: each design that fails is a row with its status.
+
+    Parameters
+    ----------
+    study : Study
+    designs : ndarray, shape (n, k)
+    finer : int
+        How many times the elements and crank angles are as many, for an estimate of errors.
+
+    Returns
+    -------
+    Evaluated
+    """
+    engine = engine_kind(study.engine)(study.mechanism)
+    if finer > 1:
+        engine = engine.with_(elements=finer * engine.elements)
+        outputs = {
+            name: replace(output, angles=finer * output.angles)
+            for name, output in study.outputs.items()
+        }
+        study = replace(study, outputs=outputs)
+    values = np.full((len(designs), len(study.outputs)), np.nan)
+    status = np.zeros(len(designs), dtype=np.intp)
+    reasons = [""] * len(designs)
+    for number, row in enumerate(designs):
+        found, status[number], reasons[number] = _guarded(lambda: _of_one(study, engine, row))  # noqa: B023
+        if found is not None:
+            values[number] = found
+    return Evaluated(values, status, reasons)
+
+
+def _of_one(study: Study, engine: Engine, row: FloatArray) -> list[float]:
+    """Outputs of one design."""
+    stated = dict(as_values(study.variables, row))
+    speed = stated.pop(CRANK_SPEED, None)
+    changed = study.parameters.engine_with(engine, stated)
+    design = Design(changed, study.mechanism, None if speed is None else float(speed))
+    found = [output.of(design) for output in study.outputs.values()]
+    missing = [
+        name for name, value in zip(study.outputs, found, strict=True) if not np.isfinite(value)
+    ]
+    if missing:
+        raise FlexmechError(f"{', '.join(missing)} is not known of this design")
+    return found
+
+
+def _guarded(compute: Callable[[], list[float]]) -> tuple[list[float] | None, int, str]:
+    """What a computation gives, or what became of it."""
+    try:
+        return compute(), 0, ""
+    except FlexmechError as error:
+        status = next(name for kind, name in _KINDS if isinstance(error, kind))
+        return None, STATUSES.index(status), one_line(str(error), MOST_LETTERS)
+    except Exception as error:  # a design among thousands must not end the study
+        _log.exception("a design failed in a way that no check foresees")
+        reason = one_line(f"{type(error).__name__}: {error}", MOST_LETTERS)
+        return None, STATUSES.index("error"), reason

@@ -1,0 +1,373 @@
+"""What a study computes of every design."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Literal, NamedTuple, get_args
+
+import numpy as np
+
+from flexmech.analyses.digits import rounded
+from flexmech.analyses.frequencies.extremes import Extremes
+from flexmech.analyses.frequencies.positions import frequency_extremes, strain_energy_damping
+from flexmech.analyses.response.compute import response
+from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.stability.compute import stability
+from flexmech.arrays import FloatArray
+from flexmech.choices import Prestress
+from flexmech.errors import InputError, suggestion
+from flexmech.linear_system import Engine
+from flexmech.linkages import CouplerPoint, FourBar, InverseDynamics
+from flexmech.linkages.motion import direction
+from flexmech.mechanism import Mechanism
+from flexmech.units import (
+    ANGLE,
+    FORCE,
+    FREQUENCY,
+    LENGTH,
+    MASS,
+    RATIO,
+    STRESS,
+    TORQUE,
+    Dimension,
+    from_si,
+)
+from flexmech.validation import check_choice, check_count
+
+Quantity = Literal[
+    "lowest_frequency",
+    "highest_frequency",
+    "order_margin",
+    "mass",
+    "transmission_angle",
+    "path_error",
+    "peak_driving_torque",
+    "peak_joint_force",
+    "peak_deflection",
+    "peak_strain",
+    "peak_stress",
+    "strain_energy_damping",
+    "largest_multiplier",
+    "stable_speed_margin",
+]
+"""Names of what can be computed of a design."""
+
+_SHOWN = {LENGTH: "mm", ANGLE: "deg", STRESS: "MPa"}
+# Part of the crank speed by which unstable bands are searched for, and at how many speeds.
+_REACH, _SPEEDS = 0.5, 51
+
+
+class Kind(NamedTuple):
+    """What an output is.
+
+    Parameters
+    ----------
+    dimension : Dimension
+    words : str
+        For axes and tables.
+    compute : callable
+        Takes a design and the output.
+    """
+
+    dimension: Dimension
+    words: str
+    compute: Callable[[Design, Output], float]
+
+
+@dataclass(frozen=True)
+class Output:
+    """A number that a study computes of every design.
+
+    Parameters
+    ----------
+    quantity : str
+        One of :data:`Quantity`.
+    speed : float, optional
+        Crank speed in rad/s; the design's own where the speed varies, else the greatest at which
+        the mechanism operates, zero if it names none.
+    mode : int
+        Of frequencies and damping; the lowest is 1.
+    orders : tuple of int
+        Multiples of the crank speed that ``order_margin`` keeps away from.
+    link, joint : str, optional
+        Where deflection, strain, stress and joint force are taken; the greatest of all if left
+        out.
+    prestress : {"none", "axial", "equilibrium"}
+        Of frequencies.
+    angles : int
+        Crank angles over a turn.
+    points : tuple of (float, float)
+        In m: the path of the coupler point should pass them. Left out: ``path_error`` is the
+        greatest distance from the path of the model itself at equal crank angles.
+
+    Raises
+    ------
+    InputError
+        If the quantity is unknown or a number impossible.
+
+    Examples
+    --------
+    >>> flexmech.studies.Output("lowest_frequency", speed=62.8).dimension.unit
+    'Hz'
+    """
+
+    quantity: Quantity
+    speed: float | None = None
+    mode: int = 1
+    orders: tuple[int, ...] = (1, 2, 3, 4, 5, 6)
+    link: str | None = None
+    joint: str | None = None
+    prestress: Prestress = "equilibrium"
+    angles: int = 36
+    points: tuple[tuple[float, float], ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.quantity not in get_args(Quantity):
+            raise InputError(
+                f"there is no output {self.quantity!r}; "
+                f"{suggestion(str(self.quantity), list(get_args(Quantity)))}"
+            )
+        check_count(self.mode, "mode")
+        check_count(self.angles, "angles", least=4)
+        check_choice(self.prestress, ("none", "axial", "equilibrium"), "prestress")
+
+    @property
+    def kind(self) -> Kind:
+        """What it is."""
+        return KINDS[self.quantity]
+
+    @property
+    def dimension(self) -> Dimension:
+        """Of its numbers."""
+        return self.kind.dimension
+
+    @property
+    def shown_unit(self) -> str:
+        """Unit in which results speak of it."""
+        return _SHOWN.get(self.dimension, self.dimension.unit)
+
+    def told(self, value: float, error: float = 0.0) -> str:
+        """A number of it with its unit, to the digits that its error leaves."""
+        scale = from_si(1.0, self.shown_unit)
+        return f"{rounded(value * scale, error * scale)} {self.shown_unit}".rstrip()
+
+    def of(self, design: Design) -> float:
+        """The number of one design in SI units.
+
+        Parameters
+        ----------
+        design : Design
+
+        Returns
+        -------
+        float
+
+        Raises
+        ------
+        FlexmechError
+            If the design cannot be computed.
+        """
+        return float(self.kind.compute(design, self))
+
+
+@dataclass(frozen=True)
+class Design:
+    """One design, with what several outputs need of it.
+
+    Parameters
+    ----------
+    engine : Engine
+        Of the design.
+    model : Mechanism
+        That of the model file.
+    speed : float or None
+        Crank speed in rad/s, where it varies.
+    """
+
+    engine: Engine
+    model: Mechanism
+    speed: float | None = None
+    _maps: dict[tuple[float, str, int], Extremes] = field(default_factory=dict, repr=False)
+    _runs: dict[float, object] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """Of the design."""
+        return self.engine.mechanism
+
+    def speed_of(self, output: Output) -> float:
+        """Crank speed of an output in rad/s."""
+        if output.speed is not None:
+            return output.speed
+        if self.speed is not None:
+            return self.speed
+        return float(max(self.mechanism.operating_speeds, key=abs, default=0.0))
+
+    def frequencies(self, output: Output) -> Extremes:
+        """Lowest and highest natural frequencies over a turn, of as many modes as are needed."""
+        speed = self.speed_of(output)
+        count = max(output.mode, 3)
+        known = (speed, output.prestress, output.angles)
+        if known not in self._maps or len(self._maps[known].lowest_angle) < count:
+            self._maps[known] = frequency_extremes(
+                self.engine, turn(output.angles), speed, modes=count, prestress=output.prestress
+            )
+        return self._maps[known]
+
+    def forces(self, output: Output) -> InverseDynamics:
+        """Joint forces and torque of the rigid linkage over a turn."""
+        linkage = self.mechanism.linkage
+        return self.mechanism.inverse_dynamics(
+            linkage.motion(turn(output.angles), self.speed_of(output))
+        )
+
+    def peak(self, output: Output, name: str) -> float:
+        """Greatest peak of the periodic motion, of a link or of all."""
+        speed = self.speed_of(output)
+        if speed not in self._runs:
+            request = ResponseRequest(speed, 1.0, start="periodic")
+            self._runs[speed] = response(self.engine, request).peaks()
+        peaks = self._runs[speed][name].isel(engine=0)  # type: ignore[index]
+        if output.link is not None:
+            if output.link not in peaks["link"].values:
+                raise InputError(
+                    f"there is no link {output.link!r}; "
+                    f"{suggestion(output.link, [str(each) for each in peaks['link'].values])}"
+                )
+            peaks = peaks.sel(link=output.link)
+        return float(abs(peaks).max())
+
+
+def turn(count: int) -> FloatArray:
+    """Evenly spaced crank angles over a turn in rad, (count,)."""
+    return np.linspace(0.0, 2 * np.pi, count, endpoint=False)
+
+
+def _lowest(design: Design, output: Output) -> float:
+    return float(design.frequencies(output).lowest_frequency[output.mode - 1])
+
+
+def _highest(design: Design, output: Output) -> float:
+    return float(design.frequencies(output).highest_frequency[output.mode - 1])
+
+
+def _order_margin(design: Design, output: Output) -> float:
+    """Least relative distance of an order's frequency from a band of frequencies; 0 inside."""
+    found = design.frequencies(output)
+    order = np.array(output.orders) * abs(design.speed_of(output)) / (2 * np.pi)
+    if not order.all():
+        raise InputError("order_margin needs a crank speed; state speed = ...")
+    low, high = found.lowest_frequency, found.highest_frequency
+    apart = np.maximum(low - order[:, None], order[:, None] - high)
+    return float(np.maximum(apart / order[:, None], 0.0).min())
+
+
+def _mass(design: Design, output: Output) -> float:
+    return float(sum(link.moment(0) for link in design.mechanism.link_masses_in_order))
+
+
+def _transmission_angle(design: Design, output: Output) -> float:
+    """Least angle between coupler and rocker, or its supplement, over the turn in rad."""
+    linkage = design.mechanism.linkage
+    if not isinstance(linkage, FourBar):
+        raise InputError("transmission_angle is of four-bars; choose another output")
+    least, greatest = linkage.transmission_angle_limits()
+    return min(least, np.pi - greatest)
+
+
+def _path(mechanism: Mechanism, output: Output) -> FloatArray:
+    """Places of the coupler point over a turn, (angles, 2) in m."""
+    point = mechanism.coupler_point
+    if point is None:
+        raise InputError("path_error needs a coupler_point in the model file")
+    return _places(mechanism, point, output.angles)
+
+
+def _places(mechanism: Mechanism, point: CouplerPoint, count: int) -> FloatArray:
+    motion = mechanism.linkage.motion(turn(count))
+    coupler = mechanism.linkage.topology.index("coupler")
+    arm = point.distance * direction(motion.angle[..., coupler] + point.angle)
+    return np.asarray(motion.origin[..., coupler, :] + arm)
+
+
+def _path_error(design: Design, output: Output) -> float:
+    if not output.points:
+        apart = _path(design.mechanism, output) - _path(design.model, output)
+        return float(np.linalg.norm(apart, axis=-1).max())
+    # Polylines of few angles cut corners: four times as many.
+    fine = replace(output, angles=4 * output.angles)
+    start = _path(design.mechanism, fine)
+    along = np.roll(start, -1, axis=0) - start
+    to = np.array(output.points)[:, None] - start
+    part = np.einsum("psc,sc->ps", to, along) / np.einsum("sc,sc->s", along, along)
+    nearest = to - np.clip(part, 0.0, 1.0)[..., None] * along
+    return float(np.linalg.norm(nearest, axis=-1).min(axis=1).max())
+
+
+def _peak_torque(design: Design, output: Output) -> float:
+    return float(np.abs(design.forces(output).driving_torque).max())
+
+
+def _peak_joint_force(design: Design, output: Output) -> float:
+    forces: Mapping[str, FloatArray] = design.forces(output).joint_force
+    if output.joint is not None and output.joint not in forces:
+        raise InputError(
+            f"there is no joint {output.joint!r}; {suggestion(output.joint, list(forces))}"
+        )
+    chosen = [force for name, force in forces.items() if output.joint in (None, name)]
+    return float(max(np.linalg.norm(force, axis=-1).max() for force in chosen))
+
+
+def _damping(design: Design, output: Output) -> float:
+    """Least damping ratio of a mode over the turn by modal strain energy."""
+    found = strain_energy_damping(
+        design.engine,
+        turn(output.angles),
+        design.speed_of(output),
+        modes=max(output.mode, 3),
+        prestress=output.prestress,
+    )
+    return float(found[:, output.mode - 1].min())
+
+
+def _multiplier(design: Design, output: Output) -> float:
+    """Greatest modulus of the Floquet multipliers of a turn."""
+    found = stability(design.engine, [design.speed_of(output)]).dataset
+    return float(found["multiplier_modulus"].max())
+
+
+def _stable_margin(design: Design, output: Output) -> float:
+    """How much faster than the crank speed the first band lies in which vibrations grow.
+
+    Relative to the speed, 0 within a band, and no more than the reach of the search.
+    """
+    speed = design.speed_of(output)
+    speeds = speed * np.linspace(1.0, 1.0 + _REACH, _SPEEDS)
+    found = stability(design.engine, speeds).dataset
+    edges = found["band_lower"].values
+    return float(min(edges.min(initial=np.inf) / speed - 1.0, _REACH))
+
+
+KINDS: Mapping[str, Kind] = {
+    "lowest_frequency": Kind(FREQUENCY, "lowest natural frequency over the turn", _lowest),
+    "highest_frequency": Kind(FREQUENCY, "highest natural frequency over the turn", _highest),
+    "order_margin": Kind(RATIO, "least distance from the crank's orders", _order_margin),
+    "mass": Kind(MASS, "mass of the links", _mass),
+    "transmission_angle": Kind(ANGLE, "least transmission angle", _transmission_angle),
+    "path_error": Kind(LENGTH, "greatest error of the coupler path", _path_error),
+    "peak_driving_torque": Kind(TORQUE, "peak driving torque, rigid links", _peak_torque),
+    "peak_joint_force": Kind(FORCE, "peak joint force, rigid links", _peak_joint_force),
+    "peak_deflection": Kind(
+        LENGTH, "peak deflection", lambda design, output: design.peak(output, "deflection")
+    ),
+    "peak_strain": Kind(RATIO, "peak strain", lambda design, output: design.peak(output, "strain")),
+    "peak_stress": Kind(
+        STRESS, "peak normal stress", lambda design, output: design.peak(output, "stress")
+    ),
+    "strain_energy_damping": Kind(RATIO, "least damping ratio by strain energy", _damping),
+    "largest_multiplier": Kind(RATIO, "greatest Floquet multiplier", _multiplier),
+    "stable_speed_margin": Kind(RATIO, "distance to the next unstable band", _stable_margin),
+}
+"""Of every quantity."""

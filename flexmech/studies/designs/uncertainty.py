@@ -1,0 +1,358 @@
+"""How uncertain the outputs are where properties are, and which property makes them so."""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+import scipy
+import xarray as xr
+
+from flexmech import plots
+from flexmech.analyses.digits import Quantity
+from flexmech.analyses.result import Result
+from flexmech.analyses.summary import Summary, Table
+from flexmech.arrays import FloatArray, LabelledProgress
+from flexmech.errors import InputError
+from flexmech.studies.designs.campaign import evaluate_all
+from flexmech.studies.designs.evaluation import STATUSES, Evaluated
+from flexmech.studies.designs.result import (
+    designs_dataset,
+    designs_table,
+    reason_lines,
+    status_line,
+)
+from flexmech.studies.designs.study import Study, sobol_points
+from flexmech.units import from_si
+from flexmech.validation import check_count
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PERCENTILES = {"p2_5": 2.5, "p50": 50.0, "p97_5": 97.5}
+CONFIDENCE = 0.95
+_SAMPLES = 1024
+# Of the bootstrap of Sobol's indices.
+_RESAMPLES = 1000
+_INDICES = ("first_order", "total")
+
+
+class Uncertainty(Result):
+    """Distribution of outputs, and the share of every input in their variance.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Designs as of a ``DesignSweep``; ``mean``, ``std``, ``p2_5``, ``p50``, ``p97_5``, their
+        standard errors and ``failure_probability`` over ``output``; ``first_order`` and ``total``
+        with ``_low`` and ``_high`` ends of their 95 % intervals over (output, input), where inputs
+        are not correlated.
+    stored_as : mapping of str to str, optional
+        Of the file that it was loaded from.
+    """
+
+    stem = "uncertainty"
+    subject = "uncertainty"
+    hallmark = "failure_probability"
+    files = (
+        "uncertainty.csv",
+        "sensitivity.csv",
+        "designs.csv",
+        "uncertainty.nc",
+        "uncertainty.png",
+        "sensitivity.png",
+    )
+
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Statistics, sensitivities where there are some, and designs."""
+        data = self.dataset
+        names = ["mean", "std", *PERCENTILES, "failure_probability"]
+        of_outputs = data[names].to_dataframe().reset_index()
+        tables = {self.stem: of_outputs[["output", *names]], "designs": designs_table(data)}
+        if "total" in data:
+            shares = [f"{name}{end}" for name in _INDICES for end in ("", "_low", "_high")]
+            found = data[shares].to_dataframe().reset_index()
+            tables["sensitivity"] = found[["output", "input", *shares]]
+        return tables
+
+    def figures(self) -> dict[str, Figure]:
+        """Distributions, and shares of the inputs where they are known."""
+        figures = {self.stem: self.plot()}
+        if "total" in self.dataset:
+            figures["sensitivity"] = plots.plot_sensitivity(self.dataset)
+        return figures
+
+    def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
+        """Draw the distribution of every output.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes or sequence of them, optional
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        return plots.plot_distributions(self.dataset, ax=ax)
+
+    def summary(self) -> Summary:
+        """How far outputs scatter, how often limits fail, and what does it most."""
+        data = self.dataset
+        lines, numbers, rows = [], [], []
+        for output in data["output"].values.tolist():
+            own = data.sel(output=output)
+            unit = data[output].attrs["shown_unit"]
+            told = {name: from_si(float(own[name]), unit) for name in ("mean", "std", *PERCENTILES)}
+            error = from_si(float(own["median_error"]), unit)
+            median = Quantity("median", told["p50"], unit, error, output)
+            numbers.append(median)
+            failing = float(own["failure_probability"])
+            rows.append(
+                (output, unit, *(f"{value:.4g}" for value in told.values()), f"{failing:.3g}")
+            )
+            lines.append(
+                f"{output} is {told['p2_5']:.4g} to {told['p97_5']:.4g} {unit} in 95 % of the "
+                f"designs, its median {median}{_cause(own)}"
+            )
+        share = float(1 - data["within"].mean())
+        lines.append(f"{100 * share:.3g} % of the designs fail a limit or cannot be computed")
+        table = Table(
+            f"uncertainty, {data.attrs['mechanism']}",
+            ("output", "unit", "mean", "std", "2.5 %", "median", "97.5 %", "fails"),
+            (tuple(rows),),
+            text_columns=2,
+        )
+        spread = max(abs(one.error / one.value) if one.value else 0.0 for one in numbers)
+        return Summary(
+            ("; ".join(lines) + ".",),
+            table,
+            f"medians are known to {100 * spread:.2g} % by {data.sizes['design']} designs; "
+            f"the {data.attrs['engine']} engine alone ran",
+            details=(
+                status_line(data),
+                *reason_lines(data),
+                *_failure_lines(data),
+                *_share_lines(data),
+            ),
+            numbers=tuple(numbers),
+        )
+
+
+def _cause(own: xr.Dataset) -> str:
+    """What an output depends on most."""
+    if "total" not in own or not np.isfinite(own["total"]).all():
+        return ""
+    most = str(own["total"].idxmax().item())
+    return f", most by {most} ({100 * float(own['total'].sel(input=most)):.0f} % of the variance)"
+
+
+def _failure_lines(data: xr.Dataset) -> list[str]:
+    """How designs that fail count, where there are some."""
+    if (data["status"] == "ok").all():
+        return []
+    return [
+        f"designs that cannot be computed count as {data.attrs['failures_count_as']} in moments, "
+        "percentiles and shares, and as failing"
+    ]
+
+
+def _share_lines(data: xr.Dataset) -> list[str]:
+    if "total" not in data:
+        return [str(data.attrs["no_shares"])]
+    lines = []
+    for output in data["output"].values.tolist():
+        own = data.sel(output=output)
+        told = ", ".join(
+            f"{name} {float(own['total'].sel(input=name)):.2f} "
+            f"({float(own['total_low'].sel(input=name)):.2f} to "
+            f"{float(own['total_high'].sel(input=name)):.2f})"
+            for name in data["input"].values.tolist()
+        )
+        lines.append(f"total share in the variance of {output}: {told}")
+    return lines
+
+
+def number_of_runs(study: Study, samples: int) -> int:
+    """Designs that are computed: N (D + 2) of D inputs, or N where they are correlated.
+
+    Parameters
+    ----------
+    study : Study
+    samples : int
+
+    Returns
+    -------
+    int
+    """
+    return samples if study.correlations else samples * (len(study.variables) + 2)
+
+
+def uncertainty_study(
+    study: Study,
+    samples: int | None = None,
+    *,
+    executor: Executor | None = None,
+    progress: LabelledProgress | None = None,
+    folder: Path | None = None,
+    resume: bool = False,
+) -> Uncertainty:
+    """Distribution of a study's outputs, and the share of every input in their variance.
+
+    The designs are Saltelli's A, B and A_B of Sobol's method (Saltelli et al. 2010, *Computer
+    Physics Communications* 181); indices and their bootstrap intervals are those of
+    :func:`scipy.stats.sobol_indices`.
+
+    Parameters
+    ----------
+    study : Study
+        Variables with distributions; a range counts as uniform.
+    samples : int, optional
+        N, a power of two; 1024 if left out.
+    executor : concurrent.futures.Executor, optional
+    progress : callable, optional
+        Called as ``progress(label, done, total)``.
+    folder : Path, optional
+        Where ``designs.zarr`` is kept.
+    resume : bool
+
+    Returns
+    -------
+    Uncertainty
+
+    Raises
+    ------
+    InputError
+        If the number of samples is no power of two, or designs fail and the study does not say
+        what a failure is worth.
+    ComputationError
+        If a worker was killed.
+    """
+    samples = _SAMPLES if samples is None else samples
+    check_count(samples, "samples", least=8)
+    if samples & (samples - 1):
+        near = 1 << samples.bit_length()
+        raise InputError(f"samples: {samples} is no power of two; take {near // 2} or {near}")
+    designs = _designs(study, samples)
+    found = evaluate_all(
+        study,
+        designs,
+        executor=executor,
+        progress=progress,
+        folder=folder,
+        resume=resume,
+        content={"samples": samples},
+    )
+    values = _complete(study, found)
+    # Of A and B: the designs of A_B repeat their numbers.
+    independent = slice(0, samples if study.correlations else 2 * samples)
+    own = Evaluated(
+        found.values[independent], found.status[independent], found.reasons[independent]
+    )
+    dataset = designs_dataset(study, designs[independent], own)
+    dataset = dataset.merge(_statistics(study, values[independent], dataset))
+    worth = [f"{name} {study.outputs[name].told(v)}" for name, v in study.failure_values.items()]
+    dataset = dataset.assign_attrs(failures_count_as=", ".join(worth))
+    if study.correlations:
+        why = "inputs are correlated: shares in the variance are not defined (Sobol's method)"
+        return Uncertainty(dataset.assign_attrs(no_shares=why))
+    return Uncertainty(dataset.merge(_sensitivity(study, values, samples)))
+
+
+def _designs(study: Study, samples: int) -> FloatArray:
+    """A, B and one A_B for each input, one after the other, or A alone."""
+    count = len(study.variables)
+    if study.correlations:
+        return study.at(sobol_points(samples, count, study.seed))
+    points = sobol_points(samples, 2 * count, study.seed)
+    first, second = points[:, :count], points[:, count:]
+    mixed = []
+    for number in range(count):
+        own = first.copy()
+        own[:, number] = second[:, number]
+        mixed.append(own)
+    return study.at(np.concatenate([first, second, *mixed]))
+
+
+def _complete(study: Study, found: Evaluated) -> FloatArray:
+    """Outputs with what a failure is worth; refused where that is not said.
+
+    One number that is missing makes every one of Sobol's indices zero, without a word.
+    """
+    failed = found.status != 0
+    values = found.values.copy()
+    for number, name in enumerate(study.outputs):
+        if name in study.failure_values:
+            values[failed, number] = study.failure_values[name]
+    if np.isnan(values).any():
+        causes = ", ".join(
+            f"{int((found.status == code).sum())} {name}"
+            for code, name in enumerate(STATUSES)
+            if code and (found.status == code).any()
+        )
+        raise InputError(
+            f"{100 * failed.mean():.2g} % of the designs cannot be computed ({causes}; the first: "
+            f"{next(filter(None, found.reasons))}); narrow the ranges, or say in failure_values "
+            "what each output counts as then"
+        )
+    return values
+
+
+def _statistics(study: Study, values: FloatArray, dataset: xr.Dataset) -> xr.Dataset:
+    """Moments, percentiles and failures over ``output``."""
+    outputs = list(study.outputs)
+    found: dict[str, Any] = {
+        "mean": values.mean(axis=0),
+        "std": values.std(axis=0, ddof=1),
+        **{name: np.percentile(values, part, axis=0) for name, part in PERCENTILES.items()},
+    }
+    # Order statistics half a standard deviation of their binomial count away on either side.
+    apart = 50.0 / np.sqrt(len(values))
+    ends = np.percentile(values, [50.0 - apart, 50.0 + apart], axis=0)
+    found["median_error"] = (ends[1] - ends[0]) / 2
+    failing = []
+    for name in outputs:
+        beyond = dataset["status"].values != "ok"
+        for limit in study.limits:
+            if limit.output == name:
+                column = values[:, outputs.index(name)]
+                beyond = beyond | (limit.violation(column) > 0)
+        failing.append(beyond.mean())
+    found["failure_probability"] = np.array(failing)
+    return xr.Dataset({name: ("output", each) for name, each in found.items()}, {"output": outputs})
+
+
+def _sensitivity(study: Study, values: FloatArray, samples: int) -> xr.Dataset:
+    """Sobol's indices with their intervals over (output, input)."""
+    inputs, outputs = study.names, list(study.outputs)
+    parts = np.moveaxis(values.reshape(len(inputs) + 2, samples, len(outputs)), -1, 1)
+    # An output that never changes has no variance to share.
+    varies = np.ptp(values, axis=0) > 1e-12 * np.abs(values).max(axis=0)
+    shape = len(outputs), len(inputs)
+    found = {
+        f"{name}{end}": np.full(shape, np.nan) for name in _INDICES for end in ("", "_low", "_high")
+    }
+    if varies.any():
+        count = int(varies.sum())
+        # SciPy drops the dimension of a single output: it gets that one twice.
+        chosen = parts[:, np.resize(np.flatnonzero(varies), max(count, 2))]
+        indices = scipy.stats.sobol_indices(
+            func={"f_A": chosen[0], "f_B": chosen[1], "f_AB": chosen[2:]},
+            n=samples,
+            random_state=np.random.default_rng(study.seed),
+        )
+        interval = indices.bootstrap(confidence_level=CONFIDENCE, n_resamples=_RESAMPLES)
+        for name, short in zip(_INDICES, ("first_order", "total_order"), strict=True):
+            ends = getattr(interval, short).confidence_interval
+            for end, each in (
+                ("", getattr(indices, short)),
+                ("_low", ends.low),
+                ("_high", ends.high),
+            ):
+                found[f"{name}{end}"][varies] = np.reshape(each, (-1, len(inputs)))[:count]
+    over = ("output", "input")
+    return xr.Dataset(
+        {name: (over, each) for name, each in found.items()}, {"output": outputs, "input": inputs}
+    )
