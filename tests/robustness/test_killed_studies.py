@@ -118,14 +118,17 @@ def test_a_study_that_is_killed_again_and_again(
 
 
 def test_a_worker_that_is_killed_leaves_what_is_done(tmp_path: Path) -> None:
-    file = study_file(tmp_path, text=SWEEP)
+    # Ten tasks: most are left when the first one is done, however fast the machine is.
+    file = study_file(tmp_path, text=SWEEP.replace("steps = 400", "steps = 850"))
     finished(command("sweep", file, tmp_path / "whole"))
     out = tmp_path / "killed"
     process = command("sweep", file, out, "--workers", "2")
     done = out / NAME / "done" / "c"
-    while not done.exists() and process.poll() is None:
+    while not (done.exists() and (workers := workers_of(process.pid))):
+        if process.poll() is not None:
+            pytest.fail(f"the study ended before a worker was killed: {process.communicate()}")
         time.sleep(0.05)
-    os.kill(workers_of(process.pid)[0], signal.SIGKILL)
+    os.kill(workers[0], signal.SIGKILL)
     _, stderr = process.communicate(timeout=60)
     assert process.returncode == 1, stderr
     assert "a worker was lost" in stderr

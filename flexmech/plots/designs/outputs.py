@@ -149,7 +149,7 @@ def _contours(dataset: xr.Dataset, variables: list[str], ax: AxesLike | None) ->
                 drawn_lines = axes.contour(
                     x, y, fields[output], CONTOURS, colors=MID_GREY, linewidths=0.8
                 )
-                axes.clabel(drawn_lines, fontsize="x-small")
+                axes.clabel(drawn_lines, fontsize="small")
             for which, look in ((~within, BEYOND), (within, WITHIN)):
                 axes.plot(*(shown(known[name])[which] for name in variables), **look)
             # Designs at the ends of a range are drawn whole.
