@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.beam_shapes import BeamShapes
-from flexmech.beams.elements import BeamElements
-from flexmech.linear_system import LinkModel, LinkReadings, RigidFields, chain_matrices
+from flexmech.beams.elements import ROTATION, BeamElements
+from flexmech.linear_system import (
+    LinkModel,
+    LinkReadings,
+    RigidFields,
+    chain_matrices,
+)
 from flexmech.linkages import LinkMass
 from flexmech.mesh import node_positions
-from flexmech.sections import BeamSection
+from flexmech.sections import BeamSection, SectionStack
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +52,7 @@ class Coupling:
 
 @dataclass(frozen=True)
 class Chain:
-    """One link of beam elements.
+    """One link of beam elements, or that of D designs with this leading dimension.
 
     Parameters
     ----------
@@ -91,13 +97,76 @@ def build_chain(
     -------
     Chain
     """
-    if not shapes.stiff_in_shear:
-        section = section.shearing_over(mass.length)
     fixed = [*mass.point_positions, *(body.position for body in mass.bodies), *acting_at]
     nodes = node_positions(mass.length, elements, fixed)
-    beams = BeamElements(shapes, section, np.diff(nodes), _kinked(nodes, section, mass, acting_at))
+    own = _section_of_elements(section, mass.length, shapes)
+    beams = BeamElements(shapes, own, np.diff(nodes), _kinked(nodes, section, mass, acting_at))
+    points = zip(mass.point_positions, mass.point_masses, strict=True)
+    lumps = [(int(np.argmin(np.abs(nodes - position))), lump) for position, lump in points]
+    has_line = bool(mass.mass_per_length)
+    model = _straight_link(name, nodes, beams, lumps, has_line=has_line)
+    return Chain(model.carrying(mass), nodes, beams)
+
+
+def _section_of_elements(section: BeamSection, length: float, shapes: BeamShapes) -> BeamSection:
+    """Section with a shear flexibility that elements can have, where they shear."""
+    return section if shapes.stiff_in_shear else section.shearing_over(length)
+
+
+def stack_chains(
+    name: str,
+    sections: Sequence[BeamSection],
+    masses: Sequence[LinkMass],
+    elements: int,
+    shapes: BeamShapes,
+) -> Chain:
+    """Build one link of D designs, as :func:`build_chain` builds that of one.
+
+    Parameters
+    ----------
+    name : str
+    sections : sequence of BeamSection
+        Whose axes are that of the pins, without free strains.
+    masses : sequence of LinkMass
+        Distributed and as many point masses in every design; no bodies.
+    elements : int
+    shapes : BeamShapes
+        Kind of element, of Euler-Bernoulli's or Timoshenko's theory.
+
+    Returns
+    -------
+    Chain
+    """
+    own = tuple(
+        _section_of_elements(section, mass.length, shapes)
+        for section, mass in zip(sections, masses, strict=True)
+    )
+    nodes = np.stack([node_positions(m.length, elements, m.point_positions) for m in masses])
+    beams = BeamElements(shapes, cast("BeamSection", SectionStack(own)), np.diff(nodes))
+    lumps = []
+    for number in range(len(masses[0].point_masses)):
+        place = np.array([mass.point_positions[number] for mass in masses])
+        node = np.abs(nodes - place[:, None]).argmin(axis=1)
+        lumps.append((node, np.array([mass.point_masses[number] for mass in masses])))
+    model = _straight_link(name, nodes, beams, lumps, has_line=True)
+    return Chain(model, nodes, beams)
+
+
+def _straight_link(
+    name: str,
+    nodes: FloatArray,
+    beams: BeamElements,
+    lumps: Sequence[tuple[int | IntArray, float | FloatArray]],
+    *,
+    has_line: bool,
+) -> LinkModel:
+    """Straight link of beam elements between nodes (..., e + 1), with point masses at nodes.
+
+    ``has_line`` tells whether mass is distributed along it.
+    """
+    shapes = beams.shapes
     per_node = shapes.per_node
-    size = per_node * len(nodes)
+    size = per_node * nodes.shape[-1]
     matrices = np.stack(
         [
             beams.mass,
@@ -108,15 +177,15 @@ def build_chain(
         ]
     )
     first_moment = sum_of_elements(beams.first_moment)
-    if not mass.mass_per_length:
+    if not has_line:
         # All of it is in points.
         matrices[:3], first_moment[:] = 0.0, 0.0
-    for position, value in zip(mass.point_positions, mass.point_masses, strict=True):
-        _add_point_mass(matrices[:3], int(np.argmin(np.abs(nodes - position))), value)
+    for node, lump in lumps:
+        _add_point_mass(matrices[:3], node, lump)
     inertia, centrifugal, gyroscopic, stiffness, damping = chain_matrices(matrices)
     last, clamped = size - per_node, np.array(shapes.clamped)
     warping = np.array(shapes.warping, dtype=np.intp)
-    model = LinkModel(
+    return LinkModel(
         name=name,
         mass=inertia,
         gyroscopic=gyroscopic,
@@ -133,16 +202,15 @@ def build_chain(
             nodes,
             per_node,
             beams.displacement_shapes,
-            slope=2,
+            slope=ROTATION,
             deflection=1 if shapes.stiff_in_shear else None,
             element_maps=beams.element_maps,
         ),
         fields=_rigid_fields(nodes, shapes),
         start_warping=warping,
         end_warping=last + warping,
-        vectors=per_node * np.arange(len(nodes)) + np.array([[0], [1]]),
+        vectors=per_node * np.arange(nodes.shape[-1]) + np.array([[0], [1]]),
     )
-    return Chain(model.carrying(mass), nodes, beams)
 
 
 def _kinked(
@@ -159,16 +227,24 @@ def _kinked(
     return kinked[:-1]
 
 
-def _add_point_mass(matrices: FloatArray, node: int, mass: float) -> None:
-    """Add a point mass to the mass, the centrifugal mass and ``S`` of elements (3, e, 2p, 2p)."""
-    count, per_node = matrices.shape[1], matrices.shape[2] // 2
-    element = min(node, count - 1)
+def _add_point_mass(matrices: FloatArray, node: int | IntArray, mass: float | FloatArray) -> None:
+    """Add a point mass to the mass, the centrifugal mass and ``S`` of elements.
+
+    Parameters
+    ----------
+    matrices : ndarray, shape (3, e, 2 p, 2 p) or (3, D, e, 2 p, 2 p)
+    node, mass : int and float, or ndarray, shape (D,)
+    """
+    count, per_node = matrices.shape[-3], matrices.shape[-1] // 2
+    element = np.minimum(node, count - 1)
     u = per_node * (node - element)
-    inertia, centrifugal, gyroscopic = matrices[:, element]
+    design = () if matrices.ndim == 4 else (np.arange(len(matrices[0])),)
+    inertia, centrifugal, gyroscopic = matrices
     for matrix in (inertia, centrifugal):
-        matrix[[u, u + 1], [u, u + 1]] += mass
-    gyroscopic[u, u + 1] -= mass
-    gyroscopic[u + 1, u] += mass
+        for place in (u, u + 1):
+            matrix[(*design, element, place, place)] += mass
+    gyroscopic[(*design, element, u, u + 1)] -= mass
+    gyroscopic[(*design, element, u + 1, u)] += mass
 
 
 def sum_of_elements(vectors: FloatArray) -> FloatArray:
@@ -176,24 +252,25 @@ def sum_of_elements(vectors: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    vectors : ndarray, shape (k, e, 2 p)
+    vectors : ndarray, shape (..., e, 2 p)
 
     Returns
     -------
-    ndarray, shape (k, p (e + 1))
+    ndarray, shape (..., p (e + 1))
     """
-    kinds, count, size = vectors.shape
-    total = np.zeros((kinds, count + 1, size // 2))
-    total[:, :-1] += vectors[..., : size // 2]
-    total[:, 1:] += vectors[..., size // 2 :]
-    return total.reshape(kinds, -1)
+    *kinds, count, size = vectors.shape
+    total = np.zeros((*kinds, count + 1, size // 2))
+    total[..., :-1, :] += vectors[..., : size // 2]
+    total[..., 1:, :] += vectors[..., size // 2 :]
+    return total.reshape(*kinds, -1)
 
 
 def _rigid_fields(nodes: FloatArray, shapes: BeamShapes) -> RigidFields:
-    along, across, centripetal, tangential = np.zeros((4, len(nodes), shapes.per_node))
-    along[:, 0] = 1.0
-    across[:, 1] = 1.0
-    centripetal[:, 0] = nodes
-    tangential[:, 1] = nodes
-    tangential[:, shapes.angles] = 1.0
-    return RigidFields(*(field.ravel() for field in (along, across, centripetal, tangential)))
+    every = np.zeros((4, *nodes.shape, shapes.per_node))
+    along, across, centripetal, tangential = every
+    along[..., 0] = 1.0
+    across[..., 1] = 1.0
+    centripetal[..., 0] = nodes
+    tangential[..., 1] = nodes
+    tangential[..., shapes.angles] = 1.0
+    return RigidFields(*every.reshape(4, *nodes.shape[:-1], -1))

@@ -27,6 +27,7 @@ from flexmech.linear_system.assembly.element_kinds import (
     TheoryDifference,
 )
 from flexmech.linear_system.assembly.engine import Engine
+from flexmech.linear_system.assembly.engine_stack import likeness, stack_engines
 from flexmech.linear_system.assembly.link_points import LinkPoint, displacement_row, point_rows
 from flexmech.linear_system.assembly.sparse_positions import SparseMatrices, SparsePositions
 from flexmech.linear_system.assembly.straight_links import (
@@ -51,6 +52,7 @@ from flexmech.linear_system.joints.position_errors import (
 from flexmech.linear_system.joints.rigid_coordinates import RigidGeometricStiffness
 from flexmech.linear_system.joints.rigid_pose import DisplacedTies
 from flexmech.linear_system.links.chains import (
+    MOST_WHOLE,
     ChainMatrix,
     LinkMatrix,
     chain_matrices,
@@ -68,6 +70,7 @@ from flexmech.linear_system.links.dead_moments import (
 from flexmech.linear_system.links.displaced_inertia import DisplacedInertia
 from flexmech.linear_system.links.link_model import LinkModel, RigidFields
 from flexmech.linear_system.links.link_readings import LinkReadings
+from flexmech.linear_system.links.link_stack import UnlikeDesignsError, same_of_all
 from flexmech.linear_system.links.link_stretch import LinkStretch
 from flexmech.linear_system.links.mass_root import inverse_mass_root
 from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
@@ -96,6 +99,7 @@ __all__ = [
     "LESS_LOADED",
     "LOAD_STEPS",
     "MAX_ITERATIONS",
+    "MOST_WHOLE",
     "NEGLIGIBLE",
     "PRESTRESS_LEVELS",
     "RELATIVE_RESIDUAL",
@@ -138,6 +142,7 @@ __all__ = [
     "TheoryComparison",
     "TheoryDifference",
     "TooManyModesError",
+    "UnlikeDesignsError",
     "acts_at_rest",
     "all_constant",
     "body_nodes",
@@ -158,11 +163,14 @@ __all__ = [
     "inertia_loads",
     "inverse_mass_root",
     "is_constant_turn",
+    "likeness",
     "link_matrices",
     "point_rows",
     "refuse_large_displacements",
     "refuse_positions",
     "rigid_link",
+    "same_of_all",
+    "stack_engines",
     "straight_forces",
     "stressed_along_turn",
     "summed",

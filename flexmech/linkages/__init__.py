@@ -27,6 +27,7 @@ from flexmech.linkages.linkage import (
     linkage_positions,
     picture_crank_angle,
 )
+from flexmech.linkages.linkage_stack import LinkageStack, connections
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.moving_points import moving_points
 from flexmech.linkages.planar import PlanarJoint, PlanarLink, PlanarLinkage
@@ -61,6 +62,7 @@ __all__ = [
     "LinkEnd",
     "LinkMass",
     "Linkage",
+    "LinkageStack",
     "Load",
     "LockedCrank",
     "Pin",
@@ -77,6 +79,7 @@ __all__ = [
     "Weld",
     "assemblable",
     "circuit_of",
+    "connections",
     "continuous_angles",
     "coupler_sextic",
     "double_points",

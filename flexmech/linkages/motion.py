@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -87,6 +88,8 @@ class RigidMotion:
         Absolute angle of each link frame and its time derivatives.
     origin, origin_velocity, origin_acceleration : ndarray, shape (..., n_links, 2)
         Start of each link, in ground axes.
+    design : ndarray of int, shape (...), optional
+        Number of each position's design, where they are of several linkages.
     """
 
     crank_angle: FloatArray
@@ -97,11 +100,12 @@ class RigidMotion:
     origin: FloatArray
     origin_velocity: FloatArray
     origin_acceleration: FloatArray
+    design: IntArray | None = field(default=None, kw_only=True)
 
     def __repr__(self) -> str:
         return short_repr(self, *shapes(self))
 
-    def at(self, which: NDArray[np.bool_] | IntArray | slice) -> RigidMotion:
+    def at(self, which: NDArray[np.bool_] | IntArray | slice) -> Self:
         """Motion in some of the positions.
 
         Parameters
@@ -113,7 +117,9 @@ class RigidMotion:
         RigidMotion
             Batch of shape (B,).
         """
-        return RigidMotion(*(getattr(self, field.name)[which] for field in fields(self)))
+        every = {own.name: getattr(self, own.name) for own in fields(self)}
+        some: dict[str, Any] = {name: None if v is None else v[which] for name, v in every.items()}
+        return type(self)(**some)
 
     def arm(self, link: int, x: ArrayLike, y: ArrayLike = 0.0) -> FloatArray:
         """From a link's start to the point at ``(x, y)`` in its frame, ground axes in m.

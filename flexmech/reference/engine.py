@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
@@ -12,10 +12,11 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.beams.comparison import compare_theories
 from flexmech.beams.elements import BEAM_SHAPES
-from flexmech.beams.link_matrices import Chain, Coupling, build_chain
+from flexmech.beams.link_matrices import Chain, Coupling, build_chain, stack_chains
 from flexmech.beams.restrained_ends import restrained_beam
 from flexmech.choices import ELEMENTS, MASSES, MassChoice
 from flexmech.linear_system import (
+    MOST_WHOLE,
     BalancedLoads,
     Engine,
     LinkFrames,
@@ -41,6 +42,9 @@ from flexmech.linkages.internal_forces import LinkForces
 from flexmech.mechanism import Mechanism
 from flexmech.reference.equilibrium import Equilibrium
 from flexmech.reference.stretch import chain_stretch
+
+# Elements by whose theories links of several designs are built at once.
+STACKED = ("euler", "timoshenko")
 
 
 class ReferenceEngine(Engine):
@@ -88,11 +92,35 @@ class ReferenceEngine(Engine):
 
     def _chain(self, number: int, name: str) -> Chain:
         """Beam elements of one flexible link."""
+        if self.members:
+            mechanisms = [own.mechanism for own in self.members]
+            parts = [restrained_beam(own, name)[0] for own in mechanisms]
+            masses = [own.link_mass(name) for own in mechanisms]
+            return stack_chains(name, parts, masses, self.elements, BEAM_SHAPES[self.element])
         mass, at = self._masses[number], self.mechanism.acting_at(name)
         section, restraint = restrained_beam(self.mechanism, name)
         shapes = BEAM_SHAPES[self.element]
         chain = build_chain(name, section, mass, self.elements, shapes, at)
         return chain if restraint is None else restraint.restrain(chain, mass.mass_per_length)
+
+    @property
+    def likeness_of_links(self) -> Hashable | None:
+        """See :attr:`Engine.likeness_of_links`."""
+        mechanism, links = self.mechanism, []
+        if self.element not in STACKED or self.elements > MOST_WHOLE:
+            return None
+        for link in mechanism.linkage.topology.links:
+            if link.rigid:
+                return None
+            name = link.name
+            section, mass = mechanism.sections[name], mechanism.link_mass(name)
+            own, restraint = restrained_beam(mechanism, name)
+            if restraint is not None or section.is_eccentric or mass.bodies:
+                return None
+            if self.mass == "lumped" or not mass.mass_per_length:
+                return None
+            links.append((len(mass.point_masses), own.shears, own.damping.any))
+        return self.element, tuple(links)
 
     @cached_property
     def _lumped(self) -> tuple[int, ...] | None:

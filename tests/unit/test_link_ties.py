@@ -177,7 +177,7 @@ def test_rates_of_what_follows_are_derivatives(topology: Topology, seed: int, el
     ]
     unit, still = np.eye(frames.size), np.zeros((frames.size, frames.size))
     now = course.at(0.0)
-    many = RigidMotion(*(np.repeat(v, frames.size, axis=0) for v in vars(now).values()))
+    many = now.at(np.zeros(frames.size, dtype=int))
     exact = frames.link_motion(many, unit, still, still)
     for number, (place, rate, change) in enumerate(exact):
         steps = np.stack([q[number][0] for q in path])

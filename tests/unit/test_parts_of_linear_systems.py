@@ -45,7 +45,8 @@ def stressed(batch: int) -> StressedLinks:
 
 def arrays(links: StressedLinks) -> dict[str, FloatArray]:
     """By name; lists have one array."""
-    values = {field.name: getattr(links, field.name) for field in fields(links)}
+    names = [field.name for field in fields(links) if field.name != "unstressed"]
+    values = {name: getattr(links, name) for name in names}
     return {k: v[0] if isinstance(v, list) else v for k, v in values.items()}
 
 

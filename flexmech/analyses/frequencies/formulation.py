@@ -147,8 +147,8 @@ class Systems:
     engine : Engine
     formulation : Formulation
     fastest : float, optional
-        Greatest angular velocity of a link in rad/s, by which component modes are chosen; that
-        of the positions asked for by default.
+        Greatest angular velocity of a link in rad/s, by which component modes are chosen, of each
+        design (D,) of a stack; that of the positions asked for by default.
     detail : float
         How many component modes to take; see :meth:`flexmech.linear_system.Engine.linear_system`.
     running : RunningStates, optional
@@ -157,7 +157,7 @@ class Systems:
 
     engine: Engine
     formulation: Formulation
-    fastest: float | None = None
+    fastest: FloatArray | float | None = None
     detail: float = 1.0
     running: RunningStates | None = None
 

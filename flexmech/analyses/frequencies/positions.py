@@ -15,7 +15,7 @@ from flexmech.analyses.requests import as_many_modes, engine_of, in_radians
 from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.errors import InputError
-from flexmech.linear_system import Engine, RotationTerms
+from flexmech.linear_system import Engine, RotationTerms, same_of_all
 from flexmech.mechanism import Mechanism
 from flexmech.threads import one_thread
 from flexmech.validation import checked_array
@@ -101,7 +101,9 @@ def frequencies_at(
 
 def _along(systems: Systems, angle: FloatArray, speed: FloatArray) -> tuple[FloatArray, Systems]:
     """Frequencies (B, modes) at positions, and the systems with as many modes as they need."""
-    some = check_angle_indices(np.arange(angle.size, dtype=float), full_turn=False)
+    count = angle.size // (systems.engine.designs or 1)
+    some = check_angle_indices(np.arange(count, dtype=float), full_turn=False)
+    some = (np.arange(0, angle.size, count)[:, None] + some).ravel()
     with one_thread():
         # The stress is the same in whatever modes: it is sought once in the first batch, and in
         # the positions to check along with it.
@@ -246,8 +248,8 @@ def _systems(
     angle, speed = np.broadcast_arrays(
         np.asarray(crank_angle, dtype=float), np.asarray(crank_speed, dtype=float)
     )
-    fastest = 0.0
-    if speed.any():
-        motion = engine.mechanism.linkage.motion(angle, speed)
-        fastest = float(np.abs(motion.angular_velocity).max(initial=0.0))
+    fastest: FloatArray | float = 0.0
+    # At rest there are no rotation terms.
+    if angle.size and same_of_all(speed.reshape(engine.designs or 1, -1).any(axis=1)):
+        fastest = engine.fastest(engine.mechanism.linkage.motion(angle.ravel(), speed.ravel()))
     return angle, speed, Systems(engine, formulation, fastest)

@@ -27,6 +27,7 @@ from flexmech.linear_system import (
     SparsePositions,
     StressedLinks,
     diagonal,
+    same_of_all,
 )
 
 logger = logging.getLogger(__name__)
@@ -66,14 +67,14 @@ class ModeErrors:
         """The errors at some of the positions."""
         return ModeErrors(self.frequency[positions], self.damping_ratio[positions])
 
-    def is_small(self, modes: Modes, *, damped: bool) -> bool:
-        """Whether the reduction will do for modes; their damping ratios too, if ``damped``."""
-        accurate = bool(np.all(self.frequency <= REDUCTION_TOLERANCE))
+    def small(self, modes: Modes, *, damped: bool) -> NDArray[np.bool_]:
+        """Where the reduction will do for modes, and their damping ratios, if ``damped``; (B,)."""
+        accurate = np.asarray(np.all(self.frequency <= REDUCTION_TOLERANCE, axis=1))
         if not damped:
             return accurate
         ratio = np.abs(modes.damping_ratio[:, : self.damping_ratio.shape[1]])
         allowed = np.maximum(RATIO_TOLERANCE * ratio, RATIO_FLOOR)
-        return accurate and bool(np.all(self.damping_ratio <= allowed))
+        return np.asarray(accurate & np.all(self.damping_ratio <= allowed, axis=1))
 
 
 @dataclass(frozen=True)
@@ -139,7 +140,8 @@ def converged_modes(
             none = np.zeros((len(modes.frequency), count))
             return CheckedModes(detailed, system, modes, ModeErrors(none, none))
         error = reduction_error(exact, system, modes.lowest(count))
-        if error.is_small(modes, damped=systems.is_damped):
+        small = error.small(modes, damped=systems.is_damped)
+        if same_of_all(small.reshape(systems.engine.designs or 1, -1).all(axis=1)):
             return CheckedModes(detailed, system, modes, error)
         logger.info(
             "component modes with detail %g are off by %.1e of a frequency and %.1e in a ratio",
@@ -188,10 +190,11 @@ class UnreducedPositions:
     def pencils(self) -> Iterator[Pencil]:
         """Sparse matrices of each position."""
         count = len(self.crank_angle)
-        at_a_time = max(1, MATRIX_BYTES // (8 * self.systems.engine.frames.size**2))
+        engine = self.systems.engine
+        at_a_time = max(1, MATRIX_BYTES // (8 * engine.frames.size**2))
         if self.sparse is not None:
             yield from (Pencil.of(self.sparse.at(place)) for place in range(count))
-        elif at_a_time >= count:
+        elif at_a_time >= count or engine.designs is not None:
             yield from self._every
         else:
             for start in range(0, count, at_a_time):

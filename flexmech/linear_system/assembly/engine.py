@@ -41,7 +41,14 @@ from flexmech.linear_system.reduction.component_modes import ComponentModes, com
 from flexmech.linkages import RigidMotion, lumped_elements
 from flexmech.linkages.motion import checked_drive
 from flexmech.mechanism import Mechanism
-from flexmech.validation import POSITIVE, check_choice, check_count, check_flag, check_number
+from flexmech.validation import (
+    POSITIVE,
+    check_choice,
+    check_count,
+    check_flag,
+    check_number,
+    checked_array,
+)
 
 # A map of that many frequencies needs two more, among which it tracks modes.
 SYSTEM_MODES = MODES + 2
@@ -125,7 +132,7 @@ class Engine(EngineLinks):
         self.shaft = shaft
         self.free_shaft = FreeShaft.of(mechanism) if shaft == "free" else None
         self._element_asked = element
-        self._reductions: dict[tuple[int, float, bool, float], ComponentModes] = {}
+        self._reductions: dict[tuple[int, tuple[float, ...], bool, float], ComponentModes] = {}
 
     def with_(
         self,
@@ -245,13 +252,18 @@ class Engine(EngineLinks):
         return self._element_asked is None
 
     @property
+    def designs(self) -> int | None:
+        """Number of designs of a stack."""
+        return len(self.members) or None
+
+    @property
     def batch_size(self) -> int:
         """Number of positions to hold in memory at a time."""
         return batch_size(self.links)
 
     def batches(self, count: int) -> list[slice]:
-        """Batches of equal size for a number of positions."""
-        return equal_batches(count, self.batch_size)
+        """Batches of equal size for a number of positions; of a stack there is one."""
+        return equal_batches(count, self.batch_size if self.designs is None else count)
 
     def linear_system(
         self,
@@ -262,7 +274,7 @@ class Engine(EngineLinks):
         running: Sequence[FloatArray] | None = None,
         rotation_terms: bool | RotationTerms = True,
         modes: int | None = None,
-        fastest: float | None = None,
+        fastest: FloatArray | float | None = None,
         detail: float | None = None,
         stressed: StressedLinks | None = None,
     ) -> LinearSystem:
@@ -282,7 +294,7 @@ class Engine(EngineLinks):
             many as there are.
         fastest : float, optional
             Greatest angular velocity of a link in the whole map in rad/s, by which the
-            reduction is chosen; the greatest of this batch by default.
+            reduction is chosen, of each design (D,) of a stack; of this batch by default.
         detail : float, optional
             Multiplies the frequency up to which component modes are kept, whose error
             ``natural_frequencies`` measures; left out: all coordinates are kept.
@@ -309,7 +321,7 @@ class Engine(EngineLinks):
         if detail is not None:
             check_number(detail, "detail", "", POSITIVE)
         if fastest is not None:
-            check_number(fastest, "fastest", "rad/s")
+            checked_array(fastest, "fastest", "rad/s")
         terms = RotationTerms.of(rotation_terms)
         angle, speed, _ = checked_drive(crank_angle, crank_speed, 0.0)
         if not angle.size:
@@ -317,8 +329,10 @@ class Engine(EngineLinks):
         motion = self.mechanism.linkage.motion(angle.ravel(), speed.ravel())
         if not motion.crank_speed.any():
             terms = RotationTerms.all_or_none(False)
-        if stressed is None:
-            stressed = self._stressed(motion, prestress, running)
+        if stressed is None and running is not None:
+            stressed = self.running_links(motion, running)
+        elif stressed is None:
+            stressed = self.stressed_links(motion, prestress)
         connect = self._connect(terms, prestress, stressed.displacement)
         if detail is None or not self.component_modes or self.turns_as_one_body:
             system = unreduced_system(self.frames, motion, stressed, terms, connect)
@@ -329,25 +343,15 @@ class Engine(EngineLinks):
                     most_modes=system.size,
                 )
             return self._with_rigid_modes(system)
-        greatest = float(np.max(np.abs(motion.angular_velocity), initial=0.0))
-        if not terms.any:
-            greatest = 0.0
-        elif fastest is not None:
-            greatest = abs(fastest)
-        loaded = any(t.ndim == 3 for t in stressed.tangent)
+        greatest = self.fastest(motion) if fastest is None else np.abs(np.atleast_1d(fastest))
+        greatest = greatest if terms.any else 0 * greatest
+        loaded = not stressed.unstressed and any(t.ndim == 3 for t in stressed.tangent)
         reduction = self._reduction(modes or SYSTEM_MODES, greatest, loaded, detail)
         if reduction.frames.rigid.size:
             motion = self.frames.displaced(motion, stressed.displacement)
         return self._with_rigid_modes(
             reduced_system(self.links, reduction, motion, stressed, terms, connect)
         )
-
-    def _stressed(
-        self, motion: RigidMotion, prestress: Prestress, running: Sequence[FloatArray] | None
-    ) -> StressedLinks:
-        if running is None:
-            return self.stressed_links(motion, prestress)
-        return self.running_links(motion, running)
 
     def _with_rigid_modes(self, system: LinearSystem) -> LinearSystem:
         """The system with its number of rigid modes, and whether forces circulate."""
@@ -375,8 +379,10 @@ class Engine(EngineLinks):
 
         return connect
 
-    def _reduction(self, modes: int, fastest: float, loaded: bool, detail: float) -> ComponentModes:
-        key = (modes, fastest, loaded, detail)
+    def _reduction(
+        self, modes: int, fastest: FloatArray, loaded: bool, detail: float
+    ) -> ComponentModes:
+        key = (modes, tuple(fastest.tolist()), loaded, detail)
         if key not in self._reductions:
             if len(self._reductions) >= KEPT_REDUCTIONS:
                 del self._reductions[next(iter(self._reductions))]
@@ -384,7 +390,7 @@ class Engine(EngineLinks):
                 self.topology,
                 self.links,
                 modes,
-                fastest,
+                float(fastest[0]) if self.designs is None else fastest,
                 couples_axially=loaded,
                 detail=detail,
                 with_damping_shapes=any(link.damping.any() for link in self.links),

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
+
+import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
@@ -39,12 +42,15 @@ class EngineLinks(ElementKinds):
     solves_connectors : bool
         Whether the engine's own equilibrium includes loads and springs; otherwise their forces
         are applied as loads.
+    members : tuple of EngineLinks
+        Of a stack the engines of its designs; see :func:`flexmech.linear_system.stack_engines`.
     """
 
     name: ClassVar[str]
     solves_connectors: ClassVar[bool] = False
     mechanism: Mechanism
     free_shaft: FreeShaft | None
+    members: tuple[EngineLinks, ...] = ()
 
     @cached_property
     def topology(self) -> Topology:
@@ -109,8 +115,17 @@ class EngineLinks(ElementKinds):
         ComputationError
             If the equilibrium does not converge or is unstable; names the crank angle.
         """
+        straight = self._is_straight(motion, prestress)
+        if self.members and not straight:
+            count = len(motion.crank_angle) // len(self.members)
+            own = replace(motion, design=None)
+            parts = [
+                member.stressed_links(own.at(slice(count * n, count * (n + 1))), prestress)
+                for n, member in enumerate(self.members)
+            ]
+            return StressedLinks.joined(parts, count)
         clamped = self.stressed_clamped_links(motion, prestress, near)
-        if self._is_straight(motion, prestress):
+        if straight:
             return clamped
         return self._without_spin_softening(motion, clamped)
 
@@ -327,6 +342,19 @@ class EngineLinks(ElementKinds):
                 f"{what} turns the shaft as prescribed, and that of this engine is free; "
                 "use shaft 'prescribed'"
             )
+
+    def fastest(self, motion: RigidMotion) -> FloatArray:
+        """Greatest angular velocity of a link in a motion in rad/s, (1,); (D,) of a stack."""
+        every = np.abs(motion.angular_velocity).reshape(len(self.members) or 1, -1)
+        return np.asarray(every.max(axis=1, initial=0.0))
+
+    @property
+    def likeness_of_links(self) -> Hashable | None:
+        """What the links of several designs must have in common to be stacked.
+
+        None where the engine does not stack them.
+        """
+        return None
 
     @property
     def turns_as_one_body(self) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.assembly.system import LinearSystem, condense
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.chains import LinkMatrix, in_positions, whole
@@ -15,7 +15,7 @@ from flexmech.linear_system.links.dead_moments import body_turns
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
 from flexmech.linear_system.links.stressed_links import StressedLinks
-from flexmech.linear_system.reduction.component_modes import ComponentModes, ReducedLink
+from flexmech.linear_system.reduction.component_modes import ComponentModes
 from flexmech.linkages import RigidMotion
 
 Connect = Callable[[LinkFrames, RigidMotion, SystemMatrices, slice], SystemMatrices]
@@ -56,9 +56,8 @@ def unreduced_system(
         damping = [LinkDamping(matrix, matrix) for matrix in stressed.damping]
     motion = frames.displaced(motion, stressed.displacement)
     turns = body_turns(frames.links, stressed.displacement)
-    matrices = frames.assemble(
-        motion, stressed.tangent, terms, damping, stressed.guide_stiffness, turns
-    )
+    tangent = [link.stiffness for link in frames.links] if stressed.unstressed else stressed.tangent
+    matrices = frames.assemble(motion, tangent, terms, damping, stressed.guide_stiffness, turns)
     if connect is not None:
         matrices = connect(frames, motion, matrices, slice(None))
     massless = np.all(np.diagonal(matrices.mass, axis1=1, axis2=2) == 0, axis=0)
@@ -107,13 +106,18 @@ def reduced_system(
     condensed = np.zeros(frames.size, dtype=bool)
     for target, link in zip(frames.targets, reduction.links, strict=True):
         condensed[target[link.condensed]] = True
-    damping, turns = _damping(links, reduction, stressed), body_turns(links, stressed.displacement)
+    damping = _damping(links, reduction, stressed, motion.design)
+    turns = body_turns(links, stressed.displacement)
     at_once = max(1, MATRIX_BYTES // (8 * frames.size**2))
+    if motion.design is not None:
+        at_once = len(motion.crank_angle)
     parts = []
     for first in range(0, len(motion.crank_angle), at_once):
         some = slice(first, first + at_once)
         projected = [
-            _projected(full, link, tangent, some)
+            link.model.stiffness
+            if stressed.unstressed or tangent is full.stiffness
+            else _projected(link.basis_at(motion.design), in_positions(tangent, some))
             for full, link, tangent in zip(links, reduction.links, stressed.tangent, strict=True)
         ]
         own = damping and [each.at(some) for each in damping]
@@ -124,7 +128,7 @@ def reduced_system(
         matrices = frames.assemble(motion.at(some), projected, terms, own, guide_stiffness, turned)
         if connect is not None:
             matrices = connect(frames, motion.at(some), matrices, some)
-        forces = _damped_ends(frames, reduction, own, len(matrices.mass))
+        forces = _damped_ends(frames, reduction, own, motion.at(some))
         parts.append(condense(matrices, condensed, forces) if condensed.any() else (matrices, None))
     matrices = SystemMatrices(
         *(_joined([getattr(m, field.name) for m, _ in parts]) for field in fields(SystemMatrices))
@@ -145,11 +149,9 @@ def reduced_system(
     )
 
 
-def _projected(full: LinkModel, link: ReducedLink, tangent: LinkMatrix, some: slice) -> LinkMatrix:
-    """Tangent stiffness of a link in component modes; without stress it is that of the link."""
-    if tangent is full.stiffness:
-        return link.model.stiffness
-    return np.asarray(link.basis.T @ (in_positions(tangent, some) @ link.basis))
+def _projected(basis: FloatArray, tangent: LinkMatrix) -> FloatArray:
+    """Tangent stiffness of a link in component modes."""
+    return np.asarray(np.swapaxes(basis, -1, -2) @ (tangent @ basis))
 
 
 def _joined(parts: list[FloatArray]) -> FloatArray:
@@ -157,7 +159,10 @@ def _joined(parts: list[FloatArray]) -> FloatArray:
 
 
 def _damping(
-    links: Sequence[LinkModel], reduction: ComponentModes, stressed: StressedLinks
+    links: Sequence[LinkModel],
+    reduction: ComponentModes,
+    stressed: StressedLinks,
+    design: IntArray | None,
 ) -> list[LinkDamping] | None:
     """Damping of the stressed links in component modes."""
     if stressed.damping is None:
@@ -166,9 +171,10 @@ def _damping(
     for full, link, matrix in zip(links, reduction.links, stressed.damping, strict=True):
         names = ("start", "end", "start_rotation", "end_rotation")
         kept = {name: getattr(link.model, name) for name in names}
-        ends = full.end_basis(link.model.size, kept) if not full.rigid else link.basis
-        forces = link.basis.T @ matrix
-        damping.append(LinkDamping(forces @ link.basis, forces @ ends))
+        basis = link.basis_at(design)
+        ends = full.end_basis(link.model.size, kept) if not full.rigid else basis
+        forces = np.swapaxes(basis, -1, -2) @ matrix
+        damping.append(LinkDamping(forces @ basis, forces @ ends))
     return damping
 
 
@@ -176,14 +182,14 @@ def _damped_ends(
     frames: LinkFrames,
     reduction: ComponentModes,
     damping: Sequence[LinkDamping] | None,
-    batch: int,
+    motion: RigidMotion,
 ) -> FloatArray | None:
     """Damping forces of end motions on the condensed coordinates, (B, c, r) or None."""
-    ways = [link.damped_ends.shape[1] for link in reduction.links]
+    ways = [link.damped_ends.shape[-1] for link in reduction.links]
     if not any(ways):
         return None
     first = frames.size - sum(int(link.condensed.sum()) for link in reduction.links)
-    forces = np.zeros((batch, frames.size - first, sum(ways)))
+    forces = np.zeros((len(motion.crank_angle), frames.size - first, sum(ways)))
     last = np.cumsum(ways)
     for number, link in enumerate(reduction.links):
         if not ways[number]:
@@ -191,5 +197,6 @@ def _damped_ends(
         ends = whole(link.model.ends.damping if damping is None else damping[number].ends)
         rows = frames.targets[number][link.condensed] - first
         columns = slice(last[number] - ways[number], last[number])
-        forces[:, rows, columns] = ends[..., link.condensed, :] @ link.damped_ends
+        answer = ends[..., link.condensed, :] @ link.damped_ends
+        forces[:, rows, columns] = answer if motion.design is None else answer[motion.design]
     return forces

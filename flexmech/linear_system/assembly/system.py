@@ -34,7 +34,7 @@ class LinearSystem:
         How z becomes the links' coordinates.
     expansion : ndarray, shape (B, size, n), or None
         From z to the coordinates of ``frames`` where some were condensed.
-    bases : tuple of ndarray, shape (n_full, n_link), or None
+    bases : tuple of ndarray, shape (n_full, n_link) or (D, n_full, n_link), or None
         From each reduced link's coordinates to its unreduced ones.
     unit_mass_from : int, optional
         From this coordinate on the mass matrix is the unit matrix in every position, and zero
@@ -117,7 +117,9 @@ class LinearSystem:
         if self.bases is None:
             return vectors
         pairs = zip(self.bases, self.link_coordinates(vectors), strict=True)
-        return frames.independent(self.motion, [basis @ reduced for basis, reduced in pairs])
+        design = self.motion.design
+        full = ((basis if design is None else basis[design]) @ reduced for basis, reduced in pairs)
+        return frames.independent(self.motion, [*full])
 
     def displacements(self, vectors: NDArray[Any]) -> NDArray[Any]:
         """Displacement at the stations of every link, in ground axes.

@@ -6,9 +6,8 @@ from dataclasses import dataclass, fields
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexmech.arrays import ComplexArray, FloatArray, IntArray
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.linkages.body_motion import BodyMotion, dot
 from flexmech.linkages.connection_forces import slider_line
@@ -29,6 +28,8 @@ class DisplacedMotion(RigidMotion):
         links.
     slide : ndarray, shape (B, n_sliders)
         Displacement of each slider along its line in m.
+    design : ndarray of int, shape (B,), optional
+        As of :class:`RigidMotion`.
     """
 
     turn: FloatArray
@@ -55,10 +56,6 @@ class DisplacedMotion(RigidMotion):
         own = {field.name: getattr(self, field.name) for field in fields(RigidMotion)}
         own["angle"] = self.angle - self.turn
         return RigidMotion(**own)
-
-    def at(self, which: NDArray[np.bool_] | IntArray | slice) -> DisplacedMotion:
-        """See :meth:`RigidMotion.at`."""
-        return type(self)(*(getattr(self, field.name)[which] for field in fields(self)))
 
 
 def link_bodies(motion: RigidMotion, topology: Topology) -> tuple[BodyMotion, ComplexArray]:

@@ -178,7 +178,7 @@ def couples(matrix: LinkMatrix, some: NDArray[np.bool_], others: NDArray[np.bool
     some, others : ndarray of bool, shape (n,)
     """
     if not isinstance(matrix, ChainMatrix):
-        return bool(matrix[some][:, others].any())
+        return bool(matrix[..., some, :][..., others].any())
     index = _coordinates(*matrix.elements.shape[:2])
     between = some[index][:, :, None] & others[index][:, None]
     return bool(matrix.elements[between].any())
@@ -214,7 +214,7 @@ def chain_matrices(elements: FloatArray) -> list[LinkMatrix]:
 
     Parameters
     ----------
-    elements : ndarray, shape (k, e, 2 p, 2 p)
+    elements : ndarray, shape (k, ..., e, 2 p, 2 p)
     """
     if elements.shape[-3] > MOST_WHOLE:
         return [ChainMatrix(own) for own in elements]

@@ -77,6 +77,10 @@ class WholeLink:
     end_mass: FloatArray
     end_gyroscopic: FloatArray
 
+    def at(self, designs: IntArray) -> WholeLink:
+        """Matrices (B, n, n) in positions of several designs, from those of the designs."""
+        return WholeLink(*(matrix[designs] for matrix in vars(self).values()))
+
     def __add__(self, other: WholeLink) -> WholeLink:
         pairs = zip(vars(self).values(), vars(other).values(), strict=True)
         return WholeLink(*(own + more for own, more in pairs))
@@ -279,7 +283,7 @@ class LinkModel:
     @property
     def size(self) -> int:
         """Number of coordinates n."""
-        return len(self.mass)
+        return int(self.mass.shape[-1])
 
     @property
     def mass_root(self) -> FloatArray:
@@ -331,18 +335,20 @@ class LinkModel:
             New positions of ``start`` and ``end``, and of ``start_rotation`` and
             ``end_rotation`` where they are kept.
         """
+        across = np.swapaxes(basis, -1, -2)
 
         def project(matrix: LinkMatrix) -> FloatArray:
-            return basis.T @ matrix @ basis
+            return across @ matrix @ basis
 
-        unit = self.end_basis(basis.shape[1], kept)
+        unit = self.end_basis(basis.shape[-1], kept)
         ends = EndMatrices(
-            mass=basis.T @ self.mass @ unit,
-            gyroscopic=basis.T @ self.gyroscopic @ unit,
-            damping=basis.T @ self.damping @ unit,
+            mass=across @ self.mass @ unit,
+            gyroscopic=across @ self.gyroscopic @ unit,
+            damping=across @ self.damping @ unit,
             readings=self.readings.projected(unit),
         )
-        axial = np.abs(basis[self.is_axial]).sum(axis=0) > np.abs(basis[~self.is_axial]).sum(axis=0)
+        size = np.abs(basis).reshape(-1, *basis.shape[-2:]).sum(axis=0)
+        axial = size[self.is_axial].sum(axis=0) > size[~self.is_axial].sum(axis=0)
         return replace(
             self,
             mass=project(self.mass),
@@ -360,7 +366,7 @@ class LinkModel:
             start_warping=NONE,
             end_warping=NONE,
             vectors=NO_VECTORS,
-            receding=np.flatnonzero(basis[self.receding].any(axis=0)),
+            receding=np.flatnonzero(size[self.receding].any(axis=0)),
             reduced_ends=ends,
             bodies=tuple(body.projected(basis, unit) for body in self.bodies),
         )

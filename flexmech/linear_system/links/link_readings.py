@@ -23,7 +23,7 @@ class LinkReadings:
     Parameters
     ----------
     nodes : ndarray, shape (k,)
-        Node positions in m.
+        Node positions in m; (D, k) of a link of several designs, of which nothing is read.
     per_node : int
         Coordinates a node.
     displacement_shapes : callable
@@ -47,38 +47,45 @@ class LinkReadings:
     basis: FloatArray | None = None
     element_maps: FloatArray | None = None
 
+    @property
+    def _own_nodes(self) -> FloatArray:
+        """Nodes of one link; those of several designs are at different places."""
+        if self.nodes.ndim > 1:
+            raise TypeError("displacements are read of one design, and not of a stack")
+        return self.nodes
+
     @cached_property
     def shape(self) -> FloatArray:
         """Displacement at evenly spaced stations from start to end, (n_stations, 2, n)."""
-        mesh = self.nodes, self.per_node, self.displacement_shapes, self.element_maps
+        mesh = self._own_nodes, self.per_node, self.displacement_shapes, self.element_maps
         return self._reduced(station_shapes(*mesh))
 
     @cached_property
     def curvature(self) -> FloatArray:
         """Bending curvature in the middle of the link, (n,)."""
-        (middle,) = self.curvatures_at(self.nodes[-1:] / 2)
+        (middle,) = self.curvatures_at(self._own_nodes[-1:] / 2)
         return np.asarray(middle)
 
     def curvatures_at(self, places: FloatArray) -> FloatArray:
         """Bending curvature at places (s,) in m from the link's start, (s, n)."""
-        mesh = self.nodes, self.per_node, self.slope, self.deflection
+        mesh = self._own_nodes, self.per_node, self.slope, self.deflection
         return self._reduced(np.stack([curvature_at(place, *mesh) for place in places.tolist()]))
 
     def displacement_at(self, fraction: FloatArray) -> FloatArray:
         """Displacement along and across at fractions (s,) of the link's length, (s, 2, n)."""
-        places = np.asarray(fraction, dtype=float) * self.nodes[-1]
+        places = np.asarray(fraction, dtype=float) * self._own_nodes[-1]
         return self._reduced(self._shapes_at(places))
 
     def rotation_at(self, fraction: float) -> FloatArray:
         """Rotation at a fraction of the link's length, (n,): of the node there, or of the axis."""
-        place = fraction * self.nodes[-1]
-        nearest = int(np.argmin(np.abs(self.nodes - place)))
-        nodal = np.zeros(self.per_node * len(self.nodes))
-        if abs(self.nodes[nearest] - place) <= SAME_PLACE * self.nodes[-1]:
+        place = fraction * self._own_nodes[-1]
+        nearest = int(np.argmin(np.abs(self._own_nodes - place)))
+        nodal = np.zeros(self.per_node * len(self._own_nodes))
+        if abs(self._own_nodes[nearest] - place) <= SAME_PLACE * self._own_nodes[-1]:
             nodal[self.per_node * nearest + self.slope] = 1.0
         else:
             # Inside an element the axis is a cubic: a small difference is as good as its slope.
-            step = SMALL * float(np.diff(self.nodes).min())
+            step = SMALL * float(np.diff(self._own_nodes).min())
             places = place + step * np.array([-1.0, 1.0])
             shapes = self._shapes_at(places)
             nodal = (shapes[1, 1] - shapes[0, 1]) / (2 * step)
@@ -90,7 +97,7 @@ class LinkReadings:
 
     def _shapes_at(self, places: FloatArray) -> FloatArray:
         return shapes_at(
-            places, self.nodes, self.per_node, self.displacement_shapes, self.element_maps
+            places, self._own_nodes, self.per_node, self.displacement_shapes, self.element_maps
         )
 
     def _reduced(self, nodal: FloatArray) -> FloatArray:

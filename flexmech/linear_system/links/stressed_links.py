@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system.links.chains import LinkMatrix, in_positions, repeated
+from flexmech.linear_system.links.chains import LinkMatrix, in_positions, repeated, whole
 from flexmech.linear_system.links.link_model import LinkModel
 
 
@@ -36,6 +36,8 @@ class StressedLinks:
         provide them.
     guide_stiffness : ndarray, shape (B, n_sliders), or None
         Geometric stiffness between the rotation of a slider's guide and its slide in N/rad.
+    unstressed : bool
+        Whether the tangents are the links' own stiffness, those of designs as they are.
     """
 
     tangent: Sequence[LinkMatrix]
@@ -44,11 +46,56 @@ class StressedLinks:
     damping: Sequence[LinkMatrix] | None = None
     loads: list[FloatArray] | None = None
     guide_stiffness: FloatArray | None = None
+    unstressed: bool = False
 
     @classmethod
     def unloaded(cls, links: Sequence[LinkModel]) -> Self:
         """Straight links without stress."""
-        return cls([link.stiffness for link in links])
+        return cls([link.stiffness for link in links], unstressed=True)
+
+    @classmethod
+    def joined(cls, parts: Sequence[StressedLinks], count: int) -> StressedLinks:
+        """Links of several designs in their positions, one design after the other.
+
+        Parameters
+        ----------
+        parts : sequence of StressedLinks
+            Of each design.
+        count : int
+            Number of positions of each.
+
+        Returns
+        -------
+        StressedLinks
+        """
+
+        def in_every(matrix: LinkMatrix) -> FloatArray:
+            own = whole(matrix)
+            return np.broadcast_to(own, (count, *own.shape[-2:]))
+
+        def join(name: str) -> list[FloatArray] | None:
+            every = [getattr(part, name) for part in parts]
+            if every[0] is None:
+                return None
+            return [np.concatenate([*map(in_every, own)]) for own in zip(*every, strict=True)]
+
+        def end_to_end(name: str) -> list[FloatArray] | None:
+            every = [getattr(part, name) for part in parts]
+            if every[0] is None:
+                return None
+            return [np.concatenate(own) for own in zip(*every, strict=True)]
+
+        tangent = join("tangent")
+        assert tangent is not None
+        guides = [part.guide_stiffness for part in parts if part.guide_stiffness is not None]
+        return StressedLinks(
+            tangent,
+            end_to_end("displacement"),
+            end_to_end("internal_force"),
+            join("damping"),
+            end_to_end("loads"),
+            np.concatenate(guides) if guides else None,
+        )
 
     def repeated(self, count: int) -> StressedLinks:
         """The state of one position, repeated.
@@ -84,6 +131,8 @@ class StressedLinks:
         ----------
         which : slice or ndarray of int
         """
+        if self.unstressed:
+            return self
 
         def some(values: list[FloatArray] | None) -> list[FloatArray] | None:
             return None if values is None else [v[which] for v in values]
