@@ -9,10 +9,10 @@ import numpy as np
 
 from flexmech.arrays import IntArray
 from flexmech.errors import FlexmechError
-from flexmech.linear_system import Engine, UnlikeDesignsError, likeness, stack_engines
+from flexmech.linear_system import Engine, among_alike, likeness, stack_engines
 
 Found = TypeVar("Found")
-MOST_AT_ONCE = 16
+MOST_AT_ONCE = 32
 """Designs of a stack. Memory alone, and speed: fewer share what each call takes, and the matrices
 of more do not stay near the processor."""
 
@@ -37,45 +37,33 @@ def of_designs(engines: Sequence[Engine], compute: Compute[Found]) -> list[Found
     list
         What is found of each design, or why nothing is.
     """
-    found: list[Found | FlexmechError] = [FlexmechError("nothing was computed")] * len(engines)
-    for numbers, stacked in _groups(engines):
-        for number, each in zip(
-            numbers, _of_group(engines, numbers, stacked, compute), strict=True
-        ):
-            found[number] = each
-    return found
+    found: dict[int, Found | FlexmechError] = {}
+
+    def at_once(numbers: IntArray) -> list[Found | FlexmechError]:
+        own = [engines[number] for number in numbers]
+        stacked = likeness(own[0]) is not None
+        try:
+            return [*compute(stack_engines(own) if stacked else own[0], numbers)]
+        except FlexmechError as error:
+            if len(numbers) == 1:
+                return [error]
+        # Which of them fails is found by halves.
+        half = len(numbers) // 2
+        return [*among_alike(numbers[:half], at_once), *among_alike(numbers[half:], at_once)]
+
+    for numbers in _groups(engines):
+        found |= dict(zip(numbers.tolist(), among_alike(numbers, at_once), strict=True))
+    return [found[number] for number in range(len(engines))]
 
 
-def _groups(engines: Sequence[Engine]) -> Iterator[tuple[IntArray, bool]]:
-    """Numbers of the designs of each stack, and of those that are computed by themselves."""
+def _groups(engines: Sequence[Engine]) -> Iterator[IntArray]:
+    """Numbers of the designs of each stack; those that are computed by themselves are alone."""
     alike: dict[object, list[int]] = {}
     for number, engine in enumerate(engines):
         if (key := likeness(engine)) is None:
-            yield np.array([number]), False
+            yield np.array([number])
         else:
             alike.setdefault(key, []).append(number)
     for numbers in alike.values():
         for first in range(0, len(numbers), MOST_AT_ONCE):
-            yield np.array(numbers[first : first + MOST_AT_ONCE]), True
-
-
-def _of_group(
-    engines: Sequence[Engine], numbers: IntArray, stacked: bool, compute: Compute[Found]
-) -> list[Found | FlexmechError]:
-    own = [engines[number] for number in numbers]
-    try:
-        return [*compute(stack_engines(own) if stacked else own[0], numbers)]
-    except UnlikeDesignsError as unlike:
-        kind = unlike.kind
-    except FlexmechError as error:
-        if len(numbers) == 1:
-            return [error]
-        # Which of them fails is found by halves.
-        kind = np.arange(len(numbers)) // -(-len(numbers) // 2)
-    found: list[Found | FlexmechError] = [UnlikeDesignsError(kind)] * len(numbers)
-    for one in np.unique(kind):
-        places = np.flatnonzero(kind == one)
-        part = _of_group(engines, numbers[places], stacked, compute)
-        for place, each in zip(places, part, strict=True):
-            found[place] = each
-    return found
+            yield np.array(numbers[first : first + MOST_AT_ONCE])

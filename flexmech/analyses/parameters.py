@@ -123,7 +123,12 @@ class Parameters:
         )
         return mechanism_in_state(changed, state)
 
-    def engine_with(self, engine: Engine, values: Mapping[str, float | str]) -> Engine:
+    def engine_with(
+        self,
+        engine: Engine,
+        values: Mapping[str, float | str],
+        mechanism: Mechanism | None = None,
+    ) -> Engine:
         """The engine with other values.
 
         Parameters
@@ -132,6 +137,8 @@ class Parameters:
             Of the mechanism.
         values : mapping of str to float or str
             In SI units, or texts.
+        mechanism : Mechanism, optional
+            What :meth:`mechanism_with` gave for these values.
 
         Returns
         -------
@@ -142,7 +149,9 @@ class Parameters:
         InputError
             If the mechanism cannot be so.
         """
-        changed, mechanism = engine, self.mechanism_with(values)
+        changed = engine
+        if mechanism is None:
+            mechanism = self.mechanism_with(values)
         if values.keys() - {DAMPING_PARAMETER}:
             changed = engine.with_(mechanism=mechanism)
         if DAMPING_PARAMETER not in values:

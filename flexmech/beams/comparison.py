@@ -2,27 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 
 import numpy as np
 import scipy.linalg
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.elements import BEAM_SHAPES
-from flexmech.beams.link_matrices import build_chain
+from flexmech.beams.link_matrices import build_chain, stack_chains
 from flexmech.beams.plane_link import compression_frequency, plane_link
 from flexmech.beams.restrained_ends import restrained_beam
 from flexmech.choices import ELEMENTS_A_LINK, MODES
 from flexmech.errors import InputError
 from flexmech.linear_system import (
     ELASTICITY,
+    MOST_WHOLE,
     RESTRAINED_ENDS,
     Connectors,
     LinkFrames,
     LinkModel,
     RotationTerms,
     TheoryComparison,
+    among_alike,
+    component_modes,
+    inverse_mass_root,
     rigid_link,
 )
 from flexmech.linkages import (
@@ -32,6 +37,7 @@ from flexmech.linkages import (
     RigidMotion,
     Spring,
     Topology,
+    connections,
     picture_crank_angle,
 )
 from flexmech.linkages.applied_forces import SpringLine
@@ -42,6 +48,10 @@ from flexmech.threads import one_thread
 # Theories differ by the wavelength of a mode, hardly by the crank angle.
 ANGLES = np.radians(np.arange(0.0, 360.0, 60.0))
 FINEST = "zigzag"
+# Of slender links these two are all that is compared.
+SIMPLEST = ("euler", "timoshenko")
+# Designs whose links are in memory at a time. Memory and speed alone.
+AT_ONCE = 32
 # Of the frequency at which the layers of a link are compressed: lower modes of sandwiches were
 # all within 1 % of two-dimensional elasticity.
 STIFF_THROUGH = 0.05
@@ -63,6 +73,14 @@ def compare_theories(mechanism: Mechanism, modes: int = MODES) -> TheoryComparis
         for those links whose layers are compressed at such frequencies; and of links of off-axis
         plies whose ends joints restrain.
     """
+    links, counted = _links_of(mechanism), max(modes, MODES)
+    return TheoryComparison(
+        lambda theory: _frequencies(links, theory, counted)[:, :modes], mechanism.is_eccentric
+    )
+
+
+def _links_of(mechanism: Mechanism) -> _Links:
+    """What frequencies of a mechanism at rest depend on."""
     topology = mechanism.linkage.topology
     # Damping, free strains and what a section is called do not matter to frequencies at rest.
     sections = tuple(
@@ -79,7 +97,7 @@ def compare_theories(mechanism: Mechanism, modes: int = MODES) -> TheoryComparis
         for link in topology.links
     )
     motion = _configurations(mechanism)
-    links = _Links(
+    return _Links(
         topology,
         sections,
         mechanism.link_masses_in_order,
@@ -88,10 +106,6 @@ def compare_theories(mechanism: Mechanism, modes: int = MODES) -> TheoryComparis
         mechanism.springs,
         mechanism.joint_springs,
         mechanism,
-    )
-    counted = max(modes, MODES)
-    return TheoryComparison(
-        lambda theory: _frequencies(links, theory, counted)[:, :modes], mechanism.is_eccentric
     )
 
 
@@ -117,6 +131,18 @@ class _Links:
         angle, places = np.array(self.angles), np.array(self.origins)
         still, nowhere = np.zeros(angle.shape), np.zeros((*angle.shape, 2))
         return RigidMotion(still[:, 0], still[:, 0], angle, still, still, places, nowhere, nowhere)
+
+    @property
+    def likeness(self) -> Hashable | None:
+        """What several must have in common to be computed at once; None of one by itself."""
+        if self.springs or self.joint_springs or None in self.sections:
+            return None
+        if any(section is not None and section.is_eccentric for section in self.sections):
+            return None
+        if any(mass.bodies or not mass.mass_per_length for mass in self.masses):
+            return None
+        points = tuple(len(mass.point_masses) for mass in self.masses)
+        return connections(self.mechanism.linkage), points, len(self.angles)
 
     def spring_places(self, link: int) -> tuple[float, ...]:
         """Places along a link, from its start, at which springs between points act."""
@@ -149,9 +175,87 @@ def _at_rest(mechanism: Mechanism, crank_angle: FloatArray) -> RigidMotion:
     return motion
 
 
-@lru_cache(maxsize=256)
+def prepare_comparisons(mechanisms: Sequence[Mechanism], modes: int = MODES) -> None:
+    """Find what :func:`compare_theories` needs first of many mechanisms, those alike at once.
+
+    Parameters
+    ----------
+    mechanisms : sequence of Mechanism
+    modes : int
+        As there.
+    """
+    _PREPARED.clear()
+    alike: dict[Hashable, list[_Links]] = {}
+    for mechanism in mechanisms:
+        links = _links_of(mechanism)
+        if (likeness := links.likeness) is not None:
+            alike.setdefault(likeness, []).append(links)
+    counted = max(modes, MODES)
+    if _elements(counted) > MOST_WHOLE:
+        return
+    for own in alike.values():
+        for theory in SIMPLEST:
+
+            def frequencies(numbers: IntArray) -> Sequence[FloatArray]:
+                some = [own[number] for number in numbers]  # noqa: B023
+                return [*_of_stack(some, theory, counted)]  # noqa: B023
+
+            for first in range(0, len(own), AT_ONCE):
+                numbers = np.arange(first, min(first + AT_ONCE, len(own)))
+                for number, found in zip(numbers, among_alike(numbers, frequencies), strict=True):
+                    _PREPARED[own[number], theory, counted] = found
+
+
+def _elements(modes: int) -> int:
+    """Elements of a link for so many modes."""
+    return max(ELEMENTS_A_LINK, 2 * modes)
+
+
+# Frequencies that are found beforehand, until they are asked for.
+_PREPARED: dict[tuple[_Links, str, int], FloatArray] = {}
+
+
+def _of_stack(designs: Sequence[_Links], theory: str, modes: int) -> FloatArray:
+    """Natural frequencies in Hz of D designs of one likeness by a simple theory, (D, A, modes).
+
+    Links are reduced to component modes, which are right to 1e-5 or so.
+    """
+    names = designs[0].topology.link_names
+    shapes, elements = BEAM_SHAPES[theory], _elements(modes)
+    models = []
+    for number, name in enumerate(names):
+        sections = [links.sections[number] for links in designs]
+        masses = [links.masses[number] for links in designs]
+        own = [section for section in sections if section is not None]
+        models.append(stack_chains(name, own, masses, elements, shapes).model)
+    reduction = component_modes(
+        designs[0].topology, models, modes, np.zeros(len(designs)), couples_axially=False
+    )
+    moved = [links.motion for links in designs]
+    every = {
+        own.name: np.concatenate([getattr(each, own.name) for each in moved])
+        for own in fields(RigidMotion)
+        if own.name != "design"
+    }
+    count = len(moved[0].crank_angle)
+    motion = RigidMotion(**every, design=np.repeat(np.arange(len(designs)), count))
+    still = RotationTerms.all_or_none(False)
+    stiffness = [link.stiffness for link in reduction.models]
+    system = reduction.frames.assemble(motion, stiffness, still)
+    with one_thread():
+        lower = inverse_mass_root(system.mass)
+        squares = np.linalg.eigvalsh(lower @ system.stiffness @ np.swapaxes(lower, 1, 2))
+    found = np.sqrt(np.abs(squares[:, :modes])) / (2 * np.pi)
+    return np.asarray(found.reshape(len(designs), count, -1))
+
+
+@lru_cache(maxsize=1024)
 def _frequencies(links: _Links, theory: str, modes: int) -> FloatArray:
     """Natural frequencies in Hz of the lowest modes that there are, (A, modes)."""
+    if (prepared := _PREPARED.pop((links, theory, modes), None)) is not None:
+        return prepared
+    if theory in SIMPLEST and links.likeness is not None and _elements(modes) <= MOST_WHOLE:
+        return np.asarray(_of_stack([links], theory, modes)[0])
     if theory == ELASTICITY:
         highest = float(_frequencies(links, FINEST, modes).max())
         compressed = [_is_compressed(*each, highest) for each in _flexible(links)]
@@ -205,7 +309,7 @@ def _beam(links: _Links, number: int, theory: str, modes: int) -> LinkModel:
     name, section, mass = links.topology.link_names[number], *_flexible(links)[number]
     if section is None:
         return rigid_link(name, mass)
-    elements = max(ELEMENTS_A_LINK, 2 * modes)
+    elements = _elements(modes)
     if theory == RESTRAINED_ENDS:
         own, ends = restrained_beam(links.mechanism, name)
         chain = build_chain(name, own, mass, elements, BEAM_SHAPES["timoshenko"])

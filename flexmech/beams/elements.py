@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.beam_shapes import BeamFields, BeamShapes
 from flexmech.beams.theories import EulerBernoulli, Reddy, Timoshenko
 from flexmech.beams.zigzag_shapes import ZigzagBeam
@@ -125,7 +125,9 @@ class BeamElements:
         fields = np.stack([self._along[0], self._inside.deflection], axis=-4)
         return np.asarray((moment * fields).sum(axis=-2))
 
-    def geometric_stiffness(self, tension: FloatArray) -> FloatArray:
+    def geometric_stiffness(
+        self, tension: FloatArray, design: IntArray | None = None
+    ) -> FloatArray:
         """Geometric stiffness of elements whose tension varies along them.
 
         With a constant tension, of Euler-Bernoulli beams, Kumar & Chandrakar, eq. 1.58.
@@ -136,12 +138,18 @@ class BeamElements:
         ----------
         tension : ndarray, shape (..., e, 3)
             Legendre coefficients in N: mean, linear and quadratic part.
+        design : ndarray of int, shape (B,), optional
+            Of each position, where elements are those of several designs.
 
         Returns
         -------
         ndarray, shape (..., e, 2 p, 2 p)
         """
         unit = self._unit_geometric
+        if design is not None:
+            own = unit.reshape(*unit.shape[:3], -1)
+            product = tension[..., None, :] @ own[design]
+            return np.asarray(product.reshape(*tension.shape[:-1], *unit.shape[-2:]))
         by_element = np.moveaxis(tension, -2, 0).reshape(len(unit), -1, 3)
         matrices = by_element @ unit.reshape(len(unit), 3, -1)
         shape = (*tension.shape[:-1], *unit.shape[2:])

@@ -61,6 +61,8 @@ class Chain:
     nodes : ndarray, shape (e + 1,)
         Node positions in m.
     elements : BeamElements
+    line_mass : float or ndarray, shape (D,)
+        Mass per length that is distributed along it, in kg/m.
     coupling : Coupling, optional
         What the link's matrices have besides those of the elements.
     """
@@ -68,6 +70,7 @@ class Chain:
     model: LinkModel
     nodes: FloatArray
     elements: BeamElements
+    line_mass: FloatArray | float
     coupling: Coupling | None = None
 
 
@@ -105,7 +108,7 @@ def build_chain(
     lumps = [(int(np.argmin(np.abs(nodes - position))), lump) for position, lump in points]
     has_line = bool(mass.mass_per_length)
     model = _straight_link(name, nodes, beams, lumps, has_line=has_line)
-    return Chain(model.carrying(mass), nodes, beams)
+    return Chain(model.carrying(mass), nodes, beams, mass.mass_per_length)
 
 
 def _section_of_elements(section: BeamSection, length: float, shapes: BeamShapes) -> BeamSection:
@@ -149,7 +152,7 @@ def stack_chains(
         node = np.abs(nodes - place[:, None]).argmin(axis=1)
         lumps.append((node, np.array([mass.point_masses[number] for mass in masses])))
     model = _straight_link(name, nodes, beams, lumps, has_line=True)
-    return Chain(model, nodes, beams)
+    return Chain(model, nodes, beams, np.array([mass.mass_per_length for mass in masses]))
 
 
 def _straight_link(

@@ -27,8 +27,9 @@ from flexmech.linear_system.assembly.element_kinds import (
     TheoryDifference,
 )
 from flexmech.linear_system.assembly.engine import Engine
-from flexmech.linear_system.assembly.engine_stack import likeness, stack_engines
+from flexmech.linear_system.assembly.engine_stack import MechanismStack, likeness, stack_engines
 from flexmech.linear_system.assembly.link_points import LinkPoint, displacement_row, point_rows
+from flexmech.linear_system.assembly.section_forces import DisplacedLinks
 from flexmech.linear_system.assembly.sparse_positions import SparseMatrices, SparsePositions
 from flexmech.linear_system.assembly.straight_links import (
     StraightForces,
@@ -51,6 +52,7 @@ from flexmech.linear_system.joints.position_errors import (
 )
 from flexmech.linear_system.joints.rigid_coordinates import RigidGeometricStiffness
 from flexmech.linear_system.joints.rigid_pose import DisplacedTies
+from flexmech.linear_system.links.bent_axis import bent_curvature, kinks_of
 from flexmech.linear_system.links.chains import (
     MOST_WHOLE,
     ChainMatrix,
@@ -61,6 +63,7 @@ from flexmech.linear_system.links.chains import (
     in_positions,
     link_matrices,
     summed,
+    times,
     whole,
 )
 from flexmech.linear_system.links.dead_moments import (
@@ -70,7 +73,7 @@ from flexmech.linear_system.links.dead_moments import (
 from flexmech.linear_system.links.displaced_inertia import DisplacedInertia
 from flexmech.linear_system.links.link_model import LinkModel, RigidFields
 from flexmech.linear_system.links.link_readings import LinkReadings
-from flexmech.linear_system.links.link_stack import UnlikeDesignsError, same_of_all
+from flexmech.linear_system.links.link_stack import among_alike, same_of_all
 from flexmech.linear_system.links.link_stretch import LinkStretch
 from flexmech.linear_system.links.mass_root import inverse_mass_root
 from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
@@ -91,6 +94,8 @@ from flexmech.linear_system.reduction.component_modes import (
     ComponentModes,
     component_modes,
 )
+from flexmech.linear_system.reduction.link_pencil import LinkPencil
+from flexmech.linear_system.reduction.static_response import StaticResponse
 
 __all__ = [
     "ELASTICITY",
@@ -115,6 +120,7 @@ __all__ = [
     "DeadMoments",
     "DependentRows",
     "DisplacedInertia",
+    "DisplacedLinks",
     "DisplacedTies",
     "Engine",
     "EquilibriumError",
@@ -123,9 +129,11 @@ __all__ = [
     "LinkFrames",
     "LinkMatrix",
     "LinkModel",
+    "LinkPencil",
     "LinkPoint",
     "LinkReadings",
     "LinkStretch",
+    "MechanismStack",
     "OverdampedError",
     "PointForce",
     "Prestress",
@@ -136,15 +144,17 @@ __all__ = [
     "RotationTerms",
     "SparseMatrices",
     "SparsePositions",
+    "StaticResponse",
     "StraightForces",
     "StressedLinks",
     "SystemMatrices",
     "TheoryComparison",
     "TheoryDifference",
     "TooManyModesError",
-    "UnlikeDesignsError",
     "acts_at_rest",
     "all_constant",
+    "among_alike",
+    "bent_curvature",
     "body_nodes",
     "body_turns",
     "chain_matrices",
@@ -163,6 +173,7 @@ __all__ = [
     "inertia_loads",
     "inverse_mass_root",
     "is_constant_turn",
+    "kinks_of",
     "likeness",
     "link_matrices",
     "point_rows",
@@ -176,6 +187,7 @@ __all__ = [
     "summed",
     "swelling_force",
     "ties_beyond_pins",
+    "times",
     "whole",
     "with_rigid_links",
 ]

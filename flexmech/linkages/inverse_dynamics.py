@@ -88,6 +88,7 @@ def inverse_dynamics(
     joint_springs: Sequence[JointSpring] = (),
     time: ArrayLike = 0.0,
     continuous_angles: FloatArray | None = None,
+    longer: FloatArray | None = None,
 ) -> InverseDynamics:
     """Solve the rigid linkage's equations of motion for its joint forces.
 
@@ -109,6 +110,9 @@ def inverse_dynamics(
     continuous_angles : ndarray, shape (..., n_links), optional
         Angles of the links counted on as the linkage turns, for springs in joints; those of
         ``motion`` if left out. :func:`continuous_angles` gives them.
+    longer : ndarray, shape (B, n_links), optional
+        By how much each link is longer than the topology says, in m, where positions (B,) are of
+        several designs; their masses are those in each position.
 
     Returns
     -------
@@ -124,7 +128,11 @@ def inverse_dynamics(
     applied = tuple(applied_forces(topology, motion, loads, springs, joint_springs, angles, time))
     rows = np.concatenate([force, moment[..., None]], axis=-1)
     _add_forces(rows, motion, applied)
-    matrix = connection_matrix(topology, motion)
+    displaced = None
+    if longer is not None:
+        displaced = np.zeros((*longer.shape, 2), dtype=complex)
+        displaced[..., 1] = longer * np.exp(1j * motion.angle)
+    matrix = connection_matrix(topology, motion, displaced)
     unknown = solve_connections(topology, motion, rows.reshape(*rows.shape[:-2], -1), matrix)
     vectors = unknown[..., None] * connection_vectors(topology, matrix)
     return _collect(
@@ -142,14 +150,16 @@ def _inertia_loads(
     motion: RigidMotion, masses: Sequence[LinkMass], gravity: tuple[float, float]
 ) -> tuple[FloatArray, FloatArray]:
     """Inertia force and moment about each link's start, weight included."""
-    mass, first, second = (np.array([m.moment(order) for m in masses]) for order in (0, 1, 2))
-    beside = np.array([m.moment_across for m in masses])
+    mass, first, second = (
+        np.stack([np.asarray(m.moment(order)) for m in masses], axis=-1) for order in (0, 1, 2)
+    )
+    beside = np.stack([np.asarray(m.moment_across) for m in masses], axis=-1)
     pull = motion.origin_acceleration - np.asarray(gravity)
     along, across = direction(motion.angle), normal(motion.angle)
     turning = motion.angular_acceleration[..., None] * across
     turning = turning - motion.angular_velocity[..., None] ** 2 * along
     quarter = np.stack([-turning[..., 1], turning[..., 0]], axis=-1)
-    force = -(mass[:, None] * pull + first[:, None] * turning + beside[:, None] * quarter)
+    force = -(mass[..., None] * pull + first[..., None] * turning + beside[..., None] * quarter)
     lever = first * np.sum(pull * across, axis=-1) - beside * np.sum(pull * along, axis=-1)
     moment = -(lever + second * motion.angular_acceleration)
     return force, moment

@@ -40,7 +40,7 @@ from flexmech.linear_system import (
     whole,
     with_rigid_links,
 )
-from flexmech.linkages import CrankDrive, LockedCrank, RigidMotion
+from flexmech.linkages import Drive, LockedCrank, RigidMotion
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.beams import refuse_sections
 from flexmech.multibody.exudyn_system import ExudynSystem
@@ -176,7 +176,7 @@ class ExudynEngine(Engine):
                     turning = virial[:, number] * cosine + acting[number][:, 2] * sine
                     equilibrium.tangent[number][:, 2, 2] += turning
         topology = self.mechanism.linkage.topology
-        refuse_large_displacements(topology, self.clamped_links, motion, equilibrium.displacement)
+        refuse_large_displacements(self.clamped_links, motion, equilibrium.displacement)
         return StressedLinks(
             equilibrium.tangent,
             equilibrium.displacement,
@@ -187,7 +187,7 @@ class ExudynEngine(Engine):
 
     def simulate(
         self,
-        drive: CrankDrive | LockedCrank,
+        drive: Drive,
         start: LinkState,
         sample_time: FloatArray,
         step: float,
@@ -201,7 +201,7 @@ class ExudynEngine(Engine):
 
         Parameters
         ----------
-        drive : CrankDrive or LockedCrank
+        drive : Drive
         start : LinkState
             State at time zero.
         sample_time : ndarray, shape (N,)
@@ -246,9 +246,7 @@ class ExudynEngine(Engine):
         trajectory = recorder.finish()
         return replace(trajectory, energy_error=float("nan")) if impacts else trajectory
 
-    def _torque_on_free_shaft(
-        self, drive: CrankDrive | LockedCrank, step: float, steps: int
-    ) -> TorqueTable | None:
+    def _torque_on_free_shaft(self, drive: Drive, step: float, steps: int) -> TorqueTable | None:
         """Torque at the steps of a run; None where the shaft is prescribed."""
         if isinstance(drive, LockedCrank):
             self.require_prescribed_shaft("a run with the crank locked")
@@ -259,7 +257,7 @@ class ExudynEngine(Engine):
 
     def point_histories(
         self,
-        drive: CrankDrive | LockedCrank,
+        drive: Drive,
         start: LinkState,
         points: Sequence[tuple[LinkPoint, LinkDirection]],
         step: float,
@@ -272,7 +270,7 @@ class ExudynEngine(Engine):
 
         Parameters
         ----------
-        drive : CrankDrive or LockedCrank
+        drive : Drive
         start : LinkState
             State at time zero.
         points : sequence of (LinkPoint, {"transverse", "axial"})
@@ -307,7 +305,7 @@ class ExudynEngine(Engine):
 
     def running_system(
         self,
-        drive: CrankDrive,
+        drive: Drive,
         start: LinkState,
         step: float,
         steps: int,
@@ -319,7 +317,7 @@ class ExudynEngine(Engine):
 
         Parameters
         ----------
-        drive : CrankDrive
+        drive : Drive
         start : LinkState
             State at time zero.
         step : float

@@ -17,7 +17,7 @@ runs over many numbers at once.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -26,7 +26,9 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.elements import BeamElements
+from flexmech.reference.element_numbers import ElementNumbers, by_elements, over_positions
 from flexmech.reference.rigid_arms import RigidArms
+from flexmech.sections import damping_times
 
 
 @dataclass(frozen=True)
@@ -114,6 +116,7 @@ class CorotationalElements:
         swelling: float = 1.0,
         before: LinearStrain | None = None,
         out: FloatArray | None = None,
+        design: IntArray | None = None,
     ) -> ElementResponse:
         """Internal forces and tangent stiffness by the relative coordinates.
 
@@ -127,37 +130,54 @@ class CorotationalElements:
             tension to which it leads. Left out: with the tension of the state itself.
         out : ndarray, shape (e, r, r, B), optional
             Where to write the tangent.
+        design : ndarray of int, shape (B,), optional
+            Of each position, where elements are those of several designs.
 
         Returns
         -------
         ElementResponse
         """
-        moved = self._arms.moved(relative)
-        pure = self._pure(moved)
-        bending = self._bending @ (pure.turns - swelling * self._arc)
-        own = self._stress(pure, bending, pure.strain, swelling)
+        moved, numbers = self._arms.moved(relative), self._numbers_at(design)
+        pure = self._pure(moved, numbers)
+        bending = by_elements(numbers.bending, pure.turns - swelling * self._arc)
+        own = self._stress(pure, bending, pure.strain, swelling, numbers)
         force = pure.by_relative_coordinates(*own)
         tangent = np.empty((*relative.shape[:2], *relative.shape[1:])) if out is None else out
         for_tangent = own
         if before is not None:
-            for_tangent = self._stress(pure, bending, before.at(moved), swelling)
-        self._fill(tangent, pure, self._axial_stiffness, self._bending, for_tangent)
+            for_tangent = self._stress(pure, bending, before.at(moved), swelling, numbers)
+        self._fill(tangent, pure, numbers, for_tangent)
         self._arms.turn_tangent(relative, tangent, force)
         self._arms.turn_force(relative, force)
         gradient = pure.by_relative_coordinates(
-            1 / self._length, pure.lift, pure.lift[:, self._angles].sum(axis=1)
+            1 / numbers.length, pure.lift, pure.lift[:, self._angles].sum(axis=1)
         )
         return ElementResponse(force, tangent, LinearStrain(moved, pure.strain, gradient))
 
-    def relative_force(self, relative: FloatArray, swelling: float = 1.0) -> FloatArray:
-        """Internal forces (e, r, B) as of :meth:`relative_response`, without the tangent."""
-        pure = self._pure(self._arms.moved(relative))
-        bending = self._bending @ (pure.turns - swelling * self._arc)
-        force = pure.by_relative_coordinates(*self._stress(pure, bending, pure.strain, swelling))
+    def relative_force(
+        self, relative: FloatArray, swelling: float = 1.0, design: IntArray | None = None
+    ) -> FloatArray:
+        """Internal forces as of :meth:`relative_response`, without the tangent.
+
+        Parameters
+        ----------
+        relative : ndarray, shape (e, r, B)
+        swelling : float
+        design : ndarray of int, shape (B,), optional
+
+        Returns
+        -------
+        ndarray, shape (e, r, B)
+        """
+        numbers = self._numbers_at(design)
+        pure = self._pure(self._arms.moved(relative), numbers)
+        bending = by_elements(numbers.bending, pure.turns - swelling * self._arc)
+        stress = self._stress(pure, bending, pure.strain, swelling, numbers)
+        force = pure.by_relative_coordinates(*stress)
         self._arms.turn_force(relative, force)
         return force
 
-    def damping(self, displacement: FloatArray) -> FloatArray:
+    def damping(self, displacement: FloatArray, design: IntArray | None = None) -> FloatArray:
         """Kelvin-Voigt damping matrix of deformed elements.
 
         A bowed element that bends further stretches no fibre on its axis, and nothing is to
@@ -168,16 +188,20 @@ class CorotationalElements:
         ----------
         displacement : ndarray, shape (B, e, 2 p)
             As in :meth:`response`.
+        design : ndarray of int, shape (B,), optional
+            As in :meth:`relative_response`.
 
         Returns
         -------
         ndarray, shape (B, e, 2 p, 2 p)
         """
-        relative = self._relative(displacement)
-        pure = self._pure(self._arms.moved(relative))
+        relative, numbers = self._relative(displacement), self._numbers_at(design)
+        pure = self._pure(self._arms.moved(relative), numbers)
         matrix = np.empty((*relative.shape[:2], *relative.shape[1:]))
-        axial = self.elements.section.damping.axial * self._axial_stiffness
-        self._fill(matrix, pure, axial, self._own_part(self.elements.neutral_damping), None)
+        axial = damping_times(self.elements.section)[..., 0] * self._numbers.axial_stiffness
+        own = self._by_design(self._own_part(self.elements.neutral_damping))
+        damped = replace(self._numbers, axial_stiffness=axial, bending=own)
+        self._fill(matrix, pure, damped if design is None else damped.at(design), None)
         self._arms.turn_tangent(relative, matrix, None)
         return np.moveaxis(self.of_nodes(matrix), -1, 0)
 
@@ -230,32 +254,34 @@ class CorotationalElements:
         return RigidArms.of(self.elements)
 
     @cached_property
-    def _length(self) -> FloatArray:
-        return self.elements.length[:, None]
-
-    @cached_property
     def _arc(self) -> FloatArray:
-        """Rotations of the nodes of elements by free curvature, (e, k, 1)."""
+        """Rotations of the nodes of elements by free curvature, (e, k, 1); none of a stack."""
+        if self.elements.length.ndim > 1:
+            return np.zeros((1, 1, 1))
         return self.elements.shapes.arc(self.elements.section, self.elements.length)[..., None]
 
     def _own_part(self, matrix: FloatArray) -> FloatArray:
-        """Block of the coordinates other than displacements; (e, 2 p, 2 p) -> (e, k, k)."""
-        return matrix[:, self._own[:, None], self._own]
+        """Block of the coordinates other than displacements; (..., e, 2 p, 2 p) -> (..., k, k)."""
+        return matrix[..., self._own[:, None], self._own]
+
+    def _by_design(self, values: FloatArray) -> FloatArray:
+        """Numbers of elements with the designs behind them, where there are several."""
+        return values if self.elements.length.ndim == 1 else np.moveaxis(values, 0, -1)
 
     @cached_property
-    def _bending(self) -> FloatArray:
-        return self._own_part(self.elements.neutral_stiffness)
+    def _numbers(self) -> ElementNumbers:
+        """Of one design, or (..., D) of several."""
+        elements = self.elements
+        axial = elements.neutral_stiffness[..., 0, 0, 0] * elements.length[..., 0]
+        length = elements.length[..., None] if elements.length.ndim == 1 else elements.length.T
+        own = (self._own_part(x) for x in (elements.neutral_stiffness, elements.arch))
+        return ElementNumbers(length, np.asarray(axial), *map(self._by_design, own))
 
-    @cached_property
-    def _arch(self) -> FloatArray:
-        return self._own_part(self.elements.arch)
+    def _numbers_at(self, design: IntArray | None) -> ElementNumbers:
+        return self._numbers if design is None else self._numbers.at(design)
 
-    @cached_property
-    def _axial_stiffness(self) -> float:
-        return float(self.elements.neutral_stiffness[0, 0, 0] * self.elements.length[0])
-
-    def _pure(self, relative: FloatArray) -> _PureDeformation:
-        length = self._length
+    def _pure(self, relative: FloatArray, numbers: ElementNumbers) -> _PureDeformation:
+        length = numbers.length
         du, dv = relative[:, 0], relative[:, 1]
         along = length + du
         chord = np.hypot(along, dv)
@@ -263,25 +289,29 @@ class CorotationalElements:
         elongation = ((2 * length + du) * du + dv**2) / (chord + length)
         turns = relative[:, 2:].copy()
         turns[:, self._angles] -= np.arctan2(dv, along)[:, None]
-        lift = self._arch @ turns
+        lift = by_elements(numbers.arch, turns)
         strain = elongation / length + (turns * lift).sum(axis=1) / 2
         return _PureDeformation(chord, along / chord, dv / chord, strain, turns, lift)
 
     def _stress(
-        self, pure: _PureDeformation, bending: FloatArray, strain: FloatArray, swelling: float
+        self,
+        pure: _PureDeformation,
+        bending: FloatArray,
+        strain: FloatArray,
+        swelling: float,
+        numbers: ElementNumbers,
     ) -> _Stress:
         """Stress of bending moments (e, k, B) and of an axial strain (e, B)."""
         free = swelling * self.elements.section.free_strain
-        tension = self._axial_stiffness * (strain - free)
-        moments = bending + (tension * self._length)[:, None] * pure.lift
+        tension = numbers.axial_stiffness * (strain - free)
+        moments = bending + (tension * numbers.length)[:, None] * pure.lift
         return _Stress(tension, moments, moments[:, self._angles].sum(axis=1))
 
     def _fill(
         self,
         matrix: FloatArray,
         pure: _PureDeformation,
-        axial_stiffness: float,
-        bending: FloatArray,
+        numbers: ElementNumbers,
         stress: _Stress | None,
     ) -> None:
         """Write the derivative of the forces on the neutral axis's nodes, (e, r, r, B).
@@ -290,26 +320,24 @@ class CorotationalElements:
         ----------
         matrix : ndarray, shape (e, r, r, B)
         pure : _PureDeformation
-        axial_stiffness : float
-        bending : ndarray, shape (e, k, k)
-            By what turns and bends the element.
+        numbers : ElementNumbers
         stress : _Stress, optional
             None leaves the part that comes from it out.
         """
-        length, cosine, sine = self._length, pure.cosine, pure.sine
+        length, cosine, sine = numbers.length, pure.cosine, pure.sine
         own = matrix[:, 2:, 2:]
-        lift = axial_stiffness * pure.lift
+        lift = numbers.axial_stiffness * pure.lift
         np.multiply((lift * length[:, None])[:, :, None], pure.lift[:, None], out=own)
-        own += bending[..., None]
+        own += over_positions(numbers.bending)
         if stress is not None:
-            own += (stress.tension * length)[:, None, None] * self._arch[..., None]
+            own += (stress.tension * length)[:, None, None] * over_positions(numbers.arch)
         by_turn = own[:, self._angles].sum(axis=1)
         turning = by_turn[:, self._angles].sum(axis=1)
         both = -lift[:, self._angles].sum(axis=1)
         if stress is not None:
             turning += stress.tension * pure.chord
             both += stress.couple / pure.chord
-        stretching = axial_stiffness / length
+        stretching = numbers.axial_stiffness / length
         # Gradient of the chord's angle, without its signs.
         across, along = sine / pure.chord, cosine / pure.chord
         matrix[:, 0, 0] = (stretching * cosine - 2 * both * across) * cosine + turning * across**2

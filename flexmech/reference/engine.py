@@ -10,11 +10,11 @@ from typing import ClassVar
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.beams.comparison import compare_theories
+from flexmech.beams.comparison import compare_theories, prepare_comparisons
 from flexmech.beams.elements import BEAM_SHAPES
 from flexmech.beams.link_matrices import Chain, Coupling, build_chain, stack_chains
 from flexmech.beams.restrained_ends import restrained_beam
-from flexmech.choices import ELEMENTS, MASSES, MassChoice
+from flexmech.choices import ELEMENTS, MASSES, MODES, MassChoice
 from flexmech.linear_system import (
     MOST_WHOLE,
     BalancedLoads,
@@ -23,6 +23,7 @@ from flexmech.linear_system import (
     LinkMatrix,
     LinkModel,
     LinkStretch,
+    MechanismStack,
     Prestress,
     StressedLinks,
     TheoryComparison,
@@ -38,7 +39,7 @@ from flexmech.linear_system import (
     with_rigid_links,
 )
 from flexmech.linkages import LinkMass, RigidMotion, lumped_elements
-from flexmech.linkages.internal_forces import LinkForces
+from flexmech.linkages.motion import direction
 from flexmech.mechanism import Mechanism
 from flexmech.reference.equilibrium import Equilibrium
 from flexmech.reference.stretch import chain_stretch
@@ -83,6 +84,11 @@ class ReferenceEngine(Engine):
     def compare_theories(cls, mechanism: Mechanism, modes: int) -> TheoryComparison:
         """See :meth:`Engine.compare_theories`."""
         return compare_theories(mechanism, modes)
+
+    @classmethod
+    def prepare_comparisons(cls, mechanisms: Sequence[Mechanism], modes: int = MODES) -> None:
+        """See :meth:`Engine.prepare_comparisons`."""
+        prepare_comparisons(mechanisms, modes)
 
     @cached_property
     def chains(self) -> dict[int, Chain]:
@@ -209,8 +215,7 @@ class ReferenceEngine(Engine):
 
         under = self._quasi_static_loads(motion, displaced)
         displacement, loads = displaced(under), under.loads
-        topology = self.mechanism.linkage.topology
-        refuse_large_displacements(topology, self.clamped_links, motion, displacement)
+        refuse_large_displacements(self.clamped_links, motion, displacement)
         return replace(self._displaced(motion, displacement, varying, loads), loads=loads)
 
     def running_clamped_links(
@@ -244,7 +249,7 @@ class ReferenceEngine(Engine):
         varying: Sequence[FloatArray],
         loads: list[FloatArray],
     ) -> StressedLinks:
-        force, of_chains = self.equilibrium.response(displacement, varying)
+        force, of_chains = self.equilibrium.response(displacement, varying, motion.design)
         frames, links = self.equilibrium.frames, self.clamped_links
         found, dead = None, self._dead(motion, loads, displacement)
         columns = [q.T for q in displacement]
@@ -255,8 +260,8 @@ class ReferenceEngine(Engine):
             found = self.equilibrium.stiffness_of_rigid(motion, displacement, beside, dead)
         stressed = with_rigid_links(frames, of_chains, found)
         damping = None
-        if any(section.damping.any for section in self.mechanism.sections.values()):
-            damping = self._damping(displacement)
+        if any(link.damping.any() for link in links):
+            damping = self._damping(displacement, motion)
         # A rigid link that turns meets its tangent as it is, against the forces that cause it.
         for number, link in enumerate(links):
             if link.rigid:
@@ -266,9 +271,9 @@ class ReferenceEngine(Engine):
             stressed, displacement=list(displacement), internal_force=force, damping=damping
         )
 
-    def _damping(self, displacement: Sequence[FloatArray]) -> list[LinkMatrix]:
+    def _damping(self, displacement: Sequence[FloatArray], motion: RigidMotion) -> list[LinkMatrix]:
         """Damping matrices (B, n, n) of bent links; none of rigid ones."""
-        bent = self.equilibrium.damping(displacement)
+        bent = self.equilibrium.damping(displacement, motion.design)
         found = [
             np.zeros((len(q), 3, 3)) if link.rigid else chain_matrix(bent[number])
             for number, (link, q) in enumerate(zip(self.clamped_links, displacement, strict=True))
@@ -281,6 +286,8 @@ class ReferenceEngine(Engine):
         """Straight links with the geometric stiffness of their tension."""
         frames = self._rigid_joint_frames
         loads = self._straight_loads(motion)
+        if isinstance(self.mechanism, MechanismStack):
+            return self._axial_of_stack(motion, loads, self.mechanism)
         straight = straight_forces(
             self.mechanism, frames, motion, loads, self._lumped, self.connectors
         )
@@ -296,31 +303,78 @@ class ReferenceEngine(Engine):
         tangent = self._dead(motion, loads).add_stiffness(tangent, drawn)
         return with_rigid_links(frames, tangent, straight.stiffness, loads)
 
+    def _axial_of_stack(
+        self, motion: RigidMotion, loads: list[FloatArray], designs: MechanismStack
+    ) -> StressedLinks:
+        """As :meth:`_axial`, of several designs."""
+        if ties_beyond_pins(self._rigid_joint_frames):
+            # What welds carry is found design by design.
+            alone = replace(motion, design=None)
+            parts = [
+                own.stressed_clamped_links(
+                    alone.at(np.flatnonzero(np.equal(motion.design, number))), "axial"
+                ).tangent
+                for number, own in enumerate(self.members)
+            ]
+            return StressedLinks([np.concatenate(own) for own in zip(*parts, strict=True)])
+        forces, gravity, tangent = designs.forces(motion), np.asarray(designs.gravity), []
+        for number, chain in self.chains.items():
+            nodes = chain.nodes[motion.design]
+            tension = varying_tension(motion, number, chain, gravity)
+            middle = forces.axial_force(number, (nodes[:, :-1] + nodes[:, 1:]) / 2)
+            tension[..., 0] = middle + tension[..., 2] / 2
+            stiffness = chain_matrix(chain.elements.geometric_stiffness(tension, motion.design))
+            tangent.append(whole(stiffness) + whole(chain.model.stiffness)[motion.design])
+        return StressedLinks(tangent, loads=loads)
+
     def _varying(self, motion: RigidMotion) -> list[FloatArray]:
         """Geometric stiffness of each element, (B, e, 6, 6), by flexible link: its varying part.
 
         A corotational element has its mean tension; the varying part is that of the inertia
         forces inside it.
         """
-        if ties_beyond_pins(self._rigid_joint_frames):
-            # What the joints carry changes the mean alone.
-            nothing, gravity = np.zeros((*motion.angle.shape, 2)), self.mechanism.gravity
-            forces = LinkForces(
-                motion,
-                self._masses,
-                gravity,
-                nothing,
-                nothing[..., 0],
-                self.connectors.applied(motion),
-                (),
+        gravity = np.asarray(self.mechanism.gravity)
+        return [
+            chain.elements.geometric_stiffness(
+                varying_tension(motion, number, chain, gravity), motion.design
             )
-        else:
-            still = self.mechanism.without_loads_over_time
-            forces = still.inverse_dynamics(motion, lumped=self._lumped)
-        tensions = element_tensions(self.mechanism, self.nodes, motion, forces)
-        matrices = []
-        for number, chain in self.chains.items():
-            tension = tensions[number]
-            tension[..., 0] = 0.0
-            matrices.append(chain.elements.geometric_stiffness(tension))
-        return matrices
+            for number, chain in self.chains.items()
+        ]
+
+
+def varying_tension(
+    motion: RigidMotion, link: int, chain: Chain, gravity: FloatArray
+) -> FloatArray:
+    """Tension inside elements against its mean, by the inertia of distributed mass and its weight.
+
+    Point masses, bodies, loads and springs are at nodes: inside an element the tension has the
+    slope ``rho A (p - omega^2 x - alpha y)``, p the acceleration of the link's start along it less
+    gravity.
+
+    Parameters
+    ----------
+    motion : RigidMotion
+        Batch of shape (B,).
+    link : int
+        Number of the link.
+    chain : Chain
+    gravity : ndarray, shape (2,)
+        In ground axes, m/s^2.
+
+    Returns
+    -------
+    ndarray, shape (B, e, 3)
+        Legendre coefficients along each element: mean (zero), linear, quadratic; in N.
+    """
+    line, nodes = np.asarray(chain.line_mass)[..., None], chain.nodes
+    if motion.design is not None:
+        line, nodes = line[motion.design], nodes[motion.design]
+    length, middle = np.diff(nodes), (nodes[..., :-1] + nodes[..., 1:]) / 2
+    pull = motion.origin_acceleration[:, link] - gravity
+    along = np.sum(pull * direction(motion.angle[:, link]), axis=-1)
+    offset = chain.elements.section.mass_axis
+    along = (along - motion.angular_acceleration[:, link] * offset)[:, None]
+    square = motion.angular_velocity[:, link, None] ** 2
+    linear = line * length / 2 * (along - square * middle)
+    quadratic = -line * square * length**2 / 12
+    return np.stack([np.zeros_like(linear), linear, quadratic], axis=-1)

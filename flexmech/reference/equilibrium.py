@@ -20,7 +20,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.elements import BeamElements
 from flexmech.beams.link_matrices import Coupling
 from flexmech.linear_system import (
@@ -107,10 +107,9 @@ class Equilibrium:
         self._balance = ForceBalance(
             self._links, self._tangents, self._springs, coupled, self._per_node
         )
-        self._force_scale = min(
-            e.section.bending_stiffness / float(e.length.sum()) ** 2 for e in links.values()
-        )
-        self._angle_per_unit = angle_per_unit(frames, links)[:, None]
+        scales = [e.section.bending_stiffness / e.length.sum(axis=-1) ** 2 for e in links.values()]
+        self._force_scale = np.asarray(np.min(scales, axis=0))
+        self._angle_per_unit = angle_per_unit(frames, links)
 
     def solve(
         self,
@@ -229,21 +228,21 @@ class Equilibrium:
                 factors = banded.factorize(imbalance.band)
                 change = self._change(factors, imbalance.residual)
                 change[:, state.converged[which]] = 0.0
-                turned = self._turned(change)
+                turned = self._turned(change, problem)
                 last = turned <= LAST_STEP
                 z = z + np.where(last, change, 0.0)
+                # The tangent of the start has no tension yet. No position depends on another one.
+                near = ~last & (turned <= NEAR) & bool(number)
+                if near.any():
+                    some = slice(None) if (near | last).all() else np.flatnonzero(near)
+                    own = problem if isinstance(some, slice) else problem.at(some)
+                    moved = z[:, some] + np.where(near, change, 0.0)[:, some]
+                    kept = self._kept_tangent(moved, factors[..., some], turned[some], own)
+                    z[:, some], last[some] = kept
                 state = state.with_part(which, State(z, imbalance.error, factors, last))
                 if last.all():
                     break
-                change[:, last] = 0.0
-                # The tangent of the start has no tension yet.
-                if number and turned.max() <= NEAR:
-                    z, last = self._kept_tangent(z + change, factors, turned, problem)
-                    state = state.with_part(which, State(z, imbalance.error, factors, last))
-                    if last.all():
-                        break
-                    imbalance = self._balance.imbalance(z, problem)
-                    continue
+                change[:, last | near] = 0.0
                 if 2 * np.count_nonzero(last) > len(last):
                     rest = ~last
                     which, problem, imbalance = which[rest], problem.at(rest), imbalance.at(rest)
@@ -260,14 +259,15 @@ class Equilibrium:
         the same factor with each step, which two steps give.
         """
         last = turned <= LAST_STEP
+        going = ~last
         for _ in range(KEPT_STEPS):
             change = self._change(factors, self._balance.residual(z, problem))
-            change[:, last] = 0.0
-            before, turned = turned, self._turned(change)
-            falls = turned <= KEPT_FALL * before
+            now = self._turned(change, problem)
+            falls = going & (now <= KEPT_FALL * turned)
             z = z + np.where(falls, change, 0.0)
-            last |= falls & (turned <= LAST_STEP) & (turned**2 <= LEFT * before)
-            if last.all() or not (falls | last).all():
+            last |= falls & (now <= LAST_STEP) & (now**2 <= LEFT * turned)
+            turned, going = np.where(falls, now, turned), falls & ~last
+            if not going.any():
                 break
         return z, last
 
@@ -277,14 +277,17 @@ class Equilibrium:
         change[order] = banded.solve(factors, residual[order])
         return change
 
-    def _turned(self, change: FloatArray) -> FloatArray:
+    def _turned(self, change: FloatArray, problem: Problem) -> FloatArray:
         """Greatest rotation in rad of a change (size, B) of the displacements, (B,)."""
-        return np.asarray(
-            np.abs(change * self._angle_per_unit).max(axis=0, initial=0.0), dtype=float
-        )
+        design = problem.motion.design
+        scale = self._angle_per_unit if design is None else self._angle_per_unit[:, design]
+        return np.asarray(np.abs(change * scale).max(axis=0, initial=0.0), dtype=float)
 
     def response(
-        self, displacement: Sequence[FloatArray], extra: Sequence[FloatArray]
+        self,
+        displacement: Sequence[FloatArray],
+        extra: Sequence[FloatArray],
+        design: IntArray | None = None,
     ) -> tuple[list[FloatArray], dict[int, LinkMatrix]]:
         """Internal forces and tangents of the links at given displacements.
 
@@ -294,6 +297,8 @@ class Equilibrium:
         extra : sequence of ndarray, shape (B, e, 2 p, 2 p)
             Stiffness of each element besides that of the corotational beam; a rigid
             displacement meets none.
+        design : ndarray of int, shape (B,), optional
+            Of each position of several designs.
 
         Returns
         -------
@@ -307,7 +312,7 @@ class Equilibrium:
         for (number, link), more in zip(self._links.items(), relative_extra, strict=True):
             q = displacement[number]
             relative = relative_coordinates(q.T, self._per_node)
-            force, tangent, _ = link.relative_response(relative)
+            force, tangent, _ = link.relative_response(relative, design=design)
             force += (more * relative[:, None]).sum(axis=2)
             tangent += more
             forces[number] = node_forces(force, self._per_node).T
@@ -319,12 +324,16 @@ class Equilibrium:
             tangents[number] = whole(tangents[number]) + coupling.stiffness
         return forces, tangents
 
-    def damping(self, displacement: Sequence[FloatArray]) -> dict[int, FloatArray]:
+    def damping(
+        self, displacement: Sequence[FloatArray], design: IntArray | None = None
+    ) -> dict[int, FloatArray]:
         """Kelvin-Voigt damping matrix of each element at given displacements.
 
         Parameters
         ----------
         displacement : sequence of ndarray, shape (B, n_link)
+        design : ndarray of int, shape (B,), optional
+            Of each position of several designs.
 
         Returns
         -------
@@ -332,7 +341,7 @@ class Equilibrium:
             Of each flexible link.
         """
         return {
-            number: link.damping(element_ends(displacement[number], self._per_node))
+            number: link.damping(element_ends(displacement[number], self._per_node), design)
             for number, link in self._links.items()
         }
 
@@ -348,10 +357,12 @@ class Equilibrium:
         length = np.ones(z.shape[1])
         loaded = np.abs(problem.outer).max(axis=0, initial=0.0)
         limit = np.maximum(ALLOWED_GROWTH * before.error, ALLOWED_FORCES * loaded)
+        design = problem.motion.design
+        scale = self._force_scale if design is None else self._force_scale[design]
         while True:
             trial = z + length * change
             imbalance = self._balance.imbalance(trial, problem, before.strains)
-            worse = ~(imbalance.error <= np.maximum(limit, self._force_scale * ALLOWED_FORCES))
+            worse = ~(imbalance.error <= np.maximum(limit, scale * ALLOWED_FORCES))
             if not np.any(worse & (length > SHORTEST_STEP)):
                 return trial, imbalance
             length[worse] = np.maximum(length[worse] / 2, SHORTEST_STEP)

@@ -76,6 +76,7 @@ class ForceBalance:
                 problem.swelling,
                 None if before is None else before[place],
                 out=entries.of_link(number),
+                design=problem.motion.design,
             )
             force += (extra * relative[:, None]).sum(axis=2)
             tangent += extra
@@ -112,7 +113,9 @@ class ForceBalance:
         inner = self._rigid_link_forces(displacement)
         for number, extra in zip(self.links, problem.extra, strict=True):
             relative = relative_coordinates(displacement[number], self.per_node)
-            force = self.links[number].relative_force(relative, problem.swelling)
+            force = self.links[number].relative_force(
+                relative, problem.swelling, problem.motion.design
+            )
             force += (extra * relative[:, None]).sum(axis=2)
             inner[number] = node_forces(force, self.per_node)
         problem.dead.add_forces(inner, displacement)

@@ -83,7 +83,7 @@ class LinkageTangents:
         self._per_node = elements.elements.shapes.per_node
         relative = len(elements.relative_part)
         self._shapes = {
-            link: (len(own.elements.length), relative, relative) for link, own in links.items()
+            link: (own.elements.length.shape[-1], relative, relative) for link, own in links.items()
         }
         # Independent coordinates of rigid links and sliders are the first ones.
         self._rigid_count = len(frames.rigid.independent_coordinates)
@@ -225,7 +225,7 @@ class LinkageTangents:
         tied, first, size = [], self._inner_count, 2 * self._per_node
         for link, elements in self._links.items():
             of_element: dict[int, list[tuple[int, IntArray]]] = {}
-            count = len(elements.elements.length)
+            count = elements.elements.length.shape[-1]
             for number, (rows, _) in enumerate(self._frames.dependencies(link)):
                 element = min(int(rows.min()) // self._per_node, count - 1)
                 local = rows - self._per_node * element
@@ -276,19 +276,24 @@ def angle_per_unit(frames: LinkFrames, links: Mapping[int, BeamElements]) -> Flo
 
     Returns
     -------
-    ndarray, shape (size,)
+    ndarray, shape (size, 1), or (size, D) of the links of several designs
     """
-    lengths = [link.length for link in frames.topology.links]
-    shapes = next(iter(links.values())).shapes
-    scale = np.full(frames.size, 1.0 / min(lengths))
+    every = [link.length for link in frames.topology.links]
+    for number, own in links.items():
+        if own.length.ndim > 1:
+            every[number] = own.length.sum(axis=-1)
+    # Of rigid links, of which a stack has none, the length is a number.
+    lengths = np.stack(np.broadcast_arrays(*map(np.atleast_1d, every)))
+    shortest, shapes = 1.0 / lengths.min(axis=0), next(iter(links.values())).shapes
+    scale = np.tile(shortest, (frames.size, 1))
     for link in frames.rigid.links:
         turn = frames.targets[link][2]
         scale[turn[turn >= 0]] = 1.0
     for link in links:
-        target, length = frames.targets[link], lengths[link]
-        own = np.arange(len(target)) % shapes.per_node
-        angle = np.where(np.isin(own, shapes.angles), 1.0, length)
-        angle[own < 2] = 1.0 / min(lengths)
+        target = frames.targets[link]
+        kind = np.arange(len(target)) % shapes.per_node
+        angle = np.where(np.isin(kind, shapes.angles)[:, None], 1.0, lengths[link])
+        angle[kind < 2] = shortest
         scale[target[target >= 0]] = angle[target >= 0]
     return scale
 

@@ -85,7 +85,7 @@ def test_flat_curves_are_not_searched(models, monkeypatch):
     def refuse(*_):
         raise AssertionError("searched")
 
-    monkeypatch.setattr(extremes, "frequencies_along", refuse)
+    monkeypatch.setattr(extremes, "frequencies_at_trials", refuse)
     data = moving_frequencies(engine, GRID, [4.0]).dataset
     least = data["frequency"].min("crank_angle").values
     np.testing.assert_array_equal(data["lowest_frequency"].values, least)

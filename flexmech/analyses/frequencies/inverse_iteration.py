@@ -12,7 +12,14 @@ from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import splu
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system import LinearSystem, SparseMatrices, inverse_mass_root
+from flexmech.linear_system import (
+    LinearSystem,
+    LinkPencil,
+    SparseMatrices,
+    StaticResponse,
+    inverse_mass_root,
+    times,
+)
 
 # Relative difference of eigenvalues below which they are one: the root of round-off. A step of
 # Newton's method that changes an eigenvalue by less has found it, since the next one squares that.
@@ -127,6 +134,39 @@ def ritz_values(
     better = factors.solve(loads.reshape(-1, loads.shape[-1])).reshape(loads.shape)
     inertia = np.swapaxes(better, 1, 2) @ _product(mass, better)
     strain = np.swapaxes(better, 1, 2) @ loads - shift[:, None, None] * inertia
+    return _ritz_values(inertia, strain)
+
+
+def responding_values(
+    response: StaticResponse, masses: Sequence[FloatArray], shapes: Sequence[FloatArray]
+) -> NDArray[np.complex128]:
+    """As :func:`ritz_values`, of elastic links without a matrix of the whole linkage.
+
+    Parameters
+    ----------
+    response : StaticResponse
+        In B positions.
+    masses : sequence of ndarray, shape (..., n_link, n_link)
+        Of the links.
+    shapes : sequence of ndarray, shape (B, n_link, m)
+        To begin with, in the links' coordinates.
+
+    Returns
+    -------
+    ndarray, shape (B, m)
+        In rad/s; not a number where a squared frequency is negative by round-off.
+    """
+    loads = [times(*pair) for pair in zip(masses, shapes, strict=True)]
+    better = response.displacements(loads)
+    inertia, strain = 0.0, 0.0
+    for mass, load, moved in zip(masses, loads, better, strict=True):
+        across = np.swapaxes(moved, 1, 2)
+        inertia, strain = inertia + across @ times(mass, moved), strain + across @ load
+    return _ritz_values(np.asarray(inertia), np.asarray(strain))
+
+
+def _ritz_values(inertia: FloatArray, strain: FloatArray) -> NDArray[np.complex128]:
+    """Eigenvalues of projected matrices (B, m, m)."""
     lower = inverse_mass_root(inertia)
     squares = np.linalg.eigvalsh(lower @ strain @ np.swapaxes(lower, 1, 2))
     # Round-off of lengths or stiffnesses beyond all proportion: of such a mode nothing is known.
@@ -136,6 +176,55 @@ def ritz_values(
 def _product(matrix: csc_array, columns: FloatArray) -> FloatArray:
     """Block diagonal matrix times columns (B, n, m) of its blocks."""
     return np.asarray(matrix @ columns.reshape(-1, columns.shape[-1])).reshape(columns.shape)
+
+
+def projected_values(
+    pencil: LinkPencil,
+    response: StaticResponse,
+    eigenvalues: NDArray[np.complex128],
+    shapes: NDArray[Any],
+) -> NDArray[np.complex128]:
+    """Eigenvalues near approximate ones after a step of Newton's method in a few shapes.
+
+    These are the approximate ones and the static responses of straight links to what their
+    equations leave over, which is all that modes far above them miss (Davidson's method with one
+    step; the static response in the place of the inverse). No matrix of the linkage is made.
+
+    Parameters
+    ----------
+    pencil : LinkPencil
+        In B positions.
+    response : StaticResponse
+        Of straight links in these positions.
+    eigenvalues : ndarray, shape (B, m)
+        To begin with, in rad/s.
+    shapes : ndarray, shape (B, size, m)
+        To begin with, in independent coordinates.
+
+    Returns
+    -------
+    ndarray, shape (B, m)
+        In rad/s.
+    """
+    value, count = eigenvalues[:, None, :], eigenvalues.shape[1]
+    left = [
+        value * (value * inertia + damping) + stiffness
+        for inertia, damping, stiffness in zip(*pencil.forces(shapes), strict=True)
+    ]
+    missed = pencil.frames.independent(pencil.motion, response.displacements(left))
+    size = np.linalg.norm(missed, axis=1, keepdims=True)
+    # Of a shape that misses nothing the response is zero, and stays without effect.
+    missed = missed / np.where(size > 0, size, 1.0)
+    mass, damping, stiffness = pencil.projected(np.concatenate([shapes, missed], axis=2))
+    none, ways = np.zeros((len(size), count)), np.arange(2 * count)
+    stiffness[:, ways, ways] += np.append(none, size[:, 0] == 0, axis=1)
+    at = eigenvalues[:, :, None, None]
+    matrices = at * (at * mass[:, None] + damping[:, None]) + stiffness[:, None]
+    inertia = np.swapaxes(mass[:, :, :count], 1, 2)
+    loads = 2 * eigenvalues[:, :, None] * inertia + np.swapaxes(damping[:, :, :count], 1, 2)
+    better = np.linalg.solve(matrices, loads[..., None])[..., 0]
+    own = np.einsum("bjj->bj", inertia[:, :, :count].conj())
+    return np.asarray(eigenvalues - own / (inertia.conj() * better).sum(axis=2))
 
 
 def newton_values(

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.analyses.designs import of_designs
 from flexmech.analyses.frequencies.discretisation import check_angle_indices
 from flexmech.analyses.frequencies.extremes import Extremes, extremes_between
 from flexmech.analyses.frequencies.formulation import Formulation, Systems
@@ -12,9 +15,9 @@ from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
 from flexmech.analyses.frequencies.reduction import converged_modes
 from flexmech.analyses.requests import as_many_modes, engine_of, in_radians
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.choices import Prestress
-from flexmech.errors import InputError
+from flexmech.errors import FlexmechError, InputError
 from flexmech.linear_system import Engine, RotationTerms, same_of_all
 from flexmech.mechanism import Mechanism
 from flexmech.threads import one_thread
@@ -104,68 +107,76 @@ def _along(systems: Systems, angle: FloatArray, speed: FloatArray) -> tuple[Floa
     count = angle.size // (systems.engine.designs or 1)
     some = check_angle_indices(np.arange(count, dtype=float), full_turn=False)
     some = (np.arange(0, angle.size, count)[:, None] + some).ravel()
+    rest = np.setdiff1d(np.arange(angle.size), some)
     with one_thread():
         # The stress is the same in whatever modes: it is sought once in the first batch, and in
         # the positions to check along with it.
-        first = systems.engine.batches(angle.size)[0]
-        known = np.union1d(np.arange(first.stop), some)
+        first = rest[systems.engine.batches(rest.size)[0]] if rest.size else rest
+        known = np.union1d(first, some)
         stressed = systems.stressed(angle[known], speed[known])
         there = stressed.at(np.searchsorted(known, some))
         checked = converged_modes(systems, angle[some], speed[some], stressed=there)
-        if len(some) == angle.size:
-            return checked.modes.frequency, checked.systems
-        found = frequencies_along(checked.systems, angle, speed, stressed.at(first))
+        found = np.empty((angle.size, checked.modes.count))
+        found[some] = checked.modes.frequency
+        if rest.size:
+            own = stressed.at(np.searchsorted(known, first))
+            found[rest] = frequencies_along(checked.systems, angle[rest], speed[rest], own)
     return found, checked.systems
 
 
 def frequency_extremes(
-    engine: Engine | Mechanism,
+    engines: Sequence[Engine],
     crank_angles: FloatArray,
-    crank_speed: float = 0.0,
+    crank_speeds: FloatArray,
     *,
-    modes: int | None = None,
+    modes: int,
     prestress: Prestress = "equilibrium",
     rotation_terms: bool | RotationTerms = True,
-) -> Extremes:
-    """Lowest and highest natural frequencies over a turn, found between the crank angles.
+) -> list[Extremes | FlexmechError]:
+    """Lowest and highest natural frequencies over a turn of many designs.
+
+    They are found between the crank angles, of designs that are alike at once.
 
     Parameters
     ----------
-    engine : Engine or Mechanism
-        Of a mechanism the reference engine is made.
+    engines : sequence of Engine
+        Of each design.
     crank_angles : ndarray, shape (A,)
         Evenly spaced over a turn in rad, without its end.
-    crank_speed : float
-        In rad/s.
-    modes : int, optional
-        Left out: 4, or as many as the model has and as oscillate at all positions.
+    crank_speeds : ndarray, shape (D,)
+        Of each design in rad/s.
+    modes : int
     prestress : {"none", "axial", "equilibrium"}
     rotation_terms : bool or RotationTerms
 
     Returns
     -------
-    Extremes
-        Arrays of shape (modes,); to a millionth of the frequency, besides the errors of the model.
-
-    Raises
-    ------
-    InputError, ComputationError
-        See :func:`natural_frequencies`.
+    list of Extremes or FlexmechError
+        Of each design arrays of shape (modes,), to a millionth of the frequency besides the errors
+        of the model; or why there are none.
     """
-    engine = engine_of(engine)
-    speeds = np.full(len(crank_angles), float(crank_speed))
+    formulation = Formulation(prestress, rotation_terms, modes)
 
-    def compute(count: int) -> Extremes:
-        formulation = Formulation(prestress, rotation_terms, count)
-        systems = _systems(engine.fit_for(count), crank_angles, speeds, formulation)[2]
-        found, systems = _along(systems, crank_angles, speeds)
-        error = np.full(count, EXTREMES_WITHIN)
-        with one_thread():
-            return extremes_between(
-                systems, crank_angles, speeds[:1], found[None], error, full_turn=True
-            ).of_speed(0)
+    def compute(engine: Engine, numbers: IntArray) -> list[Extremes]:
+        found = _extremes(engine, crank_angles, crank_speeds[numbers], formulation)
+        return [found.of_speed(number) for number in range(len(numbers))]
 
-    return as_many_modes(compute, modes)[0]
+    return of_designs([engine.fit_for(modes) for engine in engines], compute)
+
+
+def _extremes(
+    engine: Engine, crank_angles: FloatArray, crank_speeds: FloatArray, formulation: Formulation
+) -> Extremes:
+    """Extremes (D, modes) of an engine, or of a stack, at a speed of each design, (D,)."""
+    shape = (len(crank_speeds), len(crank_angles))
+    angle = np.broadcast_to(crank_angles, shape).ravel()
+    speed = np.repeat(crank_speeds, shape[1])
+    found, systems = _along(_systems(engine, angle, speed, formulation)[2], angle, speed)
+    error = np.full(formulation.modes, EXTREMES_WITHIN)
+    with one_thread():
+        return extremes_between(
+            systems, crank_angles, crank_speeds, found.reshape(*shape, -1), error, full_turn=True
+        )
 
 
 def strain_energy_damping(

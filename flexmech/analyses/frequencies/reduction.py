@@ -16,6 +16,8 @@ from flexmech.analyses.frequencies.inverse_iteration import (
     SAME,
     Pencil,
     newton_values,
+    projected_values,
+    responding_values,
     ritz_values,
 )
 from flexmech.arrays import FloatArray
@@ -23,12 +25,16 @@ from flexmech.linear_system import (
     GREAT_DETAIL,
     ChainMatrix,
     LinearSystem,
+    LinkPencil,
     RotationTerms,
     SparsePositions,
+    StaticResponse,
     StressedLinks,
     diagonal,
     same_of_all,
+    whole,
 )
+from flexmech.linkages import RigidMotion
 
 logger = logging.getLogger(__name__)
 
@@ -187,6 +193,44 @@ class UnreducedPositions:
             terms = RotationTerms.all_or_none(False)
         return SparsePositions(engine.frames, motion, self.stressed, terms)
 
+    @cached_property
+    def response(self) -> StaticResponse | None:
+        """Static response, where whole matrices of elastic links are all that has a stiffness."""
+        if not self._links_alone:
+            return None
+        engine = self.systems.engine
+        tangent = None if self.stressed.unstressed else self.stressed.tangent
+        return StaticResponse(engine.topology, engine.links, self._motion, tangent)
+
+    @cached_property
+    def moving(self) -> tuple[LinkPencil, StaticResponse] | None:
+        """Pencil, and static response of straight links, where whole matrices are all there is."""
+        engine = self.systems.engine
+        turned = any(body.is_off_axis for link in engine.links for body in link.bodies)
+        if turned or not self._links_alone:
+            return None
+        terms = self.systems.formulation.counted_terms
+        if not self._motion.crank_speed.any():
+            terms = RotationTerms.all_or_none(False)
+        return (
+            LinkPencil(engine.frames, self._motion, self.stressed, terms),
+            StaticResponse(engine.topology, engine.links, self._motion),
+        )
+
+    @cached_property
+    def _motion(self) -> RigidMotion:
+        linkage = self.systems.engine.mechanism.linkage
+        return linkage.motion(self.crank_angle, self.crank_speed)
+
+    @property
+    def _links_alone(self) -> bool:
+        """Whether whole matrices of elastic links are all that has a stiffness."""
+        engine = self.systems.engine
+        chains = any(isinstance(link.stiffness, ChainMatrix) for link in engine.links)
+        rigid = any(link.rigid for link in engine.links)
+        held = self.stressed.guide_stiffness is not None or engine.connectors.any
+        return not (chains or rigid or held or engine.rigid_modes)
+
     def pencils(self) -> Iterator[Pencil]:
         """Sparse matrices of each position."""
         count = len(self.crank_angle)
@@ -231,12 +275,18 @@ def reduction_error(
     -------
     ModeErrors
     """
-    shapes = reduced.unreduced_vectors(modes.vectors, unreduced.systems.engine.frames)
-    pencils = list(unreduced.pencils())
-    if reduced.is_conservative:
+    engine = unreduced.systems.engine
+    shapes = reduced.unreduced_vectors(modes.vectors, engine.frames)
+    if reduced.is_conservative and (response := unreduced.response) is not None:
+        masses = [whole(link.mass) for link in engine.links]
+        improved = responding_values(response, masses, reduced.unreduced_links(modes.vectors))
+    elif reduced.is_conservative:
+        pencils = list(unreduced.pencils())
         improved = ritz_values(pencils, shapes, rigid=reduced.rigid_modes > 0)
+    elif (moving := unreduced.moving) is not None:
+        improved = projected_values(*moving, modes.eigenvalues, shapes)
     else:
-        improved = newton_values(pencils, modes.eigenvalues, shapes)
+        improved = newton_values(list(unreduced.pencils()), modes.eigenvalues, shapes)
     better = Modes(improved, modes.vectors)
     return ModeErrors(
         frequency=np.abs(modes.frequency / better.frequency - 1),

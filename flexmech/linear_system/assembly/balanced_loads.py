@@ -27,7 +27,7 @@ from flexmech.linear_system.links.displaced_inertia import DisplacedInertia
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.loads.connectors import Connectors
-from flexmech.linkages import RigidMotion, Topology
+from flexmech.linkages import RigidMotion
 from flexmech.sections import BeamSection
 
 # Passes of Newton's method: linkages with springs take four or five; one that takes ten times as
@@ -255,7 +255,6 @@ def swelling_force(section: BeamSection, length: float) -> float:
 
 
 def refuse_large_displacements(
-    topology: Topology,
     links: Sequence[LinkModel],
     motion: RigidMotion,
     displacements: Sequence[FloatArray],
@@ -264,7 +263,6 @@ def refuse_large_displacements(
 
     Parameters
     ----------
-    topology : Topology
     links : sequence of LinkModel
         Unreduced.
     motion : RigidMotion
@@ -277,9 +275,14 @@ def refuse_large_displacements(
     ComputationError
         Where a link is displaced by more than half its length; names the crank angle.
     """
-    for link, body, q in zip(links, topology.links, displacements, strict=True):
-        moved = np.einsum("scn,bn->bsc", link.shape, q)
-        farthest = np.linalg.norm(moved, axis=2).max(axis=1) / body.length
+    for link, q in zip(links, displacements, strict=True):
+        length = link.readings.nodes[..., -1]
+        if link.rigid:
+            moved = np.einsum("scn,bn->bsc", link.shape, q)
+        else:
+            moved = q.reshape(len(q), -1, link.readings.per_node)[:, :, :2]
+        farthest = np.linalg.norm(moved, axis=2).max(axis=1)
+        farthest = farthest / (length if motion.design is None else length[motion.design])
         too_far = farthest > FARTHEST
         refuse_positions(
             motion,

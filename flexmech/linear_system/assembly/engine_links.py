@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Hashable, Sequence
-from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -115,17 +114,8 @@ class EngineLinks(ElementKinds):
         ComputationError
             If the equilibrium does not converge or is unstable; names the crank angle.
         """
-        straight = self._is_straight(motion, prestress)
-        if self.members and not straight:
-            count = len(motion.crank_angle) // len(self.members)
-            own = replace(motion, design=None)
-            parts = [
-                member.stressed_links(own.at(slice(count * n, count * (n + 1))), prestress)
-                for n, member in enumerate(self.members)
-            ]
-            return StressedLinks.joined(parts, count)
         clamped = self.stressed_clamped_links(motion, prestress, near)
-        if straight:
+        if self._is_straight(motion, prestress):
             return clamped
         return self._without_spin_softening(motion, clamped)
 

@@ -6,10 +6,22 @@ from collections.abc import Hashable, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar
+
+import numpy as np
 
 from flexmech.linear_system.assembly.engine import Engine
-from flexmech.linkages import JointSpring, LinkageStack, Load, Spring, connections
+from flexmech.linkages import (
+    InverseDynamics,
+    JointSpring,
+    LinkageStack,
+    LinkMass,
+    Load,
+    RigidMotion,
+    Spring,
+    connections,
+    inverse_dynamics,
+)
 from flexmech.mechanism import Mechanism
 
 AnyEngine = TypeVar("AnyEngine", bound=Engine)
@@ -33,17 +45,53 @@ class MechanismStack:
     springs: ClassVar[tuple[Spring, ...]] = ()
     joint_springs: ClassVar[tuple[JointSpring, ...]] = ()
 
+    def forces(self, motion: RigidMotion) -> InverseDynamics:
+        """Forces in the rigid linkages, each in its positions.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,), with ``design``.
+
+        Returns
+        -------
+        InverseDynamics
+            Places along links are to be given in each position.
+        """
+        every = [mechanism.link_masses_in_order for mechanism in self.mechanisms]
+        masses = [_mass_of_designs(own, motion) for own in zip(*every, strict=True)]
+        topology = self.linkage.topology
+        length = np.stack([mass.length for mass in masses], axis=-1)
+        longer = length - [link.length for link in topology.links]
+        return inverse_dynamics(topology, motion, masses, self.gravity, longer=longer)
+
     @property
     def gravity(self) -> tuple[float, float]:
         """In ground axes, m/s^2."""
         return self.mechanisms[0].gravity
 
 
+def _mass_of_designs(masses: Sequence[LinkMass], motion: RigidMotion) -> LinkMass:
+    """Mass of one link whose numbers are those of each position's design, (B,)."""
+    own = motion.design
+
+    def every(numbers: list[float]) -> Any:
+        return np.array(numbers)[own]
+
+    points = range(len(masses[0].point_masses))
+    return LinkMass(
+        every([mass.length for mass in masses]),
+        every([mass.mass_per_length for mass in masses]),
+        tuple(every([mass.point_positions[number] for mass in masses]) for number in points),
+        tuple(every([mass.point_masses[number] for mass in masses]) for number in points),
+    )
+
+
 def likeness(engine: Engine) -> Hashable | None:
     """What engines must have in common to be stacked; None of one that stays by itself.
 
-    Those of linkages that differ in their numbers alone can be, without loads, springs, rigid
-    links and free strains, if the engine can stack their links.
+    Those of linkages that differ in their numbers alone can be, without sliders, hubs, loads,
+    springs, rigid links and free strains, if the engine can stack their links.
 
     Parameters
     ----------
@@ -51,7 +99,9 @@ def likeness(engine: Engine) -> Hashable | None:
     """
     mechanism, links = engine.mechanism, engine.likeness_of_links
     acted_on = mechanism.loads or mechanism.springs or mechanism.joint_springs
-    special = acted_on or mechanism.is_free_strained or engine.turns_as_one_body
+    topology = mechanism.linkage.topology
+    joined = topology.sliders or any(clamp.hub for clamp in topology.clamps)
+    special = joined or acted_on or mechanism.is_free_strained or engine.turns_as_one_body
     if links is None or special or engine.shaft != "prescribed" or not engine.component_modes:
         return None
     return type(engine), engine.elements, links, mechanism.gravity, connections(mechanism.linkage)

@@ -155,6 +155,18 @@ class DisplacedLinks:
             axis=-1,
         )
 
+    def axial_force(self, link: int, x: FloatArray) -> FloatArray:
+        """Tension along the turned axis (B, k) at places (k,); see :meth:`section_forces`."""
+        return self.section_forces(link, x)[..., 0]
+
+    def bending_moment(self, link: int, x: FloatArray) -> FloatArray:
+        """Bending moment (B, k) at places (k,); see :meth:`section_forces`."""
+        return self.section_forces(link, x)[..., 1]
+
+    def shear_force(self, link: int, x: FloatArray) -> FloatArray:
+        """Shear force across the turned axis (B, k) at places (k,); see :meth:`section_forces`."""
+        return self.section_forces(link, x)[..., 2]
+
     def _moved(self, link: int, place: FloatArray) -> FloatArray:
         """Displacement in the link's frame and rotation, (B, k, 3), at places (k,)."""
         model, q = self.links[link], self.displacement[link]
@@ -165,7 +177,7 @@ class DisplacedLinks:
             return np.concatenate([shift, np.broadcast_to(turn, shift.shape[:2])[..., None]], -1)
         readings = model.readings
         length = readings.nodes[-1]
-        turned = np.stack([readings.rotation_at(each) for each in (place / length).tolist()])
+        turned = readings.rotations_at(place / length)
         rows = np.concatenate([readings.displacement_at(place / length), turned[:, None]], axis=1)
         moved = np.asarray(np.einsum("kcn,bn->bkc", rows, q))
         if readings.slope in model.vectors[1]:
@@ -228,8 +240,12 @@ class DisplacedLinks:
         return np.stack([x, moved[..., 1] + sine * arm[0] + cosine * arm[1]], axis=-1)
 
     @cached_property
-    def _joint_forces(self) -> list[list[ForcesAlong]]:
-        """Of each link, from the balance of all displaced links."""
+    def _by_connections(self) -> FloatArray:
+        """Force in ground axes and moment of each connection on each link, (B, n_links, 3, c).
+
+        Moments are about the starts of the undisplaced links. All links are in balance, displaced
+        as they are.
+        """
         topology, motion = self.mechanism.linkage.topology, self.motion
         angle = motion.angle
         outside = np.zeros((len(motion.crank_angle), len(self.links), 3))
@@ -245,20 +261,39 @@ class DisplacedLinks:
         matrix = connection_matrix(topology, motion, ends)
         load = outside.reshape(len(outside), -1)
         columns = matrix * solve_connections(topology, motion, load, matrix)[:, None]
-        on_links = columns.reshape(*outside.shape, -1)
+        return np.asarray(columns.reshape(*outside.shape, -1))
+
+    @cached_property
+    def joint_force(self) -> dict[str, FloatArray]:
+        """Force on the grounded or following link at each joint, ground axes, N, (B, 2).
+
+        A slider's is across its line.
+        """
+        topology = self.mechanism.linkage.topology
+        batch = len(self.motion.crank_angle)
+        found = {name: np.zeros((batch, 2)) for name in topology.joint_names}
+        for number, one in enumerate(connections(topology)):
+            own = self._by_connections[:, topology.index(one.place.link), :2, number]
+            found[one.joint] = found[one.joint] + own
+        return found
+
+    @cached_property
+    def _joint_forces(self) -> list[list[ForcesAlong]]:
+        """Of each link."""
+        topology, motion = self.mechanism.linkage.topology, self.motion
         found: list[list[ForcesAlong]] = [[] for _ in topology.links]
         for number, one in enumerate(connections(topology)):
             on_ends = [each for each in (one.place, one.other) if each is not None]
-            places: list[tuple[int, FloatArray]] = [
-                (topology.index(end.link), np.array([topology.end_place(end)[1]]))
-                for end in on_ends
-            ]
+            places: list[tuple[int, FloatArray]] = []
+            for end in on_ends:
+                link, x = topology.end_place(end)
+                places.append((link, np.array([x])))
             if one.slider is not None and one.slider.guide:
-                x, _ = guide_place(topology, motion, one.slider)
-                places.append((topology.index(one.slider.guide), x[:, None]))
+                along, _ = guide_place(topology, motion, one.slider)
+                places.append((topology.index(one.slider.guide), along[:, None]))
             for link, place in places:
-                own = on_links[:, link, :, number]
-                force = _turned(own[:, None, :2], -angle[:, [link]])
+                own = self._by_connections[:, link, :, number]
+                force = _turned(own[:, None, :2], -motion.angle[:, [link]])
                 found[link].append(ForcesAlong(place, force, own[:, None, 2]))
         return found
 

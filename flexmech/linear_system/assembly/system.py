@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.links.chains import whole
+from flexmech.linear_system.links.chains import times, whole
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
@@ -116,10 +116,14 @@ class LinearSystem:
         """
         if self.bases is None:
             return vectors
-        pairs = zip(self.bases, self.link_coordinates(vectors), strict=True)
-        design = self.motion.design
-        full = ((basis if design is None else basis[design]) @ reduced for basis, reduced in pairs)
-        return frames.independent(self.motion, [*full])
+        return frames.independent(self.motion, self.unreduced_links(vectors))
+
+    def unreduced_links(self, vectors: NDArray[Any]) -> list[NDArray[Any]]:
+        """Shapes (B, n, m) in the coordinates of each unreduced link, (B, n_link, m)."""
+        moved = self.link_coordinates(vectors)
+        if self.bases is None:
+            return moved
+        return [times(*pair) for pair in zip(self.bases, moved, strict=True)]
 
     def displacements(self, vectors: NDArray[Any]) -> NDArray[Any]:
         """Displacement at the stations of every link, in ground axes.

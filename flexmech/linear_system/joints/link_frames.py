@@ -355,16 +355,16 @@ class LinkFrames:
         return result
 
     def gather(self, motion: RigidMotion, loads: Sequence[FloatArray]) -> FloatArray:
-        """Generalized force in the independent coordinates, ``N' f``; shape (B, size).
+        """Generalized force in the independent coordinates, ``N' f``; shape (B, size, ...).
 
         Parameters
         ----------
         motion : RigidMotion
             Batch of shape (B,).
-        loads : sequence of ndarray, shape (B, n_link)
+        loads : sequence of ndarray, shape (B, n_link, ...)
             Forces on each link in its frame.
         """
-        total = np.zeros((len(motion.crank_angle), self.size))
+        total = np.zeros((len(motion.crank_angle), self.size, *loads[0].shape[2:]))
         for number, (load, dependent) in enumerate(
             zip(loads, self.dependent_rows(motion), strict=True)
         ):

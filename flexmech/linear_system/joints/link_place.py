@@ -63,8 +63,8 @@ class DependentRows:
         return self.centripetal if terms.centripetal else self.tangential
 
     def leading(self, forces: FloatArray) -> FloatArray:
-        """Generalized forces (B, c) on the columns by forces (B, r) on the rows."""
-        return np.asarray(np.einsum("bij,bi->bj", self.turn, forces))
+        """Generalized forces (B, c, ...) on the columns by forces (B, r, ...) on the rows."""
+        return np.asarray(np.einsum("bij,bi...->bj...", self.turn, forces))
 
 
 @dataclass(frozen=True)

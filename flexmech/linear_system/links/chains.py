@@ -251,6 +251,46 @@ def summed(first: LinkMatrix, second: LinkMatrix) -> LinkMatrix:
     return whole(first) + whole(second)
 
 
+def times(matrix: FloatArray, columns: NDArray[Any]) -> NDArray[Any]:
+    """Product of a link's matrix with vectors in all positions.
+
+    Parameters
+    ----------
+    matrix : ndarray, shape (r, n), (D, r, n) or (B, r, n)
+        The same in all positions, in those of each design, or different in every one.
+    columns : ndarray, shape (B, n, m)
+
+    Returns
+    -------
+    ndarray, shape (B, r, m)
+    """
+    batch, size, count = columns.shape
+    if matrix.ndim == 3 and len(matrix) == batch:
+        return np.asarray(matrix @ columns)
+    # All positions of a design at once.
+    *designs, rows, _ = matrix.shape
+    each = batch // (designs or [1])[0]
+    own = np.moveaxis(columns.reshape(*designs, each, size, count), -2, -3)
+    product = matrix @ own.reshape(*designs, size, each * count)
+    back = np.moveaxis(product.reshape(*designs, rows, each, count), -3, -2)
+    return np.ascontiguousarray(back.reshape(batch, rows, count))
+
+
+def as_real(columns: NDArray[Any]) -> FloatArray:
+    """Columns (B, n, m), and where they are complex the imaginary parts behind the real ones."""
+    if not np.iscomplexobj(columns):
+        return columns
+    return np.concatenate([columns.real, columns.imag], axis=2)
+
+
+def as_given(real: FloatArray, columns: NDArray[Any]) -> NDArray[Any]:
+    """The other way round, as ``columns`` are."""
+    if not np.iscomplexobj(columns):
+        return real
+    half = real.shape[2] // 2
+    return real[:, :, :half] + 1j * real[:, :, half:]
+
+
 def with_entries(
     matrix: LinkMatrix, rows: IntArray, columns: IntArray, values: FloatArray
 ) -> LinkMatrix:

@@ -78,7 +78,7 @@ class WholeLink:
     end_gyroscopic: FloatArray
 
     def at(self, designs: IntArray) -> WholeLink:
-        """Matrices (B, n, n) in positions of several designs, from those of the designs."""
+        """Matrices (B, n, n) in positions of several designs."""
         return WholeLink(*(matrix[designs] for matrix in vars(self).values()))
 
     def __add__(self, other: WholeLink) -> WholeLink:
@@ -312,8 +312,7 @@ class LinkModel:
         ----------
         size : int
         kept : dict
-            Which of them move ``start`` and ``end``, and may turn ``start_rotation`` and
-            ``end_rotation``.
+            Which of them move ``start`` and ``end``, and may turn the ends' rotations.
 
         Returns
         -------
@@ -324,6 +323,34 @@ class LinkModel:
             if len(place):
                 unit[getattr(self, end), place] = 1.0
         return unit
+
+    def held_by(self, kept: dict[str, IntArray], stiffness: FloatArray) -> LinkModel:
+        """The link by the displacements of its joined ends alone, for its stiffness alone.
+
+        Parameters
+        ----------
+        kept : dict
+            As in :meth:`projected`.
+        stiffness : ndarray, shape (..., b, b)
+        """
+        none = np.zeros_like(stiffness)
+        return replace(
+            self,
+            mass=none,
+            gyroscopic=none,
+            centrifugal_mass=none,
+            damping=none,
+            stiffness=stiffness,
+            is_axial=np.zeros(stiffness.shape[-1], dtype=bool),
+            start=kept["start"],
+            end=kept["end"],
+            start_rotation=kept.get("start_rotation", NONE),
+            end_rotation=kept.get("end_rotation", NONE),
+            start_warping=NONE,
+            end_warping=NONE,
+            receding=NONE,
+            bodies=(),
+        )
 
     def projected(self, basis: FloatArray, kept: dict[str, IntArray]) -> LinkModel:
         """The link in reduced coordinates p, with ``q = basis @ p``.

@@ -78,18 +78,20 @@ class LinkReadings:
 
     def rotation_at(self, fraction: float) -> FloatArray:
         """Rotation at a fraction of the link's length, (n,): of the node there, or of the axis."""
-        place = fraction * self._own_nodes[-1]
-        nearest = int(np.argmin(np.abs(self._own_nodes - place)))
-        nodal = np.zeros(self.per_node * len(self._own_nodes))
-        if abs(self._own_nodes[nearest] - place) <= SAME_PLACE * self._own_nodes[-1]:
-            nodal[self.per_node * nearest + self.slope] = 1.0
-        else:
-            # Inside an element the axis is a cubic: a small difference is as good as its slope.
-            step = SMALL * float(np.diff(self._own_nodes).min())
-            places = place + step * np.array([-1.0, 1.0])
-            shapes = self._shapes_at(places)
-            nodal = (shapes[1, 1] - shapes[0, 1]) / (2 * step)
-        return self._reduced(nodal)
+        return np.asarray(self.rotations_at(np.array([fraction]))[0])
+
+    def rotations_at(self, fraction: FloatArray) -> FloatArray:
+        """Rotation at fractions (s,) of the link's length, (s, n): of nodes, or of the axis."""
+        nodes, places = self._own_nodes, np.asarray(fraction, dtype=float) * self._own_nodes[-1]
+        nearest = np.abs(nodes - places[:, None]).argmin(axis=1)
+        at_node = np.abs(nodes[nearest] - places) <= SAME_PLACE * nodes[-1]
+        # Inside an element the axis is a cubic: a small difference is as good as its slope.
+        step = SMALL * float(np.diff(nodes).min())
+        before, after = (self._shapes_at(places + side)[:, 1] for side in (-step, step))
+        rows = (after - before) / (2 * step)
+        rows[at_node] = 0.0
+        rows[at_node, self.per_node * nearest[at_node] + self.slope] = 1.0
+        return self._reduced(rows)
 
     def projected(self, basis: FloatArray) -> LinkReadings:
         """The same with ``q = basis @ p``; basis (n, m)."""

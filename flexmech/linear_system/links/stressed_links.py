@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system.links.chains import LinkMatrix, in_positions, repeated, whole
+from flexmech.linear_system.links.chains import LinkMatrix, in_positions, repeated
 from flexmech.linear_system.links.link_model import LinkModel
 
 
@@ -52,50 +52,6 @@ class StressedLinks:
     def unloaded(cls, links: Sequence[LinkModel]) -> Self:
         """Straight links without stress."""
         return cls([link.stiffness for link in links], unstressed=True)
-
-    @classmethod
-    def joined(cls, parts: Sequence[StressedLinks], count: int) -> StressedLinks:
-        """Links of several designs in their positions, one design after the other.
-
-        Parameters
-        ----------
-        parts : sequence of StressedLinks
-            Of each design.
-        count : int
-            Number of positions of each.
-
-        Returns
-        -------
-        StressedLinks
-        """
-
-        def in_every(matrix: LinkMatrix) -> FloatArray:
-            own = whole(matrix)
-            return np.broadcast_to(own, (count, *own.shape[-2:]))
-
-        def join(name: str) -> list[FloatArray] | None:
-            every = [getattr(part, name) for part in parts]
-            if every[0] is None:
-                return None
-            return [np.concatenate([*map(in_every, own)]) for own in zip(*every, strict=True)]
-
-        def end_to_end(name: str) -> list[FloatArray] | None:
-            every = [getattr(part, name) for part in parts]
-            if every[0] is None:
-                return None
-            return [np.concatenate(own) for own in zip(*every, strict=True)]
-
-        tangent = join("tangent")
-        assert tangent is not None
-        guides = [part.guide_stiffness for part in parts if part.guide_stiffness is not None]
-        return StressedLinks(
-            tangent,
-            end_to_end("displacement"),
-            end_to_end("internal_force"),
-            join("damping"),
-            end_to_end("loads"),
-            np.concatenate(guides) if guides else None,
-        )
 
     def repeated(self, count: int) -> StressedLinks:
         """The state of one position, repeated.

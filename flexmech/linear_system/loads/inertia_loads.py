@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linear_system.links.link_model import LinkModel
+from flexmech.linear_system.links.chains import times, whole
+from flexmech.linear_system.links.link_model import LinkModel, RigidFields
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
 
@@ -37,7 +38,10 @@ def inertia_loads(
     across = np.sum(pull * normal(motion.angle), axis=-1)
     loads = []
     for number, link in enumerate(links):
-        fields = link.fields
+        fields, first_moment = link.fields, link.first_moment[..., 1, :]
+        if motion.design is not None:
+            fields = RigidFields(*(values[motion.design] for values in vars(fields).values()))
+            first_moment = first_moment[motion.design]
         acceleration = (
             along[:, number, None] * fields.along
             + across[:, number, None] * fields.across
@@ -46,5 +50,8 @@ def inertia_loads(
         )
         # Matter that is elsewhere than the field says, as off the pins' axis, is pulled as well.
         turning = motion.angular_velocity[:, number, None] ** 2
-        loads.append(turning * link.first_moment[1] - acceleration @ link.mass)
+        inertia = acceleration @ link.mass
+        if motion.design is not None:
+            inertia = times(whole(link.mass), acceleration[..., None])[..., 0]
+        loads.append(turning * first_moment - inertia)
     return loads

@@ -293,8 +293,12 @@ class Flexibility:
         """Displacements (..., i, k) by forces (..., i, k) on the free coordinates."""
         if self._factors is not None:
             return np.asarray(self._factors.solve(np.ascontiguousarray(forces)))
-        assert self._inverse is not None
-        return self._inverse @ forces
+        return np.asarray(self.matrix @ forces, dtype=float)
+
+    @property
+    def matrix(self) -> FloatArray:
+        """The matrix itself, (..., i, i); not of a chain of elements."""
+        return np.asarray(self._inverse, dtype=float)
 
     def trace_with(self, matrix: LinkMatrix) -> FloatArray:
         """Trace of the product with a symmetric matrix (..., n, n) in the same coordinates."""

@@ -5,15 +5,16 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple, TypeVar, get_args
 
 import numpy as np
 
 from flexmech.analyses.default_engines import engine_kind
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import AssemblyError, FlexmechError, LockingError, one_line
-from flexmech.linear_system import BucklingError, Engine, EquilibriumError
-from flexmech.studies.designs.outputs import Design
+from flexmech.linear_system import BucklingError, EquilibriumError
+from flexmech.mechanism import Mechanism
+from flexmech.studies.designs.design import Design, find_frequencies
 from flexmech.studies.designs.study import Study
 from flexmech.studies.designs.variables import CRANK_SPEED, as_values
 
@@ -30,6 +31,7 @@ _KINDS: tuple[tuple[type[FlexmechError], Status], ...] = (
 )
 MOST_LETTERS = 240
 """Of a reason."""
+Found = TypeVar("Found")
 _log = logging.getLogger(__name__)
 
 
@@ -78,19 +80,37 @@ def evaluate(study: Study, designs: FloatArray, finer: int = 1) -> Evaluated:
     values = np.full((len(designs), len(study.outputs)), np.nan)
     status = np.zeros(len(designs), dtype=np.intp)
     reasons = [""] * len(designs)
-    for number, row in enumerate(designs):
-        found, status[number], reasons[number] = _guarded(lambda: _of_one(study, engine, row))  # noqa: B023
+    stated = [dict(as_values(study.variables, row)) for row in designs]
+    speeds = [own.pop(CRANK_SPEED, None) for own in stated]
+    mechanisms: dict[int, Mechanism] = {}
+    for number, own in enumerate(stated):
+        built, status[number], reasons[number] = _guarded(
+            lambda: study.parameters.mechanism_with(own)  # noqa: B023
+        )
+        if built is not None:
+            mechanisms[number] = built
+    if engine.chooses_element:
+        engine.prepare_comparisons([*mechanisms.values()], engine.modes)
+    made: dict[int, Design] = {}
+    for number, mechanism in mechanisms.items():
+        found, status[number], reasons[number] = _guarded(
+            lambda: study.parameters.engine_with(engine, stated[number], mechanism)  # noqa: B023
+        )
         if found is not None:
-            values[number] = found
+            speed = speeds[number]
+            made[number] = Design(found, study.mechanism, None if speed is None else float(speed))
+    pairs = [(design, output) for design in made.values() for output in study.outputs.values()]
+    needed = [(design, output.needs_of(design)) for design, output in pairs]
+    find_frequencies([(design, needs) for design, needs in needed if needs is not None])
+    for number, design in made.items():
+        numbers, status[number], reasons[number] = _guarded(lambda: _of_one(study, design))  # noqa: B023
+        if numbers is not None:
+            values[number] = numbers
     return Evaluated(values, status, reasons)
 
 
-def _of_one(study: Study, engine: Engine, row: FloatArray) -> list[float]:
+def _of_one(study: Study, design: Design) -> list[float]:
     """Outputs of one design."""
-    stated = dict(as_values(study.variables, row))
-    speed = stated.pop(CRANK_SPEED, None)
-    changed = study.parameters.engine_with(engine, stated)
-    design = Design(changed, study.mechanism, None if speed is None else float(speed))
     found = [output.of(design) for output in study.outputs.values()]
     missing = [
         name for name, value in zip(study.outputs, found, strict=True) if not np.isfinite(value)
@@ -100,7 +120,7 @@ def _of_one(study: Study, engine: Engine, row: FloatArray) -> list[float]:
     return found
 
 
-def _guarded(compute: Callable[[], list[float]]) -> tuple[list[float] | None, int, str]:
+def _guarded(compute: Callable[[], Found]) -> tuple[Found | None, int, str]:
     """What a computation gives, or what became of it."""
     try:
         return compute(), 0, ""

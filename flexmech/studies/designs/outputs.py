@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
 from flexmech.analyses.digits import rounded
 from flexmech.analyses.frequencies.extremes import Extremes
-from flexmech.analyses.frequencies.positions import frequency_extremes, strain_energy_damping
-from flexmech.analyses.response.compute import response
-from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.frequencies.positions import strain_energy_damping
 from flexmech.analyses.stability.compute import stability
 from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.errors import InputError, suggestion
-from flexmech.linear_system import Engine
 from flexmech.linkages import CouplerPoint, FourBar, InverseDynamics
 from flexmech.linkages.motion import direction
 from flexmech.mechanism import Mechanism
+from flexmech.studies.designs.design import Design, FrequencyNeeds, turn
 from flexmech.units import (
     ANGLE,
     FORCE,
@@ -53,6 +50,9 @@ Quantity = Literal[
     "stable_speed_margin",
 ]
 """Names of what can be computed of a design."""
+
+OF_FREQUENCIES = ("lowest_frequency", "highest_frequency", "order_margin")
+"""Quantities that are found from the natural frequencies over a turn."""
 
 _SHOWN = {LENGTH: "mm", ANGLE: "deg", STRESS: "MPa"}
 # Part of the crank speed by which unstable bands are searched for, and at how many speeds.
@@ -148,6 +148,16 @@ class Output:
         """Unit in which results speak of it."""
         return _SHOWN.get(self.dimension, self.dimension.unit)
 
+    def speed_of(self, design: Design) -> float:
+        """Crank speed in rad/s: its own, or that of a design."""
+        return design.speed if self.speed is None else self.speed
+
+    def needs_of(self, design: Design) -> FrequencyNeeds | None:
+        """What natural frequencies it needs of a design; None where it needs none."""
+        if self.quantity not in OF_FREQUENCIES:
+            return None
+        return FrequencyNeeds(self.speed_of(design), self.prestress, self.angles, max(self.mode, 3))
+
     def told(self, value: float, error: float = 0.0) -> str:
         """A number of it with its unit, to the digits that its error leaves."""
         scale = from_si(1.0, self.shown_unit)
@@ -172,91 +182,32 @@ class Output:
         return float(self.kind.compute(design, self))
 
 
-@dataclass(frozen=True)
-class Design:
-    """One design, with what several outputs need of it.
-
-    Parameters
-    ----------
-    engine : Engine
-        Of the design.
-    model : Mechanism
-        That of the model file.
-    speed : float or None
-        Crank speed in rad/s, where it varies.
-    """
-
-    engine: Engine
-    model: Mechanism
-    speed: float | None = None
-    _maps: dict[tuple[float, str, int], Extremes] = field(default_factory=dict, repr=False)
-    _runs: dict[float, object] = field(default_factory=dict, repr=False)
-
-    @cached_property
-    def mechanism(self) -> Mechanism:
-        """Of the design."""
-        return self.engine.mechanism
-
-    def speed_of(self, output: Output) -> float:
-        """Crank speed of an output in rad/s."""
-        if output.speed is not None:
-            return output.speed
-        if self.speed is not None:
-            return self.speed
-        return float(max(self.mechanism.operating_speeds, key=abs, default=0.0))
-
-    def frequencies(self, output: Output) -> Extremes:
-        """Lowest and highest natural frequencies over a turn, of as many modes as are needed."""
-        speed = self.speed_of(output)
-        count = max(output.mode, 3)
-        known = (speed, output.prestress, output.angles)
-        if known not in self._maps or len(self._maps[known].lowest_angle) < count:
-            self._maps[known] = frequency_extremes(
-                self.engine, turn(output.angles), speed, modes=count, prestress=output.prestress
-            )
-        return self._maps[known]
-
-    def forces(self, output: Output) -> InverseDynamics:
-        """Joint forces and torque of the rigid linkage over a turn."""
-        linkage = self.mechanism.linkage
-        return self.mechanism.inverse_dynamics(
-            linkage.motion(turn(output.angles), self.speed_of(output))
-        )
-
-    def peak(self, output: Output, name: str) -> float:
-        """Greatest peak of the periodic motion, of a link or of all."""
-        speed = self.speed_of(output)
-        if speed not in self._runs:
-            request = ResponseRequest(speed, 1.0, start="periodic")
-            self._runs[speed] = response(self.engine, request).peaks()
-        peaks = self._runs[speed][name].isel(engine=0)  # type: ignore[index]
-        if output.link is not None:
-            if output.link not in peaks["link"].values:
-                raise InputError(
-                    f"there is no link {output.link!r}; "
-                    f"{suggestion(output.link, [str(each) for each in peaks['link'].values])}"
-                )
-            peaks = peaks.sel(link=output.link)
-        return float(abs(peaks).max())
+def _frequencies(design: Design, output: Output) -> Extremes:
+    needs = output.needs_of(design)
+    assert needs is not None
+    return design.frequencies(needs)
 
 
-def turn(count: int) -> FloatArray:
-    """Evenly spaced crank angles over a turn in rad, (count,)."""
-    return np.linspace(0.0, 2 * np.pi, count, endpoint=False)
+def _forces(design: Design, output: Output) -> InverseDynamics:
+    return design.forces(output.speed_of(design), output.angles)
+
+
+def _peak(name: str) -> Callable[[Design, Output], float]:
+    return lambda design, output: design.peak(name, output.speed_of(design), output.link)
 
 
 def _lowest(design: Design, output: Output) -> float:
-    return float(design.frequencies(output).lowest_frequency[output.mode - 1])
+    return float(_frequencies(design, output).lowest_frequency[output.mode - 1])
 
 
 def _highest(design: Design, output: Output) -> float:
-    return float(design.frequencies(output).highest_frequency[output.mode - 1])
+    return float(_frequencies(design, output).highest_frequency[output.mode - 1])
 
 
 def _order_margin(design: Design, output: Output) -> float:
     """Least relative distance of an order's frequency from a band of frequencies; 0 inside."""
-    found = design.frequencies(output)
-    order = np.array(output.orders) * abs(design.speed_of(output)) / (2 * np.pi)
+    found = _frequencies(design, output)
+    order = np.array(output.orders) * abs(output.speed_of(design)) / (2 * np.pi)
     if not order.all():
         raise InputError("order_margin needs a crank speed; state speed = ...")
     low, high = found.lowest_frequency, found.highest_frequency
@@ -307,11 +258,11 @@ def _path_error(design: Design, output: Output) -> float:
 
 
 def _peak_torque(design: Design, output: Output) -> float:
-    return float(np.abs(design.forces(output).driving_torque).max())
+    return float(np.abs(_forces(design, output).driving_torque).max())
 
 
 def _peak_joint_force(design: Design, output: Output) -> float:
-    forces: Mapping[str, FloatArray] = design.forces(output).joint_force
+    forces: Mapping[str, FloatArray] = _forces(design, output).joint_force
     if output.joint is not None and output.joint not in forces:
         raise InputError(
             f"there is no joint {output.joint!r}; {suggestion(output.joint, list(forces))}"
@@ -325,7 +276,7 @@ def _damping(design: Design, output: Output) -> float:
     found = strain_energy_damping(
         design.engine,
         turn(output.angles),
-        design.speed_of(output),
+        output.speed_of(design),
         modes=max(output.mode, 3),
         prestress=output.prestress,
     )
@@ -334,7 +285,7 @@ def _damping(design: Design, output: Output) -> float:
 
 def _multiplier(design: Design, output: Output) -> float:
     """Greatest modulus of the Floquet multipliers of a turn."""
-    found = stability(design.engine, [design.speed_of(output)]).dataset
+    found = stability(design.engine, [output.speed_of(design)]).dataset
     return float(found["multiplier_modulus"].max())
 
 
@@ -343,7 +294,7 @@ def _stable_margin(design: Design, output: Output) -> float:
 
     Relative to the speed, 0 within a band, and no more than the reach of the search.
     """
-    speed = design.speed_of(output)
+    speed = output.speed_of(design)
     speeds = speed * np.linspace(1.0, 1.0 + _REACH, _SPEEDS)
     found = stability(design.engine, speeds).dataset
     edges = found["band_lower"].values
@@ -359,13 +310,9 @@ KINDS: Mapping[str, Kind] = {
     "path_error": Kind(LENGTH, "greatest error of the coupler path", _path_error),
     "peak_driving_torque": Kind(TORQUE, "peak driving torque, rigid links", _peak_torque),
     "peak_joint_force": Kind(FORCE, "peak joint force, rigid links", _peak_joint_force),
-    "peak_deflection": Kind(
-        LENGTH, "peak deflection", lambda design, output: design.peak(output, "deflection")
-    ),
-    "peak_strain": Kind(RATIO, "peak strain", lambda design, output: design.peak(output, "strain")),
-    "peak_stress": Kind(
-        STRESS, "peak normal stress", lambda design, output: design.peak(output, "stress")
-    ),
+    "peak_deflection": Kind(LENGTH, "peak deflection", _peak("deflection")),
+    "peak_strain": Kind(RATIO, "peak strain", _peak("strain")),
+    "peak_stress": Kind(STRESS, "peak normal stress", _peak("stress")),
     "strain_energy_damping": Kind(RATIO, "least damping ratio by strain energy", _damping),
     "largest_multiplier": Kind(RATIO, "greatest Floquet multiplier", _multiplier),
     "stable_speed_margin": Kind(RATIO, "distance to the next unstable band", _stable_margin),

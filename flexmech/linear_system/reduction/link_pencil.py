@@ -1,0 +1,135 @@
+"""The quadratic pencil of unreduced links, applied to shapes link by link.
+
+``(lambda^2 M + lambda C + K) x`` without matrices of the whole linkage: with ``q = N z`` of each
+link, the force on it in its frame is::
+
+    lambda^2 M q + lambda ((2 omega S + D) q + 2 M N' z)
+        + (K - omega^2 M_t + alpha S) q + (2 omega S + D) N' z + M N'' z
+
+See :mod:`flexmech.linear_system.joints.link_frames`, whose matrices these are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.arrays import FloatArray
+from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.joints.link_place import DependentRows
+from flexmech.linear_system.links.chains import LinkMatrix, as_given, as_real, times, whole
+from flexmech.linear_system.links.link_model import LinkModel
+from flexmech.linear_system.links.rotation_terms import RotationTerms
+from flexmech.linear_system.links.stressed_links import StressedLinks
+from flexmech.linkages import RigidMotion
+
+Shapes = list[NDArray[Any]]
+"""Vectors of each link, (B, n_link, m)."""
+
+
+@dataclass(frozen=True)
+class LinkPencil:
+    """Mass, damping and stiffness of unreduced links in B positions.
+
+    Parameters
+    ----------
+    frames : LinkFrames
+        Of links that are all elastic, without bodies off the axis that turn.
+    motion : RigidMotion
+        Batch of shape (B,).
+    stressed : StressedLinks
+        In these positions.
+    terms : RotationTerms
+    """
+
+    frames: LinkFrames
+    motion: RigidMotion
+    stressed: StressedLinks
+    terms: RotationTerms
+
+    def forces(self, z: NDArray[Any]) -> tuple[Shapes, Shapes, Shapes]:
+        """Forces on the links by acceleration, velocity and displacement of shapes.
+
+        Parameters
+        ----------
+        z : ndarray, shape (B, size, m)
+            Independent coordinates.
+
+        Returns
+        -------
+        tuple of list of ndarray, shape (B, n_link, m)
+            The coefficients of ``lambda^2``, ``lambda`` and 1.
+        """
+        columns = as_real(z)
+        every: tuple[Shapes, Shapes, Shapes] = ([], [], [])
+        dependent = self.frames.dependent_rows(self.motion)
+        shapes = self.frames.link_coordinates(self.motion, columns)
+        for number, (link, q) in enumerate(zip(self.frames.links, shapes, strict=True)):
+            rate, change = self._of_dependent_ends(number, dependent[number], columns)
+            for found, own in zip(
+                every, self._on_link(number, link, (q, rate, change)), strict=True
+            ):
+                found.append(as_given(own, z))
+        return every
+
+    def projected(self, z: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+        """Mass, damping and stiffness (B, m, m) by the amplitudes of shapes (B, size, m)."""
+        across = [
+            np.conj(np.swapaxes(q, 1, 2)) for q in self.frames.link_coordinates(self.motion, z)
+        ]
+        mass, damping, stiffness = (
+            np.asarray(sum(own @ force for own, force in zip(across, forces, strict=True)))
+            for forces in self.forces(z)
+        )
+        return mass, damping, stiffness
+
+    def _of_dependent_ends(
+        self, link: int, dependent: Sequence[DependentRows], z: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """``N' z`` and ``N'' z`` of a link, as far as they count."""
+        size = self.frames.links[link].size
+        rate, change = np.zeros((2, len(z), size, z.shape[2]))
+        for tie in dependent:
+            rate[:, tie.rows] = tie.rate @ z[:, tie.columns]
+            if self.terms.centripetal or self.terms.tangential:
+                change[:, tie.rows] = tie.acceleration(self.terms) @ z[:, tie.columns]
+        return rate, change
+
+    def _on_link(
+        self, number: int, link: LinkModel, shapes: tuple[FloatArray, FloatArray, FloatArray]
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Forces on a link by its coordinates, their rates by its ends, and those of these."""
+        terms, (q, rate, change) = self.terms, shapes
+        inertia = times(whole(link.mass), q)
+        by_rate, by_place = np.zeros_like(q), times(self._tangent(number, link), q)
+        damping = self._damping(number, link)
+        if damping.any():
+            by_rate += times(damping, q)
+            if terms.coriolis:
+                by_place += times(damping, rate)
+        speed = self.motion.angular_velocity[:, number, None, None]
+        gyroscopic = whole(link.gyroscopic)
+        if terms.coriolis or terms.tangential:
+            momentum = times(gyroscopic, q)
+        if terms.coriolis:
+            by_rate += 2 * speed * momentum + 2 * times(whole(link.mass), rate)
+        if terms.centripetal:
+            by_place -= speed**2 * times(whole(link.centrifugal_mass), q)
+            by_place += 2 * speed * times(gyroscopic, rate)
+        if terms.tangential:
+            by_place += self.motion.angular_acceleration[:, number, None, None] * momentum
+        if terms.centripetal or terms.tangential:
+            by_place += times(whole(link.mass), change)
+        return inertia, by_rate, by_place
+
+    def _tangent(self, number: int, link: LinkModel) -> FloatArray:
+        own: LinkMatrix = link.stiffness
+        return whole(own if self.stressed.unstressed else self.stressed.tangent[number])
+
+    def _damping(self, number: int, link: LinkModel) -> FloatArray:
+        own = self.stressed.damping
+        return whole(link.damping if own is None else own[number])

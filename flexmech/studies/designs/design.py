@@ -1,0 +1,164 @@
+"""One design of a study, with what several outputs need of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import groupby
+from typing import NamedTuple
+
+import numpy as np
+
+from flexmech.analyses.frequencies.extremes import Extremes
+from flexmech.analyses.frequencies.positions import frequency_extremes
+from flexmech.analyses.response.compute import response
+from flexmech.analyses.response.request import ResponseRequest
+from flexmech.arrays import FloatArray
+from flexmech.choices import Prestress
+from flexmech.errors import FlexmechError, InputError, suggestion
+from flexmech.linear_system import Engine
+from flexmech.linkages import InverseDynamics
+from flexmech.mechanism import Mechanism
+
+
+class FrequencyNeeds(NamedTuple):
+    """Which natural frequencies over a turn an output needs.
+
+    Parameters
+    ----------
+    speed : float
+        In rad/s.
+    prestress : {"none", "axial", "equilibrium"}
+    angles, modes : int
+        Of how many.
+    """
+
+    speed: float
+    prestress: Prestress
+    angles: int
+    modes: int
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """One design.
+
+    Parameters
+    ----------
+    engine : Engine
+        Of the design.
+    model : Mechanism
+        That of the model file.
+    varied_speed : float, optional
+        Crank speed in rad/s, where it varies.
+    """
+
+    engine: Engine
+    model: Mechanism
+    varied_speed: float | None = None
+    _maps: dict[FrequencyNeeds, Extremes | FlexmechError] = field(default_factory=dict, repr=False)
+    _runs: dict[float, object] = field(default_factory=dict, repr=False)
+
+    @cached_property
+    def mechanism(self) -> Mechanism:
+        """Of the design."""
+        return self.engine.mechanism
+
+    @property
+    def speed(self) -> float:
+        """Crank speed in rad/s: that which varies, or the greatest of the mechanism's; or zero."""
+        if self.varied_speed is not None:
+            return self.varied_speed
+        return float(max(self.mechanism.operating_speeds, key=abs, default=0.0))
+
+    def frequencies(self, needs: FrequencyNeeds) -> Extremes:
+        """Lowest and highest natural frequencies over a turn.
+
+        Parameters
+        ----------
+        needs : FrequencyNeeds
+
+        Returns
+        -------
+        Extremes
+
+        Raises
+        ------
+        FlexmechError
+            If there are none.
+        """
+        if needs not in self._maps:
+            find_frequencies([(self, needs)])
+        found = self._maps[needs]
+        if isinstance(found, FlexmechError):
+            raise found
+        return found
+
+    def keep(self, needs: FrequencyNeeds, found: Extremes | FlexmechError) -> None:
+        """Keep frequencies, or why there are none, for the outputs that need them."""
+        self._maps[needs] = found
+
+    def forces(self, speed: float, angles: int) -> InverseDynamics:
+        """Joint forces and torque of the rigid linkage over a turn at a crank speed in rad/s."""
+        motion = self.mechanism.linkage.motion(turn(angles), speed)
+        return self.mechanism.inverse_dynamics(motion)
+
+    def peak(self, name: str, speed: float, link: str | None) -> float:
+        """Greatest peak of the periodic motion, of a link or of all.
+
+        Parameters
+        ----------
+        name : str
+            Of the variable of the response's peaks.
+        speed : float
+            In rad/s.
+        link : str or None
+
+        Returns
+        -------
+        float
+            In SI units.
+
+        Raises
+        ------
+        InputError
+            If there is no such link.
+        """
+        if speed not in self._runs:
+            request = ResponseRequest(speed, 1.0, start="periodic")
+            self._runs[speed] = response(self.engine, request).peaks()
+        peaks = self._runs[speed][name].isel(engine=0)  # type: ignore[index]
+        if link is not None:
+            if link not in peaks["link"].values:
+                known = [str(each) for each in peaks["link"].values]
+                raise InputError(f"there is no link {link!r}; {suggestion(link, known)}")
+            peaks = peaks.sel(link=link)
+        return float(abs(peaks).max())
+
+
+def find_frequencies(wanted: Sequence[tuple[Design, FrequencyNeeds]]) -> None:
+    """Find natural frequencies of many designs at once, so that each has its own at hand.
+
+    Parameters
+    ----------
+    wanted : sequence of (Design, FrequencyNeeds)
+    """
+    for (prestress, angles, modes), group in groupby(
+        sorted(dict.fromkeys(wanted), key=lambda pair: pair[1][1:]), key=lambda pair: pair[1][1:]
+    ):
+        pairs = list(group)
+        found = frequency_extremes(
+            [design.engine for design, _ in pairs],
+            turn(angles),
+            np.array([needs.speed for _, needs in pairs]),
+            modes=modes,
+            prestress=prestress,
+        )
+        for (design, needs), own in zip(pairs, found, strict=True):
+            design.keep(needs, own)
+
+
+def turn(count: int) -> FloatArray:
+    """Evenly spaced crank angles over a turn in rad, (count,)."""
+    return np.linspace(0.0, 2 * np.pi, count, endpoint=False)

@@ -1,0 +1,42 @@
+"""Speed of strength: 361 crank angles, 3 links of 8 elements and 20 layers, one thread."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import flexmech
+from flexmech.materials import PLY_CRITERIA, Laminate, Ply, PlyStrength
+from flexmech.sections import BeamSection, LaminateSection
+from flexmech.threads import one_thread
+
+ANGLES = np.radians(np.arange(361.0))
+STRENGTH = PlyStrength(1500e6, 1200e6, 40e6, 246e6, 68e6, 90e6, 0.35, 0.30)
+PLY = Ply(181e9, 10.3e9, 7.17e9, 7.17e9, 3.8e9, 0.28, 1600.0, name="T", strength=STRENGTH)
+ROUNDS = 5
+
+
+def of_twenty_layers():
+    angles = np.radians([0, 45, -45, 90, 30] * 2 + [30, 90, -45, 45, 0] * 2).tolist()
+    laminate = Laminate.stacked([PLY] * 20, 0.25e-3, angles)
+    section = BeamSection.of_laminate(LaminateSection(laminate, 25e-3))
+    mechanism = flexmech.load_mechanism("models/composite_fourbar.toml")
+    return replace(mechanism, sections=dict.fromkeys(mechanism.sections, section))
+
+
+@pytest.mark.parametrize("criterion", PLY_CRITERIA)
+def test_strength_of_twenty_layers(criterion, tell):
+    mechanism = of_twenty_layers()
+    request = flexmech.StrengthRequest(
+        ANGLES, 950.0, speed_unit="rpm", criterion=criterion, elements=8
+    )
+    with one_thread():
+        flexmech.strength(mechanism, request)  # imports and caches
+        times = []
+        for _ in range(ROUNDS):
+            start = time.perf_counter()
+            found = flexmech.strength(mechanism, request)
+            times.append(time.perf_counter() - start)
+    assert found.dataset["failure_index"].shape == (1, 3, 9, 20, 2)
+    tell(f"strength, 361 angles, 20 layers, {criterion}", f"{np.median(times) * 1e3:10.1f} ms")
