@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
-from typer import Argument, Option
+from typer import Argument, Option, echo
 
 from flexmech import studies
 from flexmech.choices import EngineName
@@ -79,7 +79,12 @@ def uncertainty(study: StudyPath, samples: Samples = None, *, run: Run) -> None:
     samples : N
         A power of two, 1024 if left out; N (D + 2) designs are computed of D inputs.
     """
-    run(studies.Uncertainty, lambda s, **k: studies.uncertainty_study(s, samples, **k), study)
+
+    def compute(own: studies.Study, **kept: Any) -> studies.Uncertainty:
+        echo(studies.runs_line(own, samples), err=True)
+        return studies.uncertainty_study(own, samples, **kept)
+
+    run(studies.Uncertainty, compute, study)
 
 
 def optimize(study: StudyPath, *, run: Run) -> None:

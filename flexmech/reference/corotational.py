@@ -50,8 +50,8 @@ class LinearStrain:
 
     def at(self, relative: FloatArray) -> FloatArray:
         """Strain (e, B) at relative coordinates (e, r, B)."""
-        change = np.einsum("erb,erb->eb", self.gradient, relative - self.relative)
-        return np.asarray(self.strain + change, dtype=float)
+        change = self.gradient * (relative - self.relative)
+        return np.asarray(self.strain + change.sum(axis=1), dtype=float)
 
     def of(self, which: NDArray[np.bool_]) -> LinearStrain:
         """Strain of some positions."""

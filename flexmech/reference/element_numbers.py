@@ -39,7 +39,11 @@ def by_elements(matrix: FloatArray, turns: FloatArray) -> FloatArray:
     """Matrices (e, k, k) or (e, k, k, B) of elements times columns (e, k, B)."""
     if matrix.ndim == 3:
         return np.asarray(matrix @ turns)
-    return np.asarray(np.einsum("eklb,elb->ekb", matrix, turns))
+    # Column by column: each step runs along memory.
+    product = matrix[:, :, 0] * turns[:, None, 0]
+    for column in range(1, turns.shape[1]):
+        product += matrix[:, :, column] * turns[:, None, column]
+    return np.asarray(product)
 
 
 def over_positions(matrix: FloatArray) -> FloatArray:

@@ -309,10 +309,10 @@ class ReferenceEngine(Engine):
         """As :meth:`_axial`, of several designs."""
         if ties_beyond_pins(self._rigid_joint_frames):
             # What welds carry is found design by design.
-            alone = replace(motion, design=None)
+            alone, design = replace(motion, design=None), np.asarray(motion.design)
             parts = [
                 own.stressed_clamped_links(
-                    alone.at(np.flatnonzero(np.equal(motion.design, number))), "axial"
+                    alone.at(np.flatnonzero(design == number)), "axial"
                 ).tangent
                 for number, own in enumerate(self.members)
             ]

@@ -27,6 +27,6 @@ from .designs.sweep import DesignSweep as DesignSweep
 from .designs.sweep import sweep as sweep
 from .designs.sweep import sweep_study as sweep_study
 from .designs.uncertainty import Uncertainty as Uncertainty
-from .designs.uncertainty import number_of_runs as number_of_runs
+from .designs.uncertainty import runs_line as runs_line
 from .designs.uncertainty import uncertainty_study as uncertainty_study
 from .designs.variables import Variable as Variable

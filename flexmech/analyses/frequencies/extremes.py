@@ -110,6 +110,7 @@ def extremes_between(
     error: FloatArray,
     *,
     full_turn: bool,
+    wanted: NDArray[np.bool_] | None = None,
 ) -> Extremes:
     """Extremes over a range of crank angles at several crank speeds at once.
 
@@ -128,6 +129,9 @@ def extremes_between(
         it.
     full_turn : bool
         Whether the last angle leads back to the first.
+    wanted : ndarray of bool, shape (2, m), optional
+        Which lowest and highest frequencies are sought between the angles; all by default. Others
+        are the extremes at the angles.
 
     Returns
     -------
@@ -150,6 +154,9 @@ def extremes_between(
     allowed = SHARE_OF_ERROR * np.maximum(error, LEAST_ERROR)[mode] * np.abs(brackets.value[1])
     # A parabola over whole steps may be wrong: each is tried once, unless the curve is flat.
     gained = np.where(brackets.has_width & brackets.may_fall(), np.inf, 0.0)
+    if wanted is not None:
+        sought = wanted[(sign < 0).astype(int), mode]
+        gained, allowed = np.where(sought, gained, 0.0), np.where(sought, allowed, np.inf)
 
     def solved(these: IntArray, trial: FloatArray) -> FloatArray:
         """Values (k, t) of the curves of t brackets at angles (k, t)."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from flexmech.analyses.designs import of_designs
 from flexmech.analyses.frequencies.discretisation import check_angle_indices
@@ -132,6 +132,7 @@ def frequency_extremes(
     modes: int,
     prestress: Prestress = "equilibrium",
     rotation_terms: bool | RotationTerms = True,
+    wanted: NDArray[np.bool_] | None = None,
 ) -> list[Extremes | FlexmechError]:
     """Lowest and highest natural frequencies over a turn of many designs.
 
@@ -148,6 +149,8 @@ def frequency_extremes(
     modes : int
     prestress : {"none", "axial", "equilibrium"}
     rotation_terms : bool or RotationTerms
+    wanted : ndarray of bool, shape (2, modes), optional
+        Which lowest and highest frequencies are sought between the angles; all by default.
 
     Returns
     -------
@@ -158,14 +161,18 @@ def frequency_extremes(
     formulation = Formulation(prestress, rotation_terms, modes)
 
     def compute(engine: Engine, numbers: IntArray) -> list[Extremes]:
-        found = _extremes(engine, crank_angles, crank_speeds[numbers], formulation)
+        found = _extremes(engine, crank_angles, crank_speeds[numbers], formulation, wanted)
         return [found.of_speed(number) for number in range(len(numbers))]
 
     return of_designs([engine.fit_for(modes) for engine in engines], compute)
 
 
 def _extremes(
-    engine: Engine, crank_angles: FloatArray, crank_speeds: FloatArray, formulation: Formulation
+    engine: Engine,
+    crank_angles: FloatArray,
+    crank_speeds: FloatArray,
+    formulation: Formulation,
+    wanted: NDArray[np.bool_] | None = None,
 ) -> Extremes:
     """Extremes (D, modes) of an engine, or of a stack, at a speed of each design, (D,)."""
     shape = (len(crank_speeds), len(crank_angles))
@@ -175,7 +182,13 @@ def _extremes(
     error = np.full(formulation.modes, EXTREMES_WITHIN)
     with one_thread():
         return extremes_between(
-            systems, crank_angles, crank_speeds, found.reshape(*shape, -1), error, full_turn=True
+            systems,
+            crank_angles,
+            crank_speeds,
+            found.reshape(*shape, -1),
+            error,
+            full_turn=True,
+            wanted=wanted,
         )
 
 

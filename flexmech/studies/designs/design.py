@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
@@ -89,7 +88,7 @@ class Design:
             If there are none.
         """
         if needs not in self._maps:
-            find_frequencies([(self, needs)])
+            find_frequencies([(self, needs, every_extreme(needs.modes))])
         found = self._maps[needs]
         if isinstance(found, FlexmechError):
             raise found
@@ -137,23 +136,42 @@ class Design:
         return float(abs(peaks).max())
 
 
-def find_frequencies(wanted: Sequence[tuple[Design, FrequencyNeeds]]) -> None:
+ExtremesWanted = frozenset[tuple[int, int]]
+"""Pairs of 0 for the lowest or 1 for the highest frequency of a turn, and the number of a mode."""
+
+
+def every_extreme(modes: int) -> ExtremesWanted:
+    """The lowest and the highest frequency of so many modes."""
+    return frozenset((end, mode) for end in (0, 1) for mode in range(modes))
+
+
+def find_frequencies(
+    wanted: Sequence[tuple[Design, FrequencyNeeds, ExtremesWanted]],
+) -> None:
     """Find natural frequencies of many designs at once, so that each has its own at hand.
 
     Parameters
     ----------
-    wanted : sequence of (Design, FrequencyNeeds)
+    wanted : sequence of (Design, FrequencyNeeds, frozenset)
+        With the extremes that are to be sought between the crank angles.
     """
-    for (prestress, angles, modes), group in groupby(
-        sorted(dict.fromkeys(wanted), key=lambda pair: pair[1][1:]), key=lambda pair: pair[1][1:]
-    ):
-        pairs = list(group)
+    together: dict[tuple[Design, FrequencyNeeds], ExtremesWanted] = {}
+    for design, needs, extremes in wanted:
+        together[design, needs] = together.get((design, needs), frozenset()) | extremes
+    alike: dict[tuple[Prestress, int, int, ExtremesWanted], list[tuple[Design, FrequencyNeeds]]]
+    alike = {}
+    for (design, needs), extremes in together.items():
+        alike.setdefault((*needs[1:], extremes), []).append((design, needs))
+    for (prestress, angles, modes, extremes), pairs in alike.items():
+        sought = np.zeros((2, modes), dtype=bool)
+        sought[tuple(np.array(sorted(extremes)).T)] = True
         found = frequency_extremes(
             [design.engine for design, _ in pairs],
             turn(angles),
             np.array([needs.speed for _, needs in pairs]),
             modes=modes,
             prestress=prestress,
+            wanted=sought,
         )
         for (design, needs), own in zip(pairs, found, strict=True):
             design.keep(needs, own)

@@ -100,8 +100,8 @@ def evaluate(study: Study, designs: FloatArray, finer: int = 1) -> Evaluated:
             speed = speeds[number]
             made[number] = Design(found, study.mechanism, None if speed is None else float(speed))
     pairs = [(design, output) for design in made.values() for output in study.outputs.values()]
-    needed = [(design, output.needs_of(design)) for design, output in pairs]
-    find_frequencies([(design, needs) for design, needs in needed if needs is not None])
+    needed = [(design, output.needs_of(design), output.extremes) for design, output in pairs]
+    find_frequencies([(d, needs, extremes) for d, needs, extremes in needed if needs is not None])
     for number, design in made.items():
         numbers, status[number], reasons[number] = _guarded(lambda: _of_one(study, design))  # noqa: B023
         if numbers is not None:

@@ -15,22 +15,20 @@ from flexmech import plots
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.arrays import FloatArray, LabelledProgress
-from flexmech.choices import EngineName
 from flexmech.errors import ComputationError, InputError
 from flexmech.linkages import linkage_positions, picture_crank_angle
 from flexmech.mechanism import drawing
-from flexmech.studies.designs.evaluation import evaluate
+from flexmech.studies.designs.confirmation import SLACK, beyond, candidate_kept, confirmed
 from flexmech.studies.designs.kept import KeptDesigns
 from flexmech.studies.designs.result import (
     designs_dataset,
     designs_table,
     reason_lines,
-    relative_changes,
     status_line,
 )
+from flexmech.studies.designs.scatter import Scatter
 from flexmech.studies.designs.search import (
     Search,
-    margins_of,
     most_designs,
     one_goal,
     search_content,
@@ -43,8 +41,6 @@ from flexmech.studies.designs.variables import CRANK_SPEED, as_values
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SLACK = 1e-3
-"""Part of a limit by which the finer models may miss it: an optimum lies on its limits."""
 # Rows of the table.
 _ROWS = 8
 
@@ -59,6 +55,9 @@ class Optimum(Result):
         than, of one goal one. ``history`` of the best goal over (goal, step) with ``evaluations``;
         ``relative_error`` of the outputs of the best design, and of both engines ``checked`` over
         (checking_engine, output). Its attribute ``optimum`` is the best design as a model file.
+        Where variables are ``uncertain`` the outputs are their means or percentiles, as the
+        attribute ``statistic`` of each says, ``relative_error`` is that by the number of
+        ``samples`` too.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """
@@ -119,13 +118,13 @@ class Optimum(Result):
         outputs = data.attrs["outputs"].split()
         numbers = output_quantities(first, outputs)
         told = ", ".join(f"{one.name} {one}" for one in numbers)
-        count = int(data["evaluations"].values[-1])
-        lines = [f"The best design has {told}; {count} designs were computed."]
+        lines = [f"The best design has {told}; {_runs(data)}."]
         if data.sizes["goal"] > 1:
             lines = [
                 f"{best.sizes['design']} designs are such that none is better in every goal.",
-                f"With the best {data['goal'].values[0]}: {told}.",
+                f"With the best {data['goal'].values[0]}: {told}; {_runs(data)}.",
             ]
+        lines += _statistics_lines(data)
         values = data["checked"].values
         apart = float(np.nanmax(np.abs(values[0] - values[1]) / np.abs(values).max(axis=0)))
         error = float(data["relative_error"].max())
@@ -140,6 +139,27 @@ class Optimum(Result):
         )
 
 
+def _runs(data: xr.Dataset) -> str:
+    """How many designs were computed, and how often each."""
+    count = int(data["evaluations"].values[-1])
+    if "uncertain" not in data.attrs:
+        return f"{count} designs were computed"
+    names, samples = data.attrs["uncertain"].split("\n"), int(data.attrs["samples"])
+    return (
+        f"{count} designs were computed, each with {samples} samples of {', '.join(names)}: "
+        f"{count * samples} runs"
+    )
+
+
+def _statistics_lines(data: xr.Dataset) -> list[str]:
+    """What the outputs are where properties are uncertain."""
+    if "uncertain" not in data.attrs:
+        return []
+    outputs = data.attrs["outputs"].split()
+    told = ", ".join(f"{name} by its {data[name].attrs['statistic']}" for name in outputs)
+    return [f"Over the samples: {told}."]
+
+
 def optimum_study(
     study: Study,
     *,
@@ -151,8 +171,10 @@ def optimum_study(
     """The best design of a study's variables by its goals, within its limits.
 
     One goal is sought by SciPy's COBYQA from several starts, several goals by NSGA-II (Deb et al.
-    2002; the library pymoo). The best design is computed anew by both engines with twice the
-    elements and crank angles before it is given.
+    2002; the library pymoo). Around every design variables with distributions take a sample of
+    values, the same for all: goals and limits are the percentiles of the outputs that they name,
+    or their means. The best design is computed anew by both engines with twice the elements and
+    crank angles before it is given.
 
     Parameters
     ----------
@@ -162,7 +184,8 @@ def optimum_study(
     progress : callable, optional
         Called as ``progress(label, done, total)``.
     folder : Path, optional
-        Where ``designs.zarr`` is kept, so that an interrupted search can be repeated from it.
+        Where ``designs.zarr`` is kept, so that an interrupted search can be repeated from it, and
+        ``pareto.csv`` of a candidate that does not hold.
     resume : bool
         Whether to go on with the store that is there.
 
@@ -173,13 +196,15 @@ def optimum_study(
     Raises
     ------
     InputError
-        If there is no goal, the extra is not installed, or the store is of another search.
+        If there is no goal, nothing is left to choose, the extra is not installed, or the store
+        is of another search.
     ComputationError
         If no design keeps the limits, or the best one does not hold in the finer model or with
         the other engine.
     """
     if not study.goals:
         raise InputError("goals: there is none; add [[goals]] with output = ... and sense = ...")
+    scatter = Scatter.of(study)
     computed = KeptDesigns.of(
         study,
         executor,
@@ -188,27 +213,45 @@ def optimum_study(
         most=most_designs(study),
         content=search_content(study),
     )
-    search = Search(study, computed, progress)
+    search = Search(study, computed, scatter, progress)
     with closing(computed):
         designs = one_goal(search) if len(study.goals) == 1 else several_goals(search)
-    found = computed(designs)
-    dataset = designs_dataset(study, designs, found)
-    best = ranked(dataset)
-    if not best.sizes["design"] or not bool(best["within"][0]):
+        found = search.found(designs)
+        dataset = designs_dataset(study, designs, found)
+        best = ranked(dataset)
+        held = bool(best.sizes["design"]) and bool(best["within"][0])
+        number = int(best["design"][0]) - 1 if held else 0
+        sampling = scatter.errors(designs[number][None], computed)
+    if not held:
+        why = found.reasons[0] or f"beyond a limit: {beyond(study, found.values[0])}"
         raise ComputationError(
             f"none of {search.count} designs keeps every limit; widen the ranges or loosen a limit"
+            + candidate_kept(study, designs[0], found, why, folder)
         )
-    number = int(best["design"][0]) - 1
-    checked = _checked(study, designs[number], found.values[number])
+    checked = confirmed(study, scatter, designs[number], found.values[number], folder)
+    checked["relative_error"] = checked["relative_error"] + sampling
     steps, history = zip(*search.steps, strict=True)
     signs = np.array([goal.sign for goal in study.goals])
     return Optimum(
-        dataset.assign(checked)
+        _with_statistics(study, dataset)
+        .assign(checked)
         .merge(_drawn(study, designs), combine_attrs="no_conflicts")
         .assign_coords(evaluations=("step", np.array(steps)))
         .assign(history=(("goal", "step"), (np.array(history) * signs).T))
         .assign_coords(goal=[goal.output for goal in study.goals])
         .assign_attrs(optimum=_model(study, designs[number]))
+    )
+
+
+def _with_statistics(study: Study, dataset: xr.Dataset) -> xr.Dataset:
+    """Designs that say what their outputs are where properties are uncertain."""
+    if not study.uncertain:
+        return dataset
+    for name in study.outputs:
+        part = study.percentiles.get(name)
+        dataset[name].attrs["statistic"] = "mean" if part is None else f"{part:g} % percentile"
+    return dataset.assign_attrs(
+        uncertain="\n".join(study.uncertain), samples=study.percentile_samples
     )
 
 
@@ -223,48 +266,6 @@ def _drawn(study: Study, designs: FloatArray) -> xr.Dataset:
         positions.append(linkage_positions(linkage, angle)["rigid_position"])
     joined = xr.concat(positions, "design").assign_coords(design=np.arange(1, len(designs) + 1))
     return xr.Dataset({"rigid_position": joined}, attrs={"drawing": drawing(study.mechanism)})
-
-
-def _checked(study: Study, design: FloatArray, values: FloatArray) -> xr.Dataset:
-    """The best design computed anew by both engines, with twice the elements and crank angles."""
-    engines: tuple[EngineName, ...] = ("reference", "exudyn")
-    again = [evaluate(study.with_(engine=each), design[None], finer=2) for each in engines]
-    errors = relative_changes(values, again[engines.index(study.engine)].values[0])
-    for engine, found in zip(engines, again, strict=True):
-        if found.status[0] != 0:
-            raise ComputationError(
-                f"the best design does not hold: with twice the elements and crank angles {engine} "
-                f"finds {found.reasons[0]}; {_told(study, design)}"
-            )
-        margins = margins_of(study, found.values[0])
-        worst = float(margins.min(initial=0.0))
-        if worst < -SLACK:
-            limit = study.limits[int(margins.argmin())]
-            value = found.values[0][list(study.outputs).index(limit.output)]
-            raise ComputationError(
-                f"the best design does not hold: with twice the elements and crank angles {engine} "
-                f"finds {limit.output} {study.outputs[limit.output].told(value)}; "
-                f"{_told(study, design)}; give that output more angles, or tighten its limit by "
-                f"{100 * -worst:.2g} %"
-            )
-    return xr.Dataset(
-        {
-            "relative_error": ("output", errors),
-            "checked": (
-                ("checking_engine", "output"),
-                np.stack([found.values[0] for found in again]),
-            ),
-        },
-        {"output": list(study.outputs), "checking_engine": list(engines)},
-    )
-
-
-def _told(study: Study, design: FloatArray) -> str:
-    """A design in words."""
-    return ", ".join(
-        f"{variable.name} {variable.told(number)}"
-        for variable, number in zip(study.variables, design.tolist(), strict=True)
-    )
 
 
 def _model(study: Study, design: FloatArray) -> str:

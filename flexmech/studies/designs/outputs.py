@@ -18,7 +18,13 @@ from flexmech.errors import InputError, suggestion
 from flexmech.linkages import CouplerPoint, FourBar, InverseDynamics
 from flexmech.linkages.motion import direction
 from flexmech.mechanism import Mechanism
-from flexmech.studies.designs.design import Design, FrequencyNeeds, turn
+from flexmech.studies.designs.design import (
+    Design,
+    ExtremesWanted,
+    FrequencyNeeds,
+    every_extreme,
+    turn,
+)
 from flexmech.units import (
     ANGLE,
     FORCE,
@@ -151,6 +157,13 @@ class Output:
     def speed_of(self, design: Design) -> float:
         """Crank speed in rad/s: its own, or that of a design."""
         return design.speed if self.speed is None else self.speed
+
+    @property
+    def extremes(self) -> ExtremesWanted:
+        """Which frequencies of a turn it needs to be sought between the crank angles."""
+        if self.quantity == "order_margin":
+            return every_extreme(max(self.mode, 3))
+        return frozenset({(int(self.quantity == "highest_frequency"), self.mode - 1)})
 
     def needs_of(self, design: Design) -> FrequencyNeeds | None:
         """What natural frequencies it needs of a design; None where it needs none."""

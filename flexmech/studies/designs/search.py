@@ -12,10 +12,11 @@ import scipy
 
 from flexmech.analyses.datasets import versions
 from flexmech.arrays import FloatArray, LabelledProgress
-from flexmech.errors import ComputationError, InputError
+from flexmech.errors import InputError
 from flexmech.studies.designs.evaluation import Evaluated
 from flexmech.studies.designs.kept import KeptDesigns
 from flexmech.studies.designs.result import violations
+from flexmech.studies.designs.scatter import Scatter
 from flexmech.studies.designs.study import Study, sobol_points
 
 INSTALL = "several goals need the extra packages of [study]: pip install 'flexmech[study]'"
@@ -37,6 +38,8 @@ class Search:
     study : Study
     computed : KeptDesigns
         Gives the outputs of designs.
+    scatter : Scatter
+        Of what is uncertain, around every design.
     progress : callable or None
     count : int
         Designs computed.
@@ -46,15 +49,22 @@ class Search:
         Least of every goal, with the sign that makes less the better.
     design : ndarray or None
         Of the first goal's best design within every limit.
+    nearest : ndarray or None
+        Design that violates the limits least.
+    violation : float
+        Its own.
     """
 
     study: Study
     computed: KeptDesigns
+    scatter: Scatter
     progress: LabelledProgress | None
     count: int = 0
     steps: list[tuple[int, FloatArray]] = field(default_factory=list)
     best: FloatArray | None = None
     design: FloatArray | None = None
+    nearest: FloatArray | None = None
+    violation: float = np.inf
 
     def keep(self, designs: FloatArray, goals: FloatArray, violation: FloatArray) -> None:
         """Count designs, and note the best of those that keep every limit.
@@ -69,6 +79,9 @@ class Search:
         self.count += len(designs)
         if self.progress is not None:
             self.progress("search", self.count, self.count)
+        if self.nearest is None or violation.min() < self.violation:
+            number = int(violation.argmin())
+            self.nearest, self.violation = designs[number], float(violation[number])
         within = np.flatnonzero(violation <= 0)
         if not len(within):
             return
@@ -81,9 +94,13 @@ class Search:
 
     def __call__(self, designs: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Goals (n, g), all to be made small, and violations (n,); infinite of failures."""
-        goals, violation = self.judged(self.computed(designs))
+        goals, violation = self.judged(self.found(designs))
         self.keep(designs, goals, violation)
         return goals, violation
+
+    def found(self, designs: FloatArray) -> Evaluated:
+        """Outputs of designs (n, k): of uncertain ones their percentiles and means."""
+        return self.scatter.evaluated(designs, self.computed)
 
     def judged(self, found: Evaluated) -> tuple[FloatArray, FloatArray]:
         """Goals and violations of computed designs."""
@@ -105,9 +122,11 @@ def most_designs(study: Study) -> int:
     -------
     int
     """
+    samples = study.percentile_samples if study.uncertain else 1
     if len(study.goals) > 1:
-        return _POPULATION * _GENERATIONS
-    return _sample_size(study) + _STARTS * (_MOST_STEPS * len(study.variables) + 1)
+        return samples * _POPULATION * _GENERATIONS
+    count = _chosen(study)
+    return samples * (_sample_size(study) + _STARTS * (_MOST_STEPS * count + 1))
 
 
 def search_content(study: Study) -> dict[str, str]:
@@ -131,11 +150,19 @@ def search_content(study: Study) -> dict[str, str]:
         library = versions("pymoo") if len(study.goals) > 1 else {}
     except PackageNotFoundError as error:
         raise InputError(INSTALL) from error
-    return {"limits": repr(study.limits), "goals": repr(study.goals), **library}
+    content = {"limits": repr(study.limits), "goals": repr(study.goals), **library}
+    if study.uncertain:
+        content["percentile_samples"] = str(study.percentile_samples)
+    return content
+
+
+def _chosen(study: Study) -> int:
+    """Number of the variables that the search chooses."""
+    return len(study.variables) - len(study.uncertain)
 
 
 def _sample_size(study: Study) -> int:
-    return max(_SAMPLE * len(study.variables), 32)
+    return max(_SAMPLE * _chosen(study), 32)
 
 
 def one_goal(search: Search) -> FloatArray:
@@ -150,22 +177,23 @@ def one_goal(search: Search) -> FloatArray:
     ndarray, shape (1, k)
         The nearest where none keeps every limit.
     """
-    study = search.study
+    study, designs = search.study, search.scatter.designs
     count = _sample_size(study)
-    points = sobol_points(count, len(study.variables), study.seed)
-    goals, violation = search(study.at(points))
+    points = sobol_points(count, _chosen(study), study.seed)
+    goals, violation = search(designs(points))
     size = _size(goals[:, 0])
     order = np.lexsort([goals[:, 0], violation])
     # Listed values have no neighbours to move to: the search goes over the others alone.
-    fixed = np.array([variable.distribution == "values" for variable in study.variables])
+    fixed = np.array(
+        [each.distribution == "values" for each in study.variables if not each.is_random]
+    )
     ends = []
     for start in points[order[:_STARTS]]:
         ends.append(start if fixed.all() else _descend(search, start, fixed, size))
-    goals, violation = search(study.at(np.array(ends)))
-    if search.design is None:
-        # None keeps every limit: the nearest is told.
-        return study.at(np.array(ends)[int(violation.argmin())][None])
-    return search.design[None]
+    search(designs(np.array(ends)))
+    best = search.nearest if search.design is None else search.design
+    assert best is not None
+    return best[None]
 
 
 def _size(goals: FloatArray) -> float:
@@ -183,8 +211,8 @@ def _descend(search: Search, start: FloatArray, fixed: Any, size: float) -> Floa
         if key not in known:
             point = start.copy()
             point[free] = np.clip(free_point, 0.0, 1.0)
-            designs = study.at(point[None])
-            found = search.computed(designs)
+            designs = search.scatter.designs(point[None])
+            found = search.found(designs)
             goals, violation = search.judged(found)
             search.keep(designs, goals, violation)
             if found.status[0] == 0:
@@ -240,18 +268,14 @@ def several_goals(search: Search) -> FloatArray:
     Returns
     -------
     ndarray, shape (n, k)
-
-    Raises
-    ------
-    ComputationError
-        If no design keeps every limit.
+        The nearest where none keeps every limit.
     """
     from pymoo.algorithms.moo.nsga2 import NSGA2
     from pymoo.core.problem import Problem
     from pymoo.optimize import minimize
 
-    study = search.study
-    count = len(study.variables)
+    study, designs = search.study, search.scatter.designs
+    count = _chosen(study)
 
     class Designs(Problem):  # type: ignore[misc]
         """Goals and violations over the unit cube."""
@@ -262,20 +286,19 @@ def several_goals(search: Search) -> FloatArray:
 
         def _evaluate(self, x: FloatArray, out: dict[str, Any], *args: Any, **more: Any) -> None:
             del args, more
-            goals, violation = search(study.at(x))
+            goals, violation = search(designs(x))
             # Of a design that fails no goal is known: it is farther off than any that does not.
             out["F"] = np.where(np.isfinite(goals), goals, np.finfo(np.float32).max)
             out["G"] = np.where(np.isfinite(violation), violation, np.finfo(np.float32).max)[
                 :, None
             ]
 
-    start = sobol_points(_POPULATION, len(study.variables), study.seed)
+    start = sobol_points(_POPULATION, count, study.seed)
     found = minimize(
         Designs(), NSGA2(_POPULATION, sampling=start), ("n_gen", _GENERATIONS), seed=study.seed
     )
     if found.X is None:
-        raise ComputationError(
-            f"none of {search.count} designs keeps every limit; widen the ranges or loosen a limit"
-        )
+        assert search.nearest is not None
+        return search.nearest[None]
     # Points of a list's value are many, and the design is one.
-    return np.unique(study.at(np.atleast_2d(found.X)), axis=0)
+    return np.unique(designs(np.atleast_2d(found.X)), axis=0)

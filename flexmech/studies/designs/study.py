@@ -19,7 +19,7 @@ from flexmech.errors import InputError, suggestion
 from flexmech.mechanism import Mechanism
 from flexmech.studies.designs.outputs import Output
 from flexmech.studies.designs.variables import Variable
-from flexmech.validation import check_count
+from flexmech.validation import Bounds, check_count, check_number
 
 Sense = Literal["min", "max"]
 # What datasets and tables of studies call their own variables and dimensions.
@@ -44,11 +44,15 @@ class Limit:
     output : str
     least, greatest : float
         In SI units; infinite where there is none.
+    percentile : float, optional
+        Of the output over the uncertain variables that keeps it, in the search for the best
+        design; the mean if left out.
     """
 
     output: str
     least: float = -np.inf
     greatest: float = np.inf
+    percentile: float | None = None
 
     def margin(self, value: FloatArray) -> FloatArray:
         """By how much values keep the bound, over its size; negative where they do not."""
@@ -69,10 +73,13 @@ class Goal:
     ----------
     output : str
     sense : {"min", "max"}
+    percentile : float, optional
+        Of the output over the uncertain variables that is to be so; the mean if left out.
     """
 
     output: str
     sense: Sense = "min"
+    percentile: float | None = None
 
     @property
     def sign(self) -> float:
@@ -113,12 +120,15 @@ class Study:
     engine : {"reference", "exudyn"}
     failure_values : mapping of str to float
         What an output of a design that cannot be computed counts as, in SI units.
+    percentile_samples : int
+        A power of two: runs of every design in the search for the best where variables have
+        distributions.
 
     Raises
     ------
     InputError
-        If nothing varies or is computed, a limit or goal names no output, or the model cannot
-        have a value.
+        If nothing varies or is computed, a limit or goal names no output, the model cannot have a
+        value, or percentiles are of nothing that is uncertain or of too few samples.
     """
 
     mechanism: Mechanism
@@ -130,6 +140,7 @@ class Study:
     correlations: tuple[Correlation, ...] = ()
     engine: EngineName = "reference"
     failure_values: Mapping[str, float] = field(default_factory=dict)
+    percentile_samples: int = 64
 
     def __post_init__(self) -> None:
         if not self.variables:
@@ -163,6 +174,9 @@ class Study:
                     raise error.within(table) from error
         if self.correlations:
             self._correlated()
+        check_power_of_two(self.percentile_samples, "percentile_samples", least=8)
+        for name, part in self.percentiles.items():
+            self._check_percentile(name, part)
         for variable in self.variables:
             variable.check(self.parameters)
 
@@ -179,6 +193,39 @@ class Study:
     def names(self) -> list[str]:
         """Of the variables."""
         return [variable.name for variable in self.variables]
+
+    @property
+    def uncertain(self) -> list[str]:
+        """Names of the variables that have a distribution, and are not chosen."""
+        return [variable.name for variable in self.variables if variable.is_random]
+
+    @property
+    def percentiles(self) -> dict[str, float]:
+        """Which percentile of an output goals and limits are about; of others it is the mean."""
+        asked: dict[str, float | None] = {}
+        for one in (*self.goals, *self.limits):
+            if asked.setdefault(one.output, one.percentile) != one.percentile:
+                raise InputError(
+                    f"percentile: that of {one.output} differs among its goals and limits; give "
+                    "the quantity a second name in outputs"
+                )
+        return {name: part for name, part in asked.items() if part is not None}
+
+    def _check_percentile(self, name: str, part: float) -> None:
+        """Refuse a percentile that nothing is spread over, or that few samples tell nothing of."""
+        check_number(part, f"percentile of {name}", bounds=Bounds(above=0.0, below=100.0))
+        if not self.uncertain:
+            raise InputError(
+                f"percentile = {part:g} of {name}: nothing is uncertain; give a variable normal, "
+                "lognormal or uniform = [...], or leave percentile out"
+            )
+        least = 100.0 / min(part, 100.0 - part)
+        if self.percentile_samples < least:
+            enough = 1 << math.ceil(math.log2(least))
+            raise InputError(
+                f"percentile_samples = {self.percentile_samples} are too few for percentile = "
+                f"{part:g} of {name}; take {enough} or more"
+            )
 
     def combinations(self) -> FloatArray:
         """Every combination of the variables' values.
@@ -262,6 +309,26 @@ class Study:
                 "correlations: no variables can be correlated so; the matrix of coefficients "
                 "must be positive definite"
             ) from error
+
+
+def check_power_of_two(samples: int, name: str, least: int) -> None:
+    """Refuse a number of samples that leaves Sobol's sequence unbalanced.
+
+    Parameters
+    ----------
+    samples : int
+    name : str
+        What messages call it.
+    least : int
+
+    Raises
+    ------
+    InputError
+    """
+    check_count(samples, name, least=least)
+    if samples & (samples - 1):
+        near = 1 << samples.bit_length()
+        raise InputError(f"{name}: {samples} is no power of two; take {near // 2} or {near}")
 
 
 def known_output(outputs: Mapping[str, Output], name: str) -> Output:

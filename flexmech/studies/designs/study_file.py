@@ -27,6 +27,7 @@ from flexmech.units import ANGULAR_SPEED, Dimension, parse_quantity, split_quant
 Value = str | float
 Pair = tuple[Value, Value]
 _DISTRIBUTIONS: tuple[Distribution, ...] = ("range", "values", "uniform", "normal", "lognormal")
+_PERCENTILE = "Of `optimize`: which of the output over what is uncertain; its mean if left out"
 
 
 class VaryTable(base.Table):
@@ -65,6 +66,7 @@ class LimitTable(base.Table):
     output: base.Text = Field(description="Name of an output")
     above: Value | None = base.optional("The least that it may be")
     below: Value | None = base.optional("The greatest that it may be")
+    percentile: float | None = Field(default=None, gt=0, lt=100, description=_PERCENTILE)
 
 
 class GoalTable(base.Table):
@@ -72,6 +74,7 @@ class GoalTable(base.Table):
 
     output: base.Text = Field(description="Name of an output")
     sense: Sense = Field(default="min", description="Whether less of it is better, or more")
+    percentile: float | None = Field(default=None, gt=0, lt=100, description=_PERCENTILE)
 
 
 class CorrelationTable(base.Table):
@@ -87,6 +90,11 @@ class StudyFile(base.Table):
     model: base.Text = Field(description="Model file, beside the study or by its path")
     seed: int = Field(default=1, ge=0, description="Of samples")
     engine: EngineName = "reference"
+    percentile_samples: int = Field(
+        default=64,
+        ge=8,
+        description="Of `optimize`: runs of every design where properties have distributions",
+    )
     vary: dict[str, VaryTable]
     outputs: dict[str, OutputTable]
     limits: list[LimitTable] = Field(default_factory=list)
@@ -199,10 +207,11 @@ def study_of(tables: StudyFile, mechanism: Mechanism, shown: str) -> Study:
             outputs,
             tables.seed,
             tuple(limits),
-            tuple(Goal(goal.output, goal.sense) for goal in tables.goals),
+            tuple(Goal(goal.output, goal.sense, goal.percentile) for goal in tables.goals),
             tuple(Correlation(one.variables, one.coefficient) for one in tables.correlations),
             tables.engine,
             failures,
+            tables.percentile_samples,
         )
     except InputError as error:
         raise error.within(shown) from error
@@ -246,9 +255,11 @@ def _limit(table: LimitTable, outputs: Mapping[str, Output]) -> Limit:
         raise InputError("give above = ... or below = ...")
     dimension = known_output(outputs, table.output).dimension
     if table.above is not None:
-        return Limit(table.output, least=_number(table.above, dimension))
+        least = _number(table.above, dimension)
+        return Limit(table.output, least=least, percentile=table.percentile)
     assert table.below is not None
-    return Limit(table.output, greatest=_number(table.below, dimension))
+    greatest = _number(table.below, dimension)
+    return Limit(table.output, greatest=greatest, percentile=table.percentile)
 
 
 def _number(value: Value, dimension: Dimension) -> float:

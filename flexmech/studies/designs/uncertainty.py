@@ -18,16 +18,16 @@ from flexmech.analyses.summary import Summary, Table
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.errors import InputError
 from flexmech.studies.designs.campaign import evaluate_all
-from flexmech.studies.designs.evaluation import STATUSES, Evaluated
+from flexmech.studies.designs.evaluation import Evaluated
 from flexmech.studies.designs.result import (
     designs_dataset,
     designs_table,
     reason_lines,
     status_line,
 )
-from flexmech.studies.designs.study import Study, sobol_points
+from flexmech.studies.designs.scatter import causes_of, with_failures
+from flexmech.studies.designs.study import Study, check_power_of_two, sobol_points
 from flexmech.units import from_si
-from flexmech.validation import check_count
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -175,19 +175,26 @@ def _share_lines(data: xr.Dataset) -> list[str]:
     return lines
 
 
-def number_of_runs(study: Study, samples: int) -> int:
-    """Designs that are computed: N (D + 2) of D inputs, or N where they are correlated.
+def runs_line(study: Study, samples: int | None = None) -> str:
+    """How many designs are computed: N (D + 2) of D inputs, or N where they are correlated.
 
     Parameters
     ----------
     study : Study
-    samples : int
+    samples : int, optional
+        N; 1024 if left out.
 
     Returns
     -------
-    int
+    str
     """
-    return samples if study.correlations else samples * (len(study.variables) + 2)
+    count, inputs = _SAMPLES if samples is None else samples, len(_inputs(study))
+    if study.correlations:
+        return f"{count} designs are computed, of inputs that are correlated"
+    return (
+        f"{count * (inputs + 2)} designs are computed: N (D + 2) of N = {count} samples and "
+        f"D = {inputs} inputs"
+    )
 
 
 def uncertainty_study(
@@ -231,11 +238,9 @@ def uncertainty_study(
         If a worker was killed.
     """
     samples = _SAMPLES if samples is None else samples
-    check_count(samples, "samples", least=8)
-    if samples & (samples - 1):
-        near = 1 << samples.bit_length()
-        raise InputError(f"samples: {samples} is no power of two; take {near // 2} or {near}")
-    designs = _designs(study, samples)
+    check_power_of_two(samples, "samples", least=8)
+    inputs = _inputs(study)
+    designs = _designs(study, inputs, samples)
     found = evaluate_all(
         study,
         designs,
@@ -258,22 +263,38 @@ def uncertainty_study(
     if study.correlations:
         why = "inputs are correlated: shares in the variance are not defined (Sobol's method)"
         return Uncertainty(dataset.assign_attrs(no_shares=why))
-    return Uncertainty(dataset.merge(_sensitivity(study, values, samples)))
+    return Uncertainty(dataset.merge(_sensitivity(study, inputs, values, samples)))
 
 
-def _designs(study: Study, samples: int) -> FloatArray:
+def _inputs(study: Study) -> list[str]:
+    """Names of the variables that vary: one value has no share, and takes no runs."""
+    names = [variable.name for variable in study.variables if not variable.is_fixed]
+    if not names:
+        raise InputError(
+            "vary: every variable has one value, and nothing is uncertain; give one of them "
+            "normal, lognormal, uniform or range = [...]"
+        )
+    return names
+
+
+def _designs(study: Study, inputs: list[str], samples: int) -> FloatArray:
     """A, B and one A_B for each input, one after the other, or A alone."""
-    count = len(study.variables)
+    count = len(inputs)
     if study.correlations:
-        return study.at(sobol_points(samples, count, study.seed))
-    points = sobol_points(samples, 2 * count, study.seed)
-    first, second = points[:, :count], points[:, count:]
-    mixed = []
-    for number in range(count):
-        own = first.copy()
-        own[:, number] = second[:, number]
-        mixed.append(own)
-    return study.at(np.concatenate([first, second, *mixed]))
+        points = sobol_points(samples, count, study.seed)
+    else:
+        both = sobol_points(samples, 2 * count, study.seed)
+        first, second = both[:, :count], both[:, count:]
+        mixed = []
+        for number in range(count):
+            own = first.copy()
+            own[:, number] = second[:, number]
+            mixed.append(own)
+        points = np.concatenate([first, second, *mixed])
+    # Of what has one value any probability gives it.
+    whole = np.full((len(points), len(study.variables)), 0.5)
+    whole[:, [study.names.index(name) for name in inputs]] = points
+    return study.at(whole)
 
 
 def _complete(study: Study, found: Evaluated) -> FloatArray:
@@ -281,21 +302,12 @@ def _complete(study: Study, found: Evaluated) -> FloatArray:
 
     One number that is missing makes every one of Sobol's indices zero, without a word.
     """
-    failed = found.status != 0
-    values = found.values.copy()
-    for number, name in enumerate(study.outputs):
-        if name in study.failure_values:
-            values[failed, number] = study.failure_values[name]
+    values = with_failures(study, found)
     if np.isnan(values).any():
-        causes = ", ".join(
-            f"{int((found.status == code).sum())} {name}"
-            for code, name in enumerate(STATUSES)
-            if code and (found.status == code).any()
-        )
         raise InputError(
-            f"{100 * failed.mean():.2g} % of the designs cannot be computed ({causes}; the first: "
-            f"{next(filter(None, found.reasons))}); narrow the ranges, or say in failure_values "
-            "what each output counts as then"
+            f"{100 * (found.status != 0).mean():.2g} % of the designs cannot be computed "
+            f"({causes_of(found)}; the first: {next(filter(None, found.reasons))}); narrow the "
+            "ranges, or say in failure_values what each output counts as then"
         )
     return values
 
@@ -324,9 +336,9 @@ def _statistics(study: Study, values: FloatArray, dataset: xr.Dataset) -> xr.Dat
     return xr.Dataset({name: ("output", each) for name, each in found.items()}, {"output": outputs})
 
 
-def _sensitivity(study: Study, values: FloatArray, samples: int) -> xr.Dataset:
+def _sensitivity(study: Study, inputs: list[str], values: FloatArray, samples: int) -> xr.Dataset:
     """Sobol's indices with their intervals over (output, input)."""
-    inputs, outputs = study.names, list(study.outputs)
+    outputs = list(study.outputs)
     parts = np.moveaxis(values.reshape(len(inputs) + 2, samples, len(outputs)), -1, 1)
     # An output that never changes has no variance to share.
     varies = np.ptp(values, axis=0) > 1e-12 * np.abs(values).max(axis=0)

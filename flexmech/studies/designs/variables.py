@@ -98,6 +98,11 @@ class Variable:
         return self.distribution in ("uniform", "normal", "lognormal")
 
     @property
+    def is_fixed(self) -> bool:
+        """Whether it has one value in all designs."""
+        return self.distribution == "values" and len(self.numbers) == 1
+
+    @property
     def shown(self) -> list[str | float]:
         """Its numbers as a study file writes them."""
         if self.dimension is None:
