@@ -204,10 +204,14 @@ class UnreducedPositions:
 
     @cached_property
     def moving(self) -> tuple[LinkPencil, StaticResponse] | None:
-        """Pencil, and static response of straight links, where whole matrices are all there is."""
+        """Pencil, and static response of straight links, where whole matrices are all there is.
+
+        Not of damped links: in turning frames their matrices are far from symmetric, and what the
+        left eigenvectors miss counts to the first order.
+        """
         engine = self.systems.engine
         turned = any(body.is_off_axis for link in engine.links for body in link.bodies)
-        if turned or not self._links_alone:
+        if turned or self.systems.is_damped or not self._links_alone:
             return None
         terms = self.systems.formulation.counted_terms
         if not self._motion.crank_speed.any():

@@ -187,8 +187,14 @@ def runs_line(study: Study, samples: int | None = None) -> str:
     Returns
     -------
     str
+
+    Raises
+    ------
+    InputError
+        If the number of samples is no power of two.
     """
     count, inputs = _SAMPLES if samples is None else samples, len(_inputs(study))
+    check_power_of_two(count, "samples", least=8)
     if study.correlations:
         return f"{count} designs are computed, of inputs that are correlated"
     return (
