@@ -8,6 +8,8 @@ from . import sections as sections
 from . import studies as studies
 from . import time_domain as time_domain
 from . import verification as verification
+from .analyses import Balance as Balance
+from .analyses import BalanceRequest as BalanceRequest
 from .analyses import CampbellDiagram as CampbellDiagram
 from .analyses import Comparison as Comparison
 from .analyses import ComparisonRequest as ComparisonRequest
@@ -42,6 +44,7 @@ from .analyses import natural_frequencies as natural_frequencies
 from .analyses import running_hammer_test as running_hammer_test
 from .analyses import section_profiles as section_profiles
 from .analyses import strain_energy_damping as strain_energy_damping
+from .analyses.balance.compute import balance as balance
 from .analyses.campbell.compute import campbell as campbell
 from .analyses.frequencies.derivatives import frequency_derivatives as frequency_derivatives
 from .analyses.hammer.compute import hammer_test as hammer_test
@@ -64,16 +67,20 @@ from .linear_system import RotationTerms as RotationTerms
 from .linkages import CouplerCurve as CouplerCurve
 from .linkages import CouplerPoint as CouplerPoint
 from .linkages import CrankDrive as CrankDrive
+from .linkages import Drive as Drive
 from .linkages import FourBar as FourBar
 from .linkages import JointSpring as JointSpring
+from .linkages import LawDrive as LawDrive
 from .linkages import Load as Load
 from .linkages import PlanarJoint as PlanarJoint
 from .linkages import PlanarLink as PlanarLink
 from .linkages import PlanarLinkage as PlanarLinkage
 from .linkages import RotatingArm as RotatingArm
 from .linkages import Spring as Spring
+from .linkages import TableDrive as TableDrive
 from .linkages import double_points as double_points
 from .linkages import synthesize_crank_rocker as synthesize_crank_rocker
+from .materials import FatigueStrength as FatigueStrength
 from .materials import Laminate as Laminate
 from .materials import Material as Material
 from .materials import Ply as Ply
@@ -87,7 +94,9 @@ from .measured_data import MeasuredQuantity as MeasuredQuantity
 from .measured_data import MeasuredRecord as MeasuredRecord
 from .measured_data import read_record as read_record
 from .mechanism import AttachedBody as AttachedBody
+from .mechanism import JointPin as JointPin
 from .mechanism import Mechanism as Mechanism
+from .mechanism import PinEye as PinEye
 from .mechanism import PointMass as PointMass
 from .modelfile import load_mechanism as load_mechanism
 from .multibody import ExudynEngine as ExudynEngine

@@ -60,9 +60,9 @@ CriterionName = Literal["max-stress", "tsai-hill", "tsai-wu", "hashin", "puck", 
 """By which the layers of a link are judged."""
 CRITERIA: tuple[CriterionName, ...] = get_args(CriterionName)
 
-LoadSource = Literal["quasi-static", "periodic", "transient"]
-"""Motion whose internal forces a link has to bear: of rigid links, the steady vibration of elastic
-ones, or a run from straight links at full speed."""
+LoadSource = Literal["quasi-static", "periodic", "transient", "rigid"]
+"""Motion whose internal forces a link has to bear: of elastic links at rest in their frames, their
+steady vibration, a run from straight links at full speed, or of links that are taken as rigid."""
 LOAD_SOURCES: tuple[LoadSource, ...] = get_args(LoadSource)
 
 TemplateKind = Literal["four-bar", "composite-four-bar", "rotating-arm", "slider-crank", "planar"]

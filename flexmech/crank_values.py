@@ -1,13 +1,17 @@
-"""Lists of crank angles and crank speeds as users write them."""
+"""Crank angles, crank speeds and turns as users write them."""
 
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Collection
+from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 from flexmech import units
 from flexmech.errors import InputError
-from flexmech.plausible import of_dimension
+from flexmech.plausible import check_plausible, of_dimension
 from flexmech.quantity_lists import Quantities, parse_quantities
 
 MOST_ANGLES = 100_000
@@ -25,6 +29,145 @@ CRANK_ANGLE = units.Dimension("an angle", "deg", ("0:360:5", "45 deg", "0.785 ra
 # Speeds nearer to each other than this, relatively, are one speed in two units: they differ by the
 # round-off of the conversion.
 _SAME_SPEED = 1e-12
+# In rad/s, 1,900 rpm, at which few linkages run: a bare number beyond may be meant in rpm.
+_DOUBTFUL_SPEED = 200.0
+
+
+@dataclass(frozen=True)
+class Speeds:
+    """Crank speeds as typed, or as the model file names them.
+
+    Parameters
+    ----------
+    numbers : tuple of float
+        In ``unit``, ascending.
+    unit : str
+    remark : str
+        How many turns a minute a bare number is that is large for rad/s, or that the speeds are
+        those of the model file; else empty.
+    drive : Drive, optional
+        Of the model file, in place of a speed.
+    """
+
+    numbers: tuple[float, ...]
+    unit: str = "rad/s"
+    remark: str = ""
+    drive: Any = None
+
+    @property
+    def single(self) -> float:
+        """The speed of an option that takes one."""
+        [speed] = self.numbers
+        return speed
+
+    @property
+    def of_run(self) -> dict[str, Any]:
+        """What a request of a run is told of it: a speed in its unit, or a drive."""
+        if self.drive is not None:
+            return {"speed": self.drive}
+        return {"speed": self.single, "speed_unit": self.unit}
+
+    @property
+    def of_states(self) -> dict[str, Any]:
+        """What a request of the rigid linkage's states is told of it."""
+        if self.drive is None:
+            return {"crank_speed": self.single, "speed_unit": self.unit}
+        return (
+            {"crank_speed": self.drive.speed} if self.drive.is_constant else {"drive": self.drive}
+        )
+
+
+def typed_speeds(text: str, option: str) -> Speeds:
+    """Read the crank speeds of an option, as :func:`parse_crank_speeds`.
+
+    Parameters
+    ----------
+    text : str
+    option : str
+        That a remark names.
+
+    Returns
+    -------
+    Speeds
+
+    Raises
+    ------
+    InputError
+        As :func:`parse_crank_speeds`.
+    """
+    found = parse_crank_speeds(text)
+    return Speeds(found.numbers, found.unit, _remark(option, text, found.values))
+
+
+def typed_speed(text: str, option: str, *, turns: bool) -> Speeds:
+    """Read the one crank speed of an option; a negative one turns backwards.
+
+    Parameters
+    ----------
+    text : str
+        In rad/s unless it has a unit.
+    option : str
+        That a remark names.
+    turns : bool
+        Whether a speed of zero is refused.
+
+    Returns
+    -------
+    Speeds
+
+    Raises
+    ------
+    InputError
+        If it is no speed, is beyond what can be, or is zero.
+    """
+    speed = units.parse_quantity(text, units.ANGULAR_SPEED, default_unit="rad/s")
+    sizes = of_dimension(units.ANGULAR_SPEED)
+    assert sizes is not None
+    check_plausible(speed, text, sizes)
+    if turns and speed == 0:
+        raise InputError(
+            f"got {text!r}, at which nothing turns; give a crank speed other than zero, "
+            f"for example {units.ANGULAR_SPEED.example} (a negative one turns backwards)"
+        )
+    found = parse_quantities(text, units.ANGULAR_SPEED, "rad/s")
+    return Speeds(found.numbers, found.unit, _remark(option, text, [speed]))
+
+
+def _remark(option: str, text: str, speeds: Collection[float]) -> str:
+    """Say how many turns a minute a bare number is that is large for rad/s."""
+    fastest = max(map(abs, speeds))
+    # An exponent is no unit.
+    if fastest < _DOUBTFUL_SPEED or re.search(r"[a-df-zA-DF-Z]", text):
+        return ""
+    return (
+        f"remark: {fastest:.6g} rad/s is {units.from_si(fastest, 'rpm'):.5g} rpm; for turns a "
+        f'minute write {option} "{text.strip()} rpm"'
+    )
+
+
+def parse_revolutions(text: str) -> float:
+    """Read a number of turns.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        If it is no positive number.
+    """
+    revolutions = float(units.parse_number(text))
+    if revolutions <= 0:
+        raise InputError(
+            f"got {text!r}, which is not positive; write how many turns to run, for example "
+            "4 or 0.5 (a negative --speed turns backwards)"
+        )
+    return revolutions
 
 
 def parse_crank_speeds(text: str) -> Quantities:

@@ -29,6 +29,7 @@ _READABLE = {
     units.ANGLE: ("deg",),
     units.ANGULAR_SPEED: ("rad/s", "rpm"),
     units.STRESS: ("GPa", "MPa"),
+    units.PRESSURE_VELOCITY: ("MPa m/s",),
     units.MASS_PER_LENGTH: ("g/m",),
     units.TEMPERATURE: ("degC",),
     units.MOISTURE_EXPANSION: ("1/percent",),

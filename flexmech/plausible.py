@@ -55,6 +55,7 @@ WIDTH = Plausible(units.LENGTH, "10 m", "1 nm", "a width")
 LINK_LENGTH = Plausible(units.LENGTH, "1 km", "0.1 µm")
 LOAD = Plausible(units.FORCE, "1e12 N")
 TURN = Plausible(units.ANGLE, "360 deg")
+LIFE = Plausible(units.RATIO, "1e15", "1", "a number of cycles")
 RUN_UP = Plausible(units.TIME, "1e6 s", "1 µs", "a run-up")
 
 _OF_DIMENSION = {
@@ -87,6 +88,7 @@ _OF_DIMENSION = {
         Plausible(units.MOISTURE_EXPANSION, "1000"),
         Plausible(units.DIFFUSIVITY, "1 m^2/s", "1e-30 m^2/s"),
         Plausible(units.ACTIVATION_ENERGY, "1e7 J/mol"),
+        Plausible(units.PRESSURE_VELOCITY, "1e6 MPa m/s", "1 Pa m/s"),
         Plausible(units.RATIO, "1e6"),
     )
 }

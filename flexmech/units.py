@@ -74,6 +74,7 @@ SPRING_STIFFNESS = Dimension("a spring stiffness", "N/m", ("500 N/m", "0.5 N/mm"
 TORQUE = Dimension("a torque", "N m", ("1.5 N m", "200 N mm"))
 TORSIONAL_DAMPING = Dimension("a torsional damping", "N m s/rad", ("1e-3 N m s/rad",))
 TORSIONAL_STIFFNESS = Dimension("a torsional stiffness", "N m/rad", ("2 N m/rad", "0.03 N m/deg"))
+PRESSURE_VELOCITY = Dimension("a p v", "W/m^2", ("1.8 MPa m/s", "1.8 N/mm^2 m/s"))
 RATIO = Dimension("a ratio", "", ("0.01", "1 %"))
 
 NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"

@@ -15,6 +15,7 @@ from flexmech.studies.composite_crank_rockers.linkages import (
     PLY_MODELS,
     SECOND,
 )
+from flexmech.studies.composite_crank_rockers.strengths import SECTION_LOADS
 
 
 def published_study() -> xr.Dataset:
@@ -26,9 +27,8 @@ def published_study() -> xr.Dataset:
     tables = published_tables().sel(position=["min", "90", "max", "90"])
     tables = tables.assign_coords(position=["min", "90", "max", SECOND])
     models = tables.expand_dims(plies=list(PLY_MODELS), layers=list(LAYERS), beams=list(BEAMS))
-    return composite_dataset(
-        models["finite_element"], models["damping"], tables["finite_element"], invented_peaks()
-    )
+    found = models["finite_element"], models["damping"], tables["finite_element"]
+    return composite_dataset(*found, invented_peaks(), invented_failures())
 
 
 def invented_peaks() -> xr.Dataset:
@@ -40,3 +40,26 @@ def invented_peaks() -> xr.Dataset:
     peaks = (material * case).expand_dims(running_plies=["woven", "table 2"])
     names = ("peak_torque", "peak_power", "peak_joint_force", "peak_deflection")
     return xr.Dataset({name: peaks.copy() for name in names})
+
+
+def invented_failures() -> xr.Dataset:
+    """First-ply failures: half of what Table 2 prints, and speeds that fall from case to case."""
+    places = {"layers": list(LAYERS), "laminate": list(LAMINATES)}
+    printed = xr.DataArray(
+        [1e6 * row["strength"] for row in LAMINATES.values()],
+        {"laminate": list(LAMINATES)},
+        ["laminate"],
+    )
+    case = xr.DataArray([400.0, 300.0, 200.0, 100.0], {"case": list(CASES)}, ["case"])
+    stress = (printed / 2).expand_dims(section_load=list(SECTION_LOADS), layers=list(LAYERS))
+    speed = case.expand_dims(**places)
+    return xr.Dataset(
+        {
+            "first_ply_stress": stress,
+            "first_ply_mode": xr.full_like(stress, "fibre tension", dtype=object).astype(str),
+            "first_ply": xr.full_like(stress, "C", dtype=object).astype(str),
+            "failure_speed": speed,
+            "failing_link": xr.full_like(speed, "crank", dtype=object).astype(str),
+            "failing_mode": xr.full_like(speed, "fibre compression", dtype=object).astype(str),
+        }
+    )

@@ -1,3 +1,5 @@
+from .balance.request import BalanceRequest as BalanceRequest
+from .balance.result import Balance as Balance
 from .campbell.request import CampbellRequest as CampbellRequest
 from .campbell.result import CampbellDiagram as CampbellDiagram
 from .check.compute import check_mechanism as check_mechanism

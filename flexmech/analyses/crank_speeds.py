@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
+from flexmech.crank_values import Speeds
 from flexmech.errors import InputError
 from flexmech.mechanism import Mechanism
 from flexmech.units import ANGULAR_SPEED, from_si, to_si
@@ -92,12 +93,15 @@ class UsualSpeeds:
     count : int
     or_rest : bool
         Whether a mechanism that names no speed stands still.
+    or_drive : bool
+        Whether the drive of a mechanism that has one is taken in place of speeds.
     """
 
     first: float
     last: float
     count: int
     or_rest: bool = False
+    or_drive: bool = False
 
     def __call__(self, mechanism: Mechanism) -> FloatArray:
         """Those of a mechanism in rad/s; refused where it names no speed at which it turns."""
@@ -117,6 +121,8 @@ CAMPBELL = UsualSpeeds(0.0, 1.5, 61)
 STABILITY = UsualSpeeds(0.5, 1.5, 41)
 GREATEST = UsualSpeeds(1.0, 1.0, 1)
 GREATEST_OR_REST = UsualSpeeds(1.0, 1.0, 1, or_rest=True)
+DRIVE_OR_GREATEST = UsualSpeeds(1.0, 1.0, 1, or_drive=True)
+DRIVE_OR_REST = UsualSpeeds(1.0, 1.0, 1, or_rest=True, or_drive=True)
 
 
 def asked_speeds(
@@ -157,6 +163,31 @@ def asked_speeds(
 def in_unit(speeds: FloatArray, unit: str) -> FloatArray:
     """Numbers (S,) of crank speeds (S,) in a unit, without the round-off of the conversion."""
     return np.array([float(f"{from_si(speed, unit):.15g}") for speed in np.ravel(speeds).tolist()])
+
+
+def own_speeds(mechanism: Mechanism, usual: Callable[[Mechanism], FloatArray]) -> Speeds:
+    """The speeds of a mechanism where none are asked for, or its drive, with a remark.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    usual : callable
+        Takes the mechanism, and gives the speeds in rad/s that are usual.
+
+    Returns
+    -------
+    Speeds
+
+    Raises
+    ------
+    InputError
+        If the mechanism names no speed at which it turns.
+    """
+    unit, drive = mechanism.speed_unit, mechanism.drive
+    if isinstance(usual, UsualSpeeds) and usual.or_drive and drive is not None:
+        return Speeds((), unit, f"drive of the model file: {drive.words}", drive)
+    speeds = usual(mechanism)
+    return Speeds(tuple(in_unit(speeds, unit)), unit, told_speeds(mechanism, speeds))
 
 
 def told_speeds(mechanism: Mechanism, speeds: FloatArray) -> str:

@@ -129,3 +129,9 @@ def crank_speed_text(attributes: Mapping[Any, Any]) -> str:
     """Crank speed of a result, in the unit in which it speaks of speeds."""
     unit = str(attributes["speed_unit"])
     return f"{speed_text(attributes['crank_speed'], unit)} {unit}"
+
+
+def drive_words(attributes: Mapping[Any, Any]) -> str:
+    """At which crank speed a result is, or under which law of motion."""
+    law = attributes.get("drive")
+    return f"at {crank_speed_text(attributes)}" if law is None else f"under {law}"

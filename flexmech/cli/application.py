@@ -23,7 +23,7 @@ from flexmech.cli.laboratory import compare, hammer
 from flexmech.cli.links import check, moisture, new, schema, section, strength
 from flexmech.cli.maps import campbell, frequencies, stability
 from flexmech.cli.reading import from_options, with_value
-from flexmech.cli.rigid import coupler_curve, kinematics, synthesize
+from flexmech.cli.rigid import balance, coupler_curve, kinematics, synthesize
 from flexmech.cli.runs import export, response
 from flexmech.cli.stopping import Stopped, interrupted_line
 from flexmech.errors import FlexmechError, InputError, one_line
@@ -37,6 +37,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     compare,
     export,
     kinematics,
+    balance,
     coupler_curve,
     moisture,
     section,

@@ -111,14 +111,14 @@ def strength(
     environment: options.AskedEnvironment,
     output: options.AskedOutput,
 ) -> None:
-    """Whether links break under their running loads: which first, how, and by what factor.
+    """Whether links or pins fail under their running loads: which first, how, by what factor.
 
     Options
     -------
     speed : W
         Crank speed: rad/s unless a unit is given, as in "950 rpm". Left out: the model's greatest.
     source
-        Whose forces: of rigid links, of elastic ones in periodic motion, or in a run from rest.
+        Whose forces: of links bent at rest in their frames, vibrating, in a run, or taken as rigid.
     criterion
         Of plies with fibres; left out: tsai-wu. Isotropic layers are judged by von-mises.
     """

@@ -21,6 +21,7 @@ AUTO: Any = "auto"
 ALL: Any = "all"
 FOUR: Any = "4"
 ZERO: Any = "0"
+HALF: Any = "50%"
 PNG: Any = "png"
 
 Model = Annotated[Path, Argument(help="Model file.", metavar="MODEL", parser=typed_path)]
@@ -45,6 +46,15 @@ Speeds = Annotated[
         metavar="LIST",
     ),
     typed.SPEEDS,
+]
+MomentPoint = Annotated[
+    tuple[float, float] | None,
+    Option(
+        help="Point about which the shaking moment is taken, in ground axes, as in '127 mm,0 mm'. "
+        "Left out: the axis of the shaft.",
+        metavar="X,Y",
+    ),
+    typed.MOMENT_POINT,
 ]
 DampingRatio = Annotated[
     float | None,

@@ -28,12 +28,11 @@ class Run(NamedTuple):
 
     def of(self, mechanism: Mechanism) -> tuple[analyses.ResponseRequest, typed.Speeds]:
         """The request and the speed, the mechanism's own where none was typed."""
-        from flexmech.analyses.crank_speeds import GREATEST
+        from flexmech.analyses.crank_speeds import DRIVE_OR_GREATEST
 
-        speed = typed.speeds_or_own(self.speed, mechanism, "--speed", GREATEST)
+        speed = typed.speeds_or_own(self.speed, mechanism, "--speed", DRIVE_OR_GREATEST)
         with naming("--revolutions, --samples, --run-up, --step"):
-            request = replace(self.request, speed=speed.single, speed_unit=speed.unit)
-        return request, speed
+            return replace(self.request, **speed.of_run), speed
 
 
 def asked_run(
@@ -45,6 +44,7 @@ def asked_run(
     integrator: choices.Integrator = "trapezoidal",
     run_up: Annotated[float, typed.RUN_UP] = options.ZERO,
     modes: options.KeptModes = choices.MODES,
+    moment_point: options.MomentPoint = None,
 ) -> Run:
     """A run in time.
 
@@ -52,9 +52,9 @@ def asked_run(
     -------
     speed
         Crank speed: rad/s unless a unit is given, as in "300 rpm". Negative turns backwards. Left
-        out: the greatest speed at which the model operates.
+        out: the [drive] of the model, or the greatest speed at which it operates.
     revolutions : NUMBER
-        Turns at that speed; may be a fraction.
+        Turns at that speed; may be a fraction. A law of the [drive] ends with its last dwell.
     start
         rigid: undeformed links at the rigid motion's velocities; equilibrium: links bent
         quasi-statically by the loads; periodic: on the periodic motion of the linear equations.
@@ -62,7 +62,7 @@ def asked_run(
         Time step: s unless a unit is given, as in "0.1 ms"; auto: halved until deflections hold
         still.
     samples
-        Samples saved of each turn.
+        Samples saved of each turn, or of each move of a law.
     integrator
         Time integration in Exudyn; the reference engine has its own.
     run_up : SECONDS
@@ -77,18 +77,10 @@ def asked_run(
             "--start rigid or equilibrium"
         )
 
+    asked = None, revolutions, samples, start, step, integrator
     with naming("--revolutions, --samples, --run-up"):
-        request = analyses.ResponseRequest(
-            None,
-            revolutions,
-            samples,
-            start,
-            step,
-            modes=modes,
-            integrator=integrator,
-            run_up_time=run_up,
-        )
-    return Run(request, speed)
+        request = analyses.ResponseRequest(*asked, modes=modes, run_up_time=run_up)
+    return Run(replace(request, moment_point=moment_point), speed)
 
 
 AskedRun = Annotated[Run, Together(asked_run)]
@@ -111,8 +103,8 @@ def response(
 ) -> None:
     """The running mechanism in time.
 
-    Deflections, strains, driving torque and joint forces at constant crank speed: a table, CSV
-    and NetCDF files, pictures and an animation; dry, or in heat and moisture.
+    Deflections, strains, driving torque and joint forces at constant crank speed or by the
+    [drive] of the model: a table, files, pictures and an animation; dry, or in heat and moisture.
 
     Options
     -------

@@ -3,27 +3,20 @@
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from flexmech import crank_values as crank
 from flexmech import units
 from flexmech.choices import PICTURE_FORMATS, REPORT_PARTS
 from flexmech.cli.failures import naming
 from flexmech.cli.reading import OWN, Typed
-from flexmech.crank_values import (
-    BEYOND,
-    CRANK_ANGLE,
-    MOST_DEGREES,
-    parse_crank_angles,
-    parse_crank_speeds,
-)
+from flexmech.crank_values import Speeds as Speeds
 from flexmech.errors import InputError, known_words
 from flexmech.plausible import RUN_UP as RUN_UPS
 from flexmech.plausible import Plausible, check_plausible, of_dimension
-from flexmech.quantity_lists import parse_counts, parse_quantities
+from flexmech.quantity_lists import parse_counts
 
 if TYPE_CHECKING:
     from flexmech.arrays import FloatArray
@@ -35,35 +28,8 @@ if TYPE_CHECKING:
 else:  # Their rooms are imported where one of them is asked for.
     CouplerPoint = Environment = LinkPoint = RotationTerms = Any
 
-# In rad/s, 1,900 rpm, at which few linkages run: a bare number beyond may be meant in rpm.
-_DOUBTFUL_SPEED = 200.0
 # What --step and --steps take where the analysis chooses.
 _AUTO = "auto"
-
-
-@dataclass(frozen=True)
-class Speeds:
-    """Crank speeds as typed, or as the model file names them.
-
-    Parameters
-    ----------
-    numbers : tuple of float
-        In ``unit``, ascending.
-    unit : str
-    remark : str
-        How many turns a minute a bare number is that is large for rad/s, or that the speeds are
-        those of the model file; else empty.
-    """
-
-    numbers: tuple[float, ...]
-    unit: str = "rad/s"
-    remark: str = ""
-
-    @property
-    def single(self) -> float:
-        """The speed of an option that takes one."""
-        [speed] = self.numbers
-        return speed
 
 
 def speeds_or_own(
@@ -87,13 +53,10 @@ def speeds_or_own(
     Speeds
         With a remark where they are the mechanism's.
     """
-    if typed is not None:
-        return typed
-    from flexmech.analyses.crank_speeds import in_unit, told_speeds
+    from flexmech.analyses.crank_speeds import own_speeds
 
     with naming(option):
-        speeds, unit = usual(mechanism), mechanism.speed_unit
-    return Speeds(tuple(in_unit(speeds, unit)), unit, told_speeds(mechanism, speeds))
+        return own_speeds(mechanism, usual) if typed is None else typed
 
 
 def _quantity(
@@ -137,38 +100,6 @@ def _or_auto(typed: Typed, remedy: str = "") -> Typed:
     return Typed(typed.option, read)
 
 
-def _speeds(text: str, option: str) -> Speeds:
-    """A comma list or START:STOP:STEP, sorted; no speed twice."""
-    found = parse_crank_speeds(text)
-    return Speeds(found.numbers, found.unit, _remark(option, text, found.values))
-
-
-def _one_speed(text: str, option: str, *, turns: bool) -> Speeds:
-    """One crank speed; negative turns backwards, and what must turn has a speed other than zero."""
-    if text == OWN:
-        return Speeds(())
-    speed = _quantity("", units.ANGULAR_SPEED, "rad/s").read(text)
-    if turns and speed == 0:
-        raise InputError(
-            f"got {text!r}, at which nothing turns; give a crank speed other than zero, "
-            f"for example {units.ANGULAR_SPEED.example} (a negative one turns backwards)"
-        )
-    found = parse_quantities(text, units.ANGULAR_SPEED, "rad/s")
-    return Speeds(found.numbers, found.unit, _remark(option, text, [speed]))
-
-
-def _remark(option: str, text: str, speeds: Collection[float]) -> str:
-    """Say how many turns a minute a bare number is that is large for rad/s."""
-    fastest = max(map(abs, speeds))
-    # An exponent is no unit.
-    if fastest < _DOUBTFUL_SPEED or re.search(r"[a-df-zA-DF-Z]", text):
-        return ""
-    return (
-        f"remark: {fastest:.6g} rad/s is {units.from_si(fastest, 'rpm'):.5g} rpm; for turns a "
-        f'minute write {option} "{text.strip()} rpm"'
-    )
-
-
 def _by_its_room(kind: str) -> Callable[[str], Any]:
     """How a kind of thing is read by the room that it lives in, which is imported then."""
 
@@ -183,16 +114,6 @@ def _by_its_room(kind: str) -> Callable[[str], Any]:
     return read
 
 
-def _revolutions(text: str) -> float:
-    revolutions = float(units.parse_number(text))
-    if revolutions <= 0:
-        raise InputError(
-            f"got {text!r}, which is not positive; write how many turns to run, for example "
-            "4 or 0.5 (a negative --speed turns backwards)"
-        )
-    return revolutions
-
-
 def _whole(text: str) -> int:
     number = units.parse_number(text)
     if number != int(number):
@@ -200,21 +121,39 @@ def _whole(text: str) -> int:
     return int(number)
 
 
-ANGLES = Typed("--angles", parse_crank_angles)
-LOCKED_ANGLES = Typed("--angle", parse_crank_angles)
-SHAPES_AT = Typed("--shapes-at", parse_crank_angles)
-SPEEDS = Typed("--speeds", partial(_speeds, option="--speeds"))
-CAMPBELL_SPEEDS = Typed("--campbell-speeds", partial(_speeds, option="--campbell-speeds"))
-SPEED = Typed("--speed", partial(_one_speed, option="--speed", turns=True))
-SPEED_OR_REST = Typed("--speed", partial(_one_speed, option="--speed", turns=False))
-RUNNING = Typed("--running", partial(_one_speed, option="--running", turns=True))
+def _each(read: Callable[[str], float]) -> Callable[[str], tuple[float, ...]]:
+    """A comma list, of which each entry is read so."""
+    return lambda text: tuple(read(part) for part in text.split(","))
+
+
+def _place(text: str) -> tuple[float, ...]:
+    if len(place := _LENGTHS(text)) != 2:
+        raise InputError(f'got {text!r}; give x and y in ground axes, as in "127 mm,0 mm"')
+    return place
+
+
+_LENGTHS = _each(partial(units.parse_quantity, dimension=units.LENGTH))
+WEIGHTS = Typed("--weights", _each(lambda text: float(units.parse_number(text))))
+RADIUS = Typed("--radius", _LENGTHS)
+MOMENT_POINT = Typed("--moment-point", _place)
+ANGLES = Typed("--angles", crank.parse_crank_angles)
+LOCKED_ANGLES = Typed("--angle", crank.parse_crank_angles)
+SHAPES_AT = Typed("--shapes-at", crank.parse_crank_angles)
+SPEEDS = Typed("--speeds", partial(crank.typed_speeds, option="--speeds"))
+CAMPBELL_SPEEDS = Typed(
+    "--campbell-speeds", partial(crank.typed_speeds, option="--campbell-speeds")
+)
+SPEED = Typed("--speed", partial(crank.typed_speed, option="--speed", turns=True))
+SPEED_OR_REST = Typed("--speed", partial(crank.typed_speed, option="--speed", turns=False))
+_TURNING = partial(crank.typed_speed, option="--running", turns=True)
+RUNNING = Typed("--running", lambda text: Speeds(()) if text == OWN else _TURNING(text))
 ORDERS = Typed("--orders", _by_its_room("orders"))
 ROTATION_TERMS = Typed("--rotation-terms", _by_its_room("terms"))
 LUMPED = Typed("--lumped", parse_counts)
 POINT = Typed("--point", _by_its_room("point"))
 IMPACT = Typed("--impact", _by_its_room("place"))
 RESPONSE = Typed("--response", _by_its_room("place"))
-REVOLUTIONS = Typed("--revolutions", _revolutions)
+REVOLUTIONS = Typed("--revolutions", crank.parse_revolutions)
 CRANK_ACCELERATION = _quantity("--crank-acceleration", units.ANGULAR_ACCELERATION, "rad/s^2")
 STEPS = _or_auto(Typed("--steps", _whole), "; write a multiple of 16, such as 256")
 _STEP_REFUSED = f"got {{!r}}, which is not positive; write a time, for example {units.TIME.example}"
@@ -231,6 +170,7 @@ DURATION = _positive("--duration", units.TIME, "s")
 PULSE = _positive("--pulse", units.TIME, "s")
 GROUND = _positive("--ground", units.LENGTH)
 NOISE = _quantity("--noise", units.RATIO)
+SHARE = _quantity("--share", units.RATIO)
 TEMPERATURE_RISE = _quantity("--temperature-rise", units.TEMPERATURE_DIFFERENCE, "K")
 _BELOW_ZERO = "must be above absolute zero, got {!r}"
 TEMPERATURE = _quantity("--temperature", units.TEMPERATURE, "degC", (0.0).__lt__, _BELOW_ZERO)
@@ -254,11 +194,15 @@ DAMPING_RATIO = _quantity(
     'must be at least 0 and less than 1, got {!r}; write "0.1%" or 0.001 for a tenth of a percent',
 )
 POSTURE_ANGLE = _quantity(
-    "--angle", CRANK_ANGLE, "deg", lambda angle: abs(angle) <= MOST_DEGREES, BEYOND
+    "--angle",
+    crank.CRANK_ANGLE,
+    "deg",
+    lambda angle: abs(angle) <= crank.MOST_DEGREES,
+    crank.BEYOND,
 )
 RECORD_ANGLE = _quantity(
     "--angle",
-    CRANK_ANGLE,
+    crank.CRANK_ANGLE,
     "deg",
     lambda angle: abs(angle) <= 360,
     "got {!r}; give an angle from 0 to 360 deg",

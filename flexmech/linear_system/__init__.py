@@ -29,6 +29,7 @@ from flexmech.linear_system.assembly.element_kinds import (
 from flexmech.linear_system.assembly.engine import Engine
 from flexmech.linear_system.assembly.engine_stack import MechanismStack, likeness, stack_engines
 from flexmech.linear_system.assembly.link_points import LinkPoint, displacement_row, point_rows
+from flexmech.linear_system.assembly.running_links import RunningLinks
 from flexmech.linear_system.assembly.section_forces import DisplacedLinks
 from flexmech.linear_system.assembly.sparse_positions import SparseMatrices, SparsePositions
 from flexmech.linear_system.assembly.straight_links import (
@@ -142,6 +143,7 @@ __all__ = [
     "RigidFields",
     "RigidGeometricStiffness",
     "RotationTerms",
+    "RunningLinks",
     "SparseMatrices",
     "SparsePositions",
     "StaticResponse",

@@ -11,7 +11,9 @@ from flexmech.linkages.coupler_curves.double_points import (
     focal_cubic,
     full_turn,
 )
-from flexmech.linkages.drive import CrankDrive, LockedCrank
+from flexmech.linkages.drives.drive import CrankDrive, Drive, LockedCrank
+from flexmech.linkages.drives.standard_laws import LAWS, LawDrive, LawName, unit_law
+from flexmech.linkages.drives.tabulated import TABLE_ENDS, TableDrive, TableEnds
 from flexmech.linkages.fourbar import FourBar, GrashofClass
 from flexmech.linkages.inverse_dynamics import (
     InverseDynamics,
@@ -44,7 +46,9 @@ from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Slider,
 
 __all__ = [
     "GROUND",
+    "LAWS",
     "LEAST_DISTANCE",
+    "TABLE_ENDS",
     "AttachmentPoint",
     "Clamp",
     "CouplerCurve",
@@ -52,11 +56,14 @@ __all__ = [
     "CrankDrive",
     "CrankRockerProportions",
     "DoublePoint",
+    "Drive",
     "FiniteDoublePoint",
     "FourBar",
     "GrashofClass",
     "InverseDynamics",
     "JointSpring",
+    "LawDrive",
+    "LawName",
     "Link",
     "LinkBody",
     "LinkEnd",
@@ -74,6 +81,8 @@ __all__ = [
     "RotatingArm",
     "Slider",
     "Spring",
+    "TableDrive",
+    "TableEnds",
     "Topology",
     "TransmissionDesign",
     "Weld",
@@ -97,4 +106,5 @@ __all__ = [
     "synthesize_crank_rocker",
     "time_ratio",
     "transmission_design",
+    "unit_law",
 ]

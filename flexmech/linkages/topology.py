@@ -288,6 +288,11 @@ class Topology:
         }
         return ends | {pivot.joint: (pivot.link_end, None) for pivot in self.pivots}
 
+    @property
+    def turning_ends(self) -> dict[str, tuple[LinkEnd, LinkEnd | None]]:
+        """:attr:`pinned_ends`, and of each slider the end that turns in its block, and None."""
+        return self.pinned_ends | {slider.joint: (slider.link_end, None) for slider in self.sliders}
+
     def joint_angle(self, joint: str, angles: FloatArray) -> FloatArray:
         """Angle of a pin or pivot, or its rate from angular velocities.
 

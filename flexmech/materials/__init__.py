@@ -7,6 +7,7 @@ from flexmech.materials.failure_criteria import (
     FailureCriterion,
     failure_criterion,
 )
+from flexmech.materials.fatigue import FatigueStrength
 from flexmech.materials.hygrothermal import (
     REFERENCE_TEMPERATURE,
     Hygrothermal,
@@ -37,6 +38,7 @@ __all__ = [
     "REFERENCE_TEMPERATURE",
     "RULES",
     "FailureCriterion",
+    "FatigueStrength",
     "Fibre",
     "Hygrothermal",
     "Laminate",

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from flexmech.materials.fatigue import FatigueStrength
 from flexmech.materials.hygrothermal import Hygrothermal
 from flexmech.model_text import TomlTable, quantity, short_repr, stated
 from flexmech.units import DENSITY, RATIO, STRESS
-from flexmech.validation import POSITIVE, Bounds, check_fields
+from flexmech.validation import POSITIVE, Bounds, check_fields, check_instance
 
 UNKNOWN = Hygrothermal()
 
@@ -28,6 +29,8 @@ class Material:
         What heat and water do to it.
     yield_strength : float, optional
         Stress in Pa beyond which it stays deformed.
+    fatigue : FatigueStrength, optional
+        What it bears again and again.
 
     Raises
     ------
@@ -46,11 +49,15 @@ class Material:
     poisson_ratio: float = 0.3
     hygrothermal: Hygrothermal = UNKNOWN
     yield_strength: float | None = None
+    fatigue: FatigueStrength | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, {"youngs_modulus": "Pa", "density": "kg/m^3"}, POSITIVE)
         check_fields(self, {"yield_strength": "Pa"}, POSITIVE, optional=True)
         check_fields(self, {"poisson_ratio": ""}, Bounds(above=-1.0, below=0.5))
+        if self.fatigue is not None:
+            remedy = "give flexmech.FatigueStrength(tensile_strength, endurance_limit, cycles)"
+            check_instance(self.fatigue, FatigueStrength, "fatigue", remedy)
 
     def __repr__(self) -> str:
         return short_repr(
@@ -74,4 +81,5 @@ class Material:
             "poisson_ratio": quantity(self.poisson_ratio, RATIO),
             **stated(yield_strength=(self.yield_strength, STRESS)),
             **self.hygrothermal.to_table(),
+            **({} if self.fatigue is None else {"fatigue": self.fatigue.to_table()}),
         }

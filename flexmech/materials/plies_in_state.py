@@ -157,4 +157,5 @@ def _softened(
         thermal_expansion=(expansion, expansion) if neat else ply.thermal_expansion,
         yield_strength=None if ply.yield_strength is None else ply.yield_strength * kept,
         strength=None if ply.strength is None else ply.strength.in_state(kept),
+        fatigue=None if ply.fatigue is None else ply.fatigue.in_state(kept),
     )

@@ -10,6 +10,7 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.materials.composition import PlyComposition
+from flexmech.materials.fatigue import FatigueStrength
 from flexmech.materials.hygrothermal import Hygrothermal, ResinContent
 from flexmech.materials.material import Material
 from flexmech.materials.strength import PlyStrength
@@ -97,6 +98,8 @@ class Ply:
         Of an isotropic ply, in Pa.
     strength : PlyStrength, optional
         Of a ply with fibres.
+    fatigue : FatigueStrength, optional
+        Of an isotropic ply.
 
     Raises
     ------
@@ -124,6 +127,7 @@ class Ply:
     origin: PlyComposition | ResinContent | None = None
     yield_strength: float | None = None
     strength: PlyStrength | None = None
+    fatigue: FatigueStrength | None = None
 
     def __post_init__(self) -> None:
         units = dict.fromkeys(MODULI, "Pa") | {"density": "kg/m^3"}
@@ -171,6 +175,7 @@ class Ply:
             moisture_expansion=(water, water),
             origin=ResinContent(hygrothermal) if hygrothermal.is_known else None,
             yield_strength=material.yield_strength,
+            fatigue=material.fatigue,
         )
 
     def stiffened(self, factor: float) -> Self:
@@ -190,6 +195,7 @@ class Ply:
             self.poisson_ratio,
             known or Hygrothermal(),
             self.yield_strength,
+            self.fatigue,
         )
         return material if replace(Ply.isotropic(material), name=self.name) == self else None
 

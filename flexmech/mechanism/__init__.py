@@ -1,12 +1,15 @@
 """A mechanism: linkage, sections, masses, loads, springs and surroundings."""
 
 from flexmech.mechanism.drawing import drawing, drawn_parts
+from flexmech.mechanism.joint_pins import JointPin, PinEye
 from flexmech.mechanism.mechanism import Mechanism
 from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
 
 __all__ = [
     "AttachedBody",
+    "JointPin",
     "Mechanism",
+    "PinEye",
     "PointMass",
     "Provenance",
     "Wetting",

@@ -10,12 +10,15 @@ from flexmech.errors import InputError
 from flexmech.linkages import (
     LEAST_DISTANCE,
     AttachmentPoint,
+    Drive,
     JointSpring,
     Linkage,
     Load,
+    LockedCrank,
     Spring,
     Topology,
 )
+from flexmech.mechanism.joint_pins import JointPin
 from flexmech.mechanism.parts import AttachedBody, PointMass, Wetting
 from flexmech.validation import (
     NOT_NEGATIVE,
@@ -33,6 +36,7 @@ PARTS: Mapping[str, tuple[type, str]] = {
     "loads": (Load, "Load(name, point, force)"),
     "springs": (Spring, "Spring(name, first, second)"),
     "joint_springs": (JointSpring, "JointSpring(joint)"),
+    "joint_pins": (JointPin, "JointPin(joint, m)"),
 }
 """Fields of a mechanism with parts on its links or in its joints: of what class, and how made."""
 
@@ -46,6 +50,16 @@ def check_joint_masses(topology: Topology, masses: Mapping[str, float]) -> None:
                 f"joint_masses: unknown joint {joint!r}; joints are {topology.joint_names}"
             )
         check_number(mass, f"joint_masses: {joint}", "kg", NOT_NEGATIVE)
+
+
+def check_shaft(inertia: float, drive: object) -> None:
+    """Refuse an inertia below zero, and what is no drive; None is that of a mechanism without."""
+    check_number(inertia, "shaft_inertia", "kg m^2", NOT_NEGATIVE)
+    remedy = "give a drive that turns the crank, as CrankDrive(20.0), or a LawDrive"
+    if drive is not None:
+        check_instance(drive, Drive, "drive", remedy)
+    if isinstance(drive, LockedCrank):
+        raise InputError(f"drive: a locked crank does not turn; {remedy}")
 
 
 def checked_speeds(speeds: Iterable[float]) -> tuple[float, ...]:
@@ -94,7 +108,26 @@ def checked_parts(topology: Topology, name: str, parts: Iterable[Part]) -> tuple
             raise InputError(
                 f"spring in joint {part.joint}: it is no pin or pivot; these are {turning}"
             )
+        elif isinstance(part, JointPin):
+            _check_pin(topology, part)
     return given
+
+
+def _check_pin(topology: Topology, pin: JointPin) -> None:
+    """Refuse a pin in a joint that has none, and eyes of links that do not meet there."""
+    known = topology.turning_ends
+    if pin.joint not in known:
+        raise InputError(
+            f"diameter of joint {pin.joint}: it is no pin, pivot or slider; these are "
+            f"{sorted(known)}"
+        )
+    links = [end.link for end in known[pin.joint] if end is not None]
+    for eye in pin.eyes:
+        if eye.link not in links:
+            raise InputError(
+                f"pin of joint {pin.joint}: the {eye.link} has no eye there; give those of "
+                f"{' and '.join(links)}"
+            )
 
 
 def sprung_linkage(linkage: Linkage, springs: Iterable[JointSpring]) -> Linkage:

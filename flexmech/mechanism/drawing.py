@@ -11,6 +11,7 @@ import numpy as np
 
 from flexmech.linkages import (
     AttachmentPoint,
+    Drive,
     JointSpring,
     Linkage,
     Load,
@@ -19,6 +20,7 @@ from flexmech.linkages import (
     drawn_joints,
     linkage_positions,
 )
+from flexmech.mechanism.joint_pins import JointPin
 from flexmech.mechanism.parts import AttachedBody, PointMass
 
 
@@ -40,7 +42,11 @@ class _Drawable(Protocol):
     @property
     def joint_springs(self) -> tuple[JointSpring, ...]: ...
     @property
+    def joint_pins(self) -> tuple[JointPin, ...]: ...
+    @property
     def shaft_inertia(self) -> float: ...
+    @property
+    def drive(self) -> Drive | None: ...
     @property
     def gravity(self) -> tuple[float, float]: ...
 
@@ -171,7 +177,9 @@ def attachment_lines(mechanism: _Drawable) -> list[str]:
         "springs in joints": [
             f"{own.joint} {', '.join(_in_joint(own))}" for own in mechanism.joint_springs
         ],
+        "diameters of pins": [pin.described() for pin in mechanism.joint_pins],
         "shaft": [f"{inertia:.6g} kg m^2"] if inertia else [],
+        "drive": [] if mechanism.drive is None else [mechanism.drive.words],
     }
     return [f"{kind}: {'; '.join(texts)}" for kind, texts in kinds.items() if texts]
 

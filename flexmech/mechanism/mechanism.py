@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from flexmech.errors import InputError
 from flexmech.linkages import (
     CouplerPoint,
+    Drive,
     InverseDynamics,
     JointSpring,
     Linkage,
@@ -30,6 +31,7 @@ from flexmech.materials import REFERENCE_TEMPERATURE
 from flexmech.mechanism.checks import (
     PARTS,
     check_joint_masses,
+    check_shaft,
     check_wetting,
     checked_parts,
     checked_speeds,
@@ -37,6 +39,7 @@ from flexmech.mechanism.checks import (
     sprung_linkage,
 )
 from flexmech.mechanism.drawing import attachment_lines, drawing
+from flexmech.mechanism.joint_pins import JointPin
 from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
 from flexmech.mechanism.tables import (
     environment_table,
@@ -50,7 +53,7 @@ from flexmech.mechanism.tables import (
 from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr
 from flexmech.sections import BeamSection, Layers, sections_between_joints
 from flexmech.units import ANGULAR_SPEED, EXPANSION, from_si, to_si
-from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_instance, check_number, check_pair
+from flexmech.validation import POSITIVE, check_instance, check_number, check_pair
 
 
 @dataclass(frozen=True)
@@ -90,9 +93,13 @@ class Mechanism:
         Between points of links and the ground.
     joint_springs : tuple of JointSpring
         Springs and dampers in pins and pivots.
+    joint_pins : tuple of JointPin
+        Sizes of pins, pivots and the pins of sliders, for their strength.
     shaft_inertia : float
         Of the shaft that drives the crank, about its axis, in kg m^2. It matters where the
         shaft is free.
+    drive : Drive, optional
+        How the crank is meant to turn; runs take it where no speed is asked for.
     speed_unit : str
         In which results speak of crank speeds that nobody typed, such as ``"rpm"``: the unit of
         the last speed of a model file. It does not count in comparisons.
@@ -127,7 +134,9 @@ class Mechanism:
     loads: tuple[Load, ...] = ()
     springs: tuple[Spring, ...] = ()
     joint_springs: tuple[JointSpring, ...] = ()
+    joint_pins: tuple[JointPin, ...] = ()
     shaft_inertia: float = 0.0
+    drive: Drive | None = None
     speed_unit: str = field(default=ANGULAR_SPEED.unit, compare=False)
 
     def __post_init__(self) -> None:
@@ -136,8 +145,8 @@ class Mechanism:
         for name in PARTS:
             object.__setattr__(self, name, checked_parts(topology, name, getattr(self, name)))
         object.__setattr__(self, "linkage", sprung_linkage(self.linkage, self.joint_springs))
-        check_number(self.shaft_inertia, "shaft_inertia", "kg m^2", NOT_NEGATIVE)
         check_pair(self.gravity, "gravity", "m/s^2")
+        check_shaft(self.shaft_inertia, self.drive)
         object.__setattr__(self, "operating_speeds", checked_speeds(self.operating_speeds))
         try:
             to_si(1.0, self.speed_unit, ANGULAR_SPEED)
@@ -185,6 +194,7 @@ class Mechanism:
                 "joint_springs",
                 tuple(sorted(self.joint_springs, key=lambda s: joints.index(s.joint))),
             ),
+            ("joint_pins", tuple(sorted(self.joint_pins, key=lambda p: joints.index(p.joint)))),
             ("gravity", tuple(self.gravity)),
             ("wetting", {link: own for link, own in self.wetting.items() if own != Wetting()}),
         ):
@@ -377,8 +387,11 @@ class Mechanism:
             "links": links,
         }
         optional = {
-            "joints": joints_table(self.linkage, self.joint_masses, self.joint_springs),
+            "joints": joints_table(
+                self.linkage, self.joint_masses, self.joint_springs, self.joint_pins
+            ),
             "shaft": shaft_table(self.shaft_inertia),
+            "drive": {} if self.drive is None else self.drive.to_table(),
             "loads": loads_table(self.loads),
             "springs": springs_table(self.springs),
             "environment": environment_table(self.gravity, self.reference_temperature),

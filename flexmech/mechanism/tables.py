@@ -17,6 +17,7 @@ from flexmech.linkages import (
     Spring,
 )
 from flexmech.materials import REFERENCE_TEMPERATURE
+from flexmech.mechanism.joint_pins import JointPin
 from flexmech.mechanism.parts import AttachedBody, PointMass, Wetting
 from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity
 from flexmech.sections import BeamSection
@@ -137,9 +138,12 @@ def body_table(body: AttachedBody) -> TomlTable:
 
 
 def joints_table(
-    linkage: Linkage, joint_masses: Mapping[str, float], springs: Sequence[JointSpring]
+    linkage: Linkage,
+    joint_masses: Mapping[str, float],
+    springs: Sequence[JointSpring],
+    pins: Sequence[JointPin],
 ) -> TomlTable:
-    """Table ``[joints]``; empty where no joint is drawn, has mass or a spring.
+    """Table ``[joints]``; empty where no joint is drawn, has mass, a spring or a diameter.
 
     Parameters
     ----------
@@ -147,6 +151,7 @@ def joints_table(
     joint_masses : mapping of str to float
         In kg, by joint.
     springs : sequence of JointSpring
+    pins : sequence of JointPin
 
     Returns
     -------
@@ -155,7 +160,7 @@ def joints_table(
     Raises
     ------
     InputError
-        If a joint has two springs: a file states one.
+        If a joint has two springs or pins: a file states one.
     """
     drawn = linkage.joints if isinstance(linkage, PlanarLinkage) else ()
     tables: dict[str, TomlTable] = {joint.point: _drawn_table(joint) for joint in drawn}
@@ -164,6 +169,9 @@ def joints_table(
     _refuse_repeated("joint_springs", [own.joint for own in springs])
     for own in springs:
         tables.setdefault(own.joint, {}).update(_spring_keys(own))
+    _refuse_repeated("joint_pins", [pin.joint for pin in pins])
+    for pin in pins:
+        tables.setdefault(pin.joint, {}).update(pin.to_table())
     return tables
 
 

@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from flexmech.errors import InputError
+from flexmech.mechanism.joint_pins import EYE_SIZES
 from flexmech.modelfile import base_table as base
+
+
+def _one_or_by_link(value: Any) -> str:
+    return "by link" if isinstance(value, Mapping) else "one"
+
+
+# Told apart before they are read: what is wrong of a link's is then reported of it.
+OneOrByLink = Annotated[
+    Annotated[base.Width, Tag("one")] | Annotated[dict[base.Text, base.Width], Tag("by link")],
+    Discriminator(_one_or_by_link),
+]
+_OR_BY_LINK = "the same for all links that meet there, or by link as in { crank = '12 mm' }"
 
 
 class JointTable(base.Table):
@@ -45,6 +58,30 @@ class JointTable(base.Table):
         "Of the bearing; without it the pin does not give way"
     )
     radial_damping: base.Damping | None = base.optional("With radial_stiffness")
+    diameter: base.Width | None = base.optional(
+        "Of a pin or pivot, or of the pin in a slider's block; results of strength judge the pins "
+        "that have one"
+    )
+    eye_thickness: OneOrByLink | None = base.optional(
+        "With diameter: length of the hole along the pin; that of the link's section if left out; "
+        + _OR_BY_LINK
+    )
+    eye_width: OneOrByLink | None = base.optional(
+        "With diameter: of the link at the hole, across the link in the plane of motion; the "
+        "section's if left out; " + _OR_BY_LINK
+    )
+    eye_edge_distance: OneOrByLink | None = base.optional(
+        "With diameter: from the centre of the hole to the link's end; " + _OR_BY_LINK
+    )
+    bush_length: base.Width | None = base.optional(
+        "With allowable_pv: of the bush in which the pin turns; the shortest hole if left out"
+    )
+    allowable_bearing_pressure: base.Stress | None = base.optional(
+        "With diameter: force over diameter and length of the hole"
+    )
+    allowable_pv: base.PressureVelocity | None = base.optional(
+        "With diameter: of the bush, greatest bearing pressure times sliding velocity"
+    )
 
     @model_validator(mode="after")
     def _states_something(self) -> JointTable:
@@ -52,6 +89,10 @@ class JointTable(base.Table):
             raise InputError("mass is missing; add it, or whatever the joint has, or leave it out")
         if self.free_angle is not None and self.torsional_stiffness is None:
             raise InputError("free_angle belongs to a torsional_stiffness; add it")
+        if self.diameter is None and (alone := [key for key in PIN_KEYS if getattr(self, key)]):
+            raise InputError(f"{alone[0]} belongs to the diameter of a pin; add it")
+        if self.bush_length is not None and self.allowable_pv is None:
+            raise InputError("bush_length belongs to an allowable_pv; add it")
         return self
 
     @property
@@ -64,8 +105,32 @@ class JointTable(base.Table):
             "radial_stiffness",
             "radial_damping",
         )
-        stated = {name: getattr(self, name) for name in names}
-        return {name: value for name, value in stated.items() if value is not None}
+        return self._stated(names)
+
+    @property
+    def allowed(self) -> dict[str, float]:
+        """What is stated of its pin beside diameter and eyes."""
+        return self._stated(_ALLOWED)
+
+    def eye_sizes(self, link: str) -> dict[str, float]:
+        """What is stated of the eye of a link, or of all links alike."""
+        found: dict[str, float] = {}
+        for name, key in EYE_KEYS.items():
+            size = getattr(self, key)
+            own = size.get(link) if isinstance(size, Mapping) else size
+            found |= {} if own is None else {name: own}
+        return found
+
+    def _stated(self, names: Iterable[str]) -> dict[str, float]:
+        values = {name: getattr(self, name) for name in names}
+        return {name: value for name, value in values.items() if value is not None}
+
+
+EYE_KEYS = {name: f"eye_{name}" for name in EYE_SIZES}
+"""Keys of a joint by the fields of an eye."""
+_ALLOWED = ("bush_length", "allowable_bearing_pressure", "allowable_pv")
+PIN_KEYS = (*EYE_KEYS.values(), *_ALLOWED)
+"""Keys of a joint that go with its diameter."""
 
 
 class ShaftTable(base.Table):

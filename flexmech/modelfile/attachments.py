@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -22,13 +20,14 @@ from flexmech.linkages.topology import LinkEnd
 from flexmech.mechanism import AttachedBody, PointMass
 from flexmech.mechanism.checks import checked_parts
 from flexmech.modelfile.attachment_tables import LoadTable, PlaceTable
+from flexmech.modelfile.csv_files import check_rows, csv_lines
 from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.link_places import LinkPlaces
 from flexmech.modelfile.link_tables import RigidLinkTable
 from flexmech.modelfile.linkage_tables import PlanarTable
 from flexmech.modelfile.messages import Findings
 from flexmech.plausible import LOAD, Plausible, check_plausible, of_dimension
-from flexmech.units import ANGLE, FORCE, NUMBER, TIME, TORQUE, Dimension, parse_quantity
+from flexmech.units import ANGLE, FORCE, TIME, TORQUE, Dimension, parse_quantity
 
 
 def point_masses(
@@ -269,10 +268,6 @@ Rows = list[tuple[float, float, float]]
 COLUMNS = {"crank_angle": ("crank_angle_deg", "deg"), "time": ("time_s", "s")}
 FORCE_COLUMNS = ("force_x_N", "force_y_N")
 TORQUE_COLUMN = "torque_Nm"
-# Of a file of a load: a hundred thousand rows, a load a thousand times as fine as a turn asks for.
-MOST_BYTES = 10_000_000
-# Characters of a cell in a message: more than any number has.
-MOST_SHOWN = 60
 
 
 def load_rows(table: LoadTable, folder: Path) -> tuple[tuple[float, ...], Rows]:
@@ -348,39 +343,14 @@ def _of_file(
 ) -> tuple[tuple[float, ...], Rows]:
     column, unit = COLUMNS[over]
     head = [column, *FORCE_COLUMNS, TORQUE_COLUMN]
-    titles, *lines = _lines(path, shown) or [[]]
-    titles = [title.strip() for title in titles]
+    titles, lines = csv_lines(path, shown, "load")
     if titles not in (head, head[:3]):
         raise InputError(f"file {shown}: its first line must be {','.join(head)}")
-    if not lines:
-        raise InputError(f"file {shown}: there is no row below its first line; give at least one")
+    check_rows(lines, titles, shown)
     at: list[float] = []
     rows: Rows = []
     for number, line in enumerate(lines, start=2):
         where = f"file {shown}: line {number}"
-        if len(line) != len(titles):
-            raise InputError(f"{where} has {len(line)} fields, the first line {len(titles)}")
-        wrong = next((c for c in line if not re.fullmatch(NUMBER, c.strip())), None)
-        if wrong is not None:
-            raise InputError(
-                f"{where} has {wrong[:MOST_SHOWN]!r}, which is no number; write numbers such as "
-                "12.5 or 2e-5, with a decimal point"
-            )
         own = zip(line, (unit, "N", "N", "N m"), strict=False)
         _append(at, rows, [f"{cell} {of}" for cell, of in own], dimensions, where)
     return tuple(at), rows
-
-
-def _lines(path: Path, shown: str) -> list[list[str]]:
-    """Lines of a CSV file in fields, without empty ones at its end."""
-    try:
-        if path.stat().st_size > MOST_BYTES:
-            raise InputError(f"file {shown}: is larger than any load; give fewer rows")
-        text = path.read_text(encoding="utf-8-sig")
-        lines = [*csv.reader(text.rstrip().splitlines(), strict=True)]
-    except UnicodeDecodeError as error:
-        raise InputError(f"file {shown}: is no text in UTF-8; save it as CSV in UTF-8") from error
-    except (OSError, ValueError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"file {shown}: cannot be read: {reason}; give a CSV file") from error
-    return lines

@@ -29,6 +29,7 @@ from pydantic_core import (
 from flexmech import units
 from flexmech.errors import InputError, suggestion
 from flexmech.plausible import (
+    LIFE,
     LINK_LENGTH,
     LOAD,
     THICKNESS,
@@ -152,6 +153,7 @@ Frequency = Annotated[float, QuantityField(units.FREQUENCY, POSITIVE)]
 WrittenSpeed = Annotated[Written, WrittenField(units.ANGULAR_SPEED)]
 Acceleration = Annotated[float, QuantityField(units.ACCELERATION)]
 Stress = Annotated[float, QuantityField(units.STRESS, POSITIVE)]
+PressureVelocity = Annotated[float, QuantityField(units.PRESSURE_VELOCITY, POSITIVE)]
 Density = Annotated[float, QuantityField(units.DENSITY, POSITIVE)]
 Force = Annotated[float, QuantityField(units.FORCE, POSITIVE)]
 ShearStiffness = Annotated[float, QuantityField(units.FORCE, POSITIVE, infinite="rigid")]
@@ -172,6 +174,8 @@ SpecificDamping = Annotated[float, QuantityField(units.RATIO, NOT_NEGATIVE)]
 Angle = Annotated[float, QuantityField(units.ANGLE)]
 AngleOfTurn = Annotated[float, QuantityField(units.ANGLE, FINITE, TURN)]
 DampingRatio = Annotated[float, QuantityField(units.RATIO, Bounds(least=0.0, below=1.0))]
+Cycles = Annotated[float, QuantityField(units.RATIO, POSITIVE, LIFE)]
+BasquinExponent = Annotated[float, QuantityField(units.RATIO, Bounds(above=-1.0, below=0.0))]
 PositiveRatio = Annotated[float, QuantityField(units.RATIO, POSITIVE)]
 MoistureContent = Annotated[float, QuantityField(units.RATIO, Bounds(above=0.0, below=1.0))]
 Temperature = Annotated[float, QuantityField(units.TEMPERATURE, POSITIVE)]

@@ -20,6 +20,7 @@ from flexmech.modelfile.attachments import (
 )
 from flexmech.modelfile.base_table import DampedTable
 from flexmech.modelfile.document import MaterialTable, ModelFile
+from flexmech.modelfile.joint_pins import joint_pins
 from flexmech.modelfile.laminates import build_laminates
 from flexmech.modelfile.link_places import LinkPlaces
 from flexmech.modelfile.link_tables import (
@@ -99,6 +100,10 @@ def build_mechanism(
     stated_loads = loads(tables, places, folder, findings)
     stated_springs = springs(tables, places, findings)
     in_joints = joint_springs(tables, topology, findings)
+    pins = joint_pins(tables, places, findings)
+    drive = None
+    with findings.at("drive"):
+        drive = None if tables.drive is None else tables.drive.drive(folder)
     findings.refuse()
     return Mechanism(
         linkage=linkage,
@@ -125,7 +130,9 @@ def build_mechanism(
         loads=stated_loads,
         springs=stated_springs,
         joint_springs=in_joints,
+        joint_pins=pins,
         shaft_inertia=tables.shaft.inertia,
+        drive=drive,
     )
 
 
@@ -226,14 +233,14 @@ def _check_slider_keys(own: JointTable) -> None:
 
 
 def _joints_of_topology(tables: ModelFile, linkage: Linkage) -> list[str]:
-    """Joints of the file that must be of the topology: in a drawing, those with mass or spring."""
+    """Joints of the file that must be of the topology: of a drawing, with mass, spring or pin."""
     if not isinstance(linkage, PlanarLinkage):
         return list(tables.joints)
     drawn = linkage.points
     return [
         name
         for name, joint in tables.joints.items()
-        if name not in drawn or "mass" in joint.model_fields_set or joint.spring
+        if name not in drawn or {"mass", "diameter"} & joint.model_fields_set or joint.spring
     ]
 
 

@@ -9,9 +9,11 @@ from pydantic import Field, StringConstraints
 from flexmech.materials import REFERENCE_TEMPERATURE, Material
 from flexmech.modelfile import base_table as base
 from flexmech.modelfile.attachment_tables import JointTable, LoadTable, ShaftTable, SpringTable
+from flexmech.modelfile.drive_table import DriveTable
 from flexmech.modelfile.link_tables import LinkTable
 from flexmech.modelfile.linkage_tables import LinkageTable
 from flexmech.modelfile.material_tables import (
+    FatigueTable,
     FibreTable,
     HygrothermalTable,
     LaminateTable,
@@ -33,6 +35,9 @@ class MaterialTable(base.DampedTable, HygrothermalTable):
     yield_strength: base.Stress | None = base.optional(
         "Stress beyond which it stays deformed; results say where a link passes it"
     )
+    fatigue: FatigueTable | None = base.optional(
+        "What it bears again and again; results of strength then count cycles of stress"
+    )
 
     @property
     def material(self) -> Material:
@@ -43,6 +48,7 @@ class MaterialTable(base.DampedTable, HygrothermalTable):
             self.poisson_ratio,
             self.hygrothermal,
             self.yield_strength,
+            None if self.fatigue is None else self.fatigue.strength,
         )
 
 
@@ -89,6 +95,7 @@ class ModelFile(base.Table):
     links: dict[str, LinkTable] = Field(description="One table for each moving link")
     joints: dict[str, JointTable] = Field(default_factory=dict)
     shaft: ShaftTable = Field(default_factory=ShaftTable)
+    drive: DriveTable | None = None
     loads: dict[Name, LoadTable] = Field(default_factory=dict)
     springs: dict[Name, SpringTable] = Field(default_factory=dict)
     environment: EnvironmentTable = Field(default_factory=EnvironmentTable)

@@ -7,7 +7,13 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
 from flexmech.errors import InputError, suggestion
-from flexmech.materials import REFERENCE_TEMPERATURE, Hygrothermal, PlyStrength, ResinContent
+from flexmech.materials import (
+    REFERENCE_TEMPERATURE,
+    FatigueStrength,
+    Hygrothermal,
+    PlyStrength,
+    ResinContent,
+)
 from flexmech.materials.constituents import DIMENSIONS
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
 from flexmech.materials.strength import SYMBOLS
@@ -212,6 +218,59 @@ class StrengthTable(base.Table):
             inclination_tension=self.inclination_tension,
             inclination_compression=self.inclination_compression,
             source=self.source,
+        )
+
+
+class PointOfLifeTable(base.Table):
+    """A point of an S-N line."""
+
+    cycles: base.Cycles = Field(description="To failure")
+    amplitude: base.Stress = Field(description="Half the stress range, without mean stress")
+
+
+class FatigueTable(base.Table):
+    """What an isotropic material bears again and again, at the reference temperature, dry."""
+
+    tensile_strength: base.Stress = Field(
+        description="Ultimate strength, which Goodman's line of mean stress needs"
+    )
+    endurance_limit: base.Stress | None = base.optional(
+        "Stress amplitude without mean stress that is borne for endurance_cycles; it counts as "
+        "borne for ever. Of the part as it is made: with its surface and size"
+    )
+    endurance_cycles: base.Cycles | None = base.optional("For how many endurance_limit was found")
+    basquin_exponent: base.BasquinExponent | None = base.optional(
+        "Of the S-N line through the endurance limit: amplitude over cycles to this power, such as "
+        "-0.085"
+    )
+    sn_points: tuple[PointOfLifeTable, PointOfLifeTable] | None = base.optional(
+        "In place of basquin_exponent: two points of the S-N line, the shorter life first; without "
+        "endurance_limit, load factors are to the amplitude of the second"
+    )
+    source: str = base.optional("Publication or measurement of the numbers", "")
+
+    # Read before anything else is made of it, so that what is wrong is reported of this table.
+    @model_validator(mode="after")
+    def _consistent(self) -> FatigueTable:
+        _ = self.strength
+        return self
+
+    @property
+    def strength(self) -> FatigueStrength:
+        """The strengths that are stated."""
+        points = self.sn_points
+        return FatigueStrength(
+            self.tensile_strength,
+            self.endurance_limit,
+            self.endurance_cycles,
+            self.basquin_exponent,
+            None
+            if points is None
+            else (
+                (points[0].cycles, points[0].amplitude),
+                (points[1].cycles, points[1].amplitude),
+            ),
+            self.source,
         )
 
 

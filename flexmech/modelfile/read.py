@@ -155,7 +155,8 @@ def _mechanism(text: str, shown: str, file: str, sha256: str, folder: Path = Pat
     except ValidationError as error:
         raise input_error(error, data, shown) from error
     mechanism = build_mechanism(tables, shown, file, sha256, folder)
-    if any(load.file is not None for load in tables.loads.values()):
+    drawn_from_file = tables.drive is not None and isinstance(tables.drive.table, str)
+    if drawn_from_file or any(load.file is not None for load in tables.loads.values()):
         # The text alone has to say it all: the files beside it may be gone when it is read again.
         text = mechanism.to_toml()
     return replace(mechanism, provenance=replace(mechanism.provenance, text=text))

@@ -14,7 +14,7 @@ import numpy as np
 
 from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.files import given_path, moved_into
-from flexmech.linkages import CrankDrive, Link
+from flexmech.linkages import Drive, Link
 from flexmech.model_text import short_repr
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import Choice, Item, ItemKind, ItemNumber, SystemItems, applied
@@ -239,14 +239,14 @@ class ExudynSystem:
 
     @classmethod
     def of(
-        cls, simulation: Simulation, drive: CrankDrive, start: LinkState, stride: int
+        cls, simulation: Simulation, drive: Drive, start: LinkState, stride: int
     ) -> ExudynSystem:
         """System of a simulation's model, with sensors added.
 
         Parameters
         ----------
         simulation : Simulation
-        drive : CrankDrive
+        drive : Drive
         start : LinkState
         stride : int
 

@@ -1,5 +1,6 @@
 from .animation import mp4_available as mp4_available
 from .animation import write_animation as write_animation
+from .balance import plot_balance as plot_balance
 from .campbell import plot_campbell as plot_campbell
 from .campbell import plot_speed_sweep as plot_speed_sweep
 from .composite_study import plot_composite_damping as plot_composite_damping
@@ -37,6 +38,8 @@ from .kinematics import plot_drive as plot_drive
 from .kinematics import plot_joint_forces as plot_joint_forces
 from .kinematics import plot_kinematics as plot_kinematics
 from .kinematics import plot_transmission_angle as plot_transmission_angle
+from .law import plot_law as plot_law
+from .law import plot_residual as plot_residual
 from .layout import AxesLike as AxesLike
 from .layout import Sheet as Sheet
 from .layout import grid as grid
@@ -54,6 +57,9 @@ from .scales import crank_angle_axis as crank_angle_axis
 from .scales import plain_numbers as plain_numbers
 from .section import plot_moisture as plot_moisture
 from .section import plot_section as plot_section
+from .shaking import plot_running_shaking_force as plot_running_shaking_force
+from .shaking import plot_shaking_force as plot_shaking_force
+from .shaking import plot_shaking_orders as plot_shaking_orders
 from .spectra import plot_spectrogram as plot_spectrogram
 from .spectra import plot_spectrum as plot_spectrum
 from .stability import plot_stability as plot_stability

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 from matplotlib.transforms import Affine2D
 
 from flexmech.arrays import FloatArray
-from flexmech.plots import angle_panels, reading, scales, style
+from flexmech.plots import angle_panels, motion, reading, scales, style
 from flexmech.plots.drawn_linkage.parts import drawn_posture
 from flexmech.plots.drawn_linkage.sketch import RIGID, SMALL, LinkageSketch
 from flexmech.plots.drawn_linkage.symbols import add_symbols
@@ -59,10 +59,11 @@ def plot_kinematics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
     -------
     Figure
     """
-    angles, links = reading.degrees(dataset["crank_angle"]), reading.names_of(dataset, "link")
+    over, (dataset, angles) = dataset, motion.positions(dataset)
+    links = reading.names_of(dataset, "link")
     with sheet(grid(3, 1, 5.4, sharex=True), ax=ax) as drawn:
         handles = [style.line_handle(name, **_link_line(n)) for n, name in enumerate(links)]
-        drawn.header(handles, f"Motion of the links at {reading.drive_text(dataset)}", of=dataset)
+        drawn.header(handles, f"Motion of the links {reading.conditions(dataset)}", of=dataset)
         for axes, (name, words, factor, unit) in zip(drawn.panels, MOTIONS, strict=True):
             values = dataset[name].transpose("link", "crank_angle").values
             scales.zero_line(axes)
@@ -70,7 +71,7 @@ def plot_kinematics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
                 axes.plot(angles, factor * line, **_link_line(number, angles))
             scales.plain_numbers(axes)
             axes.set_ylabel(f"{words}\n({unit})")
-        angle_panels.label_angles(drawn, angles)
+        motion.label_positions(drawn, over)
     return drawn.figure
 
 
@@ -89,13 +90,14 @@ def plot_joint_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
     -------
     Figure
     """
-    angles, joints = reading.degrees(dataset["crank_angle"]), reading.names_of(dataset, "joint")
+    over, (dataset, angles) = dataset, motion.positions(dataset)
+    joints = reading.names_of(dataset, "joint")
     components = reading.names_of(dataset, "component")
     factor, unit = reading.fitting_unit(dataset["joint_force"].values, reading.FORCE_UNITS)
     with sheet(angle_panels.angle_layout([1] * len(joints)), ax=ax) as drawn:
         handles = style.series_handles(f"along {name}" for name in components)
         handles.append(style.line_handle("magnitude", **MAGNITUDE))
-        title = f"Joint forces at {reading.drive_text(dataset)}"
+        title = f"Joint forces {reading.conditions(dataset)}"
         drawn.header([*handles, *_lumped_handle(dataset)], title, of=dataset)
         for axes, joint in zip(drawn.panels, joints, strict=True):
             axes.set_title(reading.joint_title(dataset, joint))
@@ -110,7 +112,7 @@ def plot_joint_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
                 if "lumped_joint_force" in there:
                     axes.plot(angles, factor * there["lumped_joint_force"].values, **LUMPED)
             scales.plain_numbers(axes)
-        angle_panels.label_angles(drawn, angles, f"Force ({unit})")
+        motion.label_positions(drawn, over, f"Force ({unit})")
     return drawn.figure
 
 
@@ -130,11 +132,11 @@ def plot_drive(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    angles = reading.degrees(dataset["crank_angle"])
+    over, (dataset, angles) = dataset, motion.positions(dataset)
     both = "transmission_angle" in dataset
     rows = 2 + both
     with sheet(grid(rows, 1, 1.7 * rows + 0.3, sharex=True), ax=ax) as drawn:
-        title = f"Drive at {reading.drive_text(dataset)}"
+        title = f"Drive {reading.conditions(dataset)}"
         handles = style.series_handles(("crank drives", "rocker drives") if both else ())
         drawn.header([*handles, *_lumped_handle(dataset)], title, of=dataset)
         shown = (
@@ -157,7 +159,7 @@ def plot_drive(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
             last.set_ylim(0.0, 180.0)
             last.set_yticks([0, 45, 90, 135, 180])
             last.set_ylabel("Transmission\nangle (deg)")
-        angle_panels.label_angles(drawn, angles)
+        motion.label_positions(drawn, over)
     return drawn.figure
 
 

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.plots import angle_panels, reading, scales, style
-from flexmech.plots.layout import AxesLike, grid, sheet
+from flexmech.plots.layout import AxesLike, Sheet, grid, sheet
 
 # More columns are too narrow for the numbers of their axes; what is left out stands in the tables.
 MOST_POINTS = 4
@@ -54,6 +54,7 @@ def drawn_points(dataset: xr.Dataset) -> list[str]:
     -------
     list of str
     """
+    dataset, _ = positions(dataset)
     sliders = reading.names_of(dataset, "slider") if "slider" in dataset.coords else []
     if "point" not in dataset.coords:
         return sliders
@@ -100,6 +101,49 @@ def motion_lines(dataset: xr.Dataset, points: list[str]) -> list[MotionLine]:
     return lines
 
 
+def positions(dataset: xr.Dataset) -> tuple[xr.Dataset, FloatArray]:
+    """A dataset over positions of the linkage as one over crank_angle, and the places on its axis.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Over ``crank_angle``, or over ``time`` under a law of motion.
+
+    Returns
+    -------
+    Dataset
+        Over ``crank_angle`` by name alone, where it is over time.
+    ndarray, shape (A,)
+        Crank angles in degrees, or times in s.
+    """
+    if "time" not in dataset.dims:
+        return dataset, reading.degrees(dataset["crank_angle"])
+    renamed = dataset.drop_vars("crank_angle").rename(time="crank_angle")
+    return renamed, renamed["crank_angle"].values.astype(float)
+
+
+def label_positions(drawn: Sheet, dataset: xr.Dataset, y_label: str = "") -> None:
+    """Scale and label the axes of panels over the crank angle, or over time under a law.
+
+    Parameters
+    ----------
+    drawn : Sheet
+    dataset : Dataset
+        As of :func:`positions`.
+    y_label : str
+        Label of all y axes, with its unit; left out where they differ.
+    """
+    if "time" not in dataset.dims:
+        angle_panels.label_angles(drawn, reading.degrees(dataset["crank_angle"]), y_label)
+        return
+    time = dataset["time"].values.astype(float)
+    for axes in drawn.panels:
+        axes.set_xlim(float(time[0]), float(time[-1]))
+    drawn.label_x("Time (s)")
+    if y_label:
+        drawn.label_y(y_label)
+
+
 def plot_motion(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw position, velocity and acceleration of sliders and points against the crank angle.
 
@@ -117,7 +161,7 @@ def plot_motion(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    angles = reading.degrees(dataset["crank_angle"])
+    over, (dataset, angles) = dataset, positions(dataset)
     points = drawn_points(dataset)[:MOST_POINTS]
     lines = motion_lines(dataset, points)
     layout = grid(3, len(points), HEIGHT, sharex=True, narrow=min(len(points), 2))
@@ -125,7 +169,7 @@ def plot_motion(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         # Alphabetical, but for lines of sliders, which are last.
         ways = sorted({line.along for line in lines}, key=lambda way: (way == ITS_LINE, way))
         handles = style.series_handles(f"along {way}" for way in ways)
-        title = f"Motion of points at {reading.drive_text(dataset)}"
+        title = f"Motion of points {reading.conditions(dataset)}"
         drawn.header(handles, title, of=dataset)
         for row, (_, words, units) in enumerate(KINDS):
             shown = np.concatenate([line.values[row] for line in lines])
@@ -143,5 +187,5 @@ def plot_motion(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
                     axes.set_title(point.replace("$", r"\$"))
                 if column == 0 or style.is_narrow():
                     axes.set_ylabel(f"{words} ({unit})")
-        angle_panels.label_angles(drawn, angles)
+        label_positions(drawn, over)
     return drawn.figure

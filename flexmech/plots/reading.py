@@ -95,6 +95,12 @@ def drive_text(dataset: xr.Dataset) -> str:
     return f"{speed_text(dataset)}, crank acceleration {size}"
 
 
+def conditions(dataset: xr.Dataset) -> str:
+    """At which crank speed and acceleration a dataset is, or under which law of motion."""
+    law = dataset.attrs.get("drive")
+    return f"at {drive_text(dataset)}" if law is None else f"under {law}"
+
+
 def speed_texts(dataset: xr.Dataset) -> list[str]:
     """Crank speeds of a dataset in the user's unit."""
     return [speed_text(dataset, float(speed)) for speed in dataset["crank_speed"].values]
@@ -115,6 +121,8 @@ def link_label(dataset: xr.Dataset, link: str) -> str:
 
 def run_title(dataset: xr.Dataset) -> str:
     """Heading line that says what run is drawn: crank speed and start."""
+    if "drive" in dataset.attrs:
+        return f"Response to {dataset.attrs['drive']}"
     title = f"Response at {speed_text(dataset)}"
     run_up = float(dataset.attrs.get("run_up_time", 0.0))
     if run_up > 0:

@@ -274,7 +274,9 @@ def angle_axis(axes: Axes, dataset: xr.Dataset) -> list[float]:
     """Put an axis of crank angle on top of a panel over time, within the panel's limits.
 
     Ticks stand at the times at which the crank passes round angles, so that the axis is
-    right for a crank that runs up to its speed and for one that turns backwards.
+    right for a crank that runs up to its speed and for one that turns backwards. Under a law of
+    motion a crank stands still and may turn back: there is no axis then, and ``plot_law`` shows
+    the angle.
 
     Parameters
     ----------
@@ -288,6 +290,8 @@ def angle_axis(axes: Axes, dataset: xr.Dataset) -> list[float]:
     list of float
         Times within the limits at which a turn is completed.
     """
+    if "drive" in dataset.attrs:
+        return []
     time = dataset["time"].values.astype(float)
     angle = dataset["crank_angle"].values.astype(float)
     low, high = (float(np.interp(limit, time, angle)) for limit in axes.get_xlim())

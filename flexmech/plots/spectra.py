@@ -85,7 +85,9 @@ def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
             unit = _draw_spectra(axes, within["spectrum"].sel(link=link), turns)
             axes.set_ylabel(f"{reading.link_label(dataset, link)}\namplitude ({unit})")
         _label_bands(drawn.panels[0], bands)
-        _order_axis(drawn.panels, abs(float(dataset.attrs["crank_speed"])) / (2 * np.pi), limit)
+        # A law of motion has no orders.
+        if "drive" not in dataset.attrs:
+            _order_axis(drawn.panels, abs(float(dataset.attrs["crank_speed"])) / (2 * np.pi), limit)
         drawn.label_x("Frequency (Hz)")
     return drawn.figure
 

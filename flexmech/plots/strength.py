@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize
@@ -18,13 +22,20 @@ from flexmech.plots.drawn_linkage.parts import drawn_posture
 from flexmech.plots.drawn_linkage.sketch import LinkageSketch, clearance
 from flexmech.plots.layout import AxesLike, grid, height_of, sheet
 
-# Without the palest, which are not seen beside white.
+# Without the palest, which are not seen beside white, and the darkest, which are near to that of
+# parts that fail.
 COLOURS = LinearSegmentedColormap.from_list(
-    "strength used", mpl.colormaps["YlOrRd"](np.linspace(0.2, 1.0, 256))
-)
+    "strength used", mpl.colormaps["YlOrRd"](np.linspace(0.2, 0.85, 256))
+).with_extremes(over="black")
+# Scale in percent: at its end a part fails, whatever the loads of a figure.
+FAILS, TICKS = 100.0, (0.0, 25.0, 50.0, 75.0, 100.0)
 NOT_JUDGED = "0.75"
-# Load factor below which colours do not change: a link that cure alone breaks has none.
-LEAST_FACTOR = 0.1
+# What the marks of margins of each kind are of, in the legend.
+WORST = {"link": "worst place", "fatigue": "worst place by fatigue", "pin": "pin"}
+# What stands beside them, told of the first and of the others.
+FIRST, OTHERS = "with its load factor", "likewise"
+# Digits of a load factor: loads and strengths are known to fewer.
+DIGITS = 3
 # Of links in points, wide enough for their colour to be seen.
 WIDE = 5.0
 LEAST_HEIGHT, MOST_HEIGHT = 2.2, 4.6
@@ -51,14 +62,16 @@ NUMBERS, NARROW_NUMBERS = 4, 2
 def plot_strength(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw the linkage, each link coloured by what part of its strength its loads take.
 
-    That is one over the least load factor: 1 where the link fails. The worst place of each link is
-    marked with its load factor. Links whose layers are not known are grey.
+    That is one over its least load factor, for ever where its endurance is judged. The scale ends
+    where a part fails; what fails is black. The worst place of each link is marked with its load
+    factor, and so is each pin that is judged. Links whose layers are not known are grey.
 
     Parameters
     ----------
     dataset : Dataset
-        With ``margin_part``, ``margin_load_factor`` and ``margin_position`` (margin), ``length``
-        (link), and the attributes ``drawing``, with a posture, and ``mechanism``.
+        With ``margin_part``, ``margin_kind``, ``margin_load_factor`` and ``margin_position``
+        (margin), the weakest first, ``length`` (link), and the attributes ``drawing``, with a
+        posture, and ``mechanism``.
     ax : Axes, optional
         The user's. Left out: a new figure is made.
 
@@ -77,9 +90,9 @@ def plot_strength(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     links, parts, angle = found
     sketch = LinkageSketch(links, parts)
     names = reading.names_of(dataset, "link")
-    used = 100 / np.maximum(dataset["margin_load_factor"].values, LEAST_FACTOR)
-    colours = ScalarMappable(Normalize(0.0, max(float(used.max()), np.finfo(float).tiny)), COLOURS)
-    share = dict(zip(dataset["margin_part"].values.tolist(), used.tolist(), strict=True))
+    weakest = _weakest(dataset, names)
+    used = {mark.part: mark.used for mark in weakest if mark.kind != "pin"}
+    colours = ScalarMappable(Normalize(0.0, FAILS), COLOURS)
     room = NAME_ROOM * sketch.size
     places = np.concatenate(links)
     limits = sketch.limits(np.vstack([places - room, places + room]))
@@ -87,57 +100,136 @@ def plot_strength(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     with sheet(grid(1, 1, height), ax=ax) as drawn:
         (axes,) = drawn.panels
         sketch.frame(axes, limits)
-        handles = [style.line_handle("worst place, with its load factor", **_MARK)]
-        if set(names) - set(share):
-            handles.append(style.line_handle("not judged", color=NOT_JUDGED, lw=WIDE))
-        title = f"Margins of the links at {_drive_text(dataset)}"
-        at = f"drawn at crank angle {np.degrees(angle):.4g}°"
-        drawn.header(handles, f"{title}, {at}", of=dataset)
+        drawn.header(
+            _handles(weakest, names),
+            f"Margins at {_drive_text(dataset)}, drawn at crank angle {np.degrees(angle):.4g}°",
+            of=dataset,
+        )
         sketch.draw(axes, color="0.3", lw=1.0)
         for name, link in zip(names, links, strict=True):
-            colour = colours.to_rgba(share[name]) if name in share else NOT_JUDGED
+            colour = colours.to_rgba(np.array(used[name])) if name in used else NOT_JUDGED
             axes.plot(*link.T, color=colour, lw=WIDE, zorder=1.5, solid_capstyle="round")
-        _mark_worst(axes, dataset, sketch, dict(zip(names, links, strict=True)))
+        _mark_worst(axes, dataset, sketch, weakest, colours)
         sketch.draw_scale_bar(axes)
-        drawn.colour_bar(colours, "Strength that is used, 1 / load factor (%)")
+        beyond = max(mark.used for mark in weakest) > FAILS
+        extend = "max" if beyond else "neither"
+        drawn.colour_bar(colours, "1 / load factor (%)", ticks=TICKS, extend=extend)
     return drawn.figure
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Worst place of a link, or a pin.
+
+    Parameters
+    ----------
+    part : str
+        Link or joint.
+    kind : str
+        Of its least margin.
+    factor : float
+        Least load factor.
+    position : float
+        From the link's start in m; not a number of a pin.
+    """
+
+    part: str
+    kind: str
+    factor: float
+    position: float
+
+    @property
+    def used(self) -> float:
+        """Strength that loads take in percent; infinite where nothing is left for them."""
+        return FAILS / self.factor if self.factor else math.inf
+
+
+def _weakest(dataset: xr.Dataset, links: list[str]) -> list[Mark]:
+    """Least margin of each link and of each pin, weakest first; a joint may have a link's name."""
+    columns = (dataset[f"margin_{n}"].values for n in ("part", "kind", "load_factor", "position"))
+    found: dict[tuple[str, bool], Mark] = {}
+    for part, kind, factor, position in zip(*columns, strict=True):
+        mark = Mark(str(part), str(kind), float(factor), float(position))
+        if kind == "pin" or part in links:
+            found.setdefault((mark.part, kind == "pin"), mark)
+    return list(found.values())
+
+
+def _handles(weakest: list[Mark], links: list[str]) -> list[Artist]:
+    """Entries of the legend for what is in the figure."""
+    kinds = {mark.kind for mark in weakest}
+    judged = {mark.part for mark in weakest if mark.kind != "pin"}
+    handles = [
+        style.line_handle(f"{WORST[kind]}, {OTHERS if number else FIRST}", **_MARKS[kind])
+        for number, kind in enumerate(kind for kind in WORST if kind in kinds)
+    ]
+    if max(mark.used for mark in weakest) > FAILS:
+        handles.append(style.line_handle("fails (over 100 %)", color="black", lw=WIDE))
+    if set(links) - judged:
+        handles.append(style.line_handle("not judged", color=NOT_JUDGED, lw=WIDE))
+    return handles
 
 
 def _drive_text(dataset: xr.Dataset) -> str:
     """Crank speed, and whose internal forces they are."""
     source = str(dataset.attrs["source_of_loads"])
     engine = reading.names_of(dataset, "engine")[0]
-    whose = "rigid links" if engine == "rigid" else f"{engine} engine"
-    return f"{reading.drive_text(dataset)} ({source}, {whose})"
+    whose = "rigid links" if engine == "rigid" else f"{source}, {engine} engine"
+    return f"{reading.drive_text(dataset)} ({whose})"
 
 
 def _mark_worst(
-    axes: Axes, dataset: xr.Dataset, sketch: LinkageSketch, links: dict[str, FloatArray]
+    axes: Axes,
+    dataset: xr.Dataset,
+    sketch: LinkageSketch,
+    weakest: list[Mark],
+    colours: ScalarMappable,
 ) -> None:
-    """Mark the worst place of each link, and write its load factor beside it."""
-    middle = np.mean([link.mean(axis=0) for link in links.values()], axis=0)
+    """Mark the worst place of each link and each pin, and write its load factor beside it."""
+    links = dict(zip(reading.names_of(dataset, "link"), sketch.links, strict=True))
+    joints = {joint["name"]: sketch.place(joint["at"]) for joint in sketch.parts.joints}
+    middle = np.mean([link.mean(axis=0) for link in sketch.links], axis=0)
     marked: list[FloatArray] = []
-    for number, name in enumerate(dataset["margin_part"].values.tolist()):
-        start, end = links[name][0], links[name][-1]
-        length = float(dataset["length"].sel(link=name))
-        place = start + (end - start) * float(dataset["margin_position"][number]) / length
+    for mark in weakest:
+        if mark.kind == "pin":
+            place, along = joints[mark.part], np.zeros(2)
+        else:
+            start, end = links[mark.part][0], links[mark.part][-1]
+            along = (end - start) / np.hypot(*(end - start))
+            place = start + (end - start) * mark.position / float(
+                dataset["length"].sel(link=mark.part)
+            )
         if any(np.hypot(*(place - other)) <= NEAR * sketch.size for other in marked):
-            continue  # of two welded links the weaker one has the place
+            continue  # of parts that are worst at one place the weakest one has it
         marked.append(place)
-        axes.plot(*place, **_MARK, zorder=5)
-        across = np.array([start[1] - end[1], end[0] - start[0]]) / np.hypot(*(end - start))
-        outward = across if across @ (place - middle) >= 0 else -across
-        if any(np.hypot(*(place - own)) <= NEAR * sketch.size for own in (start, end)):
+        look = _MARKS[mark.kind]
+        if mark.kind == "pin":
+            look = look | {"mfc": colours.to_rgba(np.array(mark.used))}
+        axes.plot(*place, **look, zorder=5)
+        outward = np.array([-along[1], along[0]])
+        outward = outward if outward @ (place - middle) >= 0 else -outward
+        ends = [place] if mark.kind == "pin" else [start, end]
+        if any(np.hypot(*(place - own)) <= NEAR * sketch.size for own in ends):
             # Away from all links that meet there, and from supports.
             room = [round(clearance(one, sketch.occupied(place)), 6) for one in TRIED]
             outward = TRIED[int(np.argmax(room))]
-        factor = float(dataset["margin_load_factor"][number])
-        look: style.Look = {"textcoords": "offset points", "ha": "center", "va": "center"}
-        look["bbox"] = {"fc": "white", "lw": 0, "alpha": 0.8, "pad": 0.5}
-        axes.annotate(f"{factor:.3g}", place, tuple(AWAY * outward), zorder=6, **look)
+        box: style.Look = {"textcoords": "offset points", "ha": "center", "va": "center"}
+        box["bbox"] = {"fc": "white", "lw": 0, "alpha": 0.8, "pad": 0.5}
+        axes.annotate(
+            f"{mark.factor:.{DIGITS}g}",
+            (place[0], place[1]),
+            tuple(AWAY * outward),
+            zorder=6,
+            **box,
+        )
 
 
-_MARK: style.Look = {"marker": "o", "ls": "", "mfc": "white", "mec": "black", "ms": 5.0}
+_WHITE: style.Look = {"ls": "", "mfc": "white", "mec": "black"}
+_MARKS: dict[str, style.Look] = {
+    "link": {"marker": "o", "ms": 5.0} | _WHITE,
+    "fatigue": {"marker": "s", "ms": 5.0} | _WHITE,
+    "pin": {"marker": "D", "ms": 5.5} | _WHITE,
+}
 
 
 def plot_internal_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -150,8 +242,8 @@ def plot_internal_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> 
     ----------
     dataset : Dataset
         With ``axial_force``, ``shear_force`` and ``bending_moment`` (engine, link, crank_angle,
-        station), ``position`` (link, station) in m, ``margin_part`` and ``margin_crank_angle``
-        (margin).
+        station), ``position`` (link, station) in m, ``margin_part``, ``margin_kind`` and
+        ``margin_crank_angle`` (margin).
     ax : sequence of Axes, optional
         The user's: a row of three for each link. Left out: a new figure is made.
 
@@ -160,13 +252,11 @@ def plot_internal_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> 
     Figure
     """
     links = reading.names_of(dataset, "link")
-    worst = dict(
-        zip(
-            dataset["margin_part"].values.tolist(),
-            dataset["margin_crank_angle"].values.tolist(),
-            strict=True,
-        )
-    )
+    margins = (dataset[f"margin_{name}"].values for name in ("part", "kind", "crank_angle"))
+    worst: dict[str, float] = {}
+    for part, kind, angle in zip(*margins, strict=True):
+        if kind == "link":
+            worst[str(part)] = float(angle)
     angles = dataset["crank_angle"].values
     columns = len(FORCES)
     height = PANEL * len(links) + 0.4

@@ -1,7 +1,8 @@
-"""What a designer wants first, in four cards: speeds to avoid, bending, joint forces, torque."""
+"""What a designer wants first, in cards: critical speeds, bending, forces, torque and strength."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 from flexmech.analyses import (
@@ -11,13 +12,16 @@ from flexmech.analyses import (
     Response,
     Result,
     StabilityMap,
+    Strength,
     Summary,
 )
-from flexmech.analyses.digits import Quantity
+from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.response.answer import stress_words, yielding
 from flexmech.report.results import Results, speed_name, speed_unit_of
 from flexmech.studies import DesignSweep, Optimum, Uncertainty
 
+# Digits of a factor: loads and strengths are known to fewer.
+_DIGITS = 3
 # A run at the operating speed is at it but for what its unit rounds.
 _SAME_SPEED = 1e-6
 
@@ -47,7 +51,7 @@ class Card:
 
 
 def cards(results: Results) -> tuple[Card, ...]:
-    """The four cards of a report.
+    """The four cards of a report, and one of strength where it was judged.
 
     Parameters
     ----------
@@ -56,17 +60,20 @@ def cards(results: Results) -> tuple[Card, ...]:
     Returns
     -------
     tuple of Card
-        Each of a question that no result answers says which command does. None of a study of
-        designs alone, whose answer is another.
+        Each of a question that no result answers says which command does, unless strength has an
+        answer. None of a study of designs alone, whose answer is another.
     """
-    shown = (
+    shown: tuple[Card, ...] = (
         _critical_speeds(results),
         _bending(results),
         _load(results, "Joint forces", "peak_joint_force", "greatest force of"),
         _load(results, "Driving torque", "peak_driving_torque", "greatest torque of the shaft"),
     )
+    strong = _strength(results)
+    if strong:
+        shown = tuple(card for card in shown if card.value != _NOTHING)
     studied = all(isinstance(each, DesignSweep | Uncertainty | Optimum) for each in results.all)
-    return () if studied else shown
+    return () if studied else (*shown, *strong)
 
 
 def report_summary(results: Results) -> Summary:
@@ -182,6 +189,24 @@ def _load(results: Results, question: str, name: str, words: str) -> Card:
     place = f"{words} {load.of}".rstrip()
     verdict = (_verdict(run, results),)
     return Card(question, str(load), f"{place}, {links}", verdict, _others(run, load))
+
+
+def _strength(results: Results) -> tuple[Card, ...]:
+    """Least load factor of all results of strength; none without such a result."""
+    found = [
+        (run, number)
+        for run in results.of_kind(Strength)
+        for number in run.summary().numbers
+        if number.name == "load_factor"
+    ]
+    if not found:
+        return ()
+    run, least = min(found, key=lambda pair: pair[1].value)
+    value = rounded(least.value, math.nan, _DIGITS) if math.isfinite(least.value) else "any"
+    source = run.dataset.attrs["source_of_loads"]
+    place = f"times the loads until {least.of} fails, {source} loads"
+    (first, *further) = run.summary().answer
+    return (Card("Strength", value, place, (_verdict(run, results), first), tuple(further)),)
 
 
 def _others(run: Result, greatest: Quantity) -> tuple[str, ...]:

@@ -434,6 +434,7 @@ def test_command(invented: xr.Dataset, tmp_path: Path, monkeypatch: pytest.Monke
         "composite_claims.csv",
         "composite_properties.csv",
         "composite_running.csv",
+        "composite_strength.csv",
         "composites.csv",
         "composites.nc",
         "summary.txt",

@@ -45,6 +45,7 @@ NAMES = [
     "six_bars",
     "stability_maps",
     "steel_fourbar_frequencies",
+    "strength_of_a_fourbar",
     "swollen_angles",
     "transmission_angle",
     "turcic_midha_bosnik",

@@ -67,6 +67,7 @@ SECTION = MECHANISM.sections["crank"]
 POINTS = {"O": (0.0, 0.0), "A": (0.1, 0.0), "B": (0.3, 0.2), "C": (0.3, 0.0)}
 LINKS = tuple(flexmech.PlanarLink(two, tuple(two)) for two in ("OA", "AB", "CB"))
 QUANTITY = flexmech.MeasuredQuantity("f", "Hz", np.array([44.0, 45.0, 46.0]))
+BALANCE = flexmech.BalanceRequest(5.0, elastic=False)
 RUN = flexmech.ResponseRequest(flexmech.CrankDrive(5.0), 0.02, 60, step=1e-3, prestress="axial")
 POINT = flexmech.CouplerPoint(0.1, 0.1)
 RIGHT: dict[str, tuple[Callable[..., object], dict[str, object]]] = {
@@ -87,6 +88,20 @@ RIGHT: dict[str, tuple[Callable[..., object], dict[str, object]]] = {
         {"linkage": MECHANISM.linkage, "point": POINT, "crank_angle": 0.1},
     ),
     "motion": (MECHANISM.linkage.motion, {"crank_angle": 0.1, "crank_speed": 1.0}),
+    "law": (
+        flexmech.LawDrive,
+        {
+            **{"kind": "cycloid", "travel": 1.0, "time": 0.1, "dwell": 0.1, "moves": 2},
+            **{"forth_and_back": True, "start_angle": 0.1},
+        },
+    ),
+    "table": (
+        flexmech.TableDrive,
+        {
+            **{"times": (0.0, 1.0, 2.0, 3.0), "angles": (0.0, 1.0, 2.5, 3.0)},
+            **{"smoothing": 0.01, "ends": "rest", "moves": 1},
+        },
+    ),
     "exposure": (
         flexmech.Exposure,
         {"temperature_rise": 1.0, "relative_humidity": 0.5, "time": 1e5},
@@ -100,6 +115,7 @@ RIGHT: dict[str, tuple[Callable[..., object], dict[str, object]]] = {
             **{"linkage": MECHANISM.linkage, "sections": dict(MECHANISM.sections)},
             **{"joint_masses": {"A": 0.1}, "link_masses": (), "gravity": (0.0, 0.0)},
             **{"operating_speeds": (1.0,), "loads": (), "springs": (), "bodies": ()},
+            "drive": flexmech.CrankDrive(5.0),
         },
     ),
     "engine": (
@@ -132,6 +148,15 @@ RIGHT: dict[str, tuple[Callable[..., object], dict[str, object]]] = {
     "hammer": (flexmech.hammer_test, {"request": flexmech.HammerRequest(0.0), "engine": None}),
     "kinematics": (flexmech.kinematics, {"mechanism": MECHANISM, "speed": None}),
     "lumped": (flexmech.KinematicsRequest, {"crank_angles": np.zeros(1), "lumped": (1, 4, 4)}),
+    "frame": (flexmech.KinematicsRequest, {"moment_point": (0.0, 0.0)}),
+    "balance": (flexmech.balance, {"mechanism": MECHANISM, "speed": BALANCE}),
+    "counterweights": (
+        flexmech.BalanceRequest,
+        {
+            **{"crank_speed": 5.0, "weights": (1, 1, 1), "radii": 0.1, "share": 0.5},
+            **{"crank_angles": np.zeros(1), "moment_point": (0.0, 0.0), "elastic": False},
+        },
+    ),
     "path": (
         flexmech.coupler_paths,
         {"mechanism": MECHANISM, "crank_angles": [0.0, 0.1], "point": POINT, "link": "coupler"},

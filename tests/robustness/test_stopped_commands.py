@@ -40,6 +40,7 @@ COMMANDS = {
     "moisture": [MOIST, "--relative-humidity", "85", "--time", "30 day"],
     "section": [MOIST],
     "kinematics": [FOURBAR, "--speed", "10"],
+    "balance": [FOURBAR, "--speed", "10", "--rigid"],
     "coupler-curve": [FOURBAR, "--point", "33 mm,320 deg"],
     "synthesize": ["--deviation", "20", "--rocker-angle", "100"],
     "check": [FOURBAR],

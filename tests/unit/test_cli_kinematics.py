@@ -43,7 +43,8 @@ def test_the_command_writes_the_tables_of_the_result(tmp_path: Path) -> None:
     code, printed, errors = run("kinematics", ALUMINIUM, *options, "--details", "--out", tmp_path)
     assert (code, errors) == (0, "")
     written = sorted(file.name for file in tmp_path.iterdir())
-    assert written == sorted([*Kinematics.files, "summary.txt"])
+    # The picture of a law of motion is left out: the speed is constant.
+    assert written == sorted({*Kinematics.files, "summary.txt"} - {"law.png"})
     assert "at 190 rpm" in printed
     assert "driving torque by 12 lumped masses" in printed
     columns = {
@@ -53,6 +54,10 @@ def test_the_command_writes_the_tables_of_the_result(tmp_path: Path) -> None:
         "forces": "crank_angle_deg joint of on x_N y_N moment_Nm",
         "drive": "crank_angle_deg torque_Nm power_W transmission_angle_deg "
         "reversed_transmission_angle_deg",
+        "shaking_force": "crank_angle_deg shaking_force_x_N shaking_force_y_N shaking_moment_Nm",
+        "shaking_harmonics": "order shaking_force_x_amplitude_N shaking_force_y_amplitude_N "
+        "shaking_force_x_phase_deg shaking_force_y_phase_deg shaking_force_greatest_N "
+        "shaking_moment_amplitude_Nm shaking_moment_phase_deg",
         "forces_lumped": "crank_angle_deg joint of on x_N y_N moment_Nm",
         "drive_lumped": "crank_angle_deg torque_Nm power_W",
         "lumped_masses": "crank_angle_deg link position_m mass_kg ax_m_s2 ay_m_s2 "
@@ -60,7 +65,7 @@ def test_the_command_writes_the_tables_of_the_result(tmp_path: Path) -> None:
     }
     tables = {name: pd.read_csv(tmp_path / f"{name}.csv") for name in columns}
     assert {name: " ".join(table.columns) for name, table in tables.items()} == columns
-    assert [len(table) for table in tables.values()] == [39, 52, 13, 52, 13, 156]
+    assert [len(table) for table in tables.values()] == [39, 52, 13, 13, 11, 52, 13, 156]
     request = KinematicsRequest(TURN, 190 * np.pi / 30, (1, 4, 4))
     data = kinematics(load_mechanism(ALUMINIUM), request).dataset
     forces = tables["forces"].set_index(["joint", "crank_angle_deg"])
@@ -83,7 +88,8 @@ def test_without_lumped_masses_their_files_are_not_written(tmp_path: Path) -> No
     assert code == 0
     names = {file.name for file in tmp_path.iterdir()}
     csv = {"kinematics.csv", "forces.csv", "drive.csv", "motion.csv"}
-    assert names == {*csv, "kinematics.nc", "summary.txt"}
+    shaking = {"shaking_force.csv", "shaking_harmonics.csv"}
+    assert names == {*csv, *shaking, "kinematics.nc", "summary.txt"}
     assert len(pd.read_csv(tmp_path / "drive.csv")) == 361
     assert "at 20 rad/s" in printed  # the greatest speed of the model
 
@@ -106,6 +112,8 @@ def test_an_arm_has_no_transmission_angle(tmp_path: Path) -> None:
         (("--lumped", "1,x,4"), "--lumped: got '1,x,4'; give the elements of each link"),
         (("--lumped", "0,4,4"), "--lumped: got '0,4,4'"),
         (("--lumped", "1,4,2000"), "lumped: 2000 elements of a link are beyond 1000"),
+        (("--moment-point", "127 mm"), "--moment-point: got '127 mm'; give x and y in ground axes"),
+        (("--moment-point", "1,2"), "--moment-point: got '1', which has no unit"),
         (("--speed", "5 mm"), "--speed: "),
         (("--angles", "90,0"), "--angles: "),
         (("--crank-acceleration", "50 rad/s"), "--crank-acceleration: got '50 rad/s', whose unit"),

@@ -24,7 +24,7 @@ DATA = ["response.csv", "response.nc", "summary.txt"]
 COLUMNS = (
     "engine,time_s,crank_angle_deg,coupler_mid_deflection_m,rocker_mid_deflection_m,"
     "crank_tip_deflection_m,coupler_mid_strain,rocker_mid_strain,driving_torque_Nm,"
-    "pin_A_x_N,pin_A_y_N,pin_B_x_N,pin_B_y_N"
+    "pin_A_x_N,pin_A_y_N,pin_B_x_N,pin_B_y_N,shaking_force_x_N,shaking_force_y_N,shaking_moment_Nm"
 )
 QUICK = ["--engine", "reference", "--speed", "20", "--revolutions", "0.1", "--elements", "2"]
 QUICK += ["--samples", "120"]
@@ -125,7 +125,11 @@ def test_a_clamped_link_alone_has_no_pins(tmp_path: Path) -> None:
     )
     assert result.exit_code == 0, result.output
     header = (tmp_path / "response.csv").read_text(encoding="utf-8").split("\n")[0]
-    assert header == "engine,time_s,crank_angle_deg,arm_tip_deflection_m,driving_torque_Nm"
+    assert header == (
+        "engine,time_s,crank_angle_deg,arm_tip_deflection_m,driving_torque_Nm,"
+        "crank_speed_rad_s,crank_acceleration_rad_s2,driving_power_W,"
+        "shaking_force_x_N,shaking_force_y_N,shaking_moment_Nm"
+    )
     ((engine, link, place, *_, strain, stress, along, _),) = table_rows(result.stdout)
     assert (engine, link, place, strain, along) == ("reference", "arm", "tip", "-", "0")
     assert float(stress) > 0

@@ -28,7 +28,7 @@ pytestmark = pytest.mark.usefixtures("rough_pictures")
 
 ALUMINIUM = str(Path(__file__).parents[2] / "models" / "aluminium_fourbar.toml")
 DATA = ["response.csv", "response.nc", "summary.txt"]
-PICTURES = ["forces.png", "response.png", "spectrum.png"]
+PICTURES = ["forces.png", "response.png", "running_shaking_force.png", "spectrum.png"]
 ANIMATIONS = ["animation.gif", "animation.mp4"]
 QUICK = ["--speed", "20", "--engine", "reference"]
 

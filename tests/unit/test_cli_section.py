@@ -168,7 +168,7 @@ def test_a_wide_section_says_so(tmp_path: Path) -> None:
 
 def test_a_long_name_keeps_its_angle(tmp_path: Path) -> None:
     file, name = tmp_path / "long.toml", "T300_carbon_in_5208_epoxy_woven_fabric"
-    text = COMPOSITE.read_text(encoding="utf-8").replace("[plies.C]", f"[plies.{name}]")
+    text = COMPOSITE.read_text(encoding="utf-8").replace("[plies.C", f"[plies.{name}")
     text = re.sub(r"(?<=[\[/])C(?=[@*/\]])", name, text)
     file.write_text(text, encoding="utf-8")
     printed = run(file, "--link", "crank").stdout

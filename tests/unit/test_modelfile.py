@@ -183,6 +183,9 @@ def test_what_the_slider_crank_shows_in_comments_is_right_too() -> None:
     assert [body.mass for body in mechanism.bodies] == [0.3, 0.2]
 
 
+DRIVE = ("# law", "# travel", "# time", "# dwell")
+
+
 @pytest.mark.parametrize("kind", ["four-bar", "rotating-arm"])
 def test_what_templates_show_in_comments_is_right_too(kind: str) -> None:
     lines = template(kind).split("\n")
@@ -195,7 +198,7 @@ def test_what_templates_show_in_comments_is_right_too(kind: str) -> None:
     lines[rectangle] = general
     shown = [
         line.removeprefix("# ")
-        if line.startswith(("# [", "# position", "# mass =", "# damping_time"))
+        if line.startswith(("# [", "# position", "# mass =", "# damping_time", *DRIVE))
         else line
         for line in lines
     ]
@@ -210,6 +213,7 @@ def test_what_templates_show_in_comments_is_right_too(kind: str) -> None:
         rectangular.rotary_inertia, rel=0.05
     )
     assert len(mechanism.link_masses) == 1
+    assert (mechanism.drive is not None) == (kind == "four-bar")
     fit_the_schema(tomllib.loads(text))
 
 

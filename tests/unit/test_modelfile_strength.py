@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +17,11 @@ from flexmech.materials.plies_in_state import ply_diluted, ply_in_state
 from flexmech.modelfile import json_schema, load_mechanism, mechanism_from_toml
 
 MODELS = Path(__file__).parents[2] / "models"
-COMPOSITE = (MODELS / "composite_fourbar.toml").read_text(encoding="utf-8")
+COMPOSITE = re.sub(
+    r"\[plies\..\.strength\]\n(.+\n)+",
+    "",
+    (MODELS / "composite_fourbar.toml").read_text(encoding="utf-8"),
+)
 STRENGTH = """
 [plies.C.strength]
 Xt = "1500 MPa"

@@ -31,7 +31,7 @@ def evaluated(value: Any) -> Any:
         [1.0 / 7, (2, "x")],
         'a "name"',
         "it's a \\ name\n",
-        Shaft(0.1 / 3, 20.0, 0.05),
+        Shaft(0.1 / 3, 20.0, ((0.0, 0.05, (0.1, 1 / 3), (0.0, 0.0, 0.7)),)),
     ],
 )
 def test_the_text_of_a_value_is_the_value_to_the_last_digit(value: Any) -> None:

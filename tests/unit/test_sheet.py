@@ -16,8 +16,10 @@ from PIL import Image
 from flexmech import plots
 from flexmech.errors import InputError
 from flexmech.plots import chosen
+from tests.unit.balance_data import balance_dataset
 from tests.unit.comparison_data import drawn_dataset
 from tests.unit.design_data import optimum_dataset, sweep_designs, uncertainty_dataset
+from tests.unit.driven_data import driven_dataset
 from tests.unit.figure_checks import (
     check_layout,
     check_texts,
@@ -43,6 +45,7 @@ from tests.unit.plot_data import (
 )
 from tests.unit.roved_hammer import roved_dataset
 from tests.unit.running_hammer_data import running_hammer_dataset
+from tests.unit.shaking_data import running_shaking_dataset
 from tests.unit.stability_data import stability_dataset
 from tests.unit.strength_data import strength_dataset
 
@@ -119,6 +122,7 @@ def section() -> xr.Dataset:
 # What every figure is drawn from, and how many panels it has.
 FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_agreement: (frequency_dataset, 4),
+    plots.plot_balance: (balance_dataset, 4),
     plots.plot_comparison: (drawn_dataset, 3),
     plots.plot_composite_damping: (composite_study, 3),
     plots.plot_composite_frequencies: (composite_study, 3),
@@ -143,6 +147,7 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_kinematics: (kinematics_dataset, 3),
     plots.plot_motion: (kinematics_dataset, 3),
     plots.plot_laminate_factors: (composite_study, 1),
+    plots.plot_law: (driven_dataset, 4),
     plots.plot_linkage: (linkage_dataset, 1),
     plots.plot_mechanism: (mechanism_dataset, 3),
     plots.plot_damping_ratio: (frequency_dataset, 3),
@@ -151,11 +156,15 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_moisture: (moisture_dataset, 4),
     plots.plot_nyquist: (hammer_dataset, 2),
     plots.plot_pareto: (optimum_dataset, 1),
+    plots.plot_residual: (driven_dataset, 3),
     plots.plot_response: (response_dataset, 5),
     plots.plot_running_against_steel: (composite_study, 2),
+    plots.plot_running_shaking_force: (running_shaking_dataset, 3),
     plots.plot_search: (optimum_dataset, 2),
     plots.plot_section: (section, 6),
     plots.plot_sensitivity: (uncertainty_dataset, 2),
+    plots.plot_shaking_force: (kinematics_dataset, 2),
+    plots.plot_shaking_orders: (running_shaking_dataset, 2),
     plots.plot_spectrogram: (response_dataset, 3),
     plots.plot_spectrum: (response_dataset, 3),
     plots.plot_speed_effect: (frequency_dataset, 4),

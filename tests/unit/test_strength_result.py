@@ -15,7 +15,7 @@ from flexmech.analyses.strength.result import Strength
 from flexmech.errors import InputError
 from flexmech.plots import page_width, plot_internal_forces, plot_strength
 from tests.unit.figure_checks import check_texts, legend_texts, panels
-from tests.unit.strength_data import composite
+from tests.unit.strength_data import MODELS, STRENGTH, composite
 
 
 @pytest.fixture(scope="module")
@@ -61,8 +61,10 @@ def test_margins_are_the_worst_of_the_places(found: Strength) -> None:
         assert margins.loc[link, "load_factor"] == worst["load_factor"]
         assert margins.loc[link, "layer"] == worst["layer"]
         assert margins.loc[link, "crank_angle_deg"] == worst["crank_angle_deg"]
-    # Inertia alone: loads go with the square of the speed.
-    np.testing.assert_allclose(margins["speed_factor"] ** 2, margins["load_factor"], rtol=1e-9)
+    request = flexmech.StrengthRequest(crank_speed=950.0, speed_unit="rpm", source="rigid")
+    straight = flexmech.strength(composite(), request).tables()["margins"]
+    # Inertia alone: loads of straight links go with the square of the speed.
+    np.testing.assert_allclose(straight["speed_factor"] ** 2, straight["load_factor"], rtol=1e-9)
 
 
 def test_worst_angle_is_that_of_the_turn(found: Strength) -> None:
@@ -141,5 +143,94 @@ def test_request_is_checked() -> None:
     mechanism = composite()
     bare = {name: replace(own, layers=None) for name, own in mechanism.sections.items()}
     stiff = replace(mechanism, sections=bare)
-    with pytest.raises(InputError, match="no link of"):
+    with pytest.raises(InputError, match="no link and no pin of"):
         flexmech.strength(stiff, 100.0)
+
+
+def test_pins_are_judged_where_no_link_is(tmp_path: Path) -> None:
+    """Sections that are stated by their stiffness have no layers."""
+    mechanism = composite()
+    bare = {name: replace(own, layers=None) for name, own in mechanism.sections.items()}
+    pin = flexmech.JointPin("A", 8e-3, bush_length=10e-3, allowable_pv=1.8e6)
+    stiff = replace(mechanism, sections=bare, joint_pins=(pin,))
+    found = flexmech.strength(stiff, 950.0, speed_unit="rpm")
+    assert found.tables()["margins"][["part", "kind"]].values.tolist() == [["A", "pin"]]
+    assert found.tables()["strength"].empty
+    assert found.summary().answer[0].startswith("pin A fails first, by p v in the bush")
+    details = "\n".join(found.summary().details)
+    assert "not judged, for their layers are not known: crank, coupler, rocker" in details
+    assert "criteria:" not in details
+    for figure in found.figures().values():
+        check_texts(figure)
+    assert "not judged" in legend_texts(plot_strength(found.dataset))
+    plt.close("all")
+    found.save(tmp_path)
+    again = Strength.load(tmp_path / "strength.nc")
+    xr.testing.assert_identical(again.dataset, found.dataset)
+
+
+def test_rigid_links_are_at_rest_as_they_are() -> None:
+    """Without an elastic link the equilibrium is that of the rigid linkage, and is called so."""
+    strong = flexmech.Material(70e9, 2700.0, yield_strength=240e6)
+    section = flexmech.BeamSection.rectangle(strong, 8e-3, 20e-3)
+    points = {"O2": (0.0, 0.0), "O4": (0.25, 0.0), "A": (0.0, 0.1), "B": (0.2, 0.28)}
+    ends = {"crank": ("O2", "A"), "coupler": ("A", "B"), "rocker": ("O4", "B")}
+
+    def linkage(rigid: bool) -> flexmech.Mechanism:
+        links = tuple(flexmech.PlanarLink(name, own, rigid=rigid) for name, own in ends.items())
+        clamp = flexmech.PlanarJoint("O2", "clamp")
+        planar = flexmech.PlanarLinkage(points, links, ("O2", "O4"), (clamp,))
+        return flexmech.Mechanism(planar, dict.fromkeys(ends, section))
+
+    found = flexmech.strength(linkage(rigid=True), 40.0)
+    assert found.dataset.attrs["source_of_loads"] == "rigid"
+    request = flexmech.StrengthRequest(crank_speed=40.0, source="rigid")
+    straight = flexmech.strength(linkage(rigid=False), request)
+    assert set(found.tables()["margins"]["part"]) == set(ends)
+    np.testing.assert_allclose(
+        found.dataset["margin_load_factor"], straight.dataset["margin_load_factor"], rtol=1e-12
+    )
+
+
+def test_links_in_air_for_a_time_are_judged_by_slices() -> None:
+    """Water that has gone in everywhere is what a state of equal moisture has."""
+    strong = []
+    mechanism = flexmech.load_mechanism(MODELS / "moist_composite_fourbar.toml")
+    sections = {}
+    for link, section in mechanism.sections.items():
+        assert section.layers is not None
+        laminate = section.layers.laminate
+        layers = tuple(
+            replace(la, ply=replace(la.ply, strength=STRENGTH)) for la in laminate.layers
+        )
+        strong.append(len(layers))
+        sections[link] = replace(
+            section, layers=section.layers.resized(replace(laminate, layers=layers), 1.0)
+        )
+    mechanism = replace(mechanism, sections=sections)
+
+    def judged(environment: object) -> Strength:
+        request = flexmech.StrengthRequest(
+            crank_speed=20.0, environment=environment, search_speed=False
+        )
+        return flexmech.strength(mechanism, request)
+
+    year = 365.25 * 86400.0
+    damp = judged(flexmech.Exposure(40.0, 0.5, 1000 * year))
+    layers = mechanism.sections["coupler"].layers
+    assert layers is not None
+    resin = layers.laminate.layers[0].ply.resin
+    assert resin is not None
+    equilibrium = resin.hygrothermal.equilibrium
+    assert equilibrium is not None
+    water = equilibrium.saturation * 0.5**equilibrium.humidity_exponent
+    equal = judged(flexmech.HygrothermalState(40.0, water))
+    first, second = (one.dataset["margin_load_factor"].values for one in (damp, equal))
+    np.testing.assert_allclose(first, second, rtol=1e-3)
+    details = "\n".join(damp.summary().details)
+    assert "layers are slices of the stated ones, each equally moist: crank" in details
+    assert damp.dataset.sizes["layer"] > max(strong)
+    assert "slices" not in "\n".join(equal.summary().details)
+    # After a month water is near the surfaces, which swell against the rest.
+    month = judged(flexmech.Exposure(40.0, 0.5, year / 12))
+    assert np.abs(month.dataset["margin_load_factor"].values / second - 1).max() > 1e-3

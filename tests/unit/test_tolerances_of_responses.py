@@ -39,7 +39,7 @@ def test_forces_count_below_what_rings_along_the_links(monkeypatch):
         duration=1.0,
         sample_interval=1e-3,
         sample_time=lambda refinement: None,
-        drive=SimpleNamespace(start_angle=0.0),
+        drive=CrankDrive(20.0),
     )
     # Far above what bends, and below what rings so fast that the step decides on it.
     assert 5 * 400 < plan.planned([None], request).band < 0.75 * 8000

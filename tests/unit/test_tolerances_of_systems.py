@@ -31,7 +31,7 @@ from flexmech.errors import ComputationError, FlexmechError, InputError, one_lin
 from flexmech.files import given_path
 from flexmech.linear_system import refuse_large_displacements
 from flexmech.model_text import quantity, short_repr
-from flexmech.modelfile.attachments import _lines
+from flexmech.modelfile.csv_files import csv_lines
 from flexmech.modelfile.messages import together
 from flexmech.quantity_lists import parse_quantities
 from flexmech.unit_registry import base_units
@@ -232,9 +232,9 @@ def test_files_of_loads_have_the_size_of_loads(tmp_path):
     with path.open("wb") as stream:
         stream.truncate(10_000_001)
     with pytest.raises(InputError, match="is larger than any load"):
-        _lines(path, "load.csv")
+        csv_lines(path, "load.csv", "load")
     path.write_text("1,2\n" * 100_000)
-    assert len(_lines(path, "load.csv")) == 100_000
+    assert len(csv_lines(path, "load.csv", "load")[1]) == 99_999
 
 
 @pytest.mark.parametrize("part", [0.49, 0.51])

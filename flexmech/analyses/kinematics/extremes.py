@@ -43,8 +43,14 @@ class Extremes:
     error: FloatArray
 
 
-def extremes(values_at: Values, crank_angles: FloatArray, *, between: bool = True) -> Extremes:
-    """Least and greatest values from the first to the last of some crank angles.
+def extremes(
+    values_at: Values,
+    crank_angles: FloatArray,
+    *,
+    between: bool = True,
+    step: float | None = None,
+) -> Extremes:
+    """Least and greatest values from the first to the last of some crank angles, or times.
 
     They are sought in steps of a degree, and each is narrowed down between its neighbours.
 
@@ -56,24 +62,31 @@ def extremes(values_at: Values, crank_angles: FloatArray, *, between: bool = Tru
         In rad, increasing.
     between : bool
         Whether values between the angles count; else those at the angles alone.
+    step : float, optional
+        In place of a degree, of times: what is over time does not go round.
 
     Returns
     -------
     Extremes
     """
-    angles = crank_angles
+    angles, turns = crank_angles, step is None
     if between and angles.size > 1:
-        steps = int(np.ceil(round((angles[-1] - angles[0]) / _STEP, 6)))
+        steps = int(np.ceil(round((angles[-1] - angles[0]) / (step or _STEP), 6)))
         angles = np.union1d(angles, np.linspace(angles[0], angles[-1], max(steps, 1) + 1))
     values = values_at(angles)
-    greatest = _greatest(values_at, angles, values, 1.0, between)
-    least = _greatest(values_at, angles, values, -1.0, between)
+    greatest = _greatest(values_at, angles, values, 1.0, between, turns)
+    least = _greatest(values_at, angles, values, -1.0, between, turns)
     error = np.maximum(greatest[2], least[2])
     return Extremes(-least[0], least[1], greatest[0], greatest[1], error)
 
 
 def _greatest(
-    values_at: Values, angles: FloatArray, values: FloatArray, sign: float, between: bool
+    values_at: Values,
+    angles: FloatArray,
+    values: FloatArray,
+    sign: float,
+    between: bool,
+    turns: bool,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Greatest values of the quantities times a sign, their angles, and their errors."""
     found, columns = sign * values, np.arange(values.shape[1])
@@ -89,7 +102,7 @@ def _greatest(
     # Of a periodic quantity of a whole turn the end goes on with the beginning.
     size = np.abs(values).max(axis=0)
     joined = np.abs(values[-1] - values[0]) <= ROUND_OFF * size
-    joined &= _is_whole(angles[-1] - angles[0])
+    joined &= turns and is_whole(angles[-1] - angles[0])
     low = where - np.where((place > ends[0]) | joined, step[np.maximum(place - 1, 0)], 0.0)
     high = where + np.where((place < ends[1]) | joined, step[np.minimum(place, len(step) - 1)], 0.0)
     for _ in range(_ZOOMS):
@@ -131,7 +144,7 @@ def _vertices(values: FloatArray) -> FloatArray:
     return heights
 
 
-def _is_whole(angle: float) -> bool:
+def is_whole(angle: float) -> bool:
     """Whether an angle in rad is one turn or several."""
     turns = angle / (2 * np.pi)
     return bool(turns > 0.5 and abs(turns - round(turns)) <= ROUND_OFF)
@@ -157,7 +170,7 @@ def mean_over_turns(
         None where the angles are no whole turns.
     """
     first, last = float(crank_angles[0]), float(crank_angles[-1])
-    if not _is_whole(last - first):
+    if not is_whole(last - first):
         return None
     steps = _FEWEST_STEPS * round((last - first) / (2 * np.pi))
     values = value_at(np.linspace(first, last, steps + 1))

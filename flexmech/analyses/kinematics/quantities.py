@@ -10,6 +10,7 @@ import xarray as xr
 
 from flexmech.analyses.kinematics.extremes import extremes, mean_over_turns
 from flexmech.analyses.kinematics.variables import of_centres, of_forces, of_points
+from flexmech.analyses.shaking import shaking_of
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages import FourBar, InverseDynamics, rocker_swing
@@ -42,7 +43,11 @@ class Quantity(NamedTuple):
 
 
 def quantities(
-    mechanism: Mechanism, forces: InverseDynamics, lumped: InverseDynamics | None
+    mechanism: Mechanism,
+    forces: InverseDynamics,
+    lumped: InverseDynamics | None,
+    point: tuple[float, float] | None = None,
+    shaft_torque: float | FloatArray = 0.0,
 ) -> Iterator[Quantity]:
     """Every number whose extremes are told, always in one order.
 
@@ -53,6 +58,10 @@ def quantities(
         In positions (A,), by distributed masses.
     lumped : InverseDynamics or None
         By lumped masses.
+    point : tuple of float, optional
+        About which the shaking moment is taken, m.
+    shaft_torque : float or ndarray, shape (A,)
+        Of the drive on the shaft itself, N m.
 
     Yields
     ------
@@ -74,13 +83,16 @@ def quantities(
             yield Quantity(f"{prefix}joint_force", joint, "N", size)
         yield Quantity(f"{prefix}driving_torque", "", "N m", by.driving_torque)
     yield Quantity("driving_power", "", "W", forces.driving_power)
-    for number, point in enumerate(points["point"][1] if "point" in points else ()):
+    shaking = shaking_of(mechanism, forces, point, shaft_torque)
+    yield Quantity("shaking_force", "", "N", np.linalg.norm(shaking.force, axis=-1))
+    yield Quantity("shaking_moment", "", "N m", shaking.moment)
+    for number, place_of in enumerate(points["point"][1] if "point" in points else ()):
         for axis, component in enumerate("xy"):
             place = points["point_position"][1][:, number, axis]
-            yield Quantity(f"position_{component}", point, "m", place)
+            yield Quantity(f"position_{component}", place_of, "m", place)
         for name, unit in (("velocity", "m/s"), ("acceleration", "m/s^2")):
             size = np.linalg.norm(points[f"point_{name}"][1][:, number], axis=-1)
-            yield Quantity(name, point, unit, size)
+            yield Quantity(name, place_of, unit, size)
     for number, slider in enumerate(points["slider"][1] if "slider" in points else ()):
         for name, unit in (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s^2")):
             along = points[f"slider_{name}"][1][:, number]
@@ -90,7 +102,15 @@ def quantities(
             yield Quantity(name, "", "rad", getattr(linkage, name)(motion.crank_angle))
 
 
-def extremes_dataset(mechanism: Mechanism, at: Forces, crank_angles: FloatArray) -> xr.Dataset:
+def extremes_dataset(
+    mechanism: Mechanism,
+    at: Forces,
+    crank_angles: FloatArray,
+    point: tuple[float, float] | None = None,
+    shaft_torque: float | Callable[[FloatArray], FloatArray] = 0.0,
+    *,
+    step: float | None = None,
+) -> xr.Dataset:
     """Least and greatest values from the first crank angle to the last, and the mean power.
 
     Between the angles too, unless the linkage cannot be moved through all of them.
@@ -102,6 +122,11 @@ def extremes_dataset(mechanism: Mechanism, at: Forces, crank_angles: FloatArray)
         See :data:`Forces`.
     crank_angles : ndarray, shape (A,)
         In rad, increasing.
+    point : tuple of float, optional
+    shaft_torque : float or callable
+        As in :func:`quantities`; or what gives it at the angles.
+    step : float, optional
+        Where the angles are times: in what steps extremes are sought, in s.
 
     Returns
     -------
@@ -109,13 +134,18 @@ def extremes_dataset(mechanism: Mechanism, at: Forces, crank_angles: FloatArray)
         Over ``extreme``, told by its ``extreme_quantity``, ``extreme_of`` and ``extreme_unit``.
     """
 
-    def values_at(angles: FloatArray) -> FloatArray:
-        return np.stack([one.values for one in quantities(mechanism, *at(angles))], axis=1)
+    def found_at(angles: FloatArray) -> list[Quantity]:
+        own = shaft_torque(angles) if callable(shaft_torque) else shaft_torque
+        return list(quantities(mechanism, *at(angles), point, own))
 
-    named = list(quantities(mechanism, *at(crank_angles[:1])))
+    def values_at(angles: FloatArray) -> FloatArray:
+        return np.stack([one.values for one in found_at(angles)], axis=1)
+
+    named = found_at(crank_angles[:1])
     try:
-        found = extremes(values_at, crank_angles)
-        mean = mean_over_turns(lambda angles: at(angles)[0].driving_power, crank_angles)
+        found, mean = extremes(values_at, crank_angles, step=step), None
+        if step is None:
+            mean = mean_over_turns(lambda angles: at(angles)[0].driving_power, crank_angles)
     except InputError:
         # It passes a dead point, or a gap of its range of motion.
         found, mean = extremes(values_at, crank_angles, between=False), None

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from flexmech.analyses.shaking import Variables
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages import (
@@ -20,9 +20,6 @@ from flexmech.linkages import (
 )
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
-
-Variables = dict[str, tuple[tuple[str, ...], Any]]
-"""Dimensions and values of variables by their names."""
 
 _ANGLE, _LINK = "crank_angle", "link"
 _PLANE = (_ANGLE, _LINK, "component")

@@ -9,7 +9,8 @@ import xarray as xr
 
 from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.digits import MOST_DIGITS, Quantity, percent, rounded
-from flexmech.analyses.remarks import crank_speed_text
+from flexmech.analyses.remarks import drive_words
+from flexmech.analyses.shaking import harmonics_line, point_text
 from flexmech.analyses.summary import Row, Summary, Table
 from flexmech.arrays import ROUND_OFF
 
@@ -153,6 +154,10 @@ def _answer(data: xr.Dataset, found: _Found) -> tuple[str, ...]:
             f"The greatest joint force is {force.peak()[0]} N, at {joint}; the driving torque "
             f"{driven} N m."
         )
+    power = found["driving_power", ""]
+    if "time" in data.dims and power.span > power.error:
+        low, high = power.texts()
+        said.append(f"The shaft gives {low} to {high} W.")
     if _mean_text(data, found) not in ("", "0"):
         said.append(f"The shaft gives {_mean_text(data, found)} W on average.")
     return tuple(said[-3:] if len(said) > 3 else said)
@@ -186,18 +191,24 @@ def _table(data: xr.Dataset, found: _Found) -> Table:
         moves = [found.get((what, name)) for what in ("velocity", "acceleration", "joint_force")]
         cells = (text for each in moves for text in (each.peak() if each else ("", "")))
         rows.append((name, str(kinds.get(name, "point")), *[length] * slides, *cells))
-    angles = data["crank_angle"].values
-    first, last = (f"{_PER_RADIAN * angle:.6g}" for angle in (angles[0], angles[-1]))
+    if ("shaking_force", "") in found:
+        shaking = found["shaking_force", ""].peak()
+        rows.append(("frame", "shaking", *[""] * slides, "", "", "", "", *shaking))
     return Table(
-        f"greatest values {_from_to(first, last)}, {data.attrs['mechanism']} at "
-        f"{crank_speed_text(data.attrs)}{_acceleration_text(data)}",
+        f"greatest values {_range_text(data)}, {data.attrs['mechanism']} "
+        f"{drive_words(data.attrs)}{_acceleration_text(data)}",
         ("place", "kind", *["stroke mm"] * slides, *_MOTION_AND_FORCE),
         (tuple(rows),),
         text_columns=2,
     )
 
 
-def _from_to(first: str, last: str) -> str:
+def _range_text(data: xr.Dataset) -> str:
+    """From where to where, in crank angle or in time."""
+    if "time" in data.dims:
+        return f"in {float(data['time'][-1]):.6g} s"
+    angles = data["crank_angle"].values
+    first, last = (f"{_PER_RADIAN * angle:.6g}" for angle in (angles[0], angles[-1]))
     return f"at crank angle {first} deg" if first == last else f"from {first} to {last} deg"
 
 
@@ -238,10 +249,17 @@ def _lines(data: xr.Dataset, found: _Found, lumped: bool) -> list[str]:
         what = f"driving torque by {data.sizes['lump']} lumped masses"
         lines.append(found["lumped_driving_torque", ""].range(what, "N m"))
     lines.append(found["driving_power", ""].range("driving power", "W"))
+    lines += _law_lines(data)
     if shaft := float(data.attrs.get("shaft_inertia_torque", 0.0)):
         lines.append(f"driving torque: the shaft's own inertia takes {shaft:.5g} N m besides")
     if mean := _mean_text(data, found):
         lines.append(f"mean driving power over the turn: {mean} W")
+    if ("shaking_force", "") in found:
+        lines.append(found["shaking_force", ""].range("shaking force on the frame", "N"))
+        what = f"shaking moment on the frame about {point_text(data)}"
+        lines.append(found["shaking_moment", ""].range(what, "N m"))
+    if "order" in data:
+        lines.append(harmonics_line(data))
     lines += [
         found[angle, ""].range(words, "deg", _PER_RADIAN)
         for angle, words in TRANSMISSION.items()
@@ -256,6 +274,25 @@ def _lines(data: xr.Dataset, found: _Found, lumped: bool) -> list[str]:
         x, y = (found[f"position_{axis}", point].texts(_MM, _DETAILED) for axis in "xy")
         lines.append(f"{point}: x {x[0]} to {x[1]} mm, y {y[0]} to {y[1]} mm")
     return lines
+
+
+def _law_lines(data: xr.Dataset) -> list[str]:
+    """Greatest speed and acceleration under a law, and what the shaft's own inertia takes."""
+    if "time" not in data.dims:
+        return []
+    speed, acceleration = (
+        float(abs(data[name]).max()) for name in ("crank_speed_over_time", "crank_acceleration")
+    )
+    lines = [f"crank: speed up to {speed:.5g} rad/s, acceleration up to {acceleration:.5g} rad/s²"]
+    if "shaft_inertia_torque" in data:
+        whole = data["driving_torque"] + data["shaft_inertia_torque"]
+        torque, power = (
+            float(abs(one).max()) for one in (whole, whole * data["crank_speed_over_time"])
+        )
+        lines.append(
+            f"drive: with the shaft's own inertia up to {torque:.5g} N m and {power:.5g} W"
+        )
+    return lines + [str(note) for note in [data.attrs.get("drive_note")] if note]
 
 
 def _trust(data: xr.Dataset) -> str:
@@ -285,6 +322,12 @@ def _numbers(data: xr.Dataset, found: _Found) -> tuple[Quantity, ...]:
     force, torque = found["joint_force", joint], found["driving_torque", ""]
     numbers.append(Quantity("peak_joint_force", force.greatest, "N", force.error, joint))
     numbers.append(Quantity("peak_driving_torque", torque.size, "N m", torque.error))
+    if "time" in data.dims:
+        power = found["driving_power", ""]
+        numbers.append(Quantity("peak_driving_power", power.size, "W", power.error))
+    for name, unit in (("shaking_force", "N"), ("shaking_moment", "N m")):
+        if (shaking := found.get((name, ""))) is not None:
+            numbers.append(Quantity(f"peak_{name}", shaking.size, unit, shaking.error, "frame"))
     if (angle := found.get(("transmission_angle", ""))) is not None:
         error = _PER_RADIAN * angle.error
         for name in ("least", "greatest"):

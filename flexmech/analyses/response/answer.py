@@ -90,7 +90,8 @@ def answer(dataset: xr.Dataset) -> tuple[str, ...]:
     carried = "" if force is None else f"Joint {force.of} carries up to {force}; "
     needed = "" if torque is None else f"the shaft needs up to {torque}."
     lines.append((carried + needed)[:1].upper() + (carried + needed)[1:])
-    if not dataset.attrs.get("damped", True) and dataset.attrs.get("start") != "periodic":
+    decays = dataset.attrs.get("damped", True) or "drive" in dataset.attrs
+    if not decays and dataset.attrs.get("start") != "periodic":
         lines.append(
             "No link is damped, so that the vibration of the start does not decay: state damping, "
             "or ask for --start periodic."

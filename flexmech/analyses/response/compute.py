@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any, Protocol, TypeVar, cast
 
 from flexmech.analyses.beam_theory import theory_attributes
-from flexmech.analyses.crank_speeds import GREATEST, asked_speeds, in_unit
 from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.datasets import with_units
 from flexmech.analyses.default_engines import engine_for
@@ -24,7 +23,7 @@ from flexmech.dynamical_systems import ON_A_STEP
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment
 from flexmech.linear_system import Engine
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import Drive
 from flexmech.mechanism import Mechanism
 from flexmech.threads import one_thread
 from flexmech.time_domain import LinkState
@@ -35,14 +34,14 @@ System = TypeVar("System", covariant=True)
 
 def response(
     engines: Engines,
-    speed: ResponseRequest | CrankDrive | float | None = None,
+    speed: ResponseRequest | Drive | float | None = None,
     *,
     speed_unit: str | None = None,
     check_mesh: bool = False,
     environment: Environment | None = None,
     progress: LabelledProgress | None = None,
 ) -> Response:
-    """Run a linkage at constant crank speed.
+    """Run a linkage at constant crank speed, or by a law of motion of its crank.
 
     Engines that simulate (Exudyn) run the nonlinear motion; the others the equations of
     motion in link frames. Joint forces and torque are those up to half the lowest frequency
@@ -52,9 +51,9 @@ def response(
     ----------
     engines : Engine, Mechanism or sequence of them
         All of one mechanism; of a mechanism the reference engine is made.
-    speed : float, CrankDrive or ResponseRequest, optional
+    speed : float, Drive or ResponseRequest, optional
         Crank speed in ``speed_unit``, a drive in rad/s, or all that a run can be asked to be. Left
-        out: the greatest speed at which the mechanism operates.
+        out: the mechanism's drive, or the greatest speed at which it operates.
     speed_unit : str, optional
         Unit of the speed, such as ``"rpm"``, in which the result speaks of it. Left out: rad/s,
         that of the request, or that of the model file for the mechanism's speed.
@@ -105,19 +104,14 @@ def response(
 
 
 def _request(
-    speed: ResponseRequest | CrankDrive | float | None, unit: str | None, mechanism: Mechanism
+    speed: ResponseRequest | Drive | float | None, unit: str | None, mechanism: Mechanism
 ) -> ResponseRequest:
     """All that a run is asked to be, as it is usual but for the speed where that alone is given."""
-    if isinstance(speed, ResponseRequest):
-        if unit is not None:
-            raise InputError("speed_unit: the request has its own; give it there")
-        request = speed
-    else:
-        request = ResponseRequest(speed, speed_unit=unit)
-    if request.speed is not None:
-        return request
-    speeds, shown = asked_speeds(None, request.speed_unit, mechanism, GREATEST)
-    return replace(request, speed=float(in_unit(speeds, shown)[0]), speed_unit=shown)
+    if not isinstance(speed, ResponseRequest):
+        return ResponseRequest(speed, speed_unit=unit).of(mechanism)
+    if unit is not None:
+        raise InputError("speed_unit: the request has its own; give it there")
+    return speed.of(mechanism)
 
 
 class _HandsOver(Protocol[System]):
@@ -125,7 +119,7 @@ class _HandsOver(Protocol[System]):
 
     def running_system(
         self,
-        drive: CrankDrive,
+        drive: Drive,
         start: LinkState,
         step: float,
         steps: int,
@@ -138,7 +132,7 @@ class _HandsOver(Protocol[System]):
 
 def exudyn_system(
     engine: _HandsOver[System] | Mechanism,
-    speed: ResponseRequest | CrankDrive | float | None = None,
+    speed: ResponseRequest | Drive | float | None = None,
     *,
     speed_unit: str | None = None,
     environment: Environment | None = None,
@@ -153,7 +147,7 @@ def exudyn_system(
     ----------
     engine : ExudynEngine or Mechanism
         Of a mechanism that engine is made.
-    speed : float, CrankDrive or ResponseRequest, optional
+    speed : float, Drive or ResponseRequest, optional
         As of :func:`response`, whose run is made first to find the step where none is asked for.
     speed_unit : str, optional
         As of :func:`response`.

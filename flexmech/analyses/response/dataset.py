@@ -12,10 +12,17 @@ from flexmech.analyses.datasets import attributes_of, provenance, rigid_position
 from flexmech.analyses.frequencies.formulation import Formulation
 from flexmech.analyses.frequencies.positions import frequencies_at
 from flexmech.analyses.response import measurements
+from flexmech.analyses.response.driven import (
+    drive_attributes,
+    driven_variables,
+    law_variables,
+    spectra_from,
+)
 from flexmech.analyses.response.measurements import peaks_between
 from flexmech.analyses.response.plan import SPECTRUM_REACH, RunPlan, oscillating, vibrating_engine
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.run import EngineRun, RunError
+from flexmech.analyses.response.shaking import rigid_shaking, running_shaking
 from flexmech.analyses.response.spectra import (
     WHOLE_PERIODS,
     amplitude_spectrum,
@@ -26,7 +33,7 @@ from flexmech.analyses.response.spectra import (
 from flexmech.analyses.response.stresses import peak_stresses
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import Engine
-from flexmech.linkages import CrankDrive, RigidMotion
+from flexmech.linkages import Drive, RigidMotion
 from flexmech.mechanism import drawing
 from flexmech.time_domain import Trajectory
 
@@ -55,15 +62,18 @@ def build_dataset(runs: Sequence[EngineRun], request: ResponseRequest, plan: Run
     parts = [
         xr.merge(
             [
-                _history(run, motion, plan.refinement),
+                _history(run, motion, plan.refinement, request),
                 _peaks(run, request.drive),
                 _spectra(run, request, plan, duration),
+                driven_variables(run.engine, run.trajectory, request, plan.refinement),
             ]
         )
         for run in runs
     ]
     names = xr.DataArray([engine.name for engine in engines], dims="engine", name="engine")
     dataset = xr.concat(parts, names, join="exact").merge(_rigid_values(first, motion))
+    dataset = dataset.merge(rigid_shaking(first, motion, request))
+    dataset = dataset.merge(law_variables(first, request))
     dataset = dataset.assign_coords(
         element=("engine", [engine.element for engine in engines]),
         nonlinear=("engine", [engine.simulates for engine in engines]),
@@ -91,9 +101,9 @@ def build_dataset(runs: Sequence[EngineRun], request: ResponseRequest, plan: Run
     return dataset.assign_attrs(
         provenance(engines) | attributes_of(request, *asked),
         drawing=drawing(first.mechanism),
-        crank_speed=request.drive.speed,
+        **drive_attributes(request),
         speed_unit=request.shown_unit,
-        run_up_time=request.drive.run_up_time,
+        run_up_time=request.drive.law_time,
         shaft=first.shaft,
         force_band=plan.band,
         damped=int(any(link.damping.any() for link in first.links)),
@@ -114,10 +124,13 @@ def whole_turns(request: ResponseRequest) -> int:
     int
         0 for other runs, and for shorter ones.
     """
-    return int(request.revolutions + 1e-9) if request.start == "periodic" else 0
+    turns = request.duration / request.drive.revolution_time
+    return int(turns + 1e-9) if request.start == "periodic" else 0
 
 
-def _history(run: EngineRun, motion: RigidMotion, refinement: int) -> xr.Dataset:
+def _history(
+    run: EngineRun, motion: RigidMotion, refinement: int, request: ResponseRequest
+) -> xr.Dataset:
     """What a run measures at the samples asked for, and how far it may be trusted."""
     engine, trajectory = run.engine, run.trajectory[::refinement]
     energy = trajectory.energy
@@ -130,28 +143,33 @@ def _history(run: EngineRun, motion: RigidMotion, refinement: int) -> xr.Dataset
     if carried is not motion:
         displacement = displacement + rigid_positions(engine, carried)
         displacement -= rigid_positions(engine, motion)
-    return xr.Dataset(
-        {
-            "deflection": (("time", "link"), measurements.deflections(engine, trajectory)),
-            "strain": (("time", "link"), measurements.bending_strains(engine, trajectory)),
-            "driving_torque": ("time", trajectory.driving_torque),
-            "joint_force": (("time", "joint", "component"), trajectory.joint_force),
-            "displacement": (("time", "link", "station", "component"), displacement),
-            "kinetic_energy": ("time", energy.kinetic),
-            "strain_energy": ("time", energy.strain),
-            "gravity_energy": ("time", energy.gravity),
-            "dissipated_energy": ("time", energy.dissipated),
-            "drive_work": ("time", energy.drive_work),
-            "prestress_work": ("time", energy.prestress_work),
-            "constraint_drift": drift,
-            "step": trajectory.step,
-            "energy_error": trajectory.energy_error,
-            "peak_driving_torque": trajectory.peak_driving_torque,
-            "peak_joint_force": ("joint", trajectory.peak_joint_force),
-            **_errors("step", run.step_error),
-            **_errors("reduction", run.reduction_error),
-        }
-    ).assign(_shaft(trajectory, run.trajectory))
+    shaking = running_shaking(engine, trajectory, carried, request)
+    return (
+        xr.Dataset(
+            {
+                "deflection": (("time", "link"), measurements.deflections(engine, trajectory)),
+                "strain": (("time", "link"), measurements.bending_strains(engine, trajectory)),
+                "driving_torque": ("time", trajectory.driving_torque),
+                "joint_force": (("time", "joint", "component"), trajectory.joint_force),
+                "displacement": (("time", "link", "station", "component"), displacement),
+                "kinetic_energy": ("time", energy.kinetic),
+                "strain_energy": ("time", energy.strain),
+                "gravity_energy": ("time", energy.gravity),
+                "dissipated_energy": ("time", energy.dissipated),
+                "drive_work": ("time", energy.drive_work),
+                "prestress_work": ("time", energy.prestress_work),
+                "constraint_drift": drift,
+                "step": trajectory.step,
+                "energy_error": trajectory.energy_error,
+                "peak_driving_torque": trajectory.peak_driving_torque,
+                "peak_joint_force": ("joint", trajectory.peak_joint_force),
+                **_errors("step", run.step_error),
+                **_errors("reduction", run.reduction_error),
+            }
+        )
+        .assign(_shaft(trajectory, run.trajectory))
+        .merge(shaking)
+    )
 
 
 def _shaft(trajectory: Trajectory, refined: Trajectory) -> xr.Dataset:
@@ -169,7 +187,7 @@ def _shaft(trajectory: Trajectory, refined: Trajectory) -> xr.Dataset:
     )
 
 
-def _peaks(run: EngineRun, drive: CrankDrive) -> xr.Dataset:
+def _peaks(run: EngineRun, drive: Drive) -> xr.Dataset:
     """Greatest deflections, strains and stresses, between the samples that were asked for too."""
     angle = drive.crank_angle(run.trajectory.time)
     deflection, where = peaks_between(measurements.deflections(run.engine, run.trajectory), angle)
@@ -224,17 +242,22 @@ def _rigid_values(engine: Engine, motion: RigidMotion) -> xr.Dataset:
 
 
 def _predicted(engine: Engine, request: ResponseRequest, time: FloatArray) -> FloatArray:
-    """Natural frequencies at times at the final speed; shape (time, mode) in Hz."""
+    """Natural frequencies at times; shape (time, mode) in Hz."""
     drive, formulation = request.drive, Formulation(request.prestress, modes=request.modes)
-    angle = drive.crank_angle(time)
-    return oscillating(
-        lambda one: frequencies_at(one, angle, drive.speed, formulation), vibrating_engine(engine)
+    # A crank that stands has one position.
+    states = np.column_stack([drive.crank_angle(time), drive.crank_speed(time)])
+    if not np.ptp(states, axis=0).any():
+        states = states[:1]
+    angle, speed = states.T
+    found = oscillating(
+        lambda one: frequencies_at(one, angle, speed, formulation), vibrating_engine(engine)
     )[0]
+    return np.broadcast_to(found, (len(time), request.modes))
 
 
 def _window(engine: Engine, request: ResponseRequest, lowest: float) -> float:
     """Length of the spectrogram's window in s, the same for all engines."""
-    ends = request.drive.run_up_time, float(request.sample_time()[-1])
+    ends = spectra_from(request), float(request.sample_time()[-1])
     time = np.linspace(*ends, _PREDICTIONS)
     return window_duration(time, _predicted(engine, request, time), lowest)
 
@@ -243,8 +266,8 @@ def _spectra(
     run: EngineRun, request: ResponseRequest, plan: RunPlan, duration: float
 ) -> xr.Dataset:
     """Spectra of a run at its final speed; in time as well where it is long enough."""
-    drive, interval = request.drive, request.sample_interval / plan.refinement
-    steady = run.trajectory.time >= drive.run_up_time - 1e-12
+    begin, interval = spectra_from(request), request.sample_interval / plan.refinement
+    steady = run.trajectory.time >= begin - 1e-12
     signals = measurements.deflections(run.engine, run.trajectory)[steady].T
     up_to = SPECTRUM_REACH * plan.highest
     frequency, amplitude = amplitude_spectrum(signals, interval, up_to)
@@ -259,7 +282,7 @@ def _spectra(
     moving = spectrogram(signals, interval, plan.lowest, up_to, duration)
     if moving is None:
         return spectra
-    middle = moving.time + drive.run_up_time
+    middle = moving.time + begin
     prediction = _predicted(run.engine, request, middle)
     spectra["spectrogram"] = ("link", "window_frequency", "window_time"), moving.amplitude
     spectra["natural_frequency"] = ("window_time", "mode"), prediction

@@ -11,7 +11,7 @@ import scipy.linalg
 from flexmech.analyses.damping_ratios import with_damping_time
 from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.analyses.remarks import environment_lines
-from flexmech.analyses.requests import engines_of, sampled_turn
+from flexmech.analyses.requests import ANGLES, engines_of
 from flexmech.analyses.response.request import MOST_SAMPLES, NO_PERIODIC_START, ResponseRequest
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
@@ -135,7 +135,7 @@ def planned(engines: Sequence[Engine], request: ResponseRequest) -> RunPlan:
     """
     lowest, highest, without_damping = _predicted_range(engines, request)
     refinement = _refinement(request, highest)
-    turn = sampled_turn(request.drive.start_angle)
+    turn = request.drive.passed_angles(ANGLES)
     band = _FORCE_BAND * lowest_axial_frequency(engines[0], turn)
     time, note = request.sample_time(refinement), ""
     if without_damping:
@@ -151,7 +151,7 @@ def _predicted_range(
 ) -> tuple[float, float, bool]:
     """Lowest and highest natural frequency of interest in Hz, and whether damping is left out."""
     engines = [vibrating_engine(engine) for engine in engines]
-    first, turn = engines[0], sampled_turn(request.drive.start_angle)
+    first, turn = engines[0], request.drive.passed_angles(ANGLES)
 
     def at_rest(engine: Engine) -> FloatArray:
         level = engine.prestress_at_rest
@@ -160,7 +160,7 @@ def _predicted_range(
         )
 
     def at_speed(engine: Engine) -> FloatArray:
-        speed, level = request.drive.speed, request.prestress
+        speed, level = request.drive.greatest_speed, request.prestress
         return natural_frequencies(engine, turn, speed, modes=request.modes, prestress=level)
 
     frequency, without_damping = oscillating(at_rest, first)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
 from flexmech import choices
-from flexmech.analyses.crank_speeds import RAD_S, one_rad_per_s
+from flexmech.analyses.crank_speeds import GREATEST, RAD_S, asked_speeds, in_unit, one_rad_per_s
+from flexmech.analyses.shaking import checked_point
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import CrankDrive, Drive
+from flexmech.mechanism import Mechanism
 from flexmech.validation import POSITIVE, check_choice, check_count, check_number
 
 # More samples or steps than this are taken for a slip of the keyboard: a run would take hours.
@@ -25,17 +27,18 @@ NO_PERIODIC_START = (
 
 @dataclass(frozen=True)
 class ResponseRequest:
-    """A run at constant crank speed, or up to it.
+    """A run at constant crank speed, up to it, or by a law of motion.
 
     Parameters
     ----------
-    speed : float or CrankDrive, optional
+    speed : float or Drive, optional
         Crank speed in ``speed_unit``, negative turns backwards; or a drive, which is in rad/s. Left
-        out: the greatest speed at which the mechanism operates.
+        out: the mechanism's drive, or the greatest speed at which it operates.
     revolutions : float
-        Turns at the final speed, after the run-up if there is one.
+        Turns at the final speed, after the run-up if there is one. A run by a law that stops, or by
+        a table, lasts as long as these.
     samples : int
-        Samples a turn at the final speed.
+        Samples a turn at the final speed; of a law or table those of a move with its dwell.
     start : {"rigid", "equilibrium", "periodic"}
         Undeformed links with the rigid motion's velocities; links bent as the loads bend
         them quasi-statically (engines that simulate: at the nonlinear equilibrium); or on the
@@ -60,6 +63,8 @@ class ResponseRequest:
         Unit of the speed, such as ``"rpm"``, in which results speak of it. Left out: rad/s.
     run_up_time : float
         Duration in s of a smooth run-up to the speed, see :class:`flexmech.CrankDrive`.
+    moment_point : tuple of float, optional
+        About which the shaking moment is taken, in ground axes in m; the shaft's axis if left out.
 
     Raises
     ------
@@ -74,7 +79,7 @@ class ResponseRequest:
     0.08
     """
 
-    speed: float | CrankDrive | None = None
+    speed: float | Drive | None = None
     revolutions: float = 4.0
     samples: int = 720
     start: choices.Start = "rigid"
@@ -85,12 +90,14 @@ class ResponseRequest:
     shaft: choices.ShaftChoice | None = field(default=None, repr=False)
     speed_unit: str | None = field(default=None, repr=False)
     run_up_time: float = field(default=0.0, repr=False)
+    moment_point: tuple[float, float] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        if isinstance(self.speed, CrankDrive) and (self.speed_unit or self.run_up_time):
+        object.__setattr__(self, "moment_point", checked_point(self.moment_point))
+        if isinstance(self.speed, Drive) and (self.speed_unit or self.run_up_time):
             raise InputError(
-                "a CrankDrive is in rad/s and has its own run-up; leave speed_unit and run_up_time "
-                "out, or give the speed as a number"
+                f"a {type(self.speed).__name__} is in rad/s and has its own run-up; leave "
+                "speed_unit and run_up_time out, or give the speed as a number"
             )
         check_number(self.revolutions, "revolutions", "", POSITIVE)
         check_count(self.samples, "samples", 8, "a revolution")
@@ -103,7 +110,10 @@ class ResponseRequest:
         if self.start == "periodic" and self.shaft == "free":
             raise InputError(NO_PERIODIC_START)
         if self.start == "periodic" and self.speed is not None and not self.drive.is_constant:
-            raise InputError("a periodic start needs a constant crank speed: leave out the run-up")
+            raise InputError(
+                "a periodic start needs a constant crank speed: leave out the run-up, or give the "
+                "speed instead of a law"
+            )
         if self.step is not None:
             check_number(self.step, "step", "s", POSITIVE)
         if self.speed is not None:
@@ -137,13 +147,22 @@ class ResponseRequest:
             )
 
     @cached_property
-    def drive(self) -> CrankDrive:
+    def drive(self) -> Drive:
         """Motion of the crank, in rad/s."""
-        if isinstance(self.speed, CrankDrive):
+        if isinstance(self.speed, Drive):
             return self.speed
         if self.speed is None:
             raise InputError("speed is left out; give one, as flexmech.ResponseRequest(20.0)")
         return CrankDrive(one_rad_per_s(self.speed, self.speed_unit, "speed"), self.run_up_time)
+
+    def of(self, mechanism: Mechanism) -> ResponseRequest:
+        """The request with a mechanism's own drive or speed, where none is asked for."""
+        if self.speed is not None:
+            return self
+        if mechanism.drive is not None and self.speed_unit is None:
+            return replace(self, speed=mechanism.drive)
+        speeds, shown = asked_speeds(None, self.speed_unit, mechanism, GREATEST)
+        return replace(self, speed=float(in_unit(speeds, shown)[0]), speed_unit=shown)
 
     @property
     def shown_unit(self) -> str:
@@ -152,13 +171,13 @@ class ResponseRequest:
 
     @property
     def duration(self) -> float:
-        """Run-up and turns together in s."""
-        return self.drive.run_up_time + self.revolutions * self.drive.revolution_time
+        """Law and turns together in s."""
+        return self.drive.run_time(self.revolutions)
 
     @property
     def sample_interval(self) -> float:
         """Time between samples in s."""
-        return self.drive.revolution_time / self.samples
+        return self.drive.cycle_time / self.samples
 
     def sample_time(self, refinement: int = 1) -> FloatArray:
         """Times of the samples in s, with ``refinement`` intervals for each one; (N,)."""

@@ -14,7 +14,7 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.datasets import Columns, columns_along, table_of
-from flexmech.analyses.remarks import crank_speed_text, warnings_of
+from flexmech.analyses.remarks import drive_words, warnings_of
 from flexmech.analyses.response import answer as answers
 from flexmech.analyses.response import words
 from flexmech.analyses.response.agreement import (
@@ -25,7 +25,15 @@ from flexmech.analyses.response.agreement import (
     within_errors,
 )
 from flexmech.analyses.response.dataset import needed
+from flexmech.analyses.response.driven import (
+    driven_columns,
+    driven_lines,
+    residual_answer,
+    residual_numbers,
+)
+from flexmech.analyses.response.shaking import shaking_lines, shaking_numbers
 from flexmech.analyses.result import Result
+from flexmech.analyses.shaking import harmonics_table, shaking_columns
 from flexmech.analyses.summary import Summary
 from flexmech.arrays import ROUND_OFF, LabelledProgress, silent
 from flexmech.choices import STORES, PageWidth, PictureFormat, Store
@@ -46,7 +54,9 @@ class Response(Result):
     ----------
     dataset : xarray.Dataset
         ``deflection`` in m and ``strain`` over (engine, time, link), ``driving_torque`` in N m,
-        ``joint_force`` in N; checks, energies and spectra. All units are in the dataset itself.
+        ``joint_force`` in N; ``shaking_force`` in N and ``shaking_moment`` in N m on the frame,
+        with harmonics of the last turn; checks, energies and spectra. All units are in the dataset
+        itself.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """
@@ -56,9 +66,14 @@ class Response(Result):
     hallmark = "deflection"
     files = (
         "response.csv",
+        "running_shaking_harmonics.csv",
         "response.nc",
         "response.png",
         "forces.png",
+        "running_shaking_force.png",
+        "running_shaking_orders.png",
+        "running_law.png",
+        "residual.png",
         "spectrum.png",
         "spectrogram.png",
         *_ANIMATIONS,
@@ -203,7 +218,7 @@ class Response(Result):
         )
 
     def tables(self) -> dict[str, pd.DataFrame]:
-        """Histories, one row for each engine and sample."""
+        """Histories, one row for each engine and sample; harmonics of the shaking force."""
         data = self.dataset
         pinned, clamped = (data.sel(link=data["probe"] == at) for at in ("middle", "tip"))
         columns: Columns = {
@@ -218,10 +233,15 @@ class Response(Result):
         if "shaft_rotation" in data:
             columns["shaft_rotation_deg"] = "shaft_rotation"
             columns["crank_speed_fluctuation_rad_s"] = "crank_speed_fluctuation"
+        columns |= driven_columns(data)
         for joint in self.pins:
             force = data["joint_force"].sel(joint=joint)
             columns |= columns_along(f"pin_{joint}_{{}}_N", force, "component")
-        return {self.stem: table_of(data, ("engine", "time"), columns)}
+        columns |= shaking_columns(data)
+        tables = {self.stem: table_of(data, ("engine", "time"), columns)}
+        if "order" in data:
+            tables["running_shaking_harmonics"] = harmonics_table(data, "engine")
+        return tables
 
     @property
     def pins(self) -> list[str]:
@@ -237,6 +257,14 @@ class Response(Result):
             "forces": plots.plot_forces(data),
             "spectrum": plots.plot_spectrum(data),
         }
+        if "driving_power" in data:
+            figures["running_law"] = plots.plot_law(data)
+        if "residual_envelope" in data:
+            figures["residual"] = plots.plot_residual(data)
+        if "shaking_force" in data:
+            figures["running_shaking_force"] = plots.plot_running_shaking_force(data)
+        if "order" in data:
+            figures["running_shaking_orders"] = plots.plot_shaking_orders(data)
         if "spectrogram" in data:
             figures["spectrogram"] = plots.plot_spectrogram(data)
         return figures
@@ -296,7 +324,7 @@ class Response(Result):
     def summary(self) -> Summary:
         """How far links bend, what pins carry and the shaft needs; what that rests on."""
         data, peaks, agreement = self.dataset, self.peaks(), self.agreement()
-        title = f"peaks at {crank_speed_text(data.attrs)}, {data.attrs['mechanism']}"
+        title = f"peaks {drive_words(data.attrs)}, {data.attrs['mechanism']}"
         trusted = representative(agreement, data)
         forces = self.force_agreement()
         table = words.peak_table(
@@ -306,6 +334,8 @@ class Response(Result):
             *theory_lines(data.attrs),
             *words.check_lines(data),
             *words.load_lines(peaks, data),
+            *driven_lines(data),
+            *shaking_lines(data),
             *words.stress_lines(data),
             *words.shaft_lines(data),
             *words.spectrogram_lines(data),
@@ -314,7 +344,7 @@ class Response(Result):
             agreement_line(agreement, data),
         )
         return Summary(
-            answers.answer(data),
+            (*answers.answer(data), *residual_answer(data)),
             table,
             answers.trust(data, agreement, forces),
             details,
@@ -323,7 +353,7 @@ class Response(Result):
                 *answers.disagreement(data, agreement, forces),
                 *warnings_of(data.attrs),
             ),
-            answers.numbers(data),
+            answers.numbers(data) + shaking_numbers(data) + residual_numbers(data),
         )
 
     def _peak_errors(self) -> xr.Dataset:

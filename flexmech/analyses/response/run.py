@@ -17,7 +17,7 @@ from flexmech.analyses.response.stresses import greatest_stresses
 from flexmech.arrays import ROUND_OFF, FloatArray, LabelledProgress, StepProgress
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import Drive
 from flexmech.time_domain import (
     DETAIL,
     DrivenLinkage,
@@ -242,7 +242,7 @@ def mesh_error(
 
 
 def _difference(
-    first: tuple[Engine, Trajectory], finer: tuple[Engine, Trajectory], drive: CrankDrive
+    first: tuple[Engine, Trajectory], finer: tuple[Engine, Trajectory], drive: Drive
 ) -> RunError:
     """Greatest differences over the peaks; round-off of what is nothing is none."""
     before, after = _histories(*first, drive), _histories(*finer, drive)
@@ -270,7 +270,7 @@ def _difference(
 
 
 def _histories(
-    engine: Engine, run: Trajectory, drive: CrankDrive
+    engine: Engine, run: Trajectory, drive: Drive
 ) -> dict[str, tuple[FloatArray, FloatArray]]:
     """Histories (N, k, components) of what has an error, and their peaks (k,)."""
     deflection, stress = deflections(engine, run), greatest_stresses(engine, run, drive)

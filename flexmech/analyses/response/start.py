@@ -12,7 +12,7 @@ from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.dynamical_systems import VibrationState
 from flexmech.linear_system import Engine, LinkFrames, RotationTerms
-from flexmech.linkages import CrankDrive, Load, RigidMotion
+from flexmech.linkages import Drive, Load, RigidMotion
 from flexmech.time_domain import DrivenLinkage, LinkState, periodic_state
 
 # Time over which a quasi-static start differentiates its displacement, in turns: the difference is
@@ -120,7 +120,7 @@ def _on_periodic_motion(engine: Engine, request: ResponseRequest, step: float) -
     )
 
 
-def _equilibrium(engine: Engine, drive: CrankDrive) -> LinkState:
+def _equilibrium(engine: Engine, drive: Drive) -> LinkState:
     """Nonlinear quasi-static equilibrium at time zero, and how fast the loads move it."""
     time = _start_times(drive)
     displacement = _equilibria_at(engine, drive, time)
@@ -132,7 +132,7 @@ def _equilibrium(engine: Engine, drive: CrankDrive) -> LinkState:
     )
 
 
-def _equilibria_at(engine: Engine, drive: CrankDrive, time: FloatArray) -> list[FloatArray] | None:
+def _equilibria_at(engine: Engine, drive: Drive, time: FloatArray) -> list[FloatArray] | None:
     """Equilibria at some times, (m, n_link) of each link; None where links stay straight.
 
     Loads over time act with what they are at these times: an engine's own equilibria are those
@@ -242,8 +242,8 @@ def _stretching_on_periodic_motion(
     return VibrationState(position[0] + taken_back[0], velocity, np.zeros_like(velocity))
 
 
-def _start_times(drive: CrankDrive) -> FloatArray:
-    return np.asarray(_START_INTERVAL * drive.revolution_time * np.arange(3.0), dtype=float)
+def _start_times(drive: Drive) -> FloatArray:
+    return np.asarray(_START_INTERVAL * drive.cycle_time * np.arange(3.0), dtype=float)
 
 
 def _rate(position: FloatArray, time: FloatArray) -> FloatArray:

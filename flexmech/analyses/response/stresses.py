@@ -10,8 +10,8 @@ import numpy as np
 
 from flexmech.analyses.response.measurements import peaks_between
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import Engine, LinkModel
-from flexmech.linkages import CrankDrive, RigidMotion, continuous_angles, forces_by_joints
+from flexmech.linear_system import Engine, LinkModel, bent_curvature, kinks_of
+from flexmech.linkages import Drive, RigidMotion, continuous_angles, forces_by_joints
 from flexmech.linkages.applied_forces import applied_forces
 from flexmech.linkages.internal_forces import LinkForces
 from flexmech.materials import Material
@@ -36,15 +36,17 @@ class StressedLink:
     material : Material
     places : ndarray, shape (p,)
         From the link's start in m: nodes of the mesh, and evenly between them.
-    curvature : ndarray, shape (p, n_link)
-        Bending curvature there by the link's coordinates.
+    link : LinkModel
+    kinks : tuple of float
+        Where something acts between the ends, from the start in m.
     """
 
     number: int
     section: BeamSection
     material: Material
     places: FloatArray
-    curvature: FloatArray
+    link: LinkModel
+    kinks: tuple[float, ...]
 
     def stress(self, displacement: FloatArray, tension: FloatArray) -> FloatArray:
         """Greatest size of the normal stress of both surfaces (N, p) in Pa.
@@ -58,7 +60,8 @@ class StressedLink:
         tension : ndarray, shape (N, p)
             Normal force in N.
         """
-        bent = np.abs(displacement @ self.curvature.T) * self.section.in_plane_thickness / 2
+        curvature = bent_curvature(self.link, displacement, self.places, self.kinks)
+        bent = np.abs(curvature) * self.section.in_plane_thickness / 2
         stretched = np.abs(tension) / self.section.axial_stiffness
         return np.asarray(self.material.youngs_modulus * (bent + stretched))
 
@@ -105,13 +108,12 @@ def stressed_links(engine: Engine) -> list[StressedLink]:
         section = engine.mechanism.sections.get(link.name)
         material = None if section is None or link.rigid else _only_material(section)
         if section is not None and material is not None:
-            places = _places(link)
-            rows = link.readings.curvatures_at(places)
-            found.append(StressedLink(number, section, material, places, rows))
+            kinks = tuple(kinks_of(engine.mechanism, link.name))
+            found.append(StressedLink(number, section, material, _places(link), link, kinks))
     return found
 
 
-def greatest_stresses(engine: Engine, trajectory: Trajectory, drive: CrankDrive) -> FloatArray:
+def greatest_stresses(engine: Engine, trajectory: Trajectory, drive: Drive) -> FloatArray:
     """Greatest size of the normal stress anywhere in each link along a run.
 
     Parameters
@@ -119,7 +121,7 @@ def greatest_stresses(engine: Engine, trajectory: Trajectory, drive: CrankDrive)
     engine : Engine
     trajectory : Trajectory
         N samples.
-    drive : CrankDrive
+    drive : Drive
 
     Returns
     -------
@@ -132,14 +134,14 @@ def greatest_stresses(engine: Engine, trajectory: Trajectory, drive: CrankDrive)
     return greatest
 
 
-def peak_stresses(engine: Engine, trajectory: Trajectory, drive: CrankDrive) -> PeakStress:
+def peak_stresses(engine: Engine, trajectory: Trajectory, drive: Drive) -> PeakStress:
     """Greatest stress of each link along a run, between the samples too.
 
     Parameters
     ----------
     engine : Engine
     trajectory : Trajectory
-    drive : CrankDrive
+    drive : Drive
 
     Returns
     -------
@@ -158,7 +160,7 @@ def peak_stresses(engine: Engine, trajectory: Trajectory, drive: CrankDrive) -> 
 
 
 def _stresses(
-    engine: Engine, trajectory: Trajectory, drive: CrankDrive
+    engine: Engine, trajectory: Trajectory, drive: Drive
 ) -> Iterator[tuple[StressedLink, FloatArray, FloatArray]]:
     """Links with their normal force and the stress of both surfaces along a run, (N, p) each."""
     links = stressed_links(engine)
@@ -182,7 +184,7 @@ def _places(link: LinkModel) -> FloatArray:
 
 
 def _tensions(
-    links: list[StressedLink], engine: Engine, trajectory: Trajectory, drive: CrankDrive
+    links: list[StressedLink], engine: Engine, trajectory: Trajectory, drive: Drive
 ) -> list[FloatArray]:
     """Normal force (N, p) of links along a run."""
     forces = running_forces(engine, trajectory, drive)
@@ -193,7 +195,7 @@ def _tensions(
     ]
 
 
-def running_forces(engine: Engine, trajectory: Trajectory, drive: CrankDrive) -> LinkForces:
+def running_forces(engine: Engine, trajectory: Trajectory, drive: Drive) -> LinkForces:
     """Internal forces by the joint forces of a run and the inertia of rigid links.
 
     Parameters
@@ -201,14 +203,14 @@ def running_forces(engine: Engine, trajectory: Trajectory, drive: CrankDrive) ->
     engine : Engine
     trajectory : Trajectory
         N samples.
-    drive : CrankDrive
+    drive : Drive
 
     Returns
     -------
     LinkForces
         At the samples; of :func:`flexmech.linkages.forces_by_joints`, without couples of clamps.
     """
-    mechanism, motion = engine.mechanism, _carried(engine, trajectory, drive)
+    mechanism, motion = engine.mechanism, carried(engine, trajectory, drive)
     topology = mechanism.linkage.topology
     turning = any(spring.torsional_stiffness for spring in mechanism.joint_springs)
     applied = applied_forces(
@@ -230,8 +232,20 @@ def running_forces(engine: Engine, trajectory: Trajectory, drive: CrankDrive) ->
     )
 
 
-def _carried(engine: Engine, trajectory: Trajectory, drive: CrankDrive) -> RigidMotion:
-    """Motion of the rigid linkage at a run's samples, with what a free shaft has turned."""
+def carried(engine: Engine, trajectory: Trajectory, drive: Drive) -> RigidMotion:
+    """Motion of the rigid linkage at a run's samples, with what a free shaft has turned.
+
+    Parameters
+    ----------
+    engine : Engine
+    trajectory : Trajectory
+        N samples.
+    drive : Drive
+
+    Returns
+    -------
+    RigidMotion
+    """
     time, linkage = trajectory.time, engine.mechanism.linkage
     if trajectory.shaft is None:
         return drive.motion(linkage, time)

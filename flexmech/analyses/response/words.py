@@ -235,10 +235,8 @@ def spectrogram_lines(dataset: xr.Dataset) -> list[str]:
     if "spectrogram" in dataset:
         note = dataset.attrs.get("spectrogram_note")
         return [*lines, f"spectrogram: {note}"] if note else lines
-    return [
-        *lines,
-        "spectrogram: none, the run is too short for its window; ask for more --revolutions",
-    ]
+    longer = "give a longer dwell" if "drive" in dataset.attrs else "ask for more --revolutions"
+    return [*lines, f"spectrogram: none, the run is too short for its window; {longer}"]
 
 
 def _crank(angle: float, start: float) -> tuple[float, int]:

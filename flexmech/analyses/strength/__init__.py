@@ -1,1 +1,1 @@
-"""Whether links break under their loads: where, how, and by what factor these may still rise."""
+"""Whether links and pins fail under their loads: where, how, and by what factor these may rise."""

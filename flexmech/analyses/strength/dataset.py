@@ -1,8 +1,8 @@
-"""The dataset of strength: internal forces, what is found at each place, and the margins."""
+"""The dataset of strength: internal forces, what is found at each place and of each pin."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,8 @@ import xarray as xr
 from flexmech.analyses.datasets import filled, padded
 from flexmech.analyses.strength.forces import InternalForces
 from flexmech.analyses.strength.judged import JudgedLink
+from flexmech.analyses.strength.judged_pins import JudgedPins
+from flexmech.analyses.strength.pin_checks import PinCheck
 from flexmech.arrays import FloatArray
 from flexmech.mechanism import Mechanism
 from flexmech.sections import SURFACES
@@ -47,7 +49,7 @@ def strength_dataset(
     """
     links = list(forces)
     count = max(len(one.place) for one in forces.values())
-    deep = max(len(one.criterion) for one in judged.values())
+    deep = max((len(one.criterion) for one in judged.values()), default=1)
     along = padded([np.moveaxis(forces[name].loads, 1, -1) for name in links], count)
     shape = (len(links), count, deep, len(SURFACES))
     numbers = {links.index(name): one for name, one in judged.items()}
@@ -93,41 +95,35 @@ def strength_dataset(
     )
 
 
-def margins(dataset: xr.Dataset) -> dict[str, Any]:
-    """The worst place of each judged link, by whatever engine, weakest link first.
+def pin_variables(
+    checks: Sequence[PinCheck], judged: JudgedPins, angles: FloatArray
+) -> dict[str, Any]:
+    """Variables of what one engine's forces make of the pins; none without checks.
 
     Parameters
     ----------
-    dataset : xarray.Dataset
+    checks : sequence of PinCheck
+    judged : JudgedPins
+    angles : ndarray, shape (A,)
+        Crank angles in rad.
 
     Returns
     -------
     dict
-        Variables over ``margin``.
+        Over ``pin_check``, and over (engine, pin_check).
     """
-    rows = []
-    for name in dataset["link"].values.tolist():
-        own = dataset.sel(link=name)
-        factor = own["load_factor"].values
-        if np.isnan(factor).all():
-            continue
-        engine, station, layer, surface = np.unravel_index(np.nanargmin(factor), factor.shape)
-        at = {"engine": engine, "station": station, "layer": layer, "surface": surface}
-        worst = own.isel(at)
-        speeds = own["speed_factor"].values
-        rows.append(
-            {
-                "part": name,
-                "kind": "link",
-                "load_factor": float(worst["load_factor"]),
-                "speed_factor": np.nan if np.isnan(speeds).all() else float(np.nanmin(speeds)),
-                "position": float(worst["position"]),
-                "layer": int(worst["layer"]),
-                "surface": str(worst["surface"].item()),
-                "crank_angle": float(worst["worst_angle"]),
-                "mode": str(worst["failure_mode"].item()),
-                "index": float(worst["failure_index"]),
-            }
-        )
-    rows.sort(key=lambda row: row["load_factor"])
-    return {f"margin_{name}": ("margin", np.array([row[name] for row in rows])) for name in rows[0]}
+    if not checks:
+        return {}
+    words = {name: [getattr(one, name) for one in checks] for name in ("joint", "link", "mode")}
+    numbers = {
+        "stress": judged.stress,
+        "mean": judged.mean,
+        "load_factor": judged.load_factor,
+        "speed_factor": judged.speed_factor,
+        "worst_angle": angles[judged.worst],
+    }
+    return {
+        **{f"pin_{name}": ("pin_check", np.array(texts)) for name, texts in words.items()},
+        "pin_allowable": ("pin_check", [one.allowable for one in checks]),
+        **{f"pin_{n}": (("engine", "pin_check"), value[None]) for n, value in numbers.items()},
+    }

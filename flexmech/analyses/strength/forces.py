@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.arrays import SAME_PLACE, FloatArray
+from flexmech.linear_system import DisplacedLinks, kinks_of
 from flexmech.linkages import InverseDynamics
 from flexmech.linkages.internal_forces import LinkForces
 from flexmech.mechanism import Mechanism
 
 # Off the ends of a link and off masses, loads and springs, where internal forces jump.
-_BESIDE = 2 * SAME_PLACE
+BESIDE = 2 * SAME_PLACE
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,11 @@ class Cuts:
     place: FloatArray
     cut: FloatArray
 
+    @property
+    def kinks(self) -> list[float]:
+        """Where internal forces jump, from the link's start in m."""
+        return sorted(set(self.place[:-1][np.diff(self.place) == 0].tolist()))
+
 
 def cuts_of(mechanism: Mechanism, link: str, elements: int) -> Cuts:
     """Where internal forces of a link are looked at.
@@ -63,12 +69,9 @@ def cuts_of(mechanism: Mechanism, link: str, elements: int) -> Cuts:
     Cuts
         At the ends of the parts, and at both sides of all that acts on the link between its ends.
     """
-    mass = mechanism.link_mass(link)
-    acting = [*mass.point_positions, *(body.position for body in mass.bodies)]
-    acting += mechanism.acting_at(link)
-    length = mass.length
-    beside = _BESIDE * length
-    jumps = np.unique([x for x in acting if beside < x < length - beside])
+    length = mechanism.link_mass(link).length
+    beside = BESIDE * length
+    jumps = np.unique([x for x in kinks_of(mechanism, link) if beside < x < length - beside])
     even = np.linspace(0.0, length, elements + 1)
     # A part's end at a jump is there already, on both of its sides.
     apart = np.abs(even[:, None] - jumps).min(axis=1, initial=np.inf) > SAME_PLACE * length
@@ -78,12 +81,12 @@ def cuts_of(mechanism: Mechanism, link: str, elements: int) -> Cuts:
     return Cuts(place[order], np.clip(cut[order], beside, length - beside))
 
 
-def internal_forces(forces: LinkForces, link: int, cuts: Cuts) -> InternalForces:
+def internal_forces(forces: LinkForces | DisplacedLinks, link: int, cuts: Cuts) -> InternalForces:
     """Internal forces of a link.
 
     Parameters
     ----------
-    forces : LinkForces
+    forces : LinkForces or DisplacedLinks
         At A crank angles.
     link : int
     cuts : Cuts
@@ -92,6 +95,8 @@ def internal_forces(forces: LinkForces, link: int, cuts: Cuts) -> InternalForces
     -------
     InternalForces
     """
+    if isinstance(forces, DisplacedLinks):
+        return InternalForces(cuts.place, forces.section_forces(link, cuts.cut))
     found = (forces.axial_force, forces.bending_moment, forces.shear_force)
     return InternalForces(cuts.place, np.stack([of(link, cuts.cut) for of in found], axis=-1))
 

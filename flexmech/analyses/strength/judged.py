@@ -8,7 +8,7 @@ import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.choices import CriterionName
-from flexmech.hygrothermal import HygrothermalState
+from flexmech.hygrothermal import Environment, link_profile
 from flexmech.materials import FailureCriterion, Ply, failure_criterion, moisture_of
 from flexmech.mechanism import Mechanism
 from flexmech.sections import Layers, residual_ply_stresses, unit_ply_stresses
@@ -75,9 +75,7 @@ def criteria_of(
     return found
 
 
-def residual_of(
-    mechanism: Mechanism, link: str, state: HygrothermalState, wet: Layers
-) -> FloatArray:
+def residual_of(mechanism: Mechanism, link: str, state: Environment, wet: Layers) -> FloatArray:
     """Stresses of cure, heat and moisture in a link's plies, (N, 2, 5), in Pa.
 
     Parameters
@@ -85,9 +83,9 @@ def residual_of(
     mechanism : Mechanism
         Dry, at its reference temperature.
     link : str
-    state : HygrothermalState
+    state : HygrothermalState or Exposure
     wet : LaminateSection or SheetSection
-        The link's layers in this state.
+        The link's layers in this state, each of the slices that are equally moist.
 
     Returns
     -------
@@ -98,8 +96,9 @@ def residual_of(
     reference = mechanism.reference_temperature
     free = dry.laminate.stress_free_temperature
     start = reference if free is None else free
-    moisture = [moisture_of(layer.ply, state.moisture) for layer in dry.laminate.layers]
-    rise = reference + state.temperature_rise - start
+    profile = link_profile(mechanism, link, state)
+    moisture = [moisture_of(layer.ply, own) for layer, own in profile.slices(dry.laminate)]
+    rise = profile.temperature - start
     return residual_ply_stresses(wet, rise, np.array(moisture))
 
 

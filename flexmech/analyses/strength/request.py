@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from flexmech.analyses.crank_speeds import RAD_S, one_rad_per_s
-from flexmech.analyses.requests import check_list, in_radians
+from flexmech.analyses.requests import check_list, environment_of, in_radians
 from flexmech.arrays import FloatArray
 from flexmech.choices import (
     CRITERIA,
@@ -25,7 +25,6 @@ from flexmech.validation import (
     check_choice,
     check_count,
     check_flag,
-    check_instance,
     check_number,
 )
 
@@ -50,17 +49,19 @@ class StrengthRequest:
     elements : int
         Parts into which each link is divided: stresses are computed at their ends, and on both
         sides of masses, loads and springs.
-    environment : HygrothermalState, optional
+    environment : HygrothermalState or Exposure, optional
         Heat and moisture that the links are in.
-    source : {"quasi-static", "periodic", "transient"}
-        Whose internal forces they are: of links that move as rigid ones; or of an engine's elastic
-        links, in one turn of their periodic motion, or in a run of ``revolutions`` turns that
-        begins with straight links. These run by samples of their own, and not by crank angles.
+    source : {"quasi-static", "periodic", "transient", "rigid"}
+        Whose internal forces they are: of an engine's elastic links at rest in their frames, in
+        nonlinear equilibrium with inertia, weight, loads and springs; in one turn of their periodic
+        motion, or in a run of ``revolutions`` turns that begins with straight links, which run by
+        samples of their own, and not by crank angles; or of links that are taken as rigid.
     revolutions : float
         Turns of a transient run.
     search_speed : bool
-        Of elastic links: whether to raise the crank speed, by some thirty more runs of the first
-        engine, until a part fails. Quasi-static loads need no search.
+        Of elastic links: whether to search the crank speed at which parts fail, by some ten more
+        equilibria or some thirty more runs of the first engine. Loads of rigid links need no
+        search.
 
     Raises
     ------
@@ -98,15 +99,12 @@ class StrengthRequest:
         if self.elements > MOST_ELEMENTS:
             raise InputError(f"elements: {self.elements} are beyond {MOST_ELEMENTS} a link")
         if self.environment is not None:
-            remedy = "give flexmech.HygrothermalState(temperature_rise, moisture)"
-            check_instance(self.environment, HygrothermalState, "environment", remedy)
+            environment_of(self.environment)
 
     @property
-    def state(self) -> HygrothermalState:
+    def state(self) -> Environment:
         """Heat and moisture that the links are in; dry and unheated where none was asked for."""
-        if isinstance(self.environment, HygrothermalState):
-            return self.environment
-        return HygrothermalState()
+        return HygrothermalState() if self.environment is None else self.environment
 
     def speed_of(self, mechanism: Mechanism) -> float:
         """Crank speed in rad/s: as asked for, or the greatest at which a mechanism operates."""

@@ -10,12 +10,14 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.datasets import Columns, table_of
 from flexmech.analyses.result import Result
-from flexmech.analyses.strength.words import summary_of, where_text
+from flexmech.analyses.strength.margins import NO_LAYER
+from flexmech.analyses.strength.words import summary_of
 from flexmech.analyses.summary import Summary
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+_PLACES = ("engine", "link", "station", "layer", "surface")
 _STRENGTH = {
     "engine": "engine",
     "link": "link",
@@ -26,6 +28,32 @@ _STRENGTH = {
     "criterion": "criterion",
     "index": "failure_index",
     "load_factor": "load_factor",
+}
+_PINS = {
+    "engine": "engine",
+    "joint": "pin_joint",
+    "link": "pin_link",
+    "check": "pin_mode",
+    "crank_angle_deg": "pin_worst_angle",
+    "stress_Pa": "pin_stress",
+    "mean_Pa": "pin_mean",
+    "allowable_Pa": "pin_allowable",
+    "load_factor": "pin_load_factor",
+    "speed_factor": "pin_speed_factor",
+}
+_ENDURANCE = {
+    "engine": "engine",
+    "link": "link",
+    "position_m": "position",
+    "layer": "layer",
+    "surface": "surface",
+    "crank_angle_deg": "peak_angle",
+    "stress_amplitude_Pa": "stress_amplitude",
+    "mean_stress_Pa": "mean_stress",
+    "cycles_per_turn": "stress_cycles",
+    "load_factor": "fatigue_load_factor",
+    "speed_factor": "fatigue_speed_factor",
+    "turns_to_failure": "turns_to_failure",
 }
 _FORCES = {
     "engine": "engine",
@@ -39,7 +67,7 @@ _FORCES = {
 
 
 class Strength(Result):
-    """Internal forces of links over the turn, and how far their layers are from failure.
+    """Internal forces of links over the turn, and how far layers and pins are from failure.
 
     Parameters
     ----------
@@ -48,9 +76,12 @@ class Strength(Result):
         ``shear_force`` at ``position`` (link, station). Over (engine, link, station, layer,
         surface): ``load_factor``, the least over the turn, with ``worst_angle``,
         ``failure_index`` and ``failure_mode`` there, and ``speed_factor``. Over (link, layer):
-        ``criterion``, ``ply`` and ``angle``. Over ``margin``, the weakest part first: its
-        ``margin_part``, ``margin_load_factor`` and so on. Links with fewer stations or layers have
-        NaN after them.
+        ``criterion``, ``ply`` and ``angle``. Over ``pin_check``, where joints state diameters:
+        ``pin_joint``, ``pin_mode``, ``pin_stress``, ``pin_load_factor`` and so on. Where materials
+        state their fatigue, at every place: ``stress_amplitude``, ``mean_stress``,
+        ``fatigue_load_factor``, ``turns_to_failure`` and so on. Over ``margin``, the weakest part
+        first: its ``margin_part``, ``margin_load_factor`` and so on. Links with fewer stations or
+        layers have NaN after them.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """
@@ -61,6 +92,8 @@ class Strength(Result):
     files = (
         "strength.csv",
         "margins.csv",
+        "pins.csv",
+        "endurance.csv",
         "internal_forces.csv",
         "strength.nc",
         "strength.png",
@@ -70,12 +103,14 @@ class Strength(Result):
     def tables(self) -> dict[str, pd.DataFrame]:
         """Each place at its worst crank angle; the margins of parts; internal forces."""
         data = self.dataset
-        dims = ("engine", "link", "station", "layer", "surface")
-        places = table_of(data, dims, _STRENGTH).dropna(subset=["load_factor"])
+        places = table_of(data, _PLACES, _STRENGTH).dropna(subset=["load_factor"])
         forces = table_of(data, ("engine", "link", "crank_angle", "station"), _FORCES)
+        checked = "pin_joint" in data
         return {
             "strength": places.reset_index(drop=True),
             "margins": _margins_table(data),
+            **({"pins": table_of(data, ("engine", "pin_check"), _PINS)} if checked else {}),
+            **({"endurance": _endurance_table(data)} if "stress_amplitude" in data else {}),
             "internal_forces": forces.dropna(subset=["position_m"]).reset_index(drop=True),
         }
 
@@ -101,16 +136,22 @@ class Strength(Result):
         return summary_of(self.dataset)
 
 
+def _endurance_table(data: xr.Dataset) -> pd.DataFrame:
+    table = table_of(data, _PLACES, _ENDURANCE).dropna(subset=["load_factor"])
+    return table.reset_index(drop=True)
+
+
 def _margins_table(data: xr.Dataset) -> pd.DataFrame:
-    places = [where_text(data, number) for number in range(data.sizes["margin"])]
     columns: Columns = {
         "part": "margin_part",
         "kind": "margin_kind",
         "load_factor": "margin_load_factor",
         "speed_factor": "margin_speed_factor",
-        "where": xr.DataArray(places, dims="margin"),
+        "where": "margin_where",
         "layer": "margin_layer",
         "crank_angle_deg": "margin_crank_angle",
         "mode_of_failure": "margin_mode",
     }
-    return table_of(data, ("margin",), columns)
+    table = table_of(data, ("margin",), columns)
+    layers = table["layer"].astype("Int64")
+    return table.assign(layer=layers.mask(layers == NO_LAYER))

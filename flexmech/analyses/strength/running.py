@@ -1,21 +1,23 @@
-"""Internal forces of elastic links, by an engine that runs them."""
+"""Loads of elastic links and of their joints, by an engine that runs them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.response.plan import RunPlan, engines_in_state, planned
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.run import run_engine
-from flexmech.analyses.response.stresses import running_forces
+from flexmech.analyses.response.stresses import carried
 from flexmech.analyses.strength.forces import Cuts, InternalForces, internal_forces
+from flexmech.analyses.strength.joint_loads import JointLoads, LoadsOfTurn
 from flexmech.analyses.strength.request import StrengthRequest
 from flexmech.arrays import FloatArray, LabelledProgress
-from flexmech.linear_system import Engine
+from flexmech.linear_system import Engine, RunningLinks, bent_curvature
 from flexmech.threads import one_thread
 
 
@@ -75,14 +77,13 @@ class Runs:
         """At the samples, in rad, counted on over turns."""
         return np.asarray(self.request.drive.crank_angle(self.plan.time))
 
-    def forces(
+    def loads(
         self, engine: Engine, cuts: Mapping[str, Cuts], report: LabelledProgress
-    ) -> dict[str, InternalForces]:
+    ) -> LoadsOfTurn:
         """Run an engine.
 
-        Axial and shear forces follow from its joint forces and the inertia of links that move as
-        rigid ones, what vibration adds to that along the links being of second order; bending
-        moments are those of the curvature.
+        Internal and joint forces balance what moves, by d'Alembert's principle: its accelerations
+        are the slopes of the rates between the samples.
 
         Parameters
         ----------
@@ -93,25 +94,50 @@ class Runs:
 
         Returns
         -------
-        dict of str to InternalForces
-            Of every link. Bending moments of rigid links with a clamp are not numbers.
+        LoadsOfTurn
         """
+        topology, drive = engine.mechanism.linkage.topology, self.request.drive
         with one_thread():
-            run = run_engine(engine, self.request, self.plan, report)
-        trajectory = run.trajectory
-        by_joints = running_forces(engine, trajectory, self.request.drive)
-        found = {}
-        for number, link in enumerate(engine.links):
-            own = internal_forces(by_joints, number, cuts[link.name])
-            section = engine.mechanism.sections.get(link.name)
-            if section is not None and not link.rigid:
-                rows = link.readings.curvatures_at(cuts[link.name].cut)
-                curvature = trajectory.displacement[number] @ rows.T - section.free_curvature
-                loads = own.loads.copy()
-                # About the pins' axis, from that about the neutral one.
-                loads[..., 1] = (
-                    section.bending_stiffness * curvature - loads[..., 0] * section.neutral_axis
+            trajectory = run_engine(engine, self.request, self.plan, report).trajectory
+            gained = [
+                CubicSpline(trajectory.time, own)(trajectory.time, 1) for own in trajectory.rate
+            ]
+            found = []
+            for batch in engine.batches(len(trajectory.time)):
+                part = trajectory[batch]
+                running = RunningLinks.of_run(
+                    engine,
+                    carried(engine, part, drive),
+                    part.time,
+                    part.displacement,
+                    part.rate,
+                    [own[batch] for own in gained],
                 )
-                own = replace(own, loads=loads)
-            found[link.name] = own
-        return found
+                inside = {
+                    name: internal_forces(running, number, cuts[name])
+                    for number, name in enumerate(topology.link_names)
+                }
+                gap = _moment_gap(running, inside, cuts)
+                found.append(LoadsOfTurn(inside, JointLoads.of_running_links(running), gap))
+        return LoadsOfTurn.joined(found)
+
+
+def _moment_gap(
+    running: RunningLinks, inside: Mapping[str, InternalForces], cuts: Mapping[str, Cuts]
+) -> FloatArray:
+    """Greatest difference of bending moments from those of the curvature, and greatest moment.
+
+    Of each link, (n_links, 2), zero where it is rigid; without what damps the links.
+    """
+    found = np.zeros((len(running.links), 2))
+    for number, link in enumerate(running.links):
+        section = running.mechanism.sections.get(link.name)
+        if section is None or link.rigid:
+            continue
+        where, loads = cuts[link.name], inside[link.name].loads
+        curvature = bent_curvature(link, running.displacement[number], where.cut, where.kinks)
+        # About the pins' axis, from that about the neutral one.
+        moment = section.bending_stiffness * (curvature - section.free_curvature)
+        moment -= loads[..., 0] * section.neutral_axis
+        found[number] = np.abs(loads[..., 1] - moment).max(), np.abs(moment).max()
+    return found

@@ -209,7 +209,7 @@ class DisplacedLinks:
                     [np.sum(push.force * axis(angle), axis=-1) for axis in (direction, normal)], -1
                 )
                 at = self._arms(link, np.array([push.point.x]), np.zeros(2))
-                moment = _cross(at, force[:, None]) + push.torque[:, None]
+                moment = cross(at, force[:, None]) + push.torque[:, None]
                 yield ForcesAlong(np.array([push.point.x]), force[:, None], moment)
 
     def _inertia(
@@ -230,7 +230,7 @@ class DisplacedLinks:
             [along[:, None] - squared * x - change * y, across[:, None] - squared * y + change * x],
             axis=-1,
         )
-        return ForcesAlong(place, force, _cross(at, force) - inertia * change)
+        return ForcesAlong(place, force, cross(at, force) - inertia * change)
 
     def _arms(self, link: int, place: FloatArray, arm: FloatArray) -> FloatArray:
         """Displaced points (B, j, 2) on arms (2,) that turn with their sections at places (j,)."""
@@ -333,7 +333,8 @@ def _with_finite_chords(
     )
 
 
-def _cross(arm: FloatArray, force: FloatArray) -> FloatArray:
+def cross(arm: FloatArray, force: FloatArray) -> FloatArray:
+    """Moments (...) of forces (..., 2) on arms (..., 2)."""
     return np.asarray(arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0])
 
 

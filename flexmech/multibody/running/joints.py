@@ -79,7 +79,7 @@ def greatest_gap(assembly: LinkAssembly, start: RigidMotion, position: FloatArra
     fixed += [pivot.link_end for pivot in topology.pivots if not pivot.sprung]
     gaps = [place(end) - place_at_start(assembly, start, end) for end in fixed]
     gaps += [place(tie.leader) - place(tie.follower) for tie in topology.rigid_ties]
-    closed = drifting_joints(assembly, Shaft(float(start.angle[assembly.base]), 0.0, 0.0), start)
+    closed = drifting_joints(assembly, Shaft(float(start.angle[assembly.base]), 0.0), start)
     others = [0.0]
     if isinstance(closed, ClosedJoints):
         nodes = np.append(assembly.arms.to_nodes(position), [0.0, 0.0, 0.0])

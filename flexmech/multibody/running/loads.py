@@ -24,7 +24,7 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linear_system import LinkModel, RigidBody, whole
-from flexmech.linkages import CrankDrive, Linkage, LockedCrank
+from flexmech.linkages import Drive, Linkage
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.added_links import AttachedPart
@@ -168,13 +168,13 @@ class TorqueTable:
     torque: FloatArray
 
     @classmethod
-    def at_steps(cls, mechanism: Mechanism, drive: CrankDrive, step: float, steps: int) -> Self:
+    def at_steps(cls, mechanism: Mechanism, drive: Drive, step: float, steps: int) -> Self:
         """Torque that drives the rigid linkage, at the time steps of a run.
 
         Parameters
         ----------
         mechanism : Mechanism
-        drive : CrankDrive
+        drive : Drive
         step : float
             In s.
         steps : int
@@ -266,15 +266,13 @@ def _add_weight(
     assembly.items.add("LoadForceVector", name, markerNumber=marker, loadVector=force)
 
 
-def add_impacts(
-    assembly: LinkAssembly, drive: CrankDrive | LockedCrank, impacts: Sequence[Impact]
-) -> None:
+def add_impacts(assembly: LinkAssembly, drive: Drive, impacts: Sequence[Impact]) -> None:
     """Add the loads of impacts to a system that is not assembled yet.
 
     Parameters
     ----------
     assembly : LinkAssembly
-    drive : CrankDrive or LockedCrank
+    drive : Drive
         By which the links' rigid frames turn, and the forces with them.
     impacts : sequence of Impact
 
@@ -334,7 +332,7 @@ class _PulseForce:
     """Force of an impact in ground axes, as a user function."""
 
     impact: Impact
-    drive: CrankDrive | LockedCrank
+    drive: Drive
     linkage: Linkage
     link: int
 

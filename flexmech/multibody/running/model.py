@@ -15,7 +15,7 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import LinkModel
-from flexmech.linkages import Clamp, CrankDrive, LockedCrank
+from flexmech.linkages import Clamp, Drive
 from flexmech.linkages.motion import normal
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
@@ -51,7 +51,7 @@ class RunningModel:
         Elements a link.
     kind : str
         Key of :data:`flexmech.multibody.beams.BEAM_KINDS`.
-    drive : CrankDrive or LockedCrank
+    drive : Drive
     links : sequence of LinkModel
         The links' matrices in the same coordinates, for their weight.
     impacts : sequence of Impact
@@ -88,7 +88,7 @@ class RunningModel:
         mechanism: Mechanism,
         elements: int,
         kind: str,
-        drive: CrankDrive | LockedCrank,
+        drive: Drive,
         links: Sequence[LinkModel],
         impacts: Sequence[Impact] = (),
         torque: TorqueTable | None = None,
@@ -103,7 +103,7 @@ class RunningModel:
         self.shaft = Shaft(
             float(self._start.angle[assembly.base]),
             float(drive.speed),
-            float(drive.run_up_time),
+            _plain_pieces(drive),
             is_free=torque is not None,
         )
         add_running_loads(assembly, self.energies)
@@ -324,3 +324,10 @@ class RunningModel:
 
     def _multipliers(self, constraint: ItemNumber) -> list[int]:
         return list(self.assembly.mbs.systemData.GetObjectLTGAE(int(constraint)))
+
+
+def _plain_pieces(drive: Drive) -> tuple[Any, ...]:
+    """The pieces of a law as plain numbers, which an exported script holds, from the start on."""
+    begin = float(drive.crank_angle(0.0))
+    moved = (piece.moved(0.0, -begin) for piece in drive.law.pieces)
+    return tuple((one.start, one.duration, one.polynomial, one.sine) for one in moved)

@@ -14,7 +14,7 @@ from textwrap import wrap
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import one_line
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import Drive
 from flexmech.mechanism import Provenance
 from flexmech.multibody.items import Item, Setting
 from flexmech.multibody.running.closure import ClosedJoints
@@ -42,6 +42,7 @@ HEAD = '''"""{}
 from __future__ import annotations
 
 import argparse
+import bisect
 import math
 import os
 from dataclasses import dataclass
@@ -110,7 +111,7 @@ class ScriptSource:
     ----------
     provenance : Provenance
         Of the mechanism.
-    drive : CrankDrive
+    drive : Drive
     items : sequence of Item
     joints : Joints or ClosedJoints
     drifts : bool
@@ -125,7 +126,7 @@ class ScriptSource:
     """
 
     provenance: Provenance
-    drive: CrankDrive
+    drive: Drive
     items: Sequence[Item]
     joints: Joints | ClosedJoints
     drifts: bool
@@ -160,7 +161,7 @@ def _head(source: ScriptSource) -> str:
     provenance = source.provenance
     origin = f" from {provenance.file} (SHA-256 {provenance.sha256})" if provenance.file else ""
     texts = [
-        f"{provenance.name}, running at {source.drive.speed:.10g} rad/s, as an Exudyn model.",
+        f"{provenance.name}, running at {source.drive.words}, as an Exudyn model.",
         f"Written by flexmech{origin}. All numbers are in SI units, angles in rad. It prints the "
         "greatest deflection of every link and writes the histories beside itself, as a CSV "
         "file; with --view it shows the linkage while it runs.",

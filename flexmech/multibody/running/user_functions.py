@@ -1,12 +1,13 @@
 """What Exudyn calls while a linkage runs, and what prescribes the motion of its shaft.
 
 An exported script contains the text of these functions and classes as it stands here. They
-need nothing but ``math`` and plain numbers, so that what the program runs and what it exports
-are the same.
+need nothing but ``math``, ``bisect`` and plain numbers, so that what the program runs and what
+it exports are the same.
 """
 
 from __future__ import annotations
 
+import bisect
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -16,9 +17,11 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Shaft:
-    """Prescribed angle of the driven link at its clamp: constant speed after a run-up.
+    """Prescribed angle of the driven link at its clamp: a law, then a constant speed.
 
-    The run-up is cycloidal: its acceleration starts and ends at zero. Angles in rad.
+    The law is in pieces: from the time ``start`` on the angle is that at time zero and
+    ``sum(c[k] * tau**k) + a * sin(w * tau + phase)``, with the part
+    ``tau = (t - start) / duration``.
     A shaft that is free is turned by a torque, and its hub stands where that takes it.
 
     Parameters
@@ -27,34 +30,43 @@ class Shaft:
         At time zero, in rad.
     final_speed : float
         In rad/s.
-    run_up_time : float
-        In s.
+    pieces : tuple
+        Of (start, duration, c, (a, w, phase)) in s and rad; none of a constant speed.
     is_free : bool
         Whether the angle is that of the mean motion alone.
     """
 
     start_angle: float
     final_speed: float
-    run_up_time: float
+    pieces: tuple[Any, ...] = ()
     is_free: bool = False
 
     def angle(self, t: float) -> float:
         """Angle at a time in s."""
-        total = self.run_up_time
-        if not total:
-            return self.start_angle + self.final_speed * t
-        inside = min(t, total)
-        phase = 2 * math.pi * inside / total
-        rising = inside**2 / (2 * total)
-        rising -= total * (1 - math.cos(phase)) / (2 * math.pi) ** 2
-        return self.start_angle + self.final_speed * (rising + max(t - total, 0.0))
+        return self.motion(t)[0]
 
     def speed(self, t: float) -> float:
         """Angular speed at a time in s."""
-        if not self.run_up_time:
-            return self.final_speed
-        part = min(t / self.run_up_time, 1.0)
-        return self.final_speed * (part - math.sin(2 * math.pi * part) / (2 * math.pi))
+        return self.motion(t)[1]
+
+    def motion(self, t: float) -> tuple[float, float]:
+        """Angle and angular speed at a time in s."""
+        if not self.pieces:
+            return self.start_angle + self.final_speed * t, self.final_speed
+        number = bisect.bisect_right(self.pieces, t, key=lambda piece: piece[0])
+        start, duration, polynomial, sine = self.pieces[max(number - 1, 0)]
+        size, rate, phase = sine
+        after = t - (start + duration) if number == len(self.pieces) else -1.0
+        part = 1.0 if after >= 0 else (t - start) / duration
+        angle, speed = 0.0, 0.0
+        for coefficient in reversed(polynomial):
+            speed = speed * part + angle
+            angle = angle * part + coefficient
+        angle += self.start_angle + size * math.sin(rate * part + phase)
+        speed += size * rate * math.cos(rate * part + phase)
+        if after < 0:
+            return angle, speed / duration
+        return angle + self.final_speed * after, self.final_speed
 
     def hub_angle(self, position: Any, t: float) -> float:
         """Angle of the hub, whose coordinate is the last one of the system."""

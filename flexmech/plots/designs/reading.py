@@ -79,8 +79,10 @@ def shown(values: xr.DataArray) -> FloatArray:
 
 
 def label(values: xr.DataArray) -> str:
-    """Name of a variable or output, with its unit."""
+    """Name of a variable or output, with its unit, and of uncertain ones their percentile."""
     name = short_name(str(values.name))
+    if statistic := values.attrs.get("statistic"):
+        name = f"{name}, {statistic}"
     unit = values.attrs.get("shown_unit", "")
     return f"{name} ({unit or '-'})" if values.dtype.kind != "U" else name
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from flexmech.analyses import CrankRockerSynthesis, SpeedSweep
 from flexmech.report.panel import Panel, PanelMaker, further_lines, panel_of
+from flexmech.report.panels.balance import balance_panel
 from flexmech.report.panels.claims import claims_panel
 from flexmech.report.panels.designs import optimum_panel, sweep_panel, uncertainty_panel
 from flexmech.report.panels.frequencies import (
@@ -16,6 +17,7 @@ from flexmech.report.panels.hammer import comparison_panel, hammer_panel, runnin
 from flexmech.report.panels.kinematics import coupler_panel, kinematics_panel, mechanism_panel
 from flexmech.report.panels.response import response_panel, spectrum_panel
 from flexmech.report.panels.sections import moisture_panel, section_panel
+from flexmech.report.panels.strength import strength_panel
 from flexmech.report.results import Results
 
 __all__ = ["PANELS", "panels_of"]
@@ -47,9 +49,11 @@ PANELS: tuple[PanelMaker, ...] = (
     running_hammer_panel,
     response_panel,
     spectrum_panel,
+    strength_panel,
     hammer_panel,
     comparison_panel,
     kinematics_panel,
+    balance_panel,
     coupler_panel,
     section_panel,
     moisture_panel,

@@ -33,10 +33,12 @@ def kinematics_panel(results: Results) -> panel.Panel | None:
         data = result.dataset
         speed = words.speed_name(float(data.attrs["crank_speed"]), words.speed_unit_of(results))
         when = {"speed": speed} if len(found) > 1 else {}
-        angle = degrees(data["crank_angle"])
-        motion += _motion(data, angle, links, when)
-        moved += _moved(data, angle, points, when)
-        forces += _forces(data, angle, when)
+        # Under a law of motion all is over time, which has no picture of the page: words tell it.
+        if "time" not in data.dims:
+            angle = degrees(data["crank_angle"])
+            motion += _motion(data, angle, links, when)
+            moved += _moved(data, angle, points, when)
+            forces += _forces(data, angle, when)
         at = f"{speed}: " if len(found) > 1 else ""
         said = result.summary()
         answer += [f"{at}{line}" for line in said.answer]
@@ -44,7 +46,7 @@ def kinematics_panel(results: Results) -> panel.Panel | None:
         tables += said.tables[:1]
         folded += said.tables[1:]
         warnings += [f"{at}{warning}" for warning in said.warnings]
-    shown = [
+    pictures = [
         panel.over_angle(
             "link-motion",
             (panel.YAxis("velocity (rad/s)"), panel.YAxis("acceleration (rad/s²)")),
@@ -56,7 +58,8 @@ def kinematics_panel(results: Results) -> panel.Panel | None:
         forces_plot("rigid-forces", joints, forces, "over the crank angle, rigid links"),
     ]
     if points:
-        shown.insert(1, _points_plot(points, moved))
+        pictures.insert(1, _points_plot(points, moved))
+    shown = pictures if motion else []
     return panel.panel_of(
         "kinematics",
         answer=tuple(answer),

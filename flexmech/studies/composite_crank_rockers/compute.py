@@ -19,6 +19,7 @@ from flexmech.studies.composite_crank_rockers.properties import (
 from flexmech.studies.composite_crank_rockers.ratios import laminate_factors
 from flexmech.studies.composite_crank_rockers.result import CompositeStudy
 from flexmech.studies.composite_crank_rockers.running import MakeEngine, running_peaks
+from flexmech.studies.composite_crank_rockers.strengths import first_ply_failures
 
 # Every linkage and position, the second crank angle with a right transmission angle last.
 _LINKAGES = {
@@ -88,6 +89,7 @@ def study_composites(
         damping,
         rigid_joint_frequencies(make_engine, progress),
         running_peaks(make_engine, progress),
+        first_ply_failures(progress),
     )
     return CompositeStudy(dataset.assign_attrs(versions))
 
@@ -128,6 +130,7 @@ def composite_dataset(
     damping: xr.DataArray,
     rigid_joints: xr.DataArray,
     running: xr.Dataset,
+    failures: xr.Dataset,
 ) -> xr.Dataset:
     """Dataset of the study.
 
@@ -140,6 +143,8 @@ def composite_dataset(
         In Hz, over (position, laminate, case).
     running : Dataset
         Of :func:`flexmech.studies.composite_crank_rockers.running.running_peaks`.
+    failures : Dataset
+        Of :func:`flexmech.studies.composite_crank_rockers.strengths.first_ply_failures`.
 
     Returns
     -------
@@ -163,7 +168,7 @@ def composite_dataset(
         ),
     )
     properties = laminate_properties()
-    dataset = xr.merge([dataset, properties, running], join="exact")
+    dataset = xr.merge([dataset, properties, running, failures], join="exact")
     relative = factor_uncertainty(properties).isel(mixed_plies=0, layers=0, drop=True)
     ours = dataset["laminate_factor"].isel(plies=0, layers=0).sel(beams=linkages.CONVERGED)
     dataset["laminate_factor_spread"] = (ours * relative).drop_vars(["plies", "layers", "beams"])

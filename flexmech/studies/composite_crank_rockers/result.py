@@ -21,6 +21,11 @@ from flexmech.studies.claim import (
 )
 from flexmech.studies.composite_crank_rockers.claims import composite_claims
 from flexmech.studies.composite_crank_rockers.linkages import composite_model_files, stored_table
+from flexmech.studies.composite_crank_rockers.strength_tables import (
+    strength_answer,
+    strength_frame,
+    strength_table,
+)
 from flexmech.studies.composite_crank_rockers.tables import (
     frequency_table,
     property_frame,
@@ -49,20 +54,22 @@ class CompositeStudy(Result):
         ``damping``; ``laminate_factor`` and ``published_laminate_factor``, the frequency of
         each ``laminate`` over that of C1; ``transmission_angle`` in rad over ``crank_angle``
         and ``case``; what
-        :func:`flexmech.studies.composite_crank_rockers.properties.laminate_properties` and
-        :func:`flexmech.studies.composite_crank_rockers.running.running_peaks` have.
+        :func:`flexmech.studies.composite_crank_rockers.properties.laminate_properties`,
+        :func:`flexmech.studies.composite_crank_rockers.running.running_peaks` and
+        :func:`flexmech.studies.composite_crank_rockers.strengths.first_ply_failures` have.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """
 
     stem = "composites"
     subject = "composite crank-rockers of Elamy et al. 2023"
-    hallmark = "other_configuration"
+    hallmark = "failure_speed"
     files = (
         "composites.csv",
         "composite_claims.csv",
         "composite_properties.csv",
         "composite_running.csv",
+        "composite_strength.csv",
         "composites.nc",
         "transmission_angle.png",
         "frequencies_by_laminate.png",
@@ -82,12 +89,13 @@ class CompositeStudy(Result):
         return composite_claims(self.dataset)
 
     def tables(self) -> dict[str, pd.DataFrame]:
-        """Frequencies of all models, the claims, laminates, and the linkages in motion."""
+        """Frequencies of all models, claims, laminates, linkages in motion, and their strength."""
         return {
             "composites": frequency_table(self.dataset),
             "composite_claims": pd.DataFrame(self.claims()),
             "composite_properties": property_frame(self.dataset),
             "composite_running": running_frame(self.dataset),
+            "composite_strength": strength_frame(self.dataset),
         }
 
     def texts(self) -> dict[str, str]:
@@ -117,10 +125,12 @@ class CompositeStudy(Result):
             "and undecidable if that band is not narrower than the effect; the paper prints no "
             "link size, so that only ratios compare",
             "each linkage has a model file, with the size that is assumed",
+            strength_answer(self.dataset),
         )
         tables = (
             property_table(self.dataset),
             running_table(self.dataset),
+            strength_table(self.dataset),
             *ratio_tables(self.dataset),
         )
         return Summary(

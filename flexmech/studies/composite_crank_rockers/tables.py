@@ -208,7 +208,7 @@ def property_table(study: xr.Dataset) -> Table:
         headings,
         (tuple(zip(*columns, strict=True)),),
         caption="moduli in bending in the plane of motion, with the uncertainties of Table 1; "
-        "no strength of fibre or resin is printed, so that none can be computed",
+        "no strength of fibre or resin is printed, so that none follows from Table 1",
     )
 
 

@@ -107,6 +107,11 @@ class KeptDesigns:
             self._write(len(self._rows) - len(self._rows) % _TASK)
         return self._of(designs)
 
+    @property
+    def count(self) -> int:
+        """Designs that are known."""
+        return len(self._rows)
+
     def close(self) -> None:
         """Keep what fills no task of its own."""
         self._write(len(self._rows))

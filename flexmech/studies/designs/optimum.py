@@ -144,10 +144,11 @@ def _runs(data: xr.Dataset) -> str:
     count = int(data["evaluations"].values[-1])
     if "uncertain" not in data.attrs:
         return f"{count} designs were computed"
+    runs = int(data.attrs["runs"])
     names, samples = data.attrs["uncertain"].split("\n"), int(data.attrs["samples"])
     return (
         f"{count} designs were computed, each with {samples} samples of {', '.join(names)}: "
-        f"{count * samples} runs"
+        f"{runs} runs"
     )
 
 
@@ -239,7 +240,7 @@ def optimum_study(
         .assign_coords(evaluations=("step", np.array(steps)))
         .assign(history=(("goal", "step"), (np.array(history) * signs).T))
         .assign_coords(goal=[goal.output for goal in study.goals])
-        .assign_attrs(optimum=_model(study, designs[number]))
+        .assign_attrs(optimum=_model(study, designs[number]), runs=computed.count)
     )
 
 

@@ -22,6 +22,9 @@ from flexmech.studies.designs.study import Study, sobol_points
 INSTALL = "several goals need the extra packages of [study]: pip install 'flexmech[study]'"
 # Starts of the search for one goal: the best designs of a sample of so many for each variable.
 _STARTS, _SAMPLE = 4, 16
+# Where every design is a sample of runs, and how far, in parts of the ranges, the search goes then:
+# percentiles of a sample are not known to more.
+_UNCERTAIN_STARTS, _UNCERTAIN_STEP, _STEP = 2, 1e-4, 1e-7
 _POPULATION, _GENERATIONS = 64, 40
 # Of a local search, for each variable: what SciPy takes where nothing is said.
 _MOST_STEPS = 500
@@ -126,7 +129,8 @@ def most_designs(study: Study) -> int:
     if len(study.goals) > 1:
         return samples * _POPULATION * _GENERATIONS
     count = _chosen(study)
-    return samples * (_sample_size(study) + _STARTS * (_MOST_STEPS * count + 1))
+    # One more of each of the first sample, at the medians of what is uncertain.
+    return (samples + 1) * (_sample_size(study) + _STARTS * (_MOST_STEPS * count + 1))
 
 
 def search_content(study: Study) -> dict[str, str]:
@@ -178,19 +182,23 @@ def one_goal(search: Search) -> FloatArray:
         The nearest where none keeps every limit.
     """
     study, designs = search.study, search.scatter.designs
-    count = _sample_size(study)
-    points = sobol_points(count, _chosen(study), study.seed)
-    goals, violation = search(designs(points))
-    size = _size(goals[:, 0])
-    order = np.lexsort([goals[:, 0], violation])
+    points = sobol_points(_sample_size(study), _chosen(study), study.seed)
     # Listed values have no neighbours to move to: the search goes over the others alone.
     fixed = np.array(
         [each.distribution == "values" for each in study.variables if not each.is_random]
     )
-    ends = []
-    for start in points[order[:_STARTS]]:
-        ends.append(start if fixed.all() else _descend(search, start, fixed, size))
-    search(designs(np.array(ends)))
+    starts = _STARTS
+    if study.uncertain and not fixed.all():
+        # At the medians of what is uncertain good starts are found by one run each.
+        starts = _UNCERTAIN_STARTS
+        goals, violation = search.judged(search.computed(designs(points)))
+    else:
+        goals, violation = search(designs(points))
+    if not fixed.all():
+        size = _size(goals[:, 0])
+        order = np.lexsort([goals[:, 0], violation])
+        ends = [_descend(search, start, fixed, size) for start in points[order[:starts]]]
+        search(designs(np.array(ends)))
     best = search.nearest if search.design is None else search.design
     assert best is not None
     return best[None]
@@ -232,7 +240,8 @@ def _descend(search: Search, start: FloatArray, fixed: Any, size: float) -> Floa
         bounds=[(0.0, 1.0)] * int(free.sum()),
         constraints=constraints,
         options={
-            **{"initial_tr_radius": 0.1, "final_tr_radius": 1e-7},
+            "initial_tr_radius": 0.1,
+            "final_tr_radius": _UNCERTAIN_STEP if study.uncertain else _STEP,
             "maxfev": _MOST_STEPS * int(free.sum()),
         },
     )

@@ -203,7 +203,8 @@ class Study:
     def percentiles(self) -> dict[str, float]:
         """Which percentile of an output goals and limits are about; of others it is the mean."""
         asked: dict[str, float | None] = {}
-        for one in (*self.goals, *self.limits):
+        each: tuple[Goal | Limit, ...] = (*self.goals, *self.limits)
+        for one in each:
             if asked.setdefault(one.output, one.percentile) != one.percentile:
                 raise InputError(
                     f"percentile: that of {one.output} differs among its goals and limits; give "

@@ -27,7 +27,7 @@ from flexmech.linear_system import (
     RotationTerms,
     SystemMatrices,
 )
-from flexmech.linkages import CrankDrive, Load, RigidMotion, continuous_angles
+from flexmech.linkages import Drive, Load, RigidMotion, continuous_angles
 from flexmech.linkages.motion import cross
 
 LinkMotion = Sequence[tuple[FloatArray, FloatArray, FloatArray]]
@@ -94,7 +94,7 @@ class DrivenConnectors:
     engine : Engine
     frames : LinkFrames
         Of the reduced links.
-    drive : CrankDrive
+    drive : Drive
     follower_torque : bool
         Whether the torque that balances them turns with a free shaft.
     """
@@ -103,7 +103,7 @@ class DrivenConnectors:
         self,
         engine: Engine,
         frames: LinkFrames,
-        drive: CrankDrive,
+        drive: Drive,
         *,
         follower_torque: bool = False,
     ) -> None:

@@ -31,7 +31,7 @@ from flexmech.linear_system import (
     SystemMatrices,
     inertia_loads,
 )
-from flexmech.linkages import CrankDrive, RigidMotion
+from flexmech.linkages import Drive, RigidMotion
 from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors
 from flexmech.time_domain.equations_of_motion.driven_shaft import DrivenShaft
 from flexmech.time_domain.equations_of_motion.equations import Equations
@@ -61,7 +61,7 @@ class DrivenLinkage:
     ----------
     engine : Engine
         With component modes or without; see :func:`is_reduced`.
-    drive : CrankDrive
+    drive : Drive
     prestress : {"none", "axial", "equilibrium"}
         ``equilibrium`` linearizes about the quasi-static equilibrium, whose displacement is
         then part of the response.
@@ -98,7 +98,7 @@ class DrivenLinkage:
     def __init__(
         self,
         engine: Engine,
-        drive: CrankDrive,
+        drive: Drive,
         prestress: Prestress = "equilibrium",
         *,
         modes: int = MODES,

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine, LinkFrames
-from flexmech.linkages import CrankDrive, RigidMotion
+from flexmech.linkages import Drive, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain.equations_of_motion.natural_coordinates import NaturalLink
 from flexmech.time_domain.recorded_runs.recording import StepBlock
@@ -37,7 +37,7 @@ class DrivenShaft:
     Parameters
     ----------
     engine : Engine
-    drive : CrankDrive
+    drive : Drive
     frames : LinkFrames
         Of the reduced links.
     fields : tuple of ndarray, shape (n_link, 3)
@@ -49,7 +49,7 @@ class DrivenShaft:
     """
 
     engine: Engine
-    drive: CrankDrive
+    drive: Drive
     frames: LinkFrames
     fields: tuple[FloatArray, ...]
     link: int
@@ -59,7 +59,7 @@ class DrivenShaft:
     def of(
         cls,
         engine: Engine,
-        drive: CrankDrive,
+        drive: Drive,
         frames: LinkFrames,
         unreduced: Sequence[NaturalLink],
         bases: Sequence[FloatArray],
@@ -69,7 +69,7 @@ class DrivenShaft:
         Parameters
         ----------
         engine : Engine
-        drive : CrankDrive
+        drive : Drive
         frames : LinkFrames
         unreduced : sequence of NaturalLink
         bases : sequence of ndarray, shape (n_full, n_link)

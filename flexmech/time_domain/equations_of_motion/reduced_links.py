@@ -16,7 +16,7 @@ from flexmech.linear_system import (
     Prestress,
     component_modes,
 )
-from flexmech.linkages import CrankDrive, Topology
+from flexmech.linkages import Drive, Topology
 from flexmech.time_domain.equations_of_motion.natural_coordinates import (
     NaturalLink,
     natural_links,
@@ -179,14 +179,14 @@ def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
 
 
 def prestressed_links(
-    engine: Engine, drive: CrankDrive, prestress: Prestress, modes: int, detail: float
+    engine: Engine, drive: Drive, prestress: Prestress, modes: int, detail: float
 ) -> ReducedLinks:
     """Links for linear equations at a level of prestress.
 
     Parameters
     ----------
     engine : Engine
-    drive : CrankDrive
+    drive : Drive
     prestress : {"none", "axial", "equilibrium"}
     modes : int
         Number of natural frequencies for which the reduction is accurate.
@@ -199,8 +199,7 @@ def prestressed_links(
     """
     if not is_reduced(engine):
         return ReducedLinks.all_of(engine)
-    turn = drive.start_angle + np.linspace(0.0, 2 * np.pi, 73)
-    motion = engine.mechanism.linkage.motion(turn, drive.speed)
+    motion = drive.motion(engine.mechanism.linkage, drive.passing_times)
     return ReducedLinks.of(
         engine,
         component_modes(

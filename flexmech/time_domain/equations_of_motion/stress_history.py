@@ -8,11 +8,12 @@ hundredths of a degree then needs no equilibrium. They are sums of few distribut
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import scipy
+from scipy.interpolate import CubicSpline, PPoly
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
@@ -23,11 +24,13 @@ from flexmech.linear_system import (
     StressedLinks,
     inertia_loads,
 )
-from flexmech.linkages import CrankDrive, RigidMotion
+from flexmech.linkages import Drive, RigidMotion
 from flexmech.time_domain.equations_of_motion.link_stress import LinkStress, StressShapes
 
 # Positions a turn; halving the spacing moves deflections by less than 1e-4 of their peak.
 SAMPLES_PER_TURN = 120
+# Fewest positions from one corner of a law to the next.
+LEAST_OF_A_PIECE = 30
 # What the distributions of stress leave out, relative to the greatest: some fifty times the unit
 # round-off of the values that they are made of. At 1e-6 deflections change by 1e-5 of their peak.
 LEFT_OUT = 1e-14
@@ -43,7 +46,7 @@ class StressHistory:
         Unreduced links of the run.
     bases : sequence of ndarray, shape (n_full, n)
         From each reduced link's coordinates to its full ones.
-    drive : CrankDrive
+    drive : Drive
     prestress : {"none", "axial", "equilibrium"}
     with_energy : bool
         Whether the potential's part that does not depend on the links' coordinates is
@@ -72,7 +75,7 @@ class StressHistory:
         engine: Engine,
         links: Sequence[LinkModel],
         bases: Sequence[FloatArray],
-        drive: CrankDrive,
+        drive: Drive,
         prestress: Prestress,
         *,
         with_energy: bool = True,
@@ -93,23 +96,27 @@ class StressHistory:
             basis.T @ link.damping @ basis for link, basis in zip(links, bases, strict=True)
         ]
         self._guide_stiffness: FloatArray | None = None
-        self._turn: scipy.interpolate.CubicSpline | None = None
-        self._rise: scipy.interpolate.CubicSpline | None = None
+        self._turn: CubicSpline | None = None
+        self._rise: PPoly | None = None
         if prestress == "none" and not engine.mechanism.is_free_strained:
             self._shapes = [
                 StressShapes.straight(basis.T @ link.stiffness @ basis, damping)
                 for link, basis, damping in zip(links, bases, self._damping, strict=True)
             ]
             return
+        sampled = []
         angles = drive.start_angle + np.linspace(0.0, 2 * np.pi, SAMPLES_PER_TURN + 1)
-        sampled = [self._sampled(angles, angles, drive.speed, 0.0)]
-        turns = abs(drive.crank_angle(drive.run_up_time) - drive.start_angle) / (2 * np.pi)
-        count = max(SAMPLES_PER_TURN, int(np.ceil(SAMPLES_PER_TURN * turns)))
-        rise_time = np.linspace(0.0, drive.run_up_time, count + 1)
-        if not drive.is_constant:
-            angle = drive.crank_angle(rise_time)
-            speed, acceleration = drive.crank_speed(rise_time), drive.crank_acceleration(rise_time)
-            sampled.append(self._sampled(rise_time, angle, speed, acceleration))
+        if drive.turns_on:
+            sampled.append(self._sampled(angles, angles, drive.speed, 0.0))
+        rises = [] if drive.is_constant and drive.turns_on else _sampled_times(drive)
+        if rises:
+            time = np.concatenate([*(rise[:-1] for rise in rises), rises[-1][-1:]])
+            motion = (
+                drive.crank_angle(time),
+                drive.crank_speed(time),
+                drive.crank_acceleration(time),
+            )
+            sampled.append(self._sampled(time, *motion))
         values = np.concatenate(sampled)
         share, shapes = _low_rank_factors(values, self._scale(values))
         stops = np.cumsum([sum(self._widths(size)) for size in self._sizes])
@@ -118,12 +125,14 @@ class StressHistory:
             StressShapes.unpacked(part, size, damping)
             for part, size, damping in zip(parts, self._sizes, self._damping, strict=True)
         ]
-        turn = share[: len(angles)]
-        # The last position of a turn is the first.
-        turn[-1] = turn[0]
-        self._turn = scipy.interpolate.CubicSpline(angles, turn, bc_type="periodic")
-        if not drive.is_constant:
-            self._rise = scipy.interpolate.CubicSpline(rise_time, share[len(angles) :])
+        if drive.turns_on:
+            turn = share[: len(angles)]
+            # The last position of a turn is the first.
+            turn[-1] = turn[0]
+            self._turn = CubicSpline(angles, turn, bc_type="periodic")
+            share = share[len(angles) :]
+        if rises:
+            self._rise = _joined(rises, share)
 
     def at(self, time: FloatArray) -> list[LinkStress]:
         """Stress of each link at times of shape (m,)."""
@@ -139,16 +148,22 @@ class StressHistory:
     def _shares(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Amplitudes of the distributions of stress, and their rates, (m, r)."""
         drive = self._drive
-        if self._turn is None:
-            share, rate = np.ones((len(time), 1)), np.zeros((len(time), 1))
-        else:
+        if self._turn is None and self._rise is None:
+            return np.ones((len(time), 1)), np.zeros((len(time), 1))
+        rising = np.ones(len(time), dtype=bool)
+        if self._turn is not None:
             turned = drive.crank_angle(time) - drive.start_angle
             phase = drive.start_angle + np.mod(turned, 2 * np.pi)
             share, rate = self._turn(phase), drive.speed * self._turn(phase, 1)
-            rising = time < drive.run_up_time
-            if self._rise is not None and rising.any():
-                share[rising] = self._rise(time[rising])
-                rate[rising] = self._rise(time[rising], 1)
+            rising = time < drive.law_time
+        if self._rise is not None and rising.any():
+            # A crank that does not turn on stands after the law, or has come to its end.
+            inside = np.minimum(time[rising], drive.law_time)
+            own, own_rate = self._rise(inside), self._rise(inside, 1)
+            own_rate[time[rising] >= drive.law_time] = 0.0
+            if self._turn is None:
+                return own, own_rate
+            share[rising], rate[rising] = own, own_rate
         return share, rate
 
     def _widths(self, size: int) -> list[int]:
@@ -284,14 +299,40 @@ class StressHistory:
         start, first = 0, 0
         for size, basis in zip(self._sizes, self._bases, strict=True):
             own = slice(first, first + len(basis))
-            path = scipy.interpolate.CubicSpline(where, place[:, own])
-            power = scipy.interpolate.CubicSpline(
-                where, np.sum(force[:, own] * path(where, 1), axis=1)
-            )
+            path = CubicSpline(where, place[:, own])
+            power = CubicSpline(where, np.sum(force[:, own] * path(where, 1), axis=1))
             energy = power.antiderivative()(where) + force[0, own] @ place[0, own] / 2
             values[:, start + size * size + size] += energy
             start += sum(self._widths(size))
             first = own.stop
+
+
+def _sampled_times(drive: Drive) -> list[FloatArray]:
+    """Times at which the stress is sampled along a law, from each corner to the next.
+
+    At corners a spline would ring. A rest has two samples.
+    """
+    if drive.is_constant:
+        return [np.array([0.0, 1.0])]
+    corners, found = drive.corners, []
+    least = max(LEAST_OF_A_PIECE, SAMPLES_PER_TURN // (len(corners) - 1))
+    for first, last in itertools.pairwise(corners.tolist()):
+        angle = drive.crank_angle(np.linspace(first, last, SAMPLES_PER_TURN + 1))
+        turns = float(np.abs(np.diff(angle)).sum()) / (2 * np.pi)
+        count = max(least, int(np.ceil(SAMPLES_PER_TURN * turns))) if turns else 1
+        found.append(np.linspace(first, last, count + 1))
+    return found
+
+
+def _joined(times: Sequence[FloatArray], values: FloatArray) -> PPoly:
+    """Cubic splines through values at times, of which each part begins where the last one ends."""
+    splines, first = [], 0
+    for time in times:
+        splines.append(CubicSpline(time, values[first : first + len(time)]))
+        first += len(time) - 1
+    places = [spline.x[:-1] for spline in splines]
+    coefficients = np.concatenate([spline.c for spline in splines], axis=1)
+    return PPoly(coefficients, np.concatenate([*places, splines[-1].x[-1:]]))
 
 
 def _low_rank_factors(values: FloatArray, scale: FloatArray) -> tuple[FloatArray, FloatArray]:

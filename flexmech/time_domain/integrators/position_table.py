@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
@@ -55,9 +56,11 @@ class PositionTable:
         self._solve = solve
         self._drive = drive = linkage.drive
         self._is_interpolated = linkage.connectors.is_interpolated
-        self._begins = drive.run_up_time + reach
-        period = drive.revolution_time
-        motion = linkage.motion(drive.run_up_time + period * np.linspace(0.0, 1.0, 361))
+        self._begins = drive.law_time + reach
+        self._stands = not drive.speed
+        # Without turns at a constant speed nothing is interpolated.
+        period = drive.revolution_time if drive.turns_on else 0.0
+        motion = linkage.motion(drive.law_time + period * np.linspace(0.0, 1.0, 361))
         speeds = motion.angular_velocity
         relative = np.abs(speeds[:, :, None] - speeds[:, None, :])
         fastest = max(float(np.abs(speeds).max()), float(relative.max()))
@@ -79,6 +82,10 @@ class PositionTable:
         if not self._is_interpolated:
             return self._solved_at(time)
         steady = time >= self._begins
+        if self._stands:
+            return self._solved_until_rest(time, steady)
+        if not self._drive.turns_on:
+            return self._solved_at(time)
         place = (time - self._begins) / self._drive.revolution_time * self._count
         if steady.all():
             return self._interpolated(place)
@@ -87,6 +94,18 @@ class PositionTable:
         values[~steady] = direct
         if steady.any():
             values[steady] = self._interpolated(place[steady])
+        return values
+
+    def _solved_until_rest(self, time: FloatArray, resting: NDArray[np.bool_]) -> FloatArray:
+        """Arrays that are the same at all times at which the crank rests."""
+        if not resting.any():
+            return self._solved_at(time)
+        if not self._table.size:
+            self._table = self._solved_at(np.array([self._begins]))
+        values = np.empty((len(time), self._table.shape[1]))
+        values[resting] = self._table
+        if not resting.all():
+            values[~resting] = self._solved_at(time[~resting])
         return values
 
     def _interpolated(self, place: FloatArray) -> FloatArray:

@@ -20,7 +20,7 @@ from flexmech.dynamical_systems import HalfSinePulse, VibrationState, initial_st
 from flexmech.dynamical_systems.lobatto import STAGES
 from flexmech.errors import ComputationError, InputError
 from flexmech.linear_system import Engine, LinkPoint, displacement_row
-from flexmech.linkages import CrankDrive, LockedCrank
+from flexmech.linkages import Drive
 from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
 from flexmech.time_domain.equations_of_motion.dynamics import LinkageDynamics
 from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
@@ -267,7 +267,7 @@ class Simulator(Protocol):
 
     def simulate(
         self,
-        drive: CrankDrive | LockedCrank,
+        drive: Drive,
         start: LinkState,
         sample_time: FloatArray,
         step: float,
@@ -281,7 +281,7 @@ class Simulator(Protocol):
 
         Parameters
         ----------
-        drive : CrankDrive or LockedCrank
+        drive : Drive
         start : LinkState
             State at time zero.
         sample_time : ndarray, shape (N,)
@@ -308,7 +308,7 @@ class Simulator(Protocol):
 
     def point_histories(
         self,
-        drive: CrankDrive | LockedCrank,
+        drive: Drive,
         start: LinkState,
         points: Sequence[tuple[LinkPoint, LinkDirection]],
         step: float,
@@ -321,7 +321,7 @@ class Simulator(Protocol):
 
         Parameters
         ----------
-        drive : CrankDrive or LockedCrank
+        drive : Drive
         start : LinkState
             State at time zero.
         points : sequence of (LinkPoint, {"transverse", "axial"})

@@ -13,7 +13,7 @@ from flexmech.choices import LINK_DIRECTIONS, LinkDirection
 from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.errors import ComputationError
 from flexmech.linear_system import LinkModel, LinkPoint
-from flexmech.linkages import CrankDrive, LockedCrank
+from flexmech.linkages import Drive
 from flexmech.mechanism import Mechanism
 from flexmech.validation import check_choice, check_instance
 
@@ -90,12 +90,12 @@ class ShaftMotion:
         """Motion at some of the instants."""
         return ShaftMotion(self.rotation[where], self.rate[where])
 
-    def refuse_runaway(self, drive: CrankDrive | LockedCrank, time: FloatArray) -> None:
+    def refuse_runaway(self, drive: Drive, time: FloatArray) -> None:
         """Refuse a shaft that has left its prescribed angle.
 
         Parameters
         ----------
-        drive : CrankDrive or LockedCrank
+        drive : Drive
         time : ndarray, shape (m,)
             Of the instants, in s.
 
@@ -120,7 +120,7 @@ class ShaftMotion:
         )
 
 
-def rigid_torque(mechanism: Mechanism, drive: CrankDrive, time: FloatArray) -> FloatArray:
+def rigid_torque(mechanism: Mechanism, drive: Drive, time: FloatArray) -> FloatArray:
     """Torque on the shaft for the prescribed motion of the rigid linkage and the shaft.
 
     Inverse dynamics under everything that acts on the linkage, and the shaft's own inertia times
@@ -129,7 +129,7 @@ def rigid_torque(mechanism: Mechanism, drive: CrankDrive, time: FloatArray) -> F
     Parameters
     ----------
     mechanism : Mechanism
-    drive : CrankDrive
+    drive : Drive
     time : ndarray, shape (m,)
         In s.
 

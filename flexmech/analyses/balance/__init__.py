@@ -1,0 +1,1 @@
+"""Which counterweights keep a linkage from shaking its frame, and what they cost."""

@@ -1,0 +1,138 @@
+"""From counterweights to one labelled dataset: the linkage as given, and balanced."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses.balance.compromise import inertia_loads
+from flexmech.analyses.balance.counterweights import Counterweight
+from flexmech.analyses.balance.elastic import ElasticShaking
+from flexmech.analyses.balance.request import BalanceRequest
+from flexmech.analyses.datasets import origin
+from flexmech.analyses.shaking import harmonic_variables
+from flexmech.linkages.frame_forces import ShakingForce, shaft_axis
+from flexmech.mechanism import Mechanism
+
+STATES = ("as given", "balanced")
+"""Of the linkage, along the dimension ``state``."""
+
+_ANGLE, _STATE = "crank_angle", "state"
+# Of a turn whose harmonics are told.
+_STEPS = 720
+_TURN = 2 * np.pi
+
+
+def balance_dataset(
+    states: Sequence[Mechanism], weights: Sequence[Counterweight], request: BalanceRequest
+) -> xr.Dataset:
+    """Loads of rigid links before and after, and the counterweights.
+
+    Parameters
+    ----------
+    states : sequence of Mechanism
+        As given, and balanced.
+    weights : sequence of Counterweight
+    request : BalanceRequest
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    given = states[0]
+    parts = [_state(each, request) for each in states]
+    names = xr.DataArray(list(STATES), dims=_STATE, name=_STATE)
+    dataset = xr.concat(parts, names, join="exact").assign_coords(
+        {
+            _ANGLE: request.crank_angles,
+            "component": ["x", "y"],
+            "joint": list(given.linkage.topology.joint_names),
+            "counterweight": [weight.link.name for weight in weights],
+        }
+    )
+    point = request.moment_point
+    if point is None:
+        topology = given.linkage.topology
+        point = shaft_axis(topology, given.linkage.motion(request.crank_angles[:1]))
+    over = "counterweight"
+    dataset["moment_point"] = "component", np.array(point)
+    dataset["counterweight_mass"] = over, [weight.mass for weight in weights]
+    dataset["counterweight_radius"] = over, [weight.radius for weight in weights]
+    dataset["counterweight_angle"] = over, [weight.angle for weight in weights]
+    dataset["counterweight_place"] = (over, "component"), [weight.place for weight in weights]
+    dataset["counterweight_about"] = over, [_joint_at(given, weight) for weight in weights]
+    return dataset.assign_attrs(
+        {
+            **origin(given),
+            "crank_speed": request.speed_of(given),
+            "speed_unit": request.shown_unit(given),
+            "weight": float(np.linalg.norm(given.gravity)),
+        }
+    )
+
+
+def _joint_at(mechanism: Mechanism, weight: Counterweight) -> str:
+    """Joint about which the link of a counterweight rotates."""
+    topology, link = mechanism.linkage.topology, weight.link
+    fixed = {pivot.link_end: pivot.joint for pivot in topology.pivots}
+    fixed |= {clamp.link_end: clamp.joint for clamp in topology.clamps}
+    return next(joint for end, joint in fixed.items() if end.link == link.name)
+
+
+def _state(mechanism: Mechanism, request: BalanceRequest) -> xr.Dataset:
+    """Loads of one state over the crank angles."""
+    speed = request.speed_of(mechanism)
+    motion = mechanism.linkage.motion(request.crank_angles, speed)
+    loads = inertia_loads(mechanism, motion, request.moment_point)
+    forces = mechanism.without_loads_over_time.inverse_dynamics(motion)
+    joints = mechanism.linkage.topology.joint_names
+    joint_force = np.stack([forces.joint_force[name] for name in joints], axis=1)
+    dataset = xr.Dataset(
+        {
+            "shaking_force": ((_ANGLE, "component"), loads.force),
+            "shaking_moment": ((_ANGLE,), loads.moment),
+            "driving_torque": ((_ANGLE,), loads.torque),
+            "joint_force": ((_ANGLE, "joint", "component"), joint_force),
+            "moving_mass": sum(mass.moment(0) for mass in mechanism.link_masses_in_order),
+        }
+    )
+    return dataset.merge(_harmonics(mechanism, speed, request))
+
+
+def _harmonics(mechanism: Mechanism, speed: float, request: BalanceRequest) -> xr.Dataset:
+    """Harmonics of the shaking force, where the angles asked for span a turn."""
+    first, last = request.crank_angles[[0, -1]].tolist()
+    if last - first < _TURN * (1 - 1e-9):
+        return xr.Dataset()
+    angles = first + _TURN * np.arange(_STEPS) / _STEPS
+    loads = inertia_loads(mechanism, mechanism.linkage.motion(angles, speed), request.moment_point)
+    found = ShakingForce(loads.force, loads.moment, (0.0, 0.0))
+    return xr.Dataset(harmonic_variables(found, angles))
+
+
+def elastic_variables(found: Sequence[ElasticShaking]) -> xr.Dataset:
+    """Shaking force of elastic links in periodic motion, and the first natural frequency.
+
+    Parameters
+    ----------
+    found : sequence of ElasticShaking
+        Of each state.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    over = "elastic_angle"
+    return xr.Dataset(
+        {
+            "elastic_shaking_force": (
+                (_STATE, over, "component"),
+                np.stack([each.force for each in found]),
+            ),
+            "elastic_shaking_moment": ((_STATE, over), np.stack([each.moment for each in found])),
+            "first_frequency": ((_STATE,), [each.first_frequency for each in found]),
+        },
+        coords={_STATE: list(STATES), over: found[0].crank_angle, "component": ["x", "y"]},
+    )

@@ -1,0 +1,244 @@
+"""What a balance says: the counterweights, what they take off the frame, and what they cost."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses.datasets import DEGREES
+from flexmech.analyses.digits import Quantity, plain
+from flexmech.analyses.remarks import crank_speed_text
+from flexmech.analyses.shaking import harmonics_line, point_text
+from flexmech.analyses.summary import Row, Summary, Table
+from flexmech.arrays import ROUND_OFF
+
+_MM, _GRAM = 1e3, 1e3
+_AT = "force at "
+# Part of the elastic linkage's shaking force that is left, from which the balance misses its aim.
+_MISSED = 0.5
+# A direction this close to one along the link, in deg, is along it.
+_ALONG = 1e-6
+
+
+class _Change(NamedTuple):
+    """A number as given and balanced, in a unit."""
+
+    name: str
+    what: str
+    unit: str
+    before: float
+    after: float
+
+    def row(self) -> Row:
+        """For the table."""
+        texts = tuple(self.text(value) for value in (self.before, self.after))
+        change = 100 * (self.after / self.before - 1) if self.before else float("nan")
+        told = f"{change:+.1f}" if np.isfinite(change) else ""
+        return (self.what, self.unit, *texts, told)
+
+    def text(self, value: float) -> str:
+        """A value, zero where it is round-off of the other."""
+        largest = max(abs(self.before), abs(self.after))
+        return "0" if abs(value) <= ROUND_OFF * largest else plain(value)
+
+    def words(self) -> str:
+        """From one to the other."""
+        before, after = self.text(self.before), self.text(self.after)
+        return (
+            f"stays {after} {self.unit}"
+            if before == after
+            else f"goes from {before} to {after} {self.unit}"
+        )
+
+
+def summary_of(data: xr.Dataset) -> Summary:
+    """Answer, table, trust and details of a dataset of a balance.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of a ``Balance`` result.
+
+    Returns
+    -------
+    Summary
+    """
+    changes = {one.name: one for one in _changes(data)}
+    speed = crank_speed_text(data.attrs)
+    table = Table(
+        f"greatest values, {data.attrs['mechanism']} at {speed}",
+        ("what", "unit", "as given", "balanced", "change %"),
+        (tuple(one.row() for one in changes.values()),),
+        text_columns=2,
+    )
+    return Summary(
+        _answer(data, changes),
+        table,
+        _trust(data),
+        tuple(_details(data)),
+        _warnings(changes),
+        _numbers(data, changes),
+    )
+
+
+def _answer(data: xr.Dataset, changes: dict[str, _Change]) -> tuple[str, ...]:
+    heavy = [number for number in range(data.sizes["counterweight"]) if _mass(data, number)]
+    aim = str(data.attrs["aim"])
+    said = ["No counterweight is needed: none would lessen what is asked for."]
+    if heavy:
+        each = "; ".join(_counterweight_text(data, number) for number in heavy)
+        said = [f"{aim[:1].upper()}{aim[1:]}: {each}."]
+    force, moment = changes["shaking_force"], changes["shaking_moment"]
+    said.append(
+        f"The shaking force of rigid links {force.words()}, the shaking moment {moment.words()}"
+        f"{_elastic_words(changes)}."
+    )
+    joints = _joint_changes(data)
+    greatest = (max(values) for values in zip(*(one[-2:] for one in joints), strict=True))
+    worst = _Change("joint_force", "", "N", *greatest)
+    costs = [
+        f"{plain(changes['moving_mass'].after - changes['moving_mass'].before)} g more move",
+        f"the driving torque {changes['driving_torque'].words()}",
+        f"the greatest joint force {worst.words()}",
+    ]
+    if (first := changes.get("first_frequency")) is not None:
+        costs.append(f"the first natural frequency {first.words()}")
+    said.append(f"For it {', '.join(costs)}.")
+    return tuple(said)
+
+
+def _mass(data: xr.Dataset, number: int) -> float:
+    return float(data["counterweight_mass"][number])
+
+
+def _counterweight_text(data: xr.Dataset, number: int) -> str:
+    """Mass, link and place of a counterweight."""
+    own = data.isel(counterweight=number)
+    link, about = str(own["counterweight"].item()), str(own["counterweight_about"].item())
+    radius = plain(_MM * own["counterweight_radius"].item())
+    turned = DEGREES * own["counterweight_angle"].item()
+    where = f"{radius} mm from {about}"
+    if abs(abs(turned) - 180.0) <= _ALONG:
+        where += ", opposite the link"
+    elif abs(turned) <= _ALONG:
+        where += ", along the link"
+    else:
+        where += f", at {turned:.4g} deg to the link"
+    return f"{plain(_GRAM * _mass(data, number))} g on the {link}, {where}"
+
+
+def _elastic_words(changes: dict[str, _Change]) -> str:
+    elastic = changes.get("elastic_shaking_force")
+    return "" if elastic is None else f"; with elastic links the force {elastic.words()}"
+
+
+def _changes(data: xr.Dataset) -> list[_Change]:
+    """Greatest values before and after, in the order of the table."""
+    found = [
+        _peak(data, "shaking_force", "shaking force, rigid links", "N"),
+        _peak(data, "shaking_moment", f"shaking moment about {point_text(data)}", "N m"),
+    ]
+    if "elastic_shaking_force" in data:
+        found += [
+            _peak(data, "elastic_shaking_force", "shaking force, elastic links", "N"),
+            _peak(data, "elastic_shaking_moment", "shaking moment, elastic links", "N m"),
+        ]
+    found.append(_peak(data, "driving_torque", "driving torque", "N m"))
+    joints = _joint_changes(data)
+    found += [one._replace(name=f"joint_force_{one.what[len(_AT) :]}") for one in joints]
+    masses = (_GRAM * data["moving_mass"]).values.tolist()
+    found.append(_Change("moving_mass", "moving mass", "g", *masses))
+    if "first_frequency" in data:
+        frequencies = data["first_frequency"].values.tolist()
+        found.append(_Change("first_frequency", "first natural frequency", "Hz", *frequencies))
+    return found
+
+
+def _joint_changes(data: xr.Dataset) -> list[_Change]:
+    found = []
+    for joint in data["joint"].values.astype(str).tolist():
+        size = np.linalg.norm(data["joint_force"].sel(joint=joint).values, axis=-1)
+        peaks = size.max(axis=-1).tolist()
+        found.append(_Change("joint_force", f"{_AT}{joint}", "N", *peaks))
+    return found
+
+
+def _peak(data: xr.Dataset, name: str, what: str, unit: str) -> _Change:
+    values = data[name].transpose("state", ...).values
+    if "component" in data[name].dims:
+        values = np.linalg.norm(values, axis=-1)
+    return _Change(name, what, unit, *np.abs(values).max(axis=-1).tolist())
+
+
+def _trust(data: xr.Dataset) -> str:
+    rigid = "peaks are those at the crank angles asked for"
+    if "elastic_shaking_force" not in data:
+        return f"{rigid}, of rigid links"
+    return (
+        f"{rigid}; elastic links: periodic motion of linear equations by the reference engine, "
+        "which shakes more where a multiple of the speed meets a natural frequency"
+    )
+
+
+def _details(data: xr.Dataset) -> list[Table | str]:
+    rows = []
+    for number, link in enumerate(data["counterweight"].values.astype(str).tolist()):
+        own = data.isel(counterweight=number)
+        x, y = (_MM * own["counterweight_place"].values + 0.0).tolist()
+        rows.append(
+            (
+                link,
+                f"{_GRAM * _mass(data, number):.6g}",
+                f"{_MM * own['counterweight_radius'].item():.6g}",
+                f"{DEGREES * own['counterweight_angle'].item():.6g}",
+                f"{x:.6g}",
+                f"{y:.6g}",
+            )
+        )
+    headings = ("link", "mass g", "radius mm", "angle deg", "x mm", "y mm")
+    said: list[Table | str] = [
+        Table("counterweights, places in the link's frame from its start", headings, (tuple(rows),))
+    ]
+    if "order" in data:
+        force = data["shaking_force_order"]
+        # What round-off leaves of a balanced force has no harmonics.
+        told = data.assign(shaking_force_order=force.where(force > ROUND_OFF * force.max(), 0.0))
+        for state in data["state"].values.astype(str).tolist():
+            said.append(harmonics_line(told.sel(state=state), f"{state}: shaking"))
+    said += [
+        "shaking force: of the links' inertia; weight, loads and springs to the ground put on the "
+        "frame what no counterweight changes but for its own weight, which is constant",
+        "driving torque and joint forces: under all that acts but loads over time",
+        "balanced.toml: the model file with the counterweights, for every other command",
+    ]
+    return said
+
+
+def _warnings(changes: dict[str, _Change]) -> tuple[str, ...]:
+    elastic, rigid = changes.get("elastic_shaking_force"), changes["shaking_force"]
+    if elastic is None or rigid.after >= _MISSED * rigid.before:
+        return ()
+    if elastic.after < _MISSED * elastic.before:
+        return ()
+    return (
+        f"elastic links keep {100 * elastic.after / elastic.before:.3g} % of the shaking force: "
+        "counterweights swing as the links bend; try a smaller --radius or stiffer links",
+    )
+
+
+def _numbers(data: xr.Dataset, changes: dict[str, _Change]) -> tuple[Quantity, ...]:
+    numbers = []
+    for number, link in enumerate(data["counterweight"].values.astype(str).tolist()):
+        own = data.isel(counterweight=number)
+        numbers.append(Quantity("counterweight_mass", _GRAM * _mass(data, number), "g", of=link))
+        radius = _MM * own["counterweight_radius"].item()
+        numbers.append(Quantity("counterweight_radius", radius, "mm", of=link))
+        angle = DEGREES * own["counterweight_angle"].item()
+        numbers.append(Quantity("counterweight_angle", angle, "deg", of=link))
+    for one in changes.values():
+        for state, value in zip(("as given", "balanced"), (one.before, one.after), strict=True):
+            peak = "" if one.name in ("first_frequency", "moving_mass") else "peak_"
+            numbers.append(Quantity(f"{peak}{one.name}", value, one.unit, of=state))
+    return tuple(numbers)

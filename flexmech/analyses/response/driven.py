@@ -1,0 +1,297 @@
+"""A run by a law of motion: speed, power, and what rings after the stop, in numbers and words."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses.datasets import Columns, columns_along
+from flexmech.analyses.digits import Quantity, rounded
+from flexmech.analyses.response.agreement import errors_of
+from flexmech.analyses.response.measurements import deflections, peaks_between
+from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.response.residual import LEAST_SAMPLES, StandingModes, envelope, rests
+from flexmech.linear_system import Engine
+from flexmech.linkages import CrankDrive, TableDrive
+from flexmech.time_domain import Trajectory
+
+
+def law_variables(engine: Engine, request: ResponseRequest) -> xr.Dataset:
+    """Speed and acceleration of the crank over time, and what its shaft's own inertia takes.
+
+    Parameters
+    ----------
+    engine : Engine
+    request : ResponseRequest
+
+    Returns
+    -------
+    xarray.Dataset
+        Empty of a run at constant speed.
+    """
+    drive, time = request.drive, request.sample_time()
+    if drive.is_constant:
+        return xr.Dataset()
+    acceleration = drive.crank_acceleration(time)
+    found = xr.Dataset(
+        {
+            "crank_speed_over_time": ("time", drive.crank_speed(time)),
+            "crank_acceleration": ("time", acceleration),
+        }
+    )
+    # Of a free shaft the driving torque is what the shaft is given, its inertia's share included.
+    if (inertia := engine.mechanism.shaft_inertia) and engine.shaft == "prescribed":
+        found["shaft_inertia_torque"] = "time", inertia * acceleration
+    return found
+
+
+def drive_attributes(request: ResponseRequest) -> dict[str, str | float]:
+    """Attributes that tell the drive: its speed, or the greatest one of a law and its words.
+
+    Parameters
+    ----------
+    request : ResponseRequest
+
+    Returns
+    -------
+    dict
+        ``drive`` and ``crank_speed_at_end`` of a law or a table alone.
+    """
+    drive = request.drive
+    if isinstance(drive, CrankDrive) or drive.is_constant:
+        return {"crank_speed": drive.speed}
+    told: dict[str, str | float] = {"crank_speed": drive.greatest_speed, "drive": drive.words}
+    if isinstance(drive, TableDrive):
+        told["drive_note"] = drive.spline_words
+    return told | {"crank_speed_at_end": drive.speed}
+
+
+def spectra_from(request: ResponseRequest) -> float:
+    """Time in s from which on spectra are made.
+
+    From the final speed on, or from the stop; of a run that ends with its law from the start.
+    """
+    after = request.duration - request.drive.law_time
+    return request.drive.law_time if after >= LEAST_SAMPLES * request.sample_interval else 0.0
+
+
+def driven_variables(
+    engine: Engine, refined: Trajectory, request: ResponseRequest, refinement: int
+) -> xr.Dataset:
+    """Power of the drive, and the vibration that is left after a stop.
+
+    Parameters
+    ----------
+    engine : Engine
+    refined : Trajectory
+        At the refined samples.
+    request : ResponseRequest
+    refinement : int
+        Refined samples for each one asked for.
+
+    Returns
+    -------
+    xarray.Dataset
+        Empty of a run at constant speed.
+    """
+    drive, time = request.drive, refined.time
+    if drive.is_constant:
+        return xr.Dataset()
+    speed = drive.crank_speed(time)
+    if refined.shaft is not None:
+        speed = speed + refined.shaft.rate
+    power = refined.driving_torque * speed
+    found = xr.Dataset(
+        {
+            "driving_power": ("time", power[::refinement]),
+            "peak_driving_power": float(peaks_between(power[:, None], time)[0][0]),
+        }
+    )
+    # A free shaft does not stop with the law.
+    if refined.shaft is not None or not rests(request):
+        return found
+    stopped = time >= drive.law_time
+    bent = deflections(engine, refined)
+    modes = StandingModes.of(engine, request)
+    period = 1 / float(modes.frequency[0])
+    width = max(2, round(period / (time[1] - time[0])) + 1)
+    amplitude = envelope(bent[stopped], width)
+    whole = np.full(bent.shape, np.nan)
+    whole[stopped] = amplitude
+    return found.assign(
+        residual_envelope=(("time", "link"), whole[::refinement]),
+        residual_amplitude=("link", amplitude[0]),
+        residual_amplitude_at_end=("link", amplitude[-1]),
+        standing_frequency=("mode", modes.frequency),
+        modal_amplitude=(("link", "mode"), modes.amplitudes(refined, drive.law_time)),
+    ).assign_coords(mode=np.arange(1, len(modes.frequency) + 1))
+
+
+def driven_columns(data: xr.Dataset) -> Columns:
+    """Columns of the law, the power and the residual vibration for the table of histories.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of a response.
+
+    Returns
+    -------
+    dict
+        None of a run at constant speed.
+    """
+    if "driving_power" not in data:
+        return {}
+    columns: Columns = {
+        "crank_speed_rad_s": "crank_speed_over_time",
+        "crank_acceleration_rad_s2": "crank_acceleration",
+        "driving_power_W": "driving_power",
+    }
+    if "shaft_inertia_torque" in data:
+        columns["shaft_inertia_torque_Nm"] = "shaft_inertia_torque"
+    if "residual_envelope" in data:
+        columns |= columns_along("{}_residual_envelope_m", data["residual_envelope"], "link")
+    return columns
+
+
+_NAMES = ("residual_amplitude", "residual_amplitude_at_end")
+_MM = 1e3
+
+
+def _errors(data: xr.Dataset) -> xr.DataArray:
+    """Error of a residual amplitude in m, over (engine, link): that of the deflections."""
+    return errors_of(data)["deflection"] * data["peak_deflection"]
+
+
+def residual_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
+    """Residual amplitude of each link after the stop and at the end of the rest, peak power.
+
+    Of the engine whose deflections have the smaller errors; the difference of two engines is an
+    error too.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of a response.
+
+    Returns
+    -------
+    tuple of Quantity
+        None of a run at constant speed.
+    """
+    if "peak_driving_power" not in data:
+        return ()
+    place = int(errors_of(data)["deflection"].max("link").argmin("engine"))
+    power = data["peak_driving_power"]
+    own = errors_of(data)["peak_driving_torque"] * power
+    apart = float(abs(power - power.isel(engine=place)).max())
+    error = max(float(own[place]), apart)
+    found = [Quantity("peak_driving_power", float(power[place]), "W", error)]
+    if _NAMES[0] not in data:
+        return tuple(found)
+    for name in _NAMES:
+        values = data[name]
+        errors = _errors(data).isel(engine=place)
+        gaps = abs(values - values.isel(engine=place)).max("engine")
+        for link in data["link"].values[data["peak_deflection"].max("engine").values > 0]:
+            size = float(values.isel(engine=place).sel(link=link))
+            worst = max(float(errors.sel(link=link)), float(gaps.sel(link=link)))
+            found.append(Quantity(name, _MM * size, "mm", _MM * worst, str(link)))
+    return tuple(found)
+
+
+def residual_answer(data: xr.Dataset) -> tuple[str, ...]:
+    """How far the link that rings most does after the stop; nothing where nothing stops.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of a response.
+
+    Returns
+    -------
+    tuple of str
+    """
+    found = residual_numbers(data)
+    ringing = [one for one in found if one.name == _NAMES[0]]
+    if not ringing:
+        return ()
+    most = max(ringing, key=lambda one: one.value)
+    left = next(one for one in found if one.name == _NAMES[1] and one.of == most.of)
+    rest = float(data["time"][-1]) - float(data.attrs["run_up_time"])
+    return (f"After the stop the {most.of} rings by {most}, after {rest:.3g} s of rest by {left}.",)
+
+
+def driven_lines(data: xr.Dataset) -> list[str]:
+    """The law, the power that it takes, and what rings after the stop.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of a response.
+
+    Returns
+    -------
+    list of str
+        None of a run at constant speed.
+    """
+    if "driving_power" not in data:
+        return []
+    engines = [str(name) for name in data["engine"].values]
+    speed, acceleration = (
+        float(abs(data[name]).max()) for name in ("crank_speed_over_time", "crank_acceleration")
+    )
+    powers = ", ".join(
+        f"{rounded(float(one), 0.0, 5)} W ({name})"
+        for one, name in zip(data["peak_driving_power"].values, engines, strict=True)
+    )
+    lines = [
+        f"drive: {data.attrs.get('drive', 'run-up')}; crank speed up to {speed:.5g} rad/s, its "
+        f"acceleration up to {acceleration:.5g} rad/s²",
+        f"peak driving power: {powers}",
+    ]
+    if note := data.attrs.get("drive_note"):
+        lines.append(str(note))
+    if "shaft_inertia_torque" in data:
+        added = data["driving_torque"] + data["shaft_inertia_torque"]
+        torque, power = (
+            float(abs(each).max()) for each in (added, added * data["crank_speed_over_time"])
+        )
+        own = float(abs(data["shaft_inertia_torque"]).max())
+        lines.append(
+            f"drive: the shaft's own inertia takes up to {own:.5g} N m besides the driving torque, "
+            f"together {torque:.5g} N m and {power:.5g} W"
+        )
+    if _NAMES[0] not in data:
+        if not data.attrs.get("crank_speed_at_end", 1.0) and "shaft_rotation" not in data:
+            lines.append("residual vibration: none is seen without a dwell; give one in the drive")
+        return lines
+    for name in engines:
+        own_values = data.sel(engine=name)
+        texts = [
+            f"{link} {rounded(_MM * float(first), 0.0, 4)} to {rounded(_MM * float(last), 0.0, 4)}"
+            for link, first, last in zip(
+                data["link"].values, *(own_values[one].values for one in _NAMES), strict=True
+            )
+            if first > 0
+        ]
+        lines.append(
+            f"residual vibration from the stop to the end of the rest: {', '.join(texts)} mm "
+            f"({name})"
+        )
+        lines.append(f"modes after the stop: {_mode_texts(own_values)} ({name})")
+    return lines
+
+
+def _mode_texts(data: xr.Dataset) -> str:
+    """Frequency of each mode of the standing linkage, and how much of it each link shows."""
+    bent = data["link"].values[data["peak_deflection"].values > 0]
+    texts = []
+    for mode in data["mode"].values:
+        one = data.sel(mode=mode)
+        shown = ", ".join(
+            f"{link} {rounded(_MM * float(one['modal_amplitude'].sel(link=link)), 0.0, 3)}"
+            for link in bent
+        )
+        texts.append(f"{float(one['standing_frequency']):.5g} Hz {shown} mm")
+    return "; ".join(texts)

@@ -1,0 +1,234 @@
+"""What a running mechanism exerts on its frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses.digits import Quantity, rounded
+from flexmech.analyses.response.agreement import errors_of
+from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.shaking import (
+    harmonic_variables,
+    harmonics_line,
+    point_text,
+    shaking_of,
+    shaking_variables,
+)
+from flexmech.arrays import FloatArray
+from flexmech.linear_system import Engine
+from flexmech.linkages import RigidMotion, continuous_angles
+from flexmech.linkages.applied_forces import Moved
+from flexmech.linkages.frame_forces import ShakingForce, shaking_force
+from flexmech.time_domain import Trajectory
+
+
+def running_shaking(
+    engine: Engine, trajectory: Trajectory, carried: RigidMotion, request: ResponseRequest
+) -> xr.Dataset:
+    """Shaking force and moment along a run of elastic links, and harmonics of its last turn.
+
+    By the joint forces of the run, as far as its band lets them through, and the springs to the
+    ground at their displaced ends.
+
+    Parameters
+    ----------
+    engine : Engine
+    trajectory : Trajectory
+        At the N samples asked for.
+    carried : RigidMotion
+        Of the rigid linkage at the angles that the shaft has.
+    request : ResponseRequest
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    mechanism = engine.mechanism
+    turning = any(spring.torsional_stiffness for spring in mechanism.joint_springs)
+    torque = trajectory.driving_torque
+    if trajectory.shaft is None:
+        # Of a free shaft the drive gives the torque that it has, its inertia's share included.
+        torque = torque + _shaft_torque(engine, trajectory.time, request)
+    found = shaking_force(
+        mechanism.linkage.topology,
+        carried,
+        trajectory.joint_force,
+        torque,
+        request.moment_point,
+        springs=mechanism.springs,
+        joint_springs=mechanism.joint_springs,
+        angles=continuous_angles(mechanism.linkage, carried) if turning else None,
+        moved=_moved(engine, trajectory, carried),
+    )
+    return _labelled(found, trajectory.time, request)
+
+
+def rigid_shaking(engine: Engine, motion: RigidMotion, request: ResponseRequest) -> xr.Dataset:
+    """The same if the links were rigid, with names that begin with ``rigid_``.
+
+    Parameters
+    ----------
+    engine : Engine
+    motion : RigidMotion
+        Prescribed, at the N samples asked for.
+    request : ResponseRequest
+
+    Returns
+    -------
+    xarray.Dataset
+        With ``moment_point`` (component).
+    """
+    mechanism, time = engine.mechanism, request.sample_time()
+    forces = mechanism.inverse_dynamics(motion, time)
+    shaft = _shaft_torque(engine, time, request)
+    found = shaking_of(mechanism, forces, request.moment_point, shaft)
+    dataset = _labelled(found, time, request, "rigid_")
+    return dataset.assign(moment_point=("component", np.array(found.point)))
+
+
+def _shaft_torque(engine: Engine, time: FloatArray, request: ResponseRequest) -> FloatArray:
+    """Torque of the drive on the shaft itself along a run-up, (N,)."""
+    inertia = engine.mechanism.shaft_inertia
+    return np.asarray(inertia * request.drive.crank_acceleration(time))
+
+
+def _labelled(
+    found: ShakingForce, time: FloatArray, request: ResponseRequest, prefix: str = ""
+) -> xr.Dataset:
+    variables = shaking_variables(found, "time", prefix)
+    last = slice(-request.samples, None)
+    whole = len(time) > request.samples and time[last][0] > request.drive.law_time
+    if request.drive.turns_on and whole:
+        turn = ShakingForce(found.force[last], found.moment[last], found.point)
+        angle = request.drive.crank_angle(time[last])
+        variables |= harmonic_variables(turn, angle, prefix)
+    return xr.Dataset(variables)
+
+
+def _moved(engine: Engine, trajectory: Trajectory, motion: RigidMotion) -> Moved:
+    """Displacement and rotation of places on links along a run, and their rates."""
+    lengths = [link.length for link in engine.mechanism.linkage.topology.links]
+
+    def moved(link: int, x: float) -> tuple[FloatArray, FloatArray]:
+        readings, part = engine.links[link].readings, x / lengths[link]
+        rows = readings.displacement_at(np.array([part]))[0]
+        turn = readings.rotation_at(part)
+        q, rate = trajectory.displacement[link], trajectory.rate[link]
+        to_ground = np.exp(1j * motion.angle[:, link])
+        place = (q @ (rows[0] + 1j * rows[1])) * to_ground
+        velocity = (rate @ (rows[0] + 1j * rows[1])) * to_ground
+        velocity = velocity + 1j * motion.angular_velocity[:, link] * place
+        return (
+            np.stack([place.real, place.imag, q @ turn], axis=-1),
+            np.stack([velocity.real, velocity.imag, rate @ turn], axis=-1),
+        )
+
+    return moved
+
+
+def shaking_lines(data: xr.Dataset) -> list[str]:
+    """Greatest shaking force and moment of each engine and of rigid links, and their harmonics.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of a response.
+
+    Returns
+    -------
+    list of str
+        None of an earlier version's file.
+    """
+    if "shaking_force" not in data:
+        return []
+    engines = [str(name) for name in data["engine"].values]
+    errors = force_errors(data)
+
+    def told(what: str, values: Iterable[tuple[float, float]], unit: str, rigid: float) -> str:
+        pairs = zip(values, engines, strict=True)
+        shown = ", ".join(
+            f"{rounded(size, error)} {unit} ({name})" for (size, error), name in pairs
+        )
+        return f"{what}: {shown}, {rigid:.4g} {unit} (rigid links)"
+
+    force, moment = (peaks(data, name).values.tolist() for name in _NAMES)
+    rigid_force, rigid_moment = (float(peaks(data, f"rigid_{name}")) for name in _NAMES)
+    unknown = [float("nan")] * len(engines)
+    lines = [
+        told("peak shaking force", zip(force, errors, strict=True), "N", rigid_force),
+        told(
+            f"peak shaking moment about {point_text(data)}",
+            zip(moment, unknown, strict=True),
+            "N m",
+            rigid_moment,
+        ),
+    ]
+    if "order" in data:
+        for name in engines:
+            lines.append(harmonics_line(data.sel(engine=name), f"{name}, last turn: shaking"))
+    return lines
+
+
+_NAMES = ("shaking_force", "shaking_moment")
+
+
+def peaks(data: xr.Dataset, name: str) -> xr.DataArray:
+    """Greatest size of a shaking force or moment over the samples.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of a response.
+    name : str
+
+    Returns
+    -------
+    xarray.DataArray
+        Over (engine), or a single number of rigid links.
+    """
+    values = data[name]
+    size = (values**2).sum("component") ** 0.5 if "component" in values.dims else abs(values)
+    return size.max("time")
+
+
+def force_errors(data: xr.Dataset) -> list[float]:
+    """Errors of the peak shaking force: those of the peaks at the joints to the frame, summed.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of a response.
+
+    Returns
+    -------
+    list of float
+        Of each engine, in N.
+    """
+    on_frame = np.isin(data["force_by"].values, ["shaft", "ground"])
+    own = errors_of(data)["peak_joint_force"] * data["peak_joint_force"]
+    return [float(each) for each in own.isel(joint=on_frame).sum("joint").values]
+
+
+def shaking_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
+    """Peak shaking force and moment of the first engine, for programs.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of a response.
+
+    Returns
+    -------
+    tuple of Quantity
+        None of an earlier version's file.
+    """
+    if "shaking_force" not in data:
+        return ()
+    force, moment = (float(peaks(data, name)[0]) for name in _NAMES)
+    return (
+        Quantity("peak_shaking_force", force, "N", force_errors(data)[0], "frame"),
+        Quantity("peak_shaking_moment", moment, "N m", of="frame"),
+    )

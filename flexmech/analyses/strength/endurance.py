@@ -1,0 +1,217 @@
+"""Endurance of links of one isotropic material: what the stress of a turn does, turn after turn.
+
+Normal stress along the link alone, ``N/A -+ M h/(2I)`` with its sign: it is greatest at the
+surfaces, where the shear force has no stress. Cycles by rainflow counting (ASTM E1049-85, section
+5.4.4), which the package ``rainflow`` does (extra ``fatigue``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.util import find_spec
+
+import numpy as np
+
+from flexmech.analyses.requests import without_end
+from flexmech.arrays import ROUND_OFF, FloatArray, IntArray
+from flexmech.errors import InputError
+from flexmech.materials import FatigueStrength
+from flexmech.sections import Layers, unit_ply_stresses
+
+EXTRA = (
+    "turns to failure by an S-N line need rainflow, which is not installed: pip install "
+    '"flexmech[fatigue]", or state endurance_limit and endurance_cycles alone'
+)
+# Newton's method on a convex function of finitely many straight pieces ends when it has found the
+# last of them, after no more steps than there are pieces; a turn of round-off ends here.
+_MOST_STEPS = 100
+
+
+@dataclass(frozen=True)
+class Endurance:
+    """What the stress over a turn does at each place of a link.
+
+    Parameters
+    ----------
+    load_factor : ndarray, shape (k, N, 2)
+        At places, in layers, at their lower and upper surface: of all loads, those that stay over
+        the turn too, up to which the endurance limit is kept.
+    speed_factor : ndarray, shape (k, N, 2)
+        Of the speed alone; not a number where it does not follow.
+    turns : ndarray, shape (k, N, 2)
+        To failure; infinite where the endurance limit is stated and kept, not a number where it
+        is not kept and no S-N line is known.
+    amplitude, mean : ndarray, shape (k, N, 2)
+        Of the cycle from the greatest to the least stress, in Pa.
+    cycles : ndarray, shape (k, N, 2)
+        Counted in a turn; not a number where no S-N line asks for it.
+    peak : ndarray of int, shape (k, N, 2)
+        Number of the crank angle of the greatest stress.
+    """
+
+    load_factor: FloatArray
+    speed_factor: FloatArray
+    turns: FloatArray
+    amplitude: FloatArray
+    mean: FloatArray
+    cycles: FloatArray
+    peak: IntArray
+
+
+def check_counting(fatigue: FatigueStrength) -> None:
+    """Refuse to begin where cycles are to be counted and ``rainflow`` is missing.
+
+    Parameters
+    ----------
+    fatigue : FatigueStrength
+
+    Raises
+    ------
+    InputError
+        It says what to install.
+    """
+    if fatigue.sn_line is not None and find_spec("rainflow") is None:
+        raise InputError(EXTRA)
+
+
+def endurance(
+    layers: Layers,
+    fatigue: FatigueStrength,
+    crank_angles: FloatArray,
+    loads: FloatArray,
+    static: FloatArray | None = None,
+) -> Endurance:
+    """Judge the stress of a turn that repeats.
+
+    Parameters
+    ----------
+    layers : LaminateSection or SheetSection
+        Of one isotropic material.
+    fatigue : FatigueStrength
+        Of it.
+    crank_angles : ndarray, shape (A,)
+        In rad, at least a turn; the first one counts.
+    loads : ndarray, shape (A, k, 3)
+        Axial force, bending moment, shear force.
+    static : ndarray, shape (A, k, 3), optional
+        Part of them that does not grow with the square of the speed; left out where the rest does
+        not either, and no speed factor follows.
+
+    Returns
+    -------
+    Endurance
+
+    Raises
+    ------
+    InputError
+        If the cycles are to be counted, and ``rainflow`` is not installed.
+    """
+    check_counting(fatigue)
+    turn = len(without_end(crank_angles))
+    # Along the link, whatever angles the layers of an isotropic material state: the sum of both
+    # normal stresses is the same in all axes, and there is none across.
+    unit = unit_ply_stresses(layers)[..., :2].sum(axis=-1)
+    stress = np.tensordot(loads[:turn], unit, axes=1)
+    high, low = stress.max(axis=0), stress.min(axis=0)
+    speed = np.full(high.shape, np.nan)
+    if static is not None:
+        still = np.tensordot(static[:turn], unit, axes=1)
+        speed = np.sqrt(_growth(fatigue, still, stress - still))
+    turns = np.where(fatigue.use(high, low) <= 1, np.inf, np.nan)
+    cycles = np.full(high.shape, np.nan)
+    if fatigue.sn_line is not None:
+        for place in np.ndindex(*high.shape):
+            amplitude, mean, count = cycles_of_turn(stress[:, *place])
+            turns[place] = fatigue.turns_to_failure(amplitude, mean, count)
+            cycles[place] = count.sum()
+    return Endurance(
+        fatigue.load_factor(high, low),
+        speed,
+        turns,
+        (high - low) / 2,
+        (high + low) / 2,
+        cycles,
+        stress.argmax(axis=0),
+    )
+
+
+def cycles_of_turn(stress: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Cycles of a stress that repeats, from its greatest peak to the same peak of the next turn.
+
+    Begun there, every cycle closes within the turn; begun elsewhere, half cycles would be left
+    over, whose ranges are smaller than the greatest one (ASTM E1049-85, section 5.4.5).
+
+    Parameters
+    ----------
+    stress : ndarray, shape (A,)
+        Over a turn without its end.
+
+    Returns
+    -------
+    amplitude, mean, count : ndarray, shape (n,)
+        As of :func:`counted_cycles`.
+    """
+    start = int(stress.argmax())
+    return counted_cycles(np.append(np.roll(stress, -start), stress[start]))
+
+
+def counted_cycles(history: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Cycles of a history by rainflow counting.
+
+    Parameters
+    ----------
+    history : ndarray, shape (A,)
+        Stress in Pa.
+
+    Returns
+    -------
+    amplitude, mean : ndarray, shape (n,)
+        Of each cycle, in Pa; those of round-off are left out.
+    count : ndarray, shape (n,)
+        1 of a cycle, 1/2 of a half one.
+    """
+    import rainflow
+
+    moved = np.append(True, np.diff(history) != 0)
+    points = history[moved]
+    turns = np.append(True, np.diff(np.sign(np.diff(points))) != 0)
+    # The last point twice: of two points alone the package counts nothing.
+    series = [*points[:-1][turns[: len(points) - 1]].tolist(), *[float(points[-1])] * 2]
+    found = np.array([cycle[:3] for cycle in rainflow.extract_cycles(series)]).reshape(-1, 3)
+    found = found[found[:, 0] > ROUND_OFF * np.abs(history).max()]
+    return found[:, 0] / 2, found[:, 1], found[:, 2]
+
+
+def _growth(fatigue: FatigueStrength, still: FloatArray, moving: FloatArray) -> FloatArray:
+    """Factor of the moving part (A, ...) of a stress at which the endurance limit is just kept.
+
+    The use of the endurance is convex in the factor and of straight pieces: from above Newton's
+    method comes down to the root and ends there.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Zero where what is still is too much already, infinite where nothing moves.
+    """
+    use, lines = fatigue.use, fatigue.use_lines
+    by_moving = use(moving.max(axis=0), moving.min(axis=0))
+    # Of a sum no more is used than of its parts: here at least all.
+    against = use(-still.min(axis=0), -still.max(axis=0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        factor = np.where(by_moving > 0, (1 + against) / by_moving, 0.0)
+    for _ in range(_MOST_STEPS):
+        stress = still + factor * moving
+        ends = stress.argmax(axis=0)[None], stress.argmin(axis=0)[None]
+        high, low = (np.take_along_axis(stress, at, axis=0)[0] for at in ends)
+        rise, fall = (np.take_along_axis(moving, at, axis=0)[0] for at in ends)
+        values = np.stack([of_high * high + of_low * low for of_high, of_low in lines])
+        slopes = np.stack([of_high * rise + of_low * fall for of_high, of_low in lines])
+        steepest = values.argmax(axis=0)[None]
+        slope = np.take_along_axis(slopes, steepest, axis=0)[0]
+        beyond = values.max(axis=0) - 1
+        more = (beyond > ROUND_OFF) & (slope > 0)
+        if not more.any():
+            break
+        factor = np.where(more, factor - beyond / np.where(more, slope, 1.0), factor)
+    too_much = use(still.max(axis=0), still.min(axis=0)) > 1
+    return np.asarray(np.where(too_much, 0.0, np.where(by_moving > 0, factor, np.inf)))

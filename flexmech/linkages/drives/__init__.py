@@ -1,0 +1,1 @@
+"""Laws of motion of the crank: constant speed, run-up, standard laws with dwells, tables."""

@@ -1,0 +1,254 @@
+"""A drive by a table of crank angles over time: one spline through it, smoothed if asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from flexmech.arrays import FloatArray
+from flexmech.errors import InputError
+from flexmech.linkages.drives.drive import Drive
+from flexmech.linkages.drives.pieces import MotionPiece, PiecewiseMotion
+from flexmech.model_text import TomlTable, fields_table, quantity
+from flexmech.units import ANGLE, TIME
+from flexmech.validation import NOT_NEGATIVE, check_choice, check_count, check_number, checked_array
+
+TableEnds = Literal["free", "rest"]
+"""How a table begins and ends: as its spline has it, or at rest without acceleration."""
+TABLE_ENDS: tuple[TableEnds, ...] = get_args(TableEnds)
+
+# Degree of the spline, whose acceleration is smooth; of fewer rows than that takes the lower one.
+_DEGREE, _LOWER_DEGREE = 5, 3
+# Of the travel of a table, or of a tenth of a turn where that is more: rows that leave a straight
+# line by this much are on it but for the round-off of their numbers.
+_STRAIGHT = 1e-13
+# A step whose speed is beyond this many times those of the steps beside it, and that of all others
+# on average, is a jump of the angle.
+_JUMP = 20.0
+_MOST_CYCLES = 10_000
+
+
+@dataclass(frozen=True)
+class TableDrive(Drive):
+    """Crank angles at times, with a spline of fifth degree through them.
+
+    With ``smoothing`` the angles are first smoothed by a spline of as few knots as leave them by
+    that much on average (Dierckx, *Curve and Surface Fitting with Splines*, 1993). Rows of constant
+    speed are a drive of constant speed. After the last row the crank goes on at the speed that it
+    has there.
+
+    Parameters
+    ----------
+    times : tuple of float
+        In s, increasing; the first of them is time zero of the run.
+    angles : tuple of float
+        In rad.
+    smoothing : float
+        Root mean square in rad by which the spline may leave the rows; zero goes through them.
+    ends : {"free", "rest"}
+        Whether the crank begins and ends at rest, without acceleration.
+    moves : int
+        How often the table is gone through, each time from the angle that was reached. Where its
+        ends are free speed and acceleration are those of its start at the end.
+
+    Raises
+    ------
+    InputError
+        If times do not increase, an angle jumps, there are fewer than four rows, or a number is
+        none.
+
+    Examples
+    --------
+    >>> time = np.linspace(0.0, 0.2, 21)
+    >>> drive = flexmech.TableDrive(tuple(time), tuple(1 - np.cos(5 * np.pi * time)), ends="rest")
+    >>> float(drive.crank_angle(0.2).round(9)), drive.speed
+    (2.0, 0.0)
+    """
+
+    times: tuple[float, ...]
+    angles: tuple[float, ...]
+    smoothing: float = 0.0
+    ends: TableEnds = "free"
+    moves: int = 1
+
+    def __post_init__(self) -> None:
+        times = checked_array(self.times, "times of a table", "s")
+        angles = checked_array(self.angles, "angles of a table", "rad")
+        check_number(self.smoothing, "smoothing", "rad", NOT_NEGATIVE)
+        check_choice(self.ends, TABLE_ENDS, "ends")
+        check_count(self.moves, "moves", most=_MOST_CYCLES)
+        if times.ndim != 1 or times.shape != angles.shape or len(times) <= _LOWER_DEGREE:
+            raise InputError(
+                f"the table has {times.size} times and {angles.size} angles; give four rows or "
+                "more, each with both"
+            )
+        falls = np.flatnonzero(np.diff(times) <= 0)
+        if falls.size:
+            row = int(falls[0])
+            raise InputError(
+                f"the table is not increasing in time: {times[row + 1]:.6g} s follows "
+                f"{times[row]:.6g} s in row {row + 2}; give each time once, in increasing order"
+            )
+        self._refuse_jumps(times, angles)
+        # Plain numbers, so that equal drives compare so and are hashed.
+        object.__setattr__(self, "times", tuple(times.tolist()))
+        object.__setattr__(self, "angles", tuple(angles.tolist()))
+
+    def _refuse_jumps(self, times: FloatArray, angles: FloatArray) -> None:
+        """Refuse a step of half a turn, and one that is far steeper than all beside it."""
+        step = np.abs(np.diff(angles))
+        slope = step / np.diff(times)
+        beside = np.maximum(np.append(slope[1:], 0.0), np.insert(slope[:-1], 0, 0.0))
+        others = (slope.sum() - slope) / (len(slope) - 1)
+        steep = (slope > _JUMP * np.maximum(beside, others)) & (step > self.smoothing)
+        jumps = np.flatnonzero(steep | (step > np.pi))
+        if jumps.size:
+            row = int(jumps[0])
+            raise InputError(
+                f"the angle jumps from {np.degrees(angles[row]):.6g} to "
+                f"{np.degrees(angles[row + 1]):.6g} deg in row {row + 2}, from {times[row]:.6g} to "
+                f"{times[row + 1]:.6g} s; count angles on beyond 360 deg, and give rows between "
+                "the two"
+            )
+
+    def to_table(self) -> TomlTable:
+        """Table ``[drive]`` of a model file, with all rows."""
+        rows = [
+            [quantity(time, TIME), quantity(angle, ANGLE)]
+            for time, angle in zip(self.times, self.angles, strict=True)
+        ]
+        table: TomlTable = {"table": rows, **fields_table(self, {"smoothing": ANGLE})}
+        table |= {"ends": self.ends} if self.ends != "free" else {}
+        return table | ({"moves": self.moves} if self.moves > 1 else {})
+
+    @cached_property
+    def law(self) -> PiecewiseMotion:
+        """The spline in pieces, each time that the table is gone through."""
+        time = np.array(self.times) - self.times[0]
+        angle = np.array(self.angles)
+        rest, travel, total = self.ends == "rest", float(angle[-1] - angle[0]), float(time[-1])
+        # What leaves the straight line from end to end, of which less is lost to round-off.
+        speed = travel / total
+        bent = angle - angle[0] - speed * time
+        fine = _STRAIGHT * max(abs(travel), np.pi / 5) * len(time) ** 0.5
+        if not rest and np.abs(bent).max() <= max(fine, self.smoothing):
+            return PiecewiseMotion((), 0.0, float(angle[0]), speed)
+        one, end_speed = _pieces(time, bent, speed, self, float(angle[0]))
+        pieces = [
+            piece.moved(number * total, number * travel)
+            for number in range(self.moves)
+            for piece in one
+        ]
+        end = float(angle[0]) + self.moves * travel
+        if self.smoothing:
+            end = pieces[-1].end[0]
+        return PiecewiseMotion.chained(pieces, end, 0.0 if rest else end_speed)
+
+    @property
+    def start_angle(self) -> float:  # type: ignore[override]
+        """Crank angle at time zero in rad, as the spline has it."""
+        return float(self.law.angle(0.0))
+
+    @property
+    def speed(self) -> float:  # type: ignore[override]
+        """Crank speed in rad/s after the last row."""
+        return self.law.end_speed
+
+    @property
+    def turns_on(self) -> bool:
+        """Whether the table is one of constant speed: others end with their last row."""
+        return self.is_constant and self.speed != 0
+
+    @property
+    def cycle_time(self) -> float:
+        """Time of the table in s; of constant speed that of a turn."""
+        return self.revolution_time if self.turns_on else self.times[-1] - self.times[0]
+
+    def run_time(self, revolutions: float) -> float:
+        """Duration in s of the table, as often as it is gone through.
+
+        Parameters
+        ----------
+        revolutions : float
+            Of no account.
+        """
+        return self.moves * (self.times[-1] - self.times[0])
+
+    @property
+    def corners(self) -> FloatArray:
+        """Times in s at which the table begins, again and again, and ends; its spline has none."""
+        if self.is_constant:
+            return np.zeros(1)
+        return np.asarray((self.times[-1] - self.times[0]) * np.arange(self.moves + 1.0))
+
+    @property
+    def greatest_acceleration(self) -> float:
+        """Second derivative of the spline in rad/s^2, greatest size."""
+        return float(np.abs(self.crank_acceleration(self.passing_times)).max())
+
+    @property
+    def deviation(self) -> float:
+        """By how much the spline leaves the rows at most, in rad."""
+        time = np.array(self.times) - self.times[0]
+        # The end belongs to the last piece.
+        inside = np.minimum(time, np.nextafter(time[-1], 0.0))
+        return float(np.abs(self.crank_angle(inside) - np.array(self.angles)).max())
+
+    @property
+    def spline_words(self) -> str:
+        """What the spline makes of the table: its second derivative, and how it leaves the rows."""
+        return (
+            f"spline through the table: its second derivative is at most "
+            f"{self.greatest_acceleration:.5g} rad/s², and it leaves the rows by at most "
+            f"{np.degrees(self.deviation):.3g} deg"
+        )
+
+    @property
+    def words(self) -> str:
+        """How many rows, and the travel and time."""
+        travel = np.degrees(self.angles[-1] - self.angles[0])
+        smoothed = " smoothed" if self.smoothing else ""
+        often = f", {self.moves} times" if self.moves > 1 else ""
+        return (
+            f"table of {len(self.times)} rows{smoothed}, {travel:.4g} deg in "
+            f"{self.times[-1] - self.times[0]:.4g} s{often}"
+        )
+
+
+def _pieces(
+    time: FloatArray, bent: FloatArray, speed: float, drive: TableDrive, start: float
+) -> tuple[list[MotionPiece], float]:
+    """Pieces of a spline, whose line from end to end is added, and its speed at the end."""
+    from scipy.interpolate import PPoly, make_interp_spline, splev, splrep
+
+    repeats = drive.moves > 1 and drive.ends == "free"
+    fitting = _DEGREE if len(time) > _DEGREE else _LOWER_DEGREE
+    degree = _DEGREE if drive.ends == "rest" else fitting
+    if drive.smoothing:
+        allowed = len(time) * drive.smoothing**2
+        smooth = splrep(time, bent, k=fitting, s=allowed, per=int(repeats))
+        bent = splev(time, smooth)
+        if drive.ends == "rest":
+            # The ends stay, so that the crank stops where the table says.
+            bent[[0, -1]] = 0.0
+    ends: Any = None
+    if drive.ends == "rest":
+        at_rest = [(1, -speed), (2, 0.0)]
+        ends = (at_rest, at_rest)
+    elif repeats:
+        bent[-1] = bent[0]
+        ends = "periodic"
+    spline = PPoly.from_spline(make_interp_spline(time, bent, k=degree, bc_type=ends))
+    pieces = []
+    for first, last, column in zip(spline.x[:-1], spline.x[1:], spline.c.T, strict=True):
+        span = float(last - first)
+        # Knots that are there several times, and those of a periodic spline beyond its period.
+        if span <= 0 or not time[0] <= first < time[-1]:
+            continue
+        own = column[::-1] * span ** np.arange(len(column))
+        own[:2] += start + speed * first, speed * span
+        pieces.append(MotionPiece(float(first), span, tuple(own.tolist())))
+    return pieces, pieces[-1].end[1]

@@ -1,0 +1,235 @@
+"""Table of a model file for the drive of the crank, and the drive that it states."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from flexmech.errors import InputError
+from flexmech.linkages import CrankDrive, Drive, LawDrive, LawName, TableDrive, TableEnds
+from flexmech.modelfile import base_table as base
+from flexmech.modelfile.csv_files import check_rows, csv_lines
+from flexmech.plausible import RUN_UP, check_plausible, of_dimension
+from flexmech.units import ANGLE, ANGULAR_SPEED, TIME, Dimension, parse_quantity
+from flexmech.validation import POSITIVE
+
+Time = Annotated[float, base.QuantityField(TIME, POSITIVE, RUN_UP)]
+MasterSpeed = Annotated[float, base.QuantityField(ANGULAR_SPEED, POSITIVE)]
+MasterAngle = Annotated[float, base.QuantityField(ANGLE, POSITIVE)]
+Speed = Annotated[float, base.QuantityField(ANGULAR_SPEED)]
+
+# Keys that go with one of the three ways of saying it, and with all of them.
+_KEYS = {
+    "speed": {"run_up_time"},
+    "law": {"travel", "time", "dwell", "master_angle", "master_dwell", "master_speed", "moves"}
+    | {"forth_and_back"},
+    "table": {"smoothing", "ends", "master_speed", "moves"},
+}
+_ANYWHERE = {"start_angle"}
+
+
+def _rows_or_file(value: Any) -> str | None:
+    if isinstance(value, str):
+        return "file"
+    return "rows" if isinstance(value, list | tuple) else None
+
+
+RowsOrFile = Annotated[
+    Annotated[base.Text, Tag("file")] | Annotated[list[list[str | float]], Tag("rows")],
+    Discriminator(
+        _rows_or_file,
+        custom_error_type="no_table",
+        custom_error_message=(
+            "write the name of a CSV file, or rows as in [['0 s', '0 deg'], ['0.1 s', '30 deg']]"
+        ),
+    ),
+]
+
+
+class DriveTable(base.Table):
+    """How the crank turns: a constant speed, a law of motion, or a table."""
+
+    speed: Speed | None = base.optional("Constant speed; negative turns backwards")
+    run_up_time: Time | None = base.optional("With speed: of a smooth run-up to it from rest")
+    law: LawName | None = base.optional("A law of motion from rest to rest")
+    travel: base.Angle | None = base.optional("With law: of a move; negative moves backwards")
+    time: Time | None = base.optional("With law: of a move")
+    dwell: base.TimeOrZero | None = base.optional("With law: rest after each move; 0 if left out")
+    master_angle: MasterAngle | None = base.optional(
+        "With law and master_speed, in place of time: angle of the master shaft during a move"
+    )
+    master_dwell: base.Angle | None = base.optional(
+        "With master_angle, in place of dwell: angle of the master shaft during the rest"
+    )
+    master_speed: MasterSpeed | None = base.optional(
+        "Of a master shaft, whose angles stand in place of times in law and table"
+    )
+    forth_and_back: base.Flag = base.optional(
+        "With law: whether every second move goes back; else moves go on, one from the other", False
+    )
+    table: RowsOrFile | None = base.optional(
+        "Rows of time, or master angle with master_speed, and crank angle; or a CSV file of them "
+        "beside the model file, with units in its first line, as in time_s,crank_angle_deg"
+    )
+    smoothing: base.Angle | None = base.optional(
+        "With table: root mean square by which its spline may leave the rows; 0 if left out"
+    )
+    ends: TableEnds = base.optional(
+        "With table: rest begins and ends without speed and acceleration; free as the rows have it",
+        "free",
+    )
+    moves: Annotated[int, Field(strict=True)] = base.optional(
+        "With law or table: how often it is gone through, one after another", 1
+    )
+    start_angle: base.Angle | None = base.optional(
+        "Crank angle at time zero; 0 if left out, or the first one of the table"
+    )
+
+    @model_validator(mode="after")
+    def _one_way_of_saying_it(self) -> DriveTable:
+        ways = [name for name in _KEYS if getattr(self, name) is not None]
+        if len(ways) != 1:
+            raise InputError("give either speed, or law with travel and time, or table")
+        [way] = ways
+        for key in sorted(self.model_fields_set - _KEYS[way] - _ANYWHERE - {way}):
+            others = " or ".join(name for name, keys in _KEYS.items() if key in keys)
+            raise InputError(f"{key} belongs to {others}, and not to {way}; leave it out")
+        if way == "table" and self.start_angle is not None:
+            raise InputError("start_angle is the first angle of the table; leave it out")
+        if way == "law":
+            self._check_times()
+        return self
+
+    def _check_times(self) -> None:
+        if self.travel is None:
+            raise InputError('travel is missing; add it, as travel = "120 deg"')
+        if (self.time is None) == (self.master_angle is None):
+            raise InputError("give either time, or master_angle and master_speed, of a move")
+        by_master = self.master_angle is not None
+        if by_master != (self.master_speed is not None):
+            raise InputError("master_angle and master_speed go together; give both, or time")
+        wrong = "dwell" if by_master else "master_dwell"
+        if getattr(self, wrong) is not None:
+            raise InputError(
+                f"{wrong} does not go with {'master_angle' if by_master else 'time'}; give "
+                f"{'master_dwell' if by_master else 'dwell'}"
+            )
+
+    def drive(self, folder: Path) -> Drive:
+        """The drive that is stated.
+
+        Parameters
+        ----------
+        folder : Path
+            Of the model file.
+
+        Returns
+        -------
+        Drive
+
+        Raises
+        ------
+        InputError
+            If it is none, or its file cannot be read.
+        """
+        start = self.start_angle or 0.0
+        if self.speed is not None:
+            return CrankDrive(self.speed, self.run_up_time or 0.0, start)
+        if self.law is not None:
+            assert self.travel is not None
+            time, dwell = self.time, self.dwell or 0.0
+            if time is None:
+                assert self.master_angle is not None
+                assert self.master_speed is not None
+                time = self.master_angle / self.master_speed
+                dwell = (self.master_dwell or 0.0) / self.master_speed
+            return LawDrive(
+                self.law, self.travel, time, dwell, self.moves, self.forth_and_back, start
+            )
+        assert self.table is not None
+        first = TIME if self.master_speed is None else ANGLE
+        try:
+            rows, where = _rows(self.table, first, folder), _shown(self.table)
+        except InputError as error:
+            raise error.within("table") from error
+        factor = 1.0 if self.master_speed is None else 1 / self.master_speed
+        times, angles = tuple(factor * row[0] for row in rows), tuple(row[1] for row in rows)
+        try:
+            return TableDrive(times, angles, self.smoothing or 0.0, self.ends, self.moves)
+        except InputError as error:
+            raise error.within(where) from error
+
+
+def _shown(table: str | list[list[str | float]]) -> str:
+    return f"table: file {table}" if isinstance(table, str) else "table"
+
+
+def _rows(
+    table: str | list[list[str | float]], first: Dimension, folder: Path
+) -> list[tuple[float, float]]:
+    """Times, or angles of the master shaft, and crank angles."""
+    if isinstance(table, str):
+        return _rows_of_file(table, first, folder)
+    found = []
+    for number, row in enumerate(table):
+        if len(row) != 2:
+            raise InputError(
+                f"[{number}]: got {len(row)} values; give {_first_word(first)} and crank angle"
+            )
+        try:
+            found.append((_sized(row[0], first), _sized(row[1], ANGLE)))
+        except InputError as error:
+            raise error.within(f"[{number}]") from error
+    return found
+
+
+def _rows_of_file(shown: str, first: Dimension, folder: Path) -> list[tuple[float, float]]:
+    titles, lines = csv_lines(folder / shown, shown, "drive")
+    units = [_unit(title) for title in titles]
+    wanted = [_first_word(first).replace(" ", "_"), "crank_angle"]
+    if [name for name, _ in units] != wanted:
+        example = "time_s" if first is TIME else "master_angle_deg"
+        other = (
+            "state master_speed for angles of a master shaft"
+            if first is TIME
+            else "leave master_speed out for times"
+        )
+        raise InputError(
+            f"file {shown}: its first line must be two columns with their units, as "
+            f"{example},crank_angle_deg; {other}"
+        )
+    check_rows(lines, titles, shown)
+    found = []
+    for number, line in enumerate(lines, start=2):
+        try:
+            place, angle = (
+                _sized(f"{cell} {unit}", dimension)
+                for cell, (_, unit), dimension in zip(line, units, (first, ANGLE), strict=True)
+            )
+        except InputError as error:
+            raise error.within(f"file {shown}: line {number}") from error
+        found.append((place, angle))
+    return found
+
+
+def _first_word(first: Dimension) -> str:
+    return "time" if first is TIME else "master angle"
+
+
+def _unit(title: str) -> tuple[str, str]:
+    """Name of a column with underscores, and its unit: ``time_s``, ``crank angle (deg)``."""
+    match = re.fullmatch(
+        r"(time|(?:master|crank)[ _]angle)[ _]*[(\[]?\s*([^\s()\[\]]+)\s*[)\]]?", title.lower()
+    )
+    return ("", "") if match is None else (match[1].replace(" ", "_"), match[2])
+
+
+def _sized(value: object, dimension: Dimension) -> float:
+    found = parse_quantity(value, dimension)
+    plausible = of_dimension(dimension)
+    if plausible is not None:
+        check_plausible(found, value, plausible)
+    return found

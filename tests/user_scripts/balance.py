@@ -1,0 +1,9 @@
+# Which counterweights keep a four-bar from shaking its frame, and what do they cost?
+import flexmech
+
+mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
+request = flexmech.BalanceRequest(190.0, radii=(0.04, 0.06), speed_unit="rpm", elastic=False)
+result = flexmech.balance(mechanism, request)
+print(result.summary())
+result.save("results")  # the balanced model file among them
+result.plot().savefig("balance.png")
