@@ -233,7 +233,10 @@ def test_the_spectrograms_window_follows_frequencies_that_come_near_in_between(m
     """Nearest at 15 deg and each half turn on: between two of the positions every 10 deg."""
     turn = 100.0
     request = SimpleNamespace(
-        drive=SimpleNamespace(run_up_time=0.0), sample_time=lambda: np.array([0.0, 4 * turn])
+        drive=SimpleNamespace(law_time=0.0),
+        duration=4 * turn,
+        sample_interval=1.0,
+        sample_time=lambda: np.array([0.0, 4 * turn]),
     )
 
     def predicted(engine, request, time):

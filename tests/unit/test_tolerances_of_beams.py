@@ -170,10 +170,14 @@ def test_plies_at_nearly_one_angle_have_no_free_edges():
 # --- equilibrium --------------------------------------------------------------------------------
 
 
+ONE_DESIGN = SimpleNamespace(design=None)
+PROBLEM = SimpleNamespace(motion=ONE_DESIGN)
+
+
 def searching(**parts):
     """Newton's method with parts that are scripted, of one coordinate that is an angle in rad."""
     found = Equilibrium.__new__(Equilibrium)
-    found._angle_per_unit, found._force_scale = np.ones((1, 1)), 0.0
+    found._angle_per_unit, found._force_scale = np.ones((1, 1)), np.zeros(())
     for name, part in parts.items():
         setattr(found, name, part)
     return found
@@ -189,7 +193,7 @@ def step_lengths(error, *, before=0.0, load=0.0, between_nodes=0.0):
 
     newton = searching(_balance=SimpleNamespace(imbalance=imbalance), _force_scale=between_nodes)
     now = SimpleNamespace(error=np.array([before]), strains=None)
-    problem = SimpleNamespace(outer=np.array([[load]]))
+    problem = SimpleNamespace(outer=np.array([[load]]), motion=ONE_DESIGN)
     newton._advance(np.zeros((1, 1)), np.ones((1, 1)), problem, now)
     return tried
 
@@ -214,7 +218,7 @@ def kept(first, *changes):
         _change=lambda factors, residual: np.array([[next(left)]]),
         _balance=SimpleNamespace(residual=lambda z, problem: None),
     )
-    z, last = newton._kept_tangent(np.zeros((1, 1)), None, np.array([first]), None)
+    z, last = newton._kept_tangent(np.zeros((1, 1)), None, np.array([first]), PROBLEM)
     return float(z[0, 0]), bool(last[0])
 
 
@@ -247,7 +251,7 @@ def test_a_tangent_is_kept_after_steps_that_turn_by_two_millionths(monkeypatch):
         _kept_tangent=keep,
     )
     monkeypatch.setattr(equilibrium.banded, "factorize", lambda band: np.ones((1, 1, 1)))
-    newton._newton(np.zeros((1, 1)), None, 8)
+    newton._newton(np.zeros((1, 1)), PROBLEM, 8)
     assert turns == [1.5e-6]
 
 

@@ -45,11 +45,11 @@ def found_extremes(monkeypatch, curve, error, angles=TURN):
     """Lowest value and its angle, and the number of solutions that took."""
     solved = []
 
-    def along(systems, at, speeds):
-        solved.extend(at)
-        return curve(at)[:, None]
+    def along(systems, speeds, row, trial, usual):
+        solved.extend(trial.ravel())
+        return curve(trial)[..., None]
 
-    monkeypatch.setattr(extremes, "frequencies_along", along)
+    monkeypatch.setattr(extremes, "frequencies_at_trials", along)
     known = curve(angles)[None, :, None]
     whole = bool(np.isclose(np.ptp(angles), 2 * np.pi))
     of_one = np.array([error]), np.zeros(1)
@@ -343,7 +343,7 @@ def test_a_reduction_will_do_with_errors_below_what_is_asked():
     def enough(frequency=0.0, ratio=0.0, own=0.01, *, damped=True):
         modes = SimpleNamespace(damping_ratio=np.full((1, 1), own))
         errors = ModeErrors(np.full((1, 1), frequency), np.full((1, 1), ratio))
-        return errors.is_small(modes, damped=damped)
+        return errors.small(modes, damped=damped).all()
 
     assert enough(frequency=1e-5)
     assert not enough(frequency=4e-5)

@@ -244,7 +244,7 @@ def test_an_equilibrium_is_refused_half_a_length_from_the_rigid_linkage(part: fl
     [arm], motion = engine.links, engine.mechanism.linkage.motion(np.zeros(1), 0.0)
     moved = np.zeros((1, arm.size))
     moved[0, arm.end[1]] = part * 0.3
-    given = (engine.topology, engine.links, motion, [moved])
+    given = (engine.links, motion, [moved])
     if part < 0.5:
         refuse_large_displacements(*given)
         return
