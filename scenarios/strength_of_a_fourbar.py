@@ -47,7 +47,8 @@ KINDS = {"link": "Yielding of links", "fatigue": "Fatigue of links", "pin": "Wea
 WIDTH = 25.4e-3
 """Of the links along the joint axes in m."""
 LASTING = FatigueStrength(310e6, 97e6, 5e8)
-BUSH = {"diameter": 6e-3, "bush_length": 10e-3, "allowable_pv": 1.8e6}
+DIAMETER, BUSH_LENGTH, ALLOWABLE_PV = 6e-3, 10e-3, 1.8e6
+"""Of the pins in m, and of their bushes in m and Pa m/s."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +125,10 @@ def with_strengths(mechanism: Mechanism) -> Mechanism:
         assert material is not None
         lasting = replace(material, fatigue=LASTING)
         sections[name] = BeamSection.rectangle(lasting, section.in_plane_thickness, WIDTH)
-    pins = tuple(JointPin(joint, **BUSH) for joint in ("A", "B", "O4"))
+    pins = tuple(
+        JointPin(joint, DIAMETER, bush_length=BUSH_LENGTH, allowable_pv=ALLOWABLE_PV)
+        for joint in ("A", "B", "O4")
+    )
     return replace(mechanism, sections=sections, joint_pins=pins)
 
 

@@ -148,9 +148,10 @@ def failure_criterion(name: CriterionName, ply: Ply) -> FailureCriterion:
 def _von_mises(ply: Ply) -> FailureCriterion:
     yielding = ply.yield_strength
     if yielding is None:
+        named = f"; ply {ply.name!r} has none" if ply.name else ""
         raise InputError(
-            "the criterion von-mises needs the yield_strength of each isotropic material; ply "
-            f"{ply.name!r} has none. Add yield_strength to its table under [materials]"
+            "the criterion von-mises needs the yield_strength of each isotropic material"
+            f"{named}. Add yield_strength to its table under [materials]"
         )
     square = np.diag([1.0, 1.0, 3.0, 3.0, 3.0]) / yielding**2
     square[0, 1] = square[1, 0] = -0.5 / yielding**2

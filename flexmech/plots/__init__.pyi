@@ -12,6 +12,7 @@ from .designs.optima import plot_pareto as plot_pareto
 from .designs.optima import plot_search as plot_search
 from .designs.outputs import plot_designs as plot_designs
 from .designs.uncertainty import plot_distributions as plot_distributions
+from .designs.uncertainty import plot_frequency_bands as plot_frequency_bands
 from .designs.uncertainty import plot_sensitivity as plot_sensitivity
 from .drawn_linkage.figures import plot_linkage as plot_linkage
 from .drawn_linkage.figures import plot_mode_shapes as plot_mode_shapes

@@ -25,11 +25,22 @@ def of_twenty_layers():
     return replace(mechanism, sections=dict.fromkeys(mechanism.sections, section))
 
 
-@pytest.mark.parametrize("criterion", PLY_CRITERIA)
-def test_strength_of_twenty_layers(criterion, tell):
+CASES = [(criterion, "rigid", False) for criterion in PLY_CRITERIA]
+# The whole answer of the command: equilibria, and their search over the crank speed.
+CASES += [("tsai-wu", "quasi-static", False), ("tsai-wu", "quasi-static", True)]
+
+
+@pytest.mark.parametrize(("criterion", "source", "searched"), CASES)
+def test_strength_of_twenty_layers(criterion, source, searched, tell):
     mechanism = of_twenty_layers()
     request = flexmech.StrengthRequest(
-        ANGLES, 950.0, speed_unit="rpm", criterion=criterion, elements=8
+        ANGLES,
+        950.0,
+        speed_unit="rpm",
+        criterion=criterion,
+        elements=8,
+        source=source,
+        search_speed=searched,
     )
     with one_thread():
         flexmech.strength(mechanism, request)  # imports and caches
@@ -39,4 +50,5 @@ def test_strength_of_twenty_layers(criterion, tell):
             found = flexmech.strength(mechanism, request)
             times.append(time.perf_counter() - start)
     assert found.dataset["failure_index"].shape == (1, 3, 9, 20, 2)
-    tell(f"strength, 361 angles, 20 layers, {criterion}", f"{np.median(times) * 1e3:10.1f} ms")
+    case = f"{criterion}, {source}{', speed searched' if searched else ''}"
+    tell(f"strength, 361 angles, 20 layers, {case}", f"{np.median(times) * 1e3:10.1f} ms")

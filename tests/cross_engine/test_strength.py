@@ -164,7 +164,8 @@ def test_search_counts_few_of_many_crank_angles() -> None:
     (line,) = (one for one in fine.summary().details if one.startswith("speed factor: searched"))
     assert " of 181 crank angles" in line
     counted = int(line.partition(" of 181")[0].split()[-1])
-    assert 61 <= counted <= 66
+    # Every third one, and the worst of each part.
+    assert 61 < counted <= 64
 
 
 def test_weight_and_a_load_at_rest_are_in_equilibrium_too() -> None:

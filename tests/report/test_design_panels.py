@@ -98,7 +98,7 @@ class TestSweep:
 class TestUncertainty:
     def test_parts_of_the_designs_rise_to_all_of_them(self) -> None:
         dataset = uncertainty_dataset()
-        frequency, mass, _ = panel_of(Uncertainty(dataset)).plots
+        frequency, mass, *_ = panel_of(Uncertainty(dataset)).plots
         curve = frequency.traces[0]
         np.testing.assert_array_equal(curve.x, np.sort(dataset["f1"]))
         np.testing.assert_allclose(curve.y, 100 * np.arange(1, 17) / 16)
@@ -115,7 +115,7 @@ class TestUncertainty:
         assert not [trace for trace in mass.traces if trace.name == "limit"]
 
     def test_shares_have_intervals(self) -> None:
-        plot = panel_of(Uncertainty(uncertainty_dataset())).plots[-1]
+        plot = panel_of(Uncertainty(uncertainty_dataset())).plots[-2]
         np.testing.assert_allclose(points(plot, "first order")[:, 1], [0.8, 0.1])
         total = next(t for t in plot.traces if t.name == "total" and t.look != "points")
         np.testing.assert_allclose(total.y, [0.85, 0.97, np.nan, 0.15, 0.27, np.nan])
@@ -123,7 +123,23 @@ class TestUncertainty:
 
     def test_correlated_inputs_have_none(self) -> None:
         panel = panel_of(Uncertainty(uncertainty_dataset(correlated=True)))
-        assert [plot.name for plot in panel.plots] == ["distribution-f1", "distribution-mass"]
+        assert [plot.name for plot in panel.plots] == [
+            *("distribution-f1", "distribution-mass", "frequency-bands")
+        ]
+
+    def test_bands_of_frequencies_stand_above_each_other(self) -> None:
+        dataset = uncertainty_dataset()
+        plot = panel_of(Uncertainty(dataset)).plots[-1]
+        assert [axis.title for axis in plot.axes] == ["mode 2 (Hz)", "mode 1 (Hz)"]
+        for axis, mode in enumerate((2, 1)):
+            low, median, high = dataset["frequency_percentile"].sel(mode=mode).values
+            first, second, third = [trace for trace in plot.traces if trace.axis == axis]
+            for trace, values in ((first, low), (second, high), (third, median)):
+                np.testing.assert_array_equal(trace.y, values)
+            assert (second.fill, third.name) == ("to previous", "median")
+        assert [trace.name for trace in plot.traces if trace.legend] == [
+            *("95 % of the designs", "median")
+        ]
 
 
 class TestOptimum:

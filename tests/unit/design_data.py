@@ -106,6 +106,7 @@ def uncertainty_dataset(*, correlated: bool = False) -> xr.Dataset:
         "failure_probability": ("output", [0.25, 0.0]),
     }
     data = data.assign(statistics).assign_coords(output=outputs)
+    data = data.merge(frequency_bands())
     data.attrs["title"] = "uncertainty of aluminium four-bar"
     if correlated:
         return data.assign_attrs(no_shares="inputs are correlated")
@@ -114,6 +115,19 @@ def uncertainty_dataset(*, correlated: bool = False) -> xr.Dataset:
         for end, beside in (("", 0.0), ("_low", -0.05), ("_high", 0.07)):
             data[f"{name}{end}"] = ("output", "input"), shares + more + beside
     return data.assign_coords(input=[COUPLER, MATERIAL])
+
+
+def frequency_bands() -> xr.Dataset:
+    """Percentiles of two frequencies over the crank angle."""
+    angle = np.linspace(0.0, 2 * np.pi, 13)
+    median = np.stack([50 + 3 * np.sin(angle), 90 + 10 * np.cos(angle)])
+    spread = np.array([-0.08, 0.0, 0.05])[:, None, None]
+    attributes = {"units": "Hz", "designs": 64}
+    over = ("percentile", "mode", "crank_angle")
+    return xr.Dataset(
+        {"frequency_percentile": (over, median * (1 + spread), attributes)},
+        {"percentile": [2.5, 50.0, 97.5], "mode": [1, 2], "crank_angle": angle},
+    )
 
 
 def with_linkages(dataset: xr.Dataset) -> xr.Dataset:

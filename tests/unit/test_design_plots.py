@@ -171,6 +171,25 @@ class TestUncertainty:
         assert [text.get_text() for text in mass.texts] == ["does not vary"]
         assert to_hex(first[0].get_facecolor()) != to_hex(total[0].get_facecolor())
 
+    def test_bands_of_frequencies_are_percentiles_of_each_mode(self) -> None:
+        dataset = uncertainty_dataset()
+        figure = plots.plot_frequency_bands(dataset)
+        check_layout(figure)
+        assert "Natural frequencies of 64 designs" in heading(figure)
+        for axes, mode in zip(panels(figure), (1, 2), strict=True):
+            low, median, high = dataset["frequency_percentile"].sel(mode=mode).values
+            (line,) = axes.lines
+            np.testing.assert_allclose(line.get_xdata(), np.arange(0, 361, 30))
+            np.testing.assert_array_equal(line.get_ydata(), median)
+            (shade,) = axes.collections
+            drawn = shade.get_paths()[0].vertices[:, 1]
+            assert set(low) | set(high) <= set(drawn)
+            assert not set(median) & set(drawn)
+
+    def test_without_frequencies_there_are_no_bands(self) -> None:
+        with pytest.raises(InputError, match="ask for lowest_frequency"):
+            plots.plot_frequency_bands(uncertainty_dataset().drop_vars("frequency_percentile"))
+
     def test_correlated_inputs_have_no_shares(self) -> None:
         with pytest.raises(InputError, match="inputs are correlated"):
             plots.plot_sensitivity(uncertainty_dataset(correlated=True))

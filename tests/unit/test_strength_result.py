@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 
 import flexmech
+from flexmech.analyses.strength.judged_mechanism import JudgedMechanism
 from flexmech.analyses.strength.result import Strength
 from flexmech.errors import InputError
 from flexmech.plots import page_width, plot_internal_forces, plot_strength
@@ -231,6 +232,14 @@ def test_links_in_air_for_a_time_are_judged_by_slices() -> None:
     assert "layers are slices of the stated ones, each equally moist: crank" in details
     assert damp.dataset.sizes["layer"] > max(strong)
     assert "slices" not in "\n".join(equal.summary().details)
+    # Without heat, and without a temperature of cure, it is water alone that strains the plies.
+    cold = flexmech.StrengthRequest(
+        crank_speed=20.0, environment=flexmech.Exposure(0.0, 0.5, year / 12)
+    )
+    assert (
+        max(np.abs(own).max() for own in JudgedMechanism.of(mechanism, cold).residual.values())
+        > 1e6
+    )
     # After a month water is near the surfaces, which swell against the rest.
     month = judged(flexmech.Exposure(40.0, 0.5, year / 12))
     assert np.abs(month.dataset["margin_load_factor"].values / second - 1).max() > 1e-3

@@ -13,12 +13,15 @@ from typer.testing import CliRunner
 
 from flexmech import load_mechanism
 from flexmech.cli import app
+from flexmech.errors import ComputationError
 from flexmech.studies import (
     DesignSweep,
     Goal,
     Limit,
     Optimum,
     Uncertainty,
+    load_study,
+    optimum_study,
     runs_line,
     sweep_study,
 )
@@ -189,9 +192,27 @@ class TestSearchesThatFail:
         assert not (out / "optimum.toml").exists()
         return result.stderr
 
+    def candidate(self, folder: Path) -> Any:
+        """Row of the design that is no optimum."""
+        (row,) = pd.read_csv(folder / "out" / "pareto.csv").itertuples()
+        return row
+
     def test_no_design_keeps_the_limits(self, tmp_path: Path) -> None:
         told = self.failed(tmp_path, TEXT.replace('"0.33 N m"', '"0.001 N m"'))
         assert "designs keeps every limit; widen the ranges or loosen a limit" in told
+        assert f"its row is in {tmp_path / 'out' / 'pareto.csv'}" in told
+        row = self.candidate(tmp_path)
+        assert row.violation == pytest.approx(row.torque_N_m / 0.001 - 1)
+        assert row.status == "ok"
+        assert row.reason.startswith("beyond a limit: torque 0.")
+
+    def test_a_front_that_keeps_no_limit(self, tmp_path: Path) -> None:
+        pytest.importorskip("pymoo")
+        text = TEXT.replace('"0.33 N m"', '"0.001 N m"') + '[[goals]]\noutput = "torque"\n'
+        told = self.failed(tmp_path, text)
+        assert "none of 2560 designs keeps every limit" in told
+        # The nearest is the lightest: the torque is by its mass alone.
+        assert self.candidate(tmp_path)[2] == pytest.approx(1e-3, rel=0.01)
 
     def test_an_optimum_that_does_not_hold_at_finer_angles(self, tmp_path: Path) -> None:
         """The heaviest linkage whose torque is kept at eight crank angles, and not at sixteen."""
@@ -202,3 +223,15 @@ class TestSearchesThatFail:
         assert "finds torque " in told
         assert f"{THICKNESS} " in told
         assert "give that output more angles, or tighten its limit by " in told
+        row = self.candidate(tmp_path)
+        assert row.violation == pytest.approx(row.torque_N_m / 0.15 - 1)
+        assert row.violation > 1e-3
+        assert row.status == "ok"
+        assert row.reason.startswith("with twice the elements and crank angles reference finds ")
+
+    def test_an_earlier_optimum_beside_the_candidate_is_named(self, tmp_path: Path) -> None:
+        (tmp_path / "out").mkdir()
+        (tmp_path / "out" / "optimum.toml").touch()
+        file = study_file(tmp_path, text=TEXT.replace('"0.33 N m"', '"0.001 N m"'))
+        with pytest.raises(ComputationError, match=r"optimum.toml is of an earlier run"):
+            optimum_study(load_study(file), folder=tmp_path / "out")

@@ -21,8 +21,8 @@ from flexmech.errors import InputError
 from flexmech.hygrothermal import HygrothermalState, mechanism_in_state
 from flexmech.modelfile import mechanism_from_toml
 from flexmech.studies import Correlation, Output, Study, Variable, load_study, sweep
-from flexmech.studies.designs.evaluation import evaluate
 from flexmech.studies.designs.design import turn
+from flexmech.studies.designs.evaluation import evaluate
 from flexmech.units import DENSITY, LENGTH, RATIO
 from tests.unit.study_data import (
     ALUMINIUM,

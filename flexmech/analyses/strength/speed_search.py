@@ -25,8 +25,6 @@ CLOSE = 0.01
 # Speeds for each part, the least and the greatest of them over that asked for, how much a step may
 # go beyond those known, and how near to where no equilibrium is found.
 MOST, SLOWEST, FASTEST, STRIDE, NEAR_END = 25, 1e-3, 64.0, 3.0, 0.05
-# Power of the speed above which a load factor does not fall enough to tell where it is 1.
-FLAT = -0.5
 
 
 @dataclass(frozen=True)
@@ -176,10 +174,10 @@ def _next_speed(known: Mapping[float, float], end: float) -> tuple[float, float]
         other = points[1][1]
         power = math.log(known[other] / known[near]) / math.log(other / near)
     guess = math.inf if low else 0.0
-    if points and power < FLAT:
+    if points and power < 0:
         guess = near * known[near] ** (-1 / power)
     if len(points) > 1 and points[0][0] < CLOSE:
-        return guess if power < FLAT else near, math.nan
+        return guess if power < 0 else near, math.nan
     if math.isinf(high):
         # Not much farther than is known, and not where there is no equilibrium.
         guess = min(guess, STRIDE * low)

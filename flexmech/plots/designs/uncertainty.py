@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from flexmech.errors import InputError
 from flexmech.plots.designs.reading import (
@@ -21,9 +23,21 @@ from flexmech.plots.designs.reading import (
     shown,
 )
 from flexmech.plots.layout import AxesLike, sheet, tiles
-from flexmech.plots.style import MID_GREY, Look, line_handle, line_handles, series_style
+from flexmech.plots.reading import degrees, mode_label
+from flexmech.plots.scales import crank_angle_axis
+from flexmech.plots.style import (
+    MID_GREY,
+    Look,
+    line_handle,
+    line_handles,
+    series_handle,
+    series_line,
+    series_style,
+)
 from flexmech.units import from_si
 
+# Percentiles of frequencies: of the interval of 95 % its lower end, the median, its upper end.
+BAND = (2.5, 50.0, 97.5)
 # Bars of a distribution at most.
 MOST_BARS = 60
 PERCENTILES: Mapping[str, Look] = {
@@ -125,4 +139,46 @@ def plot_distributions(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
                 axes.axvline(bound, **limit)
             axes.set_xlabel(label(known[output]))
         drawn.label_y("probability density")
+    return drawn.figure
+
+
+def plot_frequency_bands(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw the median of the natural frequencies over the crank angle, and where 95 % lie.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of an ``Uncertainty`` whose outputs are found from natural frequencies.
+    ax : Axes or sequence of Axes, optional
+        The user's, one for each mode. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If there are no frequencies over the crank angle.
+    """
+    if "frequency_percentile" not in dataset:
+        raise InputError(
+            "there are no frequencies over the crank angle; ask for lowest_frequency or another "
+            "output that is found from natural frequencies"
+        )
+    bands = dataset["frequency_percentile"]
+    angles, modes = degrees(bands["crank_angle"]), bands["mode"].values.tolist()
+    shade: dict[str, Any] = {"color": series_style(0).color, "alpha": 0.3, "lw": 0}
+    with sheet(tiles(len(modes), 3, PANEL), ax=ax) as drawn:
+        handles = [series_handle(0, "median"), Patch(**shade, label="95 % of the designs")]
+        heading = f"Natural frequencies of {bands.attrs['designs']} designs"
+        drawn.header(handles, heading, of=dataset)
+        for axes, mode in zip(drawn.panels, modes, strict=True):
+            low, median, high = (bands.sel(mode=mode).sel(percentile=part) for part in BAND)
+            axes.fill_between(angles, low, high, **shade)
+            axes.plot(angles, median, **series_line(0))
+            axes.set_title(mode_label([mode]))
+            crank_angle_axis(axes, angles, narrow=True)
+        drawn.label_x("Crank angle (deg)")
+        drawn.label_y("Frequency (Hz)")
     return drawn.figure

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -18,6 +20,7 @@ from flexmech.plots.designs.reading import (
     shown,
     varying,
 )
+from flexmech.plots.reading import degrees
 from flexmech.report import panel
 from flexmech.report.results import Results
 from flexmech.studies import DesignSweep, Optimum, Uncertainty
@@ -27,6 +30,8 @@ from flexmech.units import from_si
 MOST_VARIABLES, MOST_OUTPUTS = 4, 6
 # Of Sobol's indices: what they are called, and how far beside their input they stand.
 SHARES = (("first_order", "first order", -0.08), ("total", "total", 0.08))
+# Percentiles of frequencies, in the order in which they are drawn: an interval, the median on it.
+BANDS = ((2.5, "95 % of the designs"), (97.5, "95 % of the designs"), (50.0, "median"))
 
 
 @panel.shows(DesignSweep)
@@ -96,13 +101,15 @@ def _numbered(names: Sequence[str]) -> str:
 
 @panel.shows(Uncertainty)
 def uncertainty_panel(result: Uncertainty, results: Results) -> panel.Panel:
-    """How many designs stay below each value of an output, and the shares of the inputs."""
+    """How many designs are below each value, shares of the inputs, and bands of frequencies."""
     data = result.dataset
     known = data.isel(design=np.flatnonzero(data["status"].values == "ok"))
     outputs = data["output"].values.tolist()
     plots = [_cumulated(known, name) for name in outputs[:MOST_OUTPUTS]]
     if "total" in data:
         plots.append(_shares(data, outputs[:MOST_OUTPUTS]))
+    if "frequency_percentile" in data:
+        plots.append(_bands(data["frequency_percentile"]))
     thinned = tuple(f"plots of {name}" for name in outputs[MOST_OUTPUTS:])
     return panel.panel_of("uncertainty", result.summary(), plots=tuple(plots), thinned=thinned)
 
@@ -163,6 +170,31 @@ def _shares(data: xr.Dataset, outputs: Sequence[str]) -> panel.Plot:
         tick=1.0,
         height=panel.FRAME_HEIGHT + 150 * len(outputs),
         title=f"Share of each input in the variance: {_numbered([*map(short_name, inputs)])}",
+    )
+
+
+def _bands(bands: xr.DataArray) -> panel.Plot:
+    """Median and interval of the frequencies over the crank angle, modes above each other."""
+    angle, modes = degrees(bands["crank_angle"]), bands["mode"].values.tolist()
+    traces = list[panel.Trace]()
+    for axis, mode in enumerate(modes):
+        own = bands.sel(mode=mode)
+        for number, (part, word) in enumerate(BANDS):
+            look: Any = {"fill": "to previous"} if number == 1 else {}
+            look |= {"width": 2.4 if word == "median" else 0.8, "axis": axis}
+            # The legend names the interval once, and the median.
+            look["legend"] = not axis and number > 0
+            followed: panel.Choice | None = {} if word == "median" else None
+            values = own.sel(percentile=part).values
+            traces.append(panel.Trace(word, angle, values, 0, followed=followed, **look))
+    return panel.over_angle(
+        "frequency-bands",
+        tuple(panel.YAxis(f"mode {mode} (Hz)") for mode in reversed(modes)),
+        [replace(trace, axis=len(modes) - 1 - trace.axis) for trace in traces],
+        text="Median of the natural frequencies over the crank angle, and the interval that "
+        "holds 95 % of the designs",
+        height=panel.FRAME_HEIGHT + 150 * len(modes),
+        title=f"Natural frequencies of {bands.attrs['designs']} designs",
     )
 
 
@@ -231,5 +263,5 @@ def _checked(data: xr.Dataset) -> Table:
         rows.append(
             (name, unit, *(f"{from_si(value, unit):.6g}" for value in found), f"{error:.2g}")
         )
-    headings = ("output", "unit", *engines, "change with the mesh (%)")
+    headings = ("output", "unit", *engines, "error (%)")
     return Table("The best design computed anew", headings, (tuple(rows),), text_columns=2)

@@ -12,7 +12,7 @@ import numpy as np
 from flexmech.analyses.default_engines import engine_kind
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import AssemblyError, FlexmechError, LockingError, one_line
-from flexmech.linear_system import BucklingError, EquilibriumError
+from flexmech.linear_system import BucklingError, Engine, EquilibriumError
 from flexmech.mechanism import Mechanism
 from flexmech.studies.designs.design import Design, find_frequencies
 from flexmech.studies.designs.study import Study
@@ -78,6 +78,38 @@ def evaluate(study: Study, designs: FloatArray, finer: int = 1) -> Evaluated:
         }
         study = replace(study, outputs=outputs)
     values = np.full((len(designs), len(study.outputs)), np.nan)
+    made, status, reasons = built(study, engine, designs)
+    pairs = [(design, output) for design in made.values() for output in study.outputs.values()]
+    needed = [(design, output.needs_of(design), output.extremes) for design, output in pairs]
+    find_frequencies([(d, needs, extremes) for d, needs, extremes in needed if needs is not None])
+    for number, design in made.items():
+        numbers, status[number], reasons[number] = _guarded(lambda: _of_one(study, design))  # noqa: B023
+        if numbers is not None:
+            values[number] = numbers
+    return Evaluated(values, status, reasons)
+
+
+def built(
+    study: Study, engine: Engine, designs: FloatArray
+) -> tuple[dict[int, Design], IntArray, list[str]]:
+    """Designs with their engines.
+
+    Parameters
+    ----------
+    study : Study
+    engine : Engine
+        Of the study's mechanism.
+    designs : ndarray, shape (n, k)
+
+    Returns
+    -------
+    dict of int to Design
+        Those that can be, by their numbers.
+    ndarray of int, shape (n,)
+        Number in :data:`STATUSES`.
+    list of str
+        Reasons, empty of those that can be.
+    """
     status = np.zeros(len(designs), dtype=np.intp)
     reasons = [""] * len(designs)
     stated = [dict(as_values(study.variables, row)) for row in designs]
@@ -99,14 +131,7 @@ def evaluate(study: Study, designs: FloatArray, finer: int = 1) -> Evaluated:
         if found is not None:
             speed = speeds[number]
             made[number] = Design(found, study.mechanism, None if speed is None else float(speed))
-    pairs = [(design, output) for design in made.values() for output in study.outputs.values()]
-    needed = [(design, output.needs_of(design), output.extremes) for design, output in pairs]
-    find_frequencies([(d, needs, extremes) for d, needs, extremes in needed if needs is not None])
-    for number, design in made.items():
-        numbers, status[number], reasons[number] = _guarded(lambda: _of_one(study, design))  # noqa: B023
-        if numbers is not None:
-            values[number] = numbers
-    return Evaluated(values, status, reasons)
+    return made, status, reasons
 
 
 def _of_one(study: Study, design: Design) -> list[float]:

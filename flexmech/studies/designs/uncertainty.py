@@ -17,6 +17,7 @@ from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.errors import InputError
+from flexmech.studies.designs.bands import frequency_bands
 from flexmech.studies.designs.campaign import evaluate_all
 from flexmech.studies.designs.evaluation import Evaluated
 from flexmech.studies.designs.result import (
@@ -38,6 +39,7 @@ _SAMPLES = 1024
 # Of the bootstrap of Sobol's indices.
 _RESAMPLES = 1000
 _INDICES = ("first_order", "total")
+_BANDS = "frequency_percentile"
 
 
 class Uncertainty(Result):
@@ -49,7 +51,8 @@ class Uncertainty(Result):
         Designs as of a ``DesignSweep``; ``mean``, ``std``, ``p2_5``, ``p50``, ``p97_5``, their
         standard errors and ``failure_probability`` over ``output``; ``first_order`` and ``total``
         with ``_low`` and ``_high`` ends of their 95 % intervals over (output, input), where inputs
-        are not correlated.
+        are not correlated; ``frequency_percentile`` over (percentile, mode, crank_angle), where an
+        output is found from natural frequencies.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """
@@ -61,9 +64,11 @@ class Uncertainty(Result):
         "uncertainty.csv",
         "sensitivity.csv",
         "designs.csv",
+        "frequency_bands.csv",
         "uncertainty.nc",
         "uncertainty.png",
         "sensitivity.png",
+        "frequency_bands.png",
     )
 
     def tables(self) -> dict[str, pd.DataFrame]:
@@ -76,13 +81,17 @@ class Uncertainty(Result):
             shares = [f"{name}{end}" for name in _INDICES for end in ("", "_low", "_high")]
             found = data[shares].to_dataframe().reset_index()
             tables["sensitivity"] = found[["output", "input", *shares]]
+        if _BANDS in data:
+            tables["frequency_bands"] = _bands_table(data[_BANDS])
         return tables
 
     def figures(self) -> dict[str, Figure]:
-        """Distributions, and shares of the inputs where they are known."""
+        """Distributions, shares of the inputs where they are known, and bands of frequencies."""
         figures = {self.stem: self.plot()}
         if "total" in self.dataset:
             figures["sensitivity"] = plots.plot_sensitivity(self.dataset)
+        if _BANDS in self.dataset:
+            figures["frequency_bands"] = plots.plot_frequency_bands(self.dataset)
         return figures
 
     def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
@@ -139,6 +148,20 @@ class Uncertainty(Result):
             ),
             numbers=tuple(numbers),
         )
+
+
+def _bands_table(bands: xr.DataArray) -> pd.DataFrame:
+    """Percentiles of the natural frequencies as columns, modes one after the other."""
+    rows = bands.transpose("mode", "crank_angle", "percentile")
+    modes, angles = (rows[name].values for name in ("mode", "crank_angle"))
+    columns = dict(zip(PERCENTILES, rows.values.reshape(-1, len(PERCENTILES)).T, strict=True))
+    return pd.DataFrame(
+        {
+            "mode": np.repeat(modes, len(angles)),
+            "crank_angle_rad": np.tile(angles, len(modes)),
+            **{f"{name}_Hz": column for name, column in columns.items()},
+        }
+    )
 
 
 def _cause(own: xr.Dataset) -> str:
@@ -266,6 +289,7 @@ def uncertainty_study(
     dataset = dataset.merge(_statistics(study, values[independent], dataset))
     worth = [f"{name} {study.outputs[name].told(v)}" for name, v in study.failure_values.items()]
     dataset = dataset.assign_attrs(failures_count_as=", ".join(worth))
+    dataset = dataset.merge(frequency_bands(study, designs[independent]))
     if study.correlations:
         why = "inputs are correlated: shares in the variance are not defined (Sobol's method)"
         return Uncertainty(dataset.assign_attrs(no_shares=why))

@@ -1,0 +1,88 @@
+"""Natural frequencies over the crank angle of a sample of designs: medians and intervals."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses.default_engines import engine_kind
+from flexmech.analyses.designs import of_designs
+from flexmech.analyses.frequencies.formulation import Formulation
+from flexmech.analyses.frequencies.positions import frequencies_at
+from flexmech.arrays import FloatArray, IntArray
+from flexmech.errors import FlexmechError
+from flexmech.linear_system import Engine
+from flexmech.studies.designs.design import turn
+from flexmech.studies.designs.evaluation import built
+from flexmech.studies.designs.outputs import OF_FREQUENCIES, Output
+from flexmech.studies.designs.study import Study
+
+MOST_DESIGNS = 64
+"""Whose frequencies are drawn, the first of a sample: they alone are spread evenly too."""
+PERCENTILES = (2.5, 50.0, 97.5)
+# Of so few the interval of 95 % is that of the outermost designs.
+_LEAST_DESIGNS = 8
+
+
+def frequency_bands(study: Study, designs: FloatArray) -> xr.Dataset:
+    """Percentiles of the natural frequencies over the crank angle.
+
+    They are of the speed, prestress and crank angles of the study's first output that is found
+    from natural frequencies. Modes are in ascending order at every crank angle.
+
+    Parameters
+    ----------
+    study : Study
+    designs : ndarray, shape (n, k)
+        Of a sample; the first :data:`MOST_DESIGNS` of them are taken.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``frequency_percentile`` in Hz over (percentile, mode, crank_angle), with the number of
+        designs in its attribute ``designs``; empty where no output is found from frequencies, or
+        few designs can be computed.
+    """
+    asked = [each for each in study.outputs.values() if each.quantity in OF_FREQUENCIES]
+    if not asked:
+        return xr.Dataset()
+    found = _frequencies(study, asked[0], designs[:MOST_DESIGNS])
+    if len(found) < _LEAST_DESIGNS:
+        return xr.Dataset()
+    parts = np.percentile(np.array(found), PERCENTILES, axis=0, method="hazen")
+    # A turn ends where it begins.
+    angles = np.append(turn(asked[0].angles), 2 * np.pi)
+    parts = np.concatenate([parts, parts[:, :1]], axis=1)
+    return xr.Dataset(
+        {
+            "frequency_percentile": (
+                ("percentile", "crank_angle", "mode"),
+                parts,
+                {"units": "Hz", "long_name": "natural frequency", "designs": len(found)},
+            )
+        },
+        {
+            "percentile": ("percentile", list(PERCENTILES), {"units": "%"}),
+            "crank_angle": ("crank_angle", angles, {"units": "rad"}),
+            "mode": np.arange(1, parts.shape[2] + 1),
+        },
+    ).transpose("percentile", "mode", "crank_angle")
+
+
+def _frequencies(study: Study, output: Output, designs: FloatArray) -> list[FloatArray]:
+    """Frequencies (angles, modes) of the designs that have some."""
+    made, _, _ = built(study, engine_kind(study.engine)(study.mechanism), designs)
+    every = list(made.values())
+    modes = max(output.mode, 3)
+    angles = turn(output.angles)
+    speeds = np.array([output.speed_of(design) for design in every])
+
+    def compute(engine: Engine, numbers: IntArray) -> list[FloatArray]:
+        shape = (len(numbers), len(angles))
+        angle = np.broadcast_to(angles, shape).ravel()
+        speed = np.repeat(speeds[numbers], len(angles))
+        formulation = Formulation(output.prestress, True, modes)
+        return [*frequencies_at(engine, angle, speed, formulation).reshape(*shape, modes)]
+
+    found = of_designs([design.engine.fit_for(modes) for design in every], compute)
+    return [each for each in found if not isinstance(each, FlexmechError)]
