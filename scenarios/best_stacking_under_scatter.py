@@ -4,7 +4,7 @@ Elamy et al. 2023 choose among six stackings of carbon and glass (Table 2) and f
 a crank-rocker (Table 3), and print uncertainties of fibres and resin (Table 1) without a word on
 what they are. They are read once as standard deviations of normal distributions and once as
 half-widths of uniform ones. For each proportion the stacking is chosen whose lowest natural
-frequency over the turn, at rest, is highest at its 5 % percentile: what nineteen of twenty linkages
+frequency over the turn, at rest, is highest at its 10 % percentile: what nine of ten linkages
 reach. Half-widths are the milder reading, by the root of three in standard deviation; whether the
 choice depends on it is the question, and how much of the mean frequency either costs.
 
@@ -31,7 +31,8 @@ from flexmech.studies import (
 
 READINGS = {"standard deviations": "normal", "half-widths": "uniform"}
 """What the uncertainties of Table 1 are read as, and the distribution of each."""
-PERCENTILE = 5.0
+PERCENTILE = 10.0
+SHARE_SAMPLES = 64
 FIBRES = {"C": "carbon", "G": "E-glass"}
 UNITS = {"youngs_modulus": ("GPa", 1e9), "density": ("kg/m^3", 1.0)}
 """Properties of Table 1 that frequencies of slender links depend on."""
@@ -51,14 +52,17 @@ paths = ["laminates.C1.stacking"]
 values = {stackings}
 
 [outputs]
-f1 = {{ quantity = "lowest_frequency", speed = "0 rpm", prestress = "none", angles = {angles} }}
-f1_mean = {{ quantity = "lowest_frequency", speed = "0 rpm", prestress = "none", angles = {angles} }}
+f1 = {f1}
+{also}
 
 [[goals]]
 output = "f1"
 sense = "max"
 percentile = {percentile}
 """
+FREQUENCY = (
+    '{{ quantity = "lowest_frequency", speed = "0 rpm", prestress = "none", angles = {angles} }}'
+)
 UNCERTAIN = """
 [vary."{key}"]
 {distribution} = ["{first:.6g} {unit}", "{second:.6g} {unit}"]
@@ -84,8 +88,8 @@ def main(
     out: Path,
     *,
     cases: tuple[int, ...] = (1, 2, 3, 4),
-    angles: int = 12,
-    samples: int = 32,
+    angles: int = 24,
+    samples: int = 16,
 ) -> dict[tuple[int, str], Best]:
     """Find the best stacking of each proportion by both readings, print and draw them.
 
@@ -113,12 +117,13 @@ def main(
     for (case, reading), one in best.items():
         print(
             f"case {case}, Table 1 as {reading}: {one.stacking}, {one.percentile:.2f} Hz are "
-            f"reached by 95 % of the linkages, {100 * one.cost:.1f} % below the mean of "
+            f"reached by nine of ten linkages, {100 * one.cost:.1f} % below the mean of "
             f"{one.mean:.2f} Hz"
         )
     case, reading = max(best, key=lambda key: best[key].mean)
     study = load_study(study_file(out, case, reading, angles, samples, best[case, reading]))
-    scatter = uncertainty_study(study, samples)
+    # Shares of the inputs ask for more samples than a percentile.
+    scatter = uncertainty_study(study, SHARE_SAMPLES)
     print(f"the highest, case {case}:\n{scatter.summary()}")
     figures = scatter.figures()
     save_pictures({name: figures[name] for name in ("frequency_bands", "sensitivity")}, out)
@@ -154,7 +159,8 @@ def study_file(
         model=model.name,
         samples=samples,
         stackings=stackings,
-        angles=angles,
+        f1=(f1 := FREQUENCY.format(angles=angles)),
+        also=f"f1_mean = {f1}" if best is None else "",
         percentile=PERCENTILE,
     )
     known = published_constituents()

@@ -32,6 +32,11 @@ class PinEye:
     ------
     InputError
         If a size is not positive.
+
+    Examples
+    --------
+    >>> flexmech.PinEye("coupler", thickness=6e-3, width=20e-3).edge_distance is None
+    True
     """
 
     link: str

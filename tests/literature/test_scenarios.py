@@ -23,6 +23,7 @@ SCENARIOS = Path(__file__).parents[2] / "scenarios"
 NAMES = [
     "aluminium_fourbar_frequencies",
     "axial_force_alone",
+    "best_stacking_under_scatter",
     "composite_crank_rockers",
     "composite_thresholds",
     "coupler_curves",
@@ -37,6 +38,7 @@ NAMES = [
     "inertial_terms",
     "instability_confirmed",
     "least_mass_fourbar",
+    "lightest_stable_fourbar",
     "lumped_masses",
     "mode_shapes",
     "moisture_and_stability",

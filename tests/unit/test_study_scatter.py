@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,15 +18,16 @@ from flexmech.studies import (
     Optimum,
     Output,
     Variable,
+    load_study,
     optimum_study,
     runs_line,
     uncertainty_study,
 )
-from flexmech.studies.designs.bands import frequency_bands
+from flexmech.studies.designs.bands import bands_table, frequency_bands
 from flexmech.studies.designs.evaluation import Evaluated, evaluate
 from flexmech.studies.designs.scatter import Scatter
-from flexmech.units import LENGTH
-from tests.unit.study_data import ALUMINIUM, MASS, density, study, thickness
+from flexmech.units import LENGTH, STRESS
+from tests.unit.study_data import ALUMINIUM, FILE, MASS, density, study, study_file, thickness
 
 MEAN, DEVIATION = 2923.0, 150.0
 THICKNESS = thickness(1e-3, 3e-3)
@@ -189,6 +191,16 @@ class TestInputsOfOneValue:
         alone = uncertainty_study(study(thickness(1e-3, 3e-3)), 16).dataset
         np.testing.assert_array_equal(found[THICKNESS.name], alone[THICKNESS.name])
 
+    def test_what_changes_nothing_has_no_share(self) -> None:
+        """Of what no output depends on the bootstrap has no interval, and SciPy warns."""
+        key = "materials.crank_aluminium.youngs_modulus"
+        stiff = Variable("stiff", (key,), STRESS, "normal", (68.9e9, 1e9))
+        found = uncertainty_study(study(thickness(1e-3, 3e-3), stiff), 16).dataset
+        own = found.sel(output="mass", input="stiff")
+        for name in ("first_order", "total"):
+            assert [float(own[f"{name}{end}"]) for end in ("", "_low", "_high")] == [0.0] * 3
+        assert (found["total_high"].sel(input=THICKNESS.name) > 0.5).all()
+
     def test_of_nothing_else_nothing_is_uncertain(self) -> None:
         fixed = study(thickness(2e-3, distribution="values"))
         with pytest.raises(InputError, match="every variable has one value"):
@@ -217,6 +229,10 @@ class TestBandsOfFrequencies:
             bands.transpose("percentile", "crank_angle", "mode"), wanted, rtol=1e-9
         )
         assert bands.attrs["designs"] == 8
+        table = bands_table(bands)
+        own = table[table["mode"] == 2]
+        np.testing.assert_allclose(own["crank_angle_rad"], angles)
+        np.testing.assert_allclose(own["p97_5_Hz"], wanted[2, :, 1])
 
     def test_no_output_of_frequencies_has_none(self) -> None:
         assert not frequency_bands(study(THICKNESS), study(THICKNESS).sample(8))
@@ -230,3 +246,36 @@ class TestBandsOfFrequencies:
         assert frequency_bands(whole, designs)["frequency_percentile"].attrs["designs"] == 9
         # Seven tell nothing of an interval of 95 %.
         assert not frequency_bands(whole, designs[3:])
+
+
+class TestStudyFile:
+    TEXT = f"""percentile_samples = 128
+{FILE}
+percentile = 97.5
+[vary.density]
+paths = ["materials.aluminium.density"]
+normal = ["2923 kg/m^3", "30 kg/m^3"]
+"""
+
+    def test_percentiles_are_read(self, tmp_path: Path) -> None:
+        read = load_study(study_file(tmp_path, text=self.TEXT))
+        assert read.percentile_samples == 128
+        assert read.goals == (Goal("mass", "min", 97.5),)
+        assert read.limits == (Limit("f1", least=40.0),)
+        assert read.percentiles == {"mass": 97.5}
+        assert read.uncertain == ["density"]
+
+    @pytest.mark.parametrize(
+        ("old", "new", "told"),
+        [
+            ("97.5", "100", "goals[0].percentile"),
+            ("= 128", "= 12", "percentile_samples: 12 is no power of two; take 8 or 16"),
+            ("= 128", "= 32", "too few for percentile = 97.5 of mass; take 64 or more"),
+        ],
+    )
+    def test_what_is_wrong_is_told(self, old: str, new: str, told: str, tmp_path: Path) -> None:
+        file = study_file(tmp_path, old, new, self.TEXT)
+        with pytest.raises(InputError) as caught:
+            load_study(file)
+        assert str(caught.value).startswith(str(file))
+        assert told in str(caught.value)

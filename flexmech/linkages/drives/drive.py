@@ -37,6 +37,12 @@ class Drive(abc.ABC):
         Crank angle at time zero in rad.
     speed : float
         Final crank speed in rad/s, from :attr:`law_time` on.
+
+    Examples
+    --------
+    >>> drive = flexmech.CrankDrive(20.0)
+    >>> isinstance(drive, flexmech.Drive), float(drive.crank_angle(0.1))
+    (True, 2.0)
     """
 
     start_angle: float
@@ -185,7 +191,7 @@ class CrankDrive(Drive):
     Examples
     --------
     >>> drive = flexmech.CrankDrive(speed=20.0, run_up_time=0.5)
-    >>> drive.crank_speed([0.0, 0.25, 0.5])
+    >>> drive.crank_speed([0.0, 0.25, 0.5]).round(9)
     array([ 0., 10., 20.])
     """
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from flexmech.analyses.default_engines import engine_kind
@@ -67,6 +68,30 @@ def frequency_bands(study: Study, designs: FloatArray) -> xr.Dataset:
             "mode": np.arange(1, parts.shape[2] + 1),
         },
     ).transpose("percentile", "mode", "crank_angle")
+
+
+def bands_table(bands: xr.DataArray) -> pd.DataFrame:
+    """Percentiles of the natural frequencies as columns, modes one after the other.
+
+    Parameters
+    ----------
+    bands : xarray.DataArray
+        The ``frequency_percentile`` of :func:`frequency_bands`.
+
+    Returns
+    -------
+    pandas.DataFrame
+    """
+    rows = bands.transpose("mode", "crank_angle", "percentile")
+    modes, angles = (rows[name].values for name in ("mode", "crank_angle"))
+    low, median, high = rows.values.reshape(-1, len(PERCENTILES)).T
+    return pd.DataFrame(
+        {
+            "mode": np.repeat(modes, len(angles)),
+            "crank_angle_rad": np.tile(angles, len(modes)),
+            **{"p2_5_Hz": low, "p50_Hz": median, "p97_5_Hz": high},
+        }
+    )
 
 
 def _frequencies(study: Study, output: Output, designs: FloatArray) -> list[FloatArray]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +18,7 @@ from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.errors import InputError
-from flexmech.studies.designs.bands import frequency_bands
+from flexmech.studies.designs.bands import bands_table, frequency_bands
 from flexmech.studies.designs.campaign import evaluate_all
 from flexmech.studies.designs.evaluation import Evaluated
 from flexmech.studies.designs.result import (
@@ -82,7 +83,7 @@ class Uncertainty(Result):
             found = data[shares].to_dataframe().reset_index()
             tables["sensitivity"] = found[["output", "input", *shares]]
         if _BANDS in data:
-            tables["frequency_bands"] = _bands_table(data[_BANDS])
+            tables["frequency_bands"] = bands_table(data[_BANDS])
         return tables
 
     def figures(self) -> dict[str, Figure]:
@@ -148,20 +149,6 @@ class Uncertainty(Result):
             ),
             numbers=tuple(numbers),
         )
-
-
-def _bands_table(bands: xr.DataArray) -> pd.DataFrame:
-    """Percentiles of the natural frequencies as columns, modes one after the other."""
-    rows = bands.transpose("mode", "crank_angle", "percentile")
-    modes, angles = (rows[name].values for name in ("mode", "crank_angle"))
-    columns = dict(zip(PERCENTILES, rows.values.reshape(-1, len(PERCENTILES)).T, strict=True))
-    return pd.DataFrame(
-        {
-            "mode": np.repeat(modes, len(angles)),
-            "crank_angle_rad": np.tile(angles, len(modes)),
-            **{f"{name}_Hz": column for name, column in columns.items()},
-        }
-    )
 
 
 def _cause(own: xr.Dataset) -> str:
@@ -385,7 +372,11 @@ def _sensitivity(study: Study, inputs: list[str], values: FloatArray, samples: i
             n=samples,
             random_state=np.random.default_rng(study.seed),
         )
-        interval = indices.bootstrap(confidence_level=CONFIDENCE, n_resamples=_RESAMPLES)
+        with np.errstate(invalid="ignore"), warnings.catch_warnings():
+            # Of an input that changes nothing there is no interval: its share is zero.
+            warnings.simplefilter("ignore", scipy.stats.DegenerateDataWarning)
+            interval = indices.bootstrap(confidence_level=CONFIDENCE, n_resamples=_RESAMPLES)
+        changes = (parts[2:, varies] != parts[0, varies]).any(axis=-1).T
         for name, short in zip(_INDICES, ("first_order", "total_order"), strict=True):
             ends = getattr(interval, short).confidence_interval
             for end, each in (
@@ -393,7 +384,9 @@ def _sensitivity(study: Study, inputs: list[str], values: FloatArray, samples: i
                 ("_low", ends.low),
                 ("_high", ends.high),
             ):
-                found[f"{name}{end}"][varies] = np.reshape(each, (-1, len(inputs)))[:count]
+                found[f"{name}{end}"][varies] = np.where(
+                    changes, np.reshape(each, (-1, len(inputs)))[:count], 0.0
+                )
     over = ("output", "input")
     return xr.Dataset(
         {name: (over, each) for name, each in found.items()}, {"output": outputs, "input": inputs}
