@@ -15,7 +15,13 @@ from flexmech.analyses.frequencies.positions import _extremes, frequency_extreme
 from flexmech.arrays import IntArray
 from flexmech.beams import comparison
 from flexmech.errors import FlexmechError
-from flexmech.linear_system import Engine, likeness, stack_engines
+from flexmech.linear_system import (
+    GREAT_DETAIL,
+    Engine,
+    component_modes,
+    likeness,
+    stack_engines,
+)
 from flexmech.linkages import FourBar, LinkageStack
 from flexmech.mechanism import Mechanism
 
@@ -198,3 +204,26 @@ def test_elements_are_chosen_alike_of_many_and_of_one(models: Path) -> None:
     for own, frequency in zip(mechanisms, expected, strict=True):
         again = flexmech.ReferenceEngine.compare_theories(own, 4).frequency("timoshenko")
         np.testing.assert_array_equal(again, frequency)
+
+
+def test_designs_whose_links_bow_deeply_are_stacked_too(models: Path) -> None:
+    """At a speed that bends them far, component modes in great detail are taken of both."""
+    mechanism = flexmech.load_mechanism(models / "aluminium_fourbar.toml")
+    own = engines([mechanism, replace(mechanism, gravity=(0.0, 0.0))])
+    together = frequencies(own, "equilibrium", 45.0)
+    formulation = Formulation("equilibrium", True, 3)
+    alone = _extremes(own[0], ANGLES, np.array([45.0]), formulation).of_speed(0)
+    np.testing.assert_allclose(together[0][0], alone.lowest_frequency, rtol=1e-9)
+    reduction = component_modes(
+        own[0].topology,
+        stack_engines(own).links,
+        3,
+        np.full(2, 100.0),
+        couples_axially=True,
+        detail=GREAT_DETAIL,
+    )
+    one = component_modes(
+        own[0].topology, own[0].links, 3, 100.0, couples_axially=True, detail=GREAT_DETAIL
+    )
+    for stacked, link in zip(reduction.links, one.links, strict=True):
+        np.testing.assert_allclose(stacked.basis[0], link.basis, rtol=0, atol=1e-9)

@@ -292,8 +292,10 @@ def _damped_ends(fixed: FixedInterfaceLink, basis: FloatArray, condensed: FloatA
 def _turning_sections(fixed: FixedInterfaceLink) -> FloatArray:
     """Shapes (n, m) whose sections rotate and warp in waves without displacement of the axis."""
     link = fixed.link
-    of_sections = np.flatnonzero(~link.is_axial & (link.fields.across == 0))
-    nodes = int(np.count_nonzero(link.fields.across))
+    # Of several designs alike.
+    across = link.fields.across.reshape(-1, link.size)[0]
+    of_sections = np.flatnonzero(~link.is_axial & (across == 0))
+    nodes = int(np.count_nonzero(across))
     place = np.linspace(0, 1, nodes)
     waves = np.cos(np.pi * place[:, None] * np.arange(min(TURNING_WAVES, nodes // NODES_A_WAVE)))
     kinds = of_sections.reshape(nodes, -1)
