@@ -18,7 +18,7 @@ from _common import MODELS, output_folder, save_pictures
 
 from flexmech.studies import DesignSweep, Optimum, load_study, optimum_study, sweep_study
 
-SHEETS = (1.6, 1.8, 2.0, 2.1, 2.2)
+SHEETS = (1.9, 2.0, 2.1)
 """Thicknesses in mm."""
 STUDY = """
 model = "{model}"
