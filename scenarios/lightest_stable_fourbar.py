@@ -1,10 +1,10 @@
 """How thin may the aluminium four-bar's links be, with no unstable band below 1.3 times its speed?
 
 The aluminium four-bar runs at 60 rad/s with a damping ratio of 0.1 %. Coupler and rocker are cut
-from one sheet; the thinner it is, the lower the speeds at
-which vibrations grow. Of every sheet the first unstable band above the crank speed is sought by the
-Floquet multipliers; the lightest linkage is that of the thinnest sheet whose band begins at 1.3
-times the speed or above. Both engines confirm it with twice the elements.
+from one sheet; the thinner it is, the lower the speeds at which vibrations grow. Of every sheet the
+first unstable band above the crank speed is sought by the Floquet multipliers; the lightest linkage
+is that of the thinnest sheet whose band begins at 1.3 times the speed or above. Both engines
+confirm it with twice the elements.
 
     python scenarios/lightest_stable_fourbar.py [--out results/lightest_stable_fourbar]
 """  # noqa: D400 - a scenario asks a question

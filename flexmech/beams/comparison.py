@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -231,14 +231,7 @@ def _of_stack(designs: Sequence[_Links], theory: str, modes: int) -> FloatArray:
     reduction = component_modes(
         designs[0].topology, models, modes, np.zeros(len(designs)), couples_axially=False
     )
-    moved = [links.motion for links in designs]
-    every = {
-        own.name: np.concatenate([getattr(each, own.name) for each in moved])
-        for own in fields(RigidMotion)
-        if own.name != "design"
-    }
-    count = len(moved[0].crank_angle)
-    motion = RigidMotion(**every, design=np.repeat(np.arange(len(designs)), count))
+    motion = RigidMotion.of_designs([links.motion for links in designs])
     still = RotationTerms.all_or_none(False)
     stiffness = [link.stiffness for link in reduction.models]
     system = reduction.frames.assemble(motion, stiffness, still)
@@ -246,7 +239,7 @@ def _of_stack(designs: Sequence[_Links], theory: str, modes: int) -> FloatArray:
         lower = inverse_mass_root(system.mass)
         squares = np.linalg.eigvalsh(lower @ system.stiffness @ np.swapaxes(lower, 1, 2))
     found = np.sqrt(np.abs(squares[:, :modes])) / (2 * np.pi)
-    return np.asarray(found.reshape(len(designs), count, -1))
+    return np.asarray(found.reshape(len(designs), -1, found.shape[1]))
 
 
 @lru_cache(maxsize=1024)

@@ -12,12 +12,7 @@ from numpy.typing import NDArray
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.beam_shapes import BeamShapes
 from flexmech.beams.elements import ROTATION, BeamElements
-from flexmech.linear_system import (
-    LinkModel,
-    LinkReadings,
-    RigidFields,
-    chain_matrices,
-)
+from flexmech.linear_system import LinkModel, LinkReadings, RigidFields, chain_matrices
 from flexmech.linkages import LinkMass
 from flexmech.mesh import node_positions
 from flexmech.sections import BeamSection, SectionStack

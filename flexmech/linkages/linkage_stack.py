@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
@@ -52,33 +52,21 @@ class LinkageStack:
         """
         shape = (len(self.linkages), -1)
         angle, speed = crank_angle.reshape(shape), crank_speed.reshape(shape)
-        design = np.repeat(np.arange(shape[0]), angle.shape[1])
         if self._four_bars is None:
-            moved = [
-                one.motion(*each) for one, *each in zip(self.linkages, angle, speed, strict=True)
-            ]
-            every = {
-                own.name: np.concatenate([getattr(one, own.name) for one in moved])
-                for own in fields(RigidMotion)
-                if own.name != "design"
-            }
-            return RigidMotion(**every, design=design)
+            pairs = zip(self.linkages, angle, speed, strict=True)
+            return RigidMotion.of_designs([one.motion(*each) for one, *each in pairs])
         cosine = self._four_bars.cosine_at_b(np.cos(angle))
         fails = (np.abs(cosine) > 1.0 + ROUND_OFF) | (1 - cosine**2 < LOCKING_SINE**2)
         for number in np.flatnonzero(fails.any(axis=1)).tolist():
             # Says why.
             self.linkages[number].motion(angle[number])
-        moving = self._four_bars.motion(angle, speed, np.zeros_like(angle))
-        return replace(
-            RigidMotion(
-                *(
-                    values.reshape(-1, *values.shape[2:])
-                    for values in vars(moving).values()
-                    if values is not None
-                )
-            ),
-            design=design,
-        )
+        moving = vars(self._four_bars.motion(angle, speed, np.zeros_like(angle)))
+        every = {
+            name: values.reshape(-1, *values.shape[2:])
+            for name, values in moving.items()
+            if name != "design"
+        }
+        return RigidMotion(**every, design=np.repeat(np.arange(shape[0]), angle.shape[1]))
 
     @cached_property
     def _four_bars(self) -> FourBarDimensions | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, Self
 
@@ -104,6 +105,25 @@ class RigidMotion:
 
     def __repr__(self) -> str:
         return short_repr(self, *shapes(self))
+
+    @classmethod
+    def of_designs(cls, parts: Sequence[RigidMotion]) -> RigidMotion:
+        """Motions of D linkages as one, with the number of each position's design.
+
+        Parameters
+        ----------
+        parts : sequence of RigidMotion
+            Of each linkage, a batch of shape (A,).
+
+        Returns
+        -------
+        RigidMotion
+            Batch of shape (D * A,).
+        """
+        names = [own.name for own in fields(cls) if own.name != "design"]
+        every = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+        counts = [len(part.crank_angle) for part in parts]
+        return RigidMotion(**every, design=np.repeat(np.arange(len(parts)), counts))
 
     def at(self, which: NDArray[np.bool_] | IntArray | slice) -> Self:
         """Motion in some of the positions.

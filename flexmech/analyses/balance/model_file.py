@@ -37,13 +37,20 @@ def balanced_text(
     name = f"name = {json.dumps(mechanism.provenance.name, ensure_ascii=False)}"
     own = re.sub(r"(?m)^name\s*=.*$", lambda _: name, given.provenance.text, count=1)
     text = f"{own.rstrip()}\n\n# {remark}{tables}"
-    try:
-        if given.provenance.text and mechanism_from_toml(text) == mechanism:
-            return text
-    except InputError:
-        # A file whose links stand in lines of their own takes no table at its end.
-        pass
+    if given.provenance.text and _reads_as(text, mechanism):
+        return text
     return f"# {remark}\n{mechanism.to_toml()}"
+
+
+def _reads_as(text: str, mechanism: Mechanism) -> bool:
+    """Whether a text is a model file of a mechanism.
+
+    A file whose links stand in lines of their own takes no table at its end.
+    """
+    try:
+        return mechanism_from_toml(text) == mechanism
+    except InputError:
+        return False
 
 
 def _table(weight: Counterweight) -> str:

@@ -34,7 +34,7 @@ def systems_at(engine: Engine, request: FrequencyRequest, crank_speed: float) ->
     fastest = 0.0
     if crank_speed:
         motion = engine.mechanism.linkage.motion(request.crank_angles, 1.0)
-        fastest = float(np.abs(motion.angular_velocity).max()) * abs(crank_speed)
+        fastest = float(engine.fastest(motion)[0]) * abs(crank_speed)
     runs = request.formulation.prestress == "trajectory" and crank_speed
     running = RunningStates.of(engine, crank_speed) if runs else None
     return Systems(engine, request.formulation, fastest, running=running)

@@ -6,6 +6,7 @@ import logging
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -179,7 +180,7 @@ class UnreducedPositions:
     @cached_property
     def sparse(self) -> SparsePositions | None:
         """Sparse matrices, where links have many elements and nothing else has a stiffness."""
-        engine, formulation = self.systems.engine, self.systems.formulation
+        engine = self.systems.engine
         links = engine.frames.links
         chains = any(isinstance(link.stiffness, ChainMatrix) for link in links)
         massless = any(not (link.rigid or diagonal(link.mass).all()) for link in links)
@@ -187,11 +188,7 @@ class UnreducedPositions:
             return None
         if self.stressed.guide_stiffness is not None:
             return None
-        motion = engine.mechanism.linkage.motion(self.crank_angle, self.crank_speed)
-        terms = formulation.counted_terms
-        if not motion.crank_speed.any():
-            terms = RotationTerms.all_or_none(False)
-        return SparsePositions(engine.frames, motion, self.stressed, terms)
+        return SparsePositions(engine.frames, self._motion, self.stressed, self._terms)
 
     @cached_property
     def response(self) -> StaticResponse | None:
@@ -213,11 +210,8 @@ class UnreducedPositions:
         turned = any(body.is_off_axis for link in engine.links for body in link.bodies)
         if turned or self.systems.is_damped or not self._links_alone:
             return None
-        terms = self.systems.formulation.counted_terms
-        if not self._motion.crank_speed.any():
-            terms = RotationTerms.all_or_none(False)
         return (
-            LinkPencil(engine.frames, self._motion, self.stressed, terms),
+            LinkPencil(engine.frames, self._motion, self.stressed, self._terms),
             StaticResponse(engine.topology, engine.links, self._motion),
         )
 
@@ -225,6 +219,12 @@ class UnreducedPositions:
     def _motion(self) -> RigidMotion:
         linkage = self.systems.engine.mechanism.linkage
         return linkage.motion(self.crank_angle, self.crank_speed)
+
+    @property
+    def _terms(self) -> RotationTerms:
+        """Rotation terms that are counted; none at rest."""
+        counted = self.systems.formulation.counted_terms
+        return counted if self.crank_speed.any() else RotationTerms.all_or_none(False)
 
     @property
     def _links_alone(self) -> bool:
@@ -280,22 +280,29 @@ def reduction_error(
     ModeErrors
     """
     engine = unreduced.systems.engine
-    shapes = reduced.unreduced_vectors(modes.vectors, engine.frames)
     if reduced.is_conservative and (response := unreduced.response) is not None:
         masses = [whole(link.mass) for link in engine.links]
         improved = responding_values(response, masses, reduced.unreduced_links(modes.vectors))
-    elif reduced.is_conservative:
-        pencils = list(unreduced.pencils())
-        improved = ritz_values(pencils, shapes, rigid=reduced.rigid_modes > 0)
-    elif (moving := unreduced.moving) is not None:
-        improved = projected_values(*moving, modes.eigenvalues, shapes)
     else:
-        improved = newton_values(list(unreduced.pencils()), modes.eigenvalues, shapes)
+        shapes = reduced.unreduced_vectors(modes.vectors, engine.frames)
+        improved = _by_unreduced_matrices(unreduced, reduced, modes, shapes)
     better = Modes(improved, modes.vectors)
     return ModeErrors(
         frequency=np.abs(modes.frequency / better.frequency - 1),
         damping_ratio=np.abs(modes.damping_ratio - better.damping_ratio),
     )
+
+
+def _by_unreduced_matrices(
+    unreduced: UnreducedPositions, reduced: LinearSystem, modes: Modes, shapes: NDArray[Any]
+) -> NDArray[np.complex128]:
+    """Eigenvalues (B, m) of modes after a step on the unreduced matrices or on those of links."""
+    if reduced.is_conservative:
+        pencils = list(unreduced.pencils())
+        return ritz_values(pencils, shapes, rigid=reduced.rigid_modes > 0)
+    if (moving := unreduced.moving) is not None:
+        return projected_values(*moving, modes.eigenvalues, shapes)
+    return newton_values(list(unreduced.pencils()), modes.eigenvalues, shapes)
 
 
 def unreduced_eigenvalues(

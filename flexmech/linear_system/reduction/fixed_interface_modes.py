@@ -79,13 +79,8 @@ def fix_interface(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> Fix
     FixedInterfaceLink
     """
     boundary = link_boundary(ends, link)
-    inner = np.flatnonzero(~(boundary.fixed | boundary.joined))
-    flexibility = Flexibility(link.stiffness, inner)
-    forces = (link.stiffness @ boundary.unit)[..., inner, :]
-    constraint_modes = np.array(
-        np.broadcast_to(boundary.unit, (*forces.shape[:-2], *boundary.unit.shape))
-    )
-    constraint_modes[..., inner, :] = -flexibility.displacements(forces)
+    flexibility, constraint_modes = static_modes(boundary, link.stiffness)
+    inner = flexibility.free
     interior_shapes = (constraint_modes - boundary.unit)[..., boundary.dependent]
     relief = np.zeros_like(constraint_modes)
     inertia = link.mass @ constraint_modes
@@ -114,6 +109,26 @@ def fix_interface(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> Fix
         interior_shapes=interior_shapes,
         flexibility=flexibility,
     )
+
+
+def static_modes(boundary: LinkBoundary, stiffness: LinkMatrix) -> tuple[Flexibility, FloatArray]:
+    """Flexibility of a link with its ends held, and its constraint modes.
+
+    Parameters
+    ----------
+    boundary : LinkBoundary
+    stiffness : ndarray, shape (..., n, n), or ChainMatrix, shape (n, n)
+
+    Returns
+    -------
+    Flexibility
+    ndarray, shape (..., n, b)
+    """
+    flexibility, unit = Flexibility(stiffness, boundary.inner), boundary.unit
+    forces = (stiffness @ unit)[..., flexibility.free, :]
+    modes = np.array(np.broadcast_to(unit, (*forces.shape[:-2], *unit.shape)))
+    modes[..., flexibility.free, :] = -flexibility.displacements(forces)
+    return flexibility, modes
 
 
 def _attachment_modes(link: LinkModel, flexibility: Flexibility) -> FloatArray:

@@ -41,6 +41,11 @@ class LinkBoundary:
     dependent: IntArray
 
     @property
+    def inner(self) -> IntArray:
+        """Coordinates that no joint fixes or moves, (i,)."""
+        return np.flatnonzero(~(self.fixed | self.joined))
+
+    @property
     def joined(self) -> NDArray[np.bool_]:
         """Coordinates of the link that boundary coordinates move, (n,)."""
         return np.asarray(self.unit.any(axis=1), dtype=bool)

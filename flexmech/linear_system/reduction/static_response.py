@@ -20,7 +20,7 @@ from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.chains import LinkMatrix, as_given, as_real, times, whole
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms
-from flexmech.linear_system.reduction.fixed_interface_modes import Flexibility
+from flexmech.linear_system.reduction.fixed_interface_modes import Flexibility, static_modes
 from flexmech.linear_system.reduction.link_boundary import JoinedEnds, link_boundary
 from flexmech.linkages import RigidMotion, Topology
 
@@ -61,12 +61,8 @@ class CondensedLink:
         CondensedLink
         """
         boundary = link_boundary(ends, link)
-        inner = np.flatnonzero(~(boundary.fixed | boundary.joined))
-        flexibility, full = Flexibility(stiffness, inner), whole(stiffness)
-        forces = (full @ boundary.unit)[..., inner, :]
-        modes = np.array(np.broadcast_to(boundary.unit, (*full.shape[:-2], *boundary.unit.shape)))
-        modes[..., inner, :] = -flexibility.displacements(forces)
-        own = np.swapaxes(modes, -1, -2) @ (full @ modes)
+        flexibility, modes = static_modes(boundary, stiffness)
+        own = np.swapaxes(modes, -1, -2) @ (whole(stiffness) @ modes)
         return cls(link.held_by(boundary.kept, own), modes, flexibility)
 
 
