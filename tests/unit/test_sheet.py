@@ -136,6 +136,7 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_floquet_harmonics: (stability_dataset, 4),
     plots.plot_forces: (response_dataset, 7),
     plots.plot_frequencies: (frequency_dataset, 4),
+    plots.plot_frequency_bands: (uncertainty_dataset, 2),
     plots.plot_frf: (hammer_dataset, 6),
     plots.plot_frf_parts: (hammer_dataset, 6),
     plots.plot_hammer: (hammer_dataset, 3),
