@@ -94,6 +94,7 @@ from .measured_data import MeasuredQuantity as MeasuredQuantity
 from .measured_data import MeasuredRecord as MeasuredRecord
 from .measured_data import read_record as read_record
 from .mechanism import AttachedBody as AttachedBody
+from .mechanism import FrameSpring as FrameSpring
 from .mechanism import JointPin as JointPin
 from .mechanism import Mechanism as Mechanism
 from .mechanism import PinEye as PinEye

@@ -49,3 +49,8 @@ def unbroken_runs(flags: NDArray[np.bool_]) -> list[range]:
     """
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
     return [range(start, stop) for start, stop in edges.reshape(-1, 2).tolist()]
+
+
+def row_products(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Scalar products of vectors (m, n) row by row, (m,)."""
+    return np.asarray(np.einsum("mi,mi->m", first, second))

@@ -40,6 +40,7 @@ from flexmech.linear_system.assembly.straight_links import (
     with_rigid_links,
 )
 from flexmech.linear_system.assembly.system import LinearSystem, condense
+from flexmech.linear_system.joints.carried_linkage import COORDINATES, CarriedLinkage, turned
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.link_place import DependentRows
 from flexmech.linear_system.joints.position_errors import (
@@ -72,6 +73,7 @@ from flexmech.linear_system.links.dead_moments import (
     body_turns,
 )
 from flexmech.linear_system.links.displaced_inertia import DisplacedInertia
+from flexmech.linear_system.links.link_inertia import LinkInertia, MovingLink
 from flexmech.linear_system.links.link_model import LinkModel, RigidFields
 from flexmech.linear_system.links.link_readings import LinkReadings
 from flexmech.linear_system.links.link_stack import among_alike, same_of_all
@@ -99,6 +101,7 @@ from flexmech.linear_system.reduction.link_pencil import LinkPencil
 from flexmech.linear_system.reduction.static_response import StaticResponse
 
 __all__ = [
+    "COORDINATES",
     "ELASTICITY",
     "GREAT_DETAIL",
     "LAST_STEP",
@@ -114,6 +117,7 @@ __all__ = [
     "AttachedPoint",
     "BalancedLoads",
     "BucklingError",
+    "CarriedLinkage",
     "ChainMatrix",
     "ComponentModes",
     "ConnectedMatrices",
@@ -128,6 +132,7 @@ __all__ = [
     "LinearSystem",
     "LinkDamping",
     "LinkFrames",
+    "LinkInertia",
     "LinkMatrix",
     "LinkModel",
     "LinkPencil",
@@ -135,6 +140,7 @@ __all__ = [
     "LinkReadings",
     "LinkStretch",
     "MechanismStack",
+    "MovingLink",
     "OverdampedError",
     "PointForce",
     "Prestress",
@@ -190,6 +196,7 @@ __all__ = [
     "swelling_force",
     "ties_beyond_pins",
     "times",
+    "turned",
     "whole",
     "with_rigid_links",
 ]

@@ -4,14 +4,17 @@ from flexmech.mechanism.drawing import drawing, drawn_parts
 from flexmech.mechanism.joint_pins import JointPin, PinEye
 from flexmech.mechanism.mechanism import Mechanism
 from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
+from flexmech.mechanism.sprung_frame import FrameSpring, SprungFrame
 
 __all__ = [
     "AttachedBody",
+    "FrameSpring",
     "JointPin",
     "Mechanism",
     "PinEye",
     "PointMass",
     "Provenance",
+    "SprungFrame",
     "Wetting",
     "drawing",
     "drawn_parts",

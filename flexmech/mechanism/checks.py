@@ -20,6 +20,7 @@ from flexmech.linkages import (
 )
 from flexmech.mechanism.joint_pins import JointPin
 from flexmech.mechanism.parts import AttachedBody, PointMass, Wetting
+from flexmech.mechanism.sprung_frame import SprungFrame
 from flexmech.validation import (
     NOT_NEGATIVE,
     check_instance,
@@ -60,6 +61,18 @@ def check_shaft(inertia: float, drive: object) -> None:
         check_instance(drive, Drive, "drive", remedy)
     if isinstance(drive, LockedCrank):
         raise InputError(f"drive: a locked crank does not turn; {remedy}")
+
+
+def check_frame(frame: object, loads: Sequence[Load]) -> None:
+    """Refuse what is no frame on springs; and loads on the links that it carries."""
+    if frame is None:
+        return
+    check_instance(frame, SprungFrame, "frame", "give a SprungFrame, or leave it out")
+    if loads:
+        raise InputError(
+            f"frame: the load {loads[0].name} acts on a linkage whose frame is on springs, which "
+            "is not computed; leave out the load, or the frame"
+        )
 
 
 def checked_speeds(speeds: Iterable[float]) -> tuple[float, ...]:

@@ -30,6 +30,7 @@ from flexmech.linkages import (
 from flexmech.materials import REFERENCE_TEMPERATURE
 from flexmech.mechanism.checks import (
     PARTS,
+    check_frame,
     check_joint_masses,
     check_shaft,
     check_wetting,
@@ -41,6 +42,7 @@ from flexmech.mechanism.checks import (
 from flexmech.mechanism.drawing import attachment_lines, drawing
 from flexmech.mechanism.joint_pins import JointPin
 from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
+from flexmech.mechanism.sprung_frame import SprungFrame
 from flexmech.mechanism.tables import (
     environment_table,
     joints_table,
@@ -100,6 +102,8 @@ class Mechanism:
         shaft is free.
     drive : Drive, optional
         How the crank is meant to turn; runs take it where no speed is asked for.
+    frame : SprungFrame, optional
+        Rigid frame on springs that carries the linkage; it does not move where left out.
     speed_unit : str
         In which results speak of crank speeds that nobody typed, such as ``"rpm"``: the unit of
         the last speed of a model file. It does not count in comparisons.
@@ -137,6 +141,7 @@ class Mechanism:
     joint_pins: tuple[JointPin, ...] = ()
     shaft_inertia: float = 0.0
     drive: Drive | None = None
+    frame: SprungFrame | None = None
     speed_unit: str = field(default=ANGULAR_SPEED.unit, compare=False)
 
     def __post_init__(self) -> None:
@@ -147,6 +152,7 @@ class Mechanism:
         object.__setattr__(self, "linkage", sprung_linkage(self.linkage, self.joint_springs))
         check_pair(self.gravity, "gravity", "m/s^2")
         check_shaft(self.shaft_inertia, self.drive)
+        check_frame(self.frame, self.loads)
         object.__setattr__(self, "operating_speeds", checked_speeds(self.operating_speeds))
         try:
             to_si(1.0, self.speed_unit, ANGULAR_SPEED)
@@ -392,6 +398,7 @@ class Mechanism:
             ),
             "shaft": shaft_table(self.shaft_inertia),
             "drive": {} if self.drive is None else self.drive.to_table(),
+            "frame": {} if self.frame is None else self.frame.to_table(),
             "loads": loads_table(self.loads),
             "springs": springs_table(self.springs),
             "environment": environment_table(self.gravity, self.reference_temperature),

@@ -101,9 +101,11 @@ def build_mechanism(
     stated_springs = springs(tables, places, findings)
     in_joints = joint_springs(tables, topology, findings)
     pins = joint_pins(tables, places, findings)
-    drive = None
+    drive, frame = None, None
     with findings.at("drive"):
         drive = None if tables.drive is None else tables.drive.drive(folder)
+    with findings.at("frame"):
+        frame = None if tables.frame is None else tables.frame.frame
     findings.refuse()
     return Mechanism(
         linkage=linkage,
@@ -133,6 +135,7 @@ def build_mechanism(
         joint_pins=pins,
         shaft_inertia=tables.shaft.inertia,
         drive=drive,
+        frame=frame,
     )
 
 

@@ -10,6 +10,7 @@ from flexmech.materials import REFERENCE_TEMPERATURE, Material
 from flexmech.modelfile import base_table as base
 from flexmech.modelfile.attachment_tables import JointTable, LoadTable, ShaftTable, SpringTable
 from flexmech.modelfile.drive_table import DriveTable
+from flexmech.modelfile.frame_table import FrameTable
 from flexmech.modelfile.link_tables import LinkTable
 from flexmech.modelfile.linkage_tables import LinkageTable
 from flexmech.modelfile.material_tables import (
@@ -96,6 +97,7 @@ class ModelFile(base.Table):
     joints: dict[str, JointTable] = Field(default_factory=dict)
     shaft: ShaftTable = Field(default_factory=ShaftTable)
     drive: DriveTable | None = None
+    frame: FrameTable | None = None
     loads: dict[Name, LoadTable] = Field(default_factory=dict)
     springs: dict[Name, SpringTable] = Field(default_factory=dict)
     environment: EnvironmentTable = Field(default_factory=EnvironmentTable)

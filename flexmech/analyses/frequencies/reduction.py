@@ -186,6 +186,8 @@ class UnreducedPositions:
         massless = any(not (link.rigid or diagonal(link.mass).all()) for link in links)
         if not chains or massless or engine.rigid_modes or engine.connectors.any:
             return None
+        if engine.mechanism.frame is not None:
+            return None
         if self.stressed.guide_stiffness is not None:
             return None
         return SparsePositions(engine.frames, self._motion, self.stressed, self._terms)
@@ -233,7 +235,8 @@ class UnreducedPositions:
         chains = any(isinstance(link.stiffness, ChainMatrix) for link in engine.links)
         rigid = any(link.rigid for link in engine.links)
         held = self.stressed.guide_stiffness is not None or engine.connectors.any
-        return not (chains or rigid or held or engine.rigid_modes)
+        carried = engine.mechanism.frame is not None
+        return not (chains or rigid or held or carried or engine.rigid_modes)
 
     def pencils(self) -> Iterator[Pencil]:
         """Sparse matrices of each position."""

@@ -34,7 +34,7 @@ class MechanismStack:
     Parameters
     ----------
     mechanisms : tuple of Mechanism
-        Without loads, springs and free strains, and of one gravity.
+        Without loads, springs, frames on these and free strains, and of one gravity.
     linkage : LinkageStack
     """
 
@@ -44,6 +44,7 @@ class MechanismStack:
     loads: ClassVar[tuple[Load, ...]] = ()
     springs: ClassVar[tuple[Spring, ...]] = ()
     joint_springs: ClassVar[tuple[JointSpring, ...]] = ()
+    frame: ClassVar[None] = None
 
     def forces(self, motion: RigidMotion) -> InverseDynamics:
         """Forces in the rigid linkages, each in its positions.
@@ -91,14 +92,14 @@ def likeness(engine: Engine) -> Hashable | None:
     """What engines must have in common to be stacked; None of one that stays by itself.
 
     Those of linkages that differ in their numbers alone can be, without sliders, hubs, loads,
-    springs, rigid links and free strains, if the engine can stack their links.
+    springs, a frame on these, rigid links and free strains, if the engine can stack their links.
 
     Parameters
     ----------
     engine : Engine
     """
     mechanism, links = engine.mechanism, engine.likeness_of_links
-    acted_on = mechanism.loads or mechanism.springs or mechanism.joint_springs
+    acted_on = mechanism.loads or mechanism.springs or mechanism.joint_springs or mechanism.frame
     topology = mechanism.linkage.topology
     joined = topology.sliders or any(clamp.hub for clamp in topology.clamps)
     special = joined or acted_on or mechanism.is_free_strained or engine.turns_as_one_body

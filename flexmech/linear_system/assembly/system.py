@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
+from flexmech.linear_system.joints.carried_linkage import COORDINATES, CarriedLinkage
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.chains import times, whole
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
@@ -41,6 +42,9 @@ class LinearSystem:
         between these coordinates and those before.
     circulates : bool
         Whether there are circulatory forces: follower forces, or dampers of springs.
+    carried : CarriedLinkage, optional
+        Of a linkage whose frame is on springs: the last three coordinates are those of the frame,
+        and the links move in its axes.
     rigid_modes : int
         Natural modes that deform nothing: 1 where the shaft turns freely. They are no
         vibration, and modes are counted without them.
@@ -57,6 +61,7 @@ class LinearSystem:
     unit_mass_from: int | None = None
     rigid_modes: int = 0
     circulates: bool = False
+    carried: CarriedLinkage | None = None
 
     @property
     def size(self) -> int:
@@ -72,8 +77,14 @@ class LinearSystem:
 
     def link_coordinates(self, vectors: NDArray[Any]) -> list[NDArray[Any]]:
         """Coordinates of each link; (B, n, m) -> list of (B, n_link, m)."""
-        full = vectors if self.expansion is None else self.expansion @ vectors
+        own = self._split(vectors)[0]
+        full = own if self.expansion is None else self.expansion @ own
         return self.frames.link_coordinates(self.motion, full)
+
+    def _split(self, vectors: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Coordinates of the linkage (B, n, m), and of a frame on springs (B, 3 or 0, m)."""
+        count = self.size - (0 if self.carried is None else COORDINATES)
+        return vectors[:, :count], vectors[:, count:]
 
     def inertial_shapes(self, vectors: NDArray[Any]) -> NDArray[Any]:
         """Shapes scaled so that their products are weighted by mass, in every position alike.
@@ -90,6 +101,9 @@ class LinearSystem:
         ndarray, shape (B, N, m)
             ``y`` with ``y^H y`` equal to ``z^H M z`` of the same position.
         """
+        if self.carried is not None:
+            links, moved = self.link_coordinates(vectors), self._split(vectors)[1]
+            return self.carried.inertial_shapes(self.motion, links, moved)
         parts = []
         for link, q in zip(self.frames.links, self.link_coordinates(vectors), strict=True):
             if link.rigid:
@@ -113,10 +127,12 @@ class LinearSystem:
         Returns
         -------
         ndarray, shape (B, frames.size, m)
+            Of a frame on springs the three coordinates follow.
         """
         if self.bases is None:
             return vectors
-        return frames.independent(self.motion, self.unreduced_links(vectors))
+        own = frames.independent(self.motion, self.unreduced_links(vectors))
+        return np.concatenate([own, self._split(vectors)[1]], axis=1)
 
     def unreduced_links(self, vectors: NDArray[Any]) -> list[NDArray[Any]]:
         """Shapes (B, n, m) in the coordinates of each unreduced link, (B, n_link, m)."""
@@ -138,10 +154,17 @@ class LinearSystem:
         """
         along, across = direction(self.motion.angle), normal(self.motion.angle)
         parts = []
+        fields = None if self.carried is None else self.carried.fields(self.motion)
         for number, (link, q) in enumerate(
             zip(self.frames.links, self.link_coordinates(vectors), strict=True)
         ):
             local = np.einsum("scn,bnm->bmsc", link.shape, q)
+            if fields is not None:
+                # As the frame carries it: displacement of its start, and its rotation.
+                moved = np.swapaxes(fields[number] @ self._split(vectors)[1], 1, 2)
+                local = local + moved[:, :, None, :2]
+                place = np.linspace(0.0, self.frames.topology.links[number].length, len(link.shape))
+                local[..., 1] += place * moved[:, :, None, 2]
             axes = np.stack([along[:, number], across[:, number]], axis=1)
             parts.append(np.einsum("bmsc,bcd->bmsd", local, axes))
         return np.stack(parts, axis=2)

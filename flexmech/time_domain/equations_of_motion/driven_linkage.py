@@ -23,6 +23,8 @@ from flexmech.choices import MODES
 from flexmech.dynamical_systems import VibrationState
 from flexmech.errors import ComputationError
 from flexmech.linear_system import (
+    COORDINATES,
+    CarriedLinkage,
     Engine,
     LinkDamping,
     LinkFrames,
@@ -91,6 +93,8 @@ class DrivenLinkage:
         Second-order stretch, besides the linear equations.
     shaft : DrivenShaft or None
         A shaft that is free.
+    carried : CarriedLinkage or None
+        With the frame on springs that carries the linkage, whose coordinates are the last three.
     stress : StressHistory
         Of the reduced links.
     """
@@ -124,7 +128,15 @@ class DrivenLinkage:
         self.shaft = DrivenShaft.of(engine, drive, self.frames, reduced.unreduced, self.run_bases)
         turns_far = self.shaft is not None and self.shaft.is_natural
         self.connectors = DrivenConnectors(engine, self.frames, drive, follower_torque=turns_far)
-        self._condensed = np.zeros(self.frames.size, dtype=bool)
+        frame, gravity = engine.mechanism.frame, engine.mechanism.gravity
+        self.carried = None
+        if frame is not None:
+            engine.require_prescribed_shaft("a linkage whose frame is on springs")
+            self.carried = CarriedLinkage.of(
+                frame, self.frames, self.unreduced, gravity, self.run_bases
+            )
+        count = self.frames.size + (0 if self.carried is None else COORDINATES)
+        self._condensed = np.zeros(count, dtype=bool)
         for target, condensed in zip(self.frames.targets, reduced.condensed, strict=True):
             self._condensed[target[condensed]] = True
         self.stress = StressHistory(
@@ -194,6 +206,9 @@ class DrivenLinkage:
             force += self.shaft.force(motion, torque)
         force += self.frames.gather(motion, [-s.prestress for s in stress])
         matrices = self._matrices(time, motion, stress, frozen=frozen, torque=torque)
+        if self.carried is not None:
+            matrices = self.carried.added(motion, matrices, RotationTerms.all_or_none(not frozen))
+            force = np.concatenate([force, self.carried.load(motion)], axis=1)
         return Equations.condensed(motion, matrices, force, self._condensed)
 
     def unit_equations(
@@ -344,8 +359,9 @@ class DrivenLinkage:
         """
         equations = self.equations(np.zeros(1), frozen=True)
         parts = [-s.prestress for s in self.stress.at(np.zeros(1))]
-        inner = self.frames.gather(equations.motion, parts)[0]
-        position, along = np.zeros(self.size), np.zeros(self.frames.size, dtype=bool)
+        inner = np.zeros(len(self._condensed))
+        inner[: self.frames.size] = self.frames.gather(equations.motion, parts)[0]
+        position, along = np.zeros(self.size), np.zeros(len(inner), dtype=bool)
         for number, (link, target) in enumerate(zip(self.links, self.frames.targets, strict=True)):
             own = self.frames.independent_coordinates(number)
             along[target[own[link.is_axial[own]]]] = True

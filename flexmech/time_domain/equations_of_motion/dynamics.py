@@ -8,10 +8,13 @@ to the error of the time step.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from flexmech.arrays import ComplexArray, FloatArray
+from flexmech.arrays import ComplexArray, FloatArray, row_products
 from flexmech.dynamical_systems import VibrationState
+from flexmech.linear_system import COORDINATES, CarriedLinkage, LinkInertia, MovingLink, turned
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.linkages.connection_forces import (
     connection_matrix,
@@ -23,8 +26,8 @@ from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain.equations_of_motion.driven_connectors import LinkMotion
 from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
 from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
-from flexmech.time_domain.equations_of_motion.link_inertia import LinkInertia, MovingLink, dot
 from flexmech.time_domain.recorded_runs.recording import StepBlock
+from flexmech.time_domain.recorded_runs.states import FrameMotion
 
 
 class LinkageDynamics:
@@ -71,8 +74,14 @@ class LinkageDynamics:
         coordinates = expansion.expanded(vibration)
         elastic = frames.link_motion(motion, *coordinates)
         unit = linkage.engine.mechanism.linkage.motion(motion.crank_angle, 1.0)
+        # In ground axes, if a frame on springs carries the linkage.
+        whole, turning_alone = motion, unit
+        if linkage.carried is not None:
+            places = tuple(part[:, -COORDINATES:] for part in coordinates)
+            whole = linkage.carried.moved(motion, *places)
+            turning_alone = linkage.carried.moved(unit, places[0], *np.zeros((2, *places[0].shape)))
         moving = [
-            MovingLink.of(number, parts, motion, unit, gravity)
+            MovingLink.of(number, parts, whole, turning_alone, gravity)
             for number, parts in enumerate(elastic)
         ]
         # How dependent ends move in their link's frame at constant z.
@@ -102,12 +111,12 @@ class LinkageDynamics:
             moments.append(fields[-1][:, 2] + turning)
             # Virtual power at unit crank speed: the rigid link, its pins' displacements as
             # they turn, and the rest of its displacement as it turns with the frame.
-            torque = dot(link.virtual_velocity, rigid) + link.virtual_turn * turning
+            torque = row_products(link.virtual_velocity, rigid) + link.virtual_turn * turning
             for end in unit_rates[number]:
                 turned = (end.rate @ coordinates[0][:, end.columns, None])[..., 0]
-                torque += dot(turned, shapes[:, end.rows])
+                torque += row_products(turned, shapes[:, end.rows])
             weight = inertia.gravity_energy(
-                motion.origin[:, number], motion.angle[:, number], link.displacement, gravity
+                whole.origin[:, number], whole.angle[:, number], link.displacement, gravity
             )
             totals += np.stack(
                 [
@@ -115,7 +124,7 @@ class LinkageDynamics:
                     inertia.kinetic_energy(link),
                     strain,
                     weight,
-                    dot(link.rate, damping),
+                    row_products(link.rate, damping),
                     prestress,
                 ]
             )
@@ -141,6 +150,8 @@ class LinkageDynamics:
             dissipation_power=dissipated,
             prestress_power=prestress,
         )
+        if linkage.carried is not None:
+            return _on_its_frame(block, linkage.carried, places[0], places[1])
         if linkage.shaft is None:
             return block
         return linkage.shaft.carried(block, motion)
@@ -180,6 +191,23 @@ class LinkageDynamics:
         for joint, end in grounded:
             forces[joint] = needed[topology.index(end.link)]
         return np.stack([forces[name] for name in topology.joint_names], axis=1)
+
+
+def _on_its_frame(
+    block: StepBlock, carried: CarriedLinkage, place: FloatArray, rate: FloatArray
+) -> StepBlock:
+    """Records with the motion (m, 3) of the frame and its energies, and forces in ground axes."""
+    frame = carried.frame
+    weight = -(np.asarray(frame.centre) + place[:, :2]) @ np.asarray(carried.gravity)
+    return replace(
+        block,
+        joint_force=turned(block.joint_force, place[:, 2, None]),
+        kinetic_energy=block.kinetic_energy + row_products(rate, rate @ frame.inertia_matrix) / 2,
+        strain_energy=block.strain_energy + row_products(place, place @ frame.stiffness) / 2,
+        gravity_energy=block.gravity_energy + frame.mass * weight,
+        dissipation_power=block.dissipation_power + row_products(rate, rate @ frame.damping),
+        frame=FrameMotion(place, rate),
+    )
 
 
 def _balanced_forces(

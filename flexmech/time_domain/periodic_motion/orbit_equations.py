@@ -27,6 +27,8 @@ from flexmech.linear_system import (
     Engine,
     LinkDamping,
     LinkFrames,
+    LinkInertia,
+    MovingLink,
     RotationTerms,
     StressedLinks,
     SystemMatrices,
@@ -35,7 +37,6 @@ from flexmech.linear_system import (
     with_rigid_links,
 )
 from flexmech.linkages import RigidMotion
-from flexmech.time_domain.equations_of_motion.link_inertia import LinkInertia, MovingLink
 
 
 @dataclass(frozen=True)

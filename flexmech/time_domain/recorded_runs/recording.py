@@ -21,7 +21,7 @@ from flexmech.dynamical_systems import (
     sample_intervals,
 )
 from flexmech.dynamical_systems.lobatto import WEIGHTS
-from flexmech.time_domain.recorded_runs.states import ShaftMotion
+from flexmech.time_domain.recorded_runs.states import FrameMotion, ShaftMotion
 from flexmech.time_domain.recorded_runs.trajectory import EnergyHistory, Trajectory
 
 
@@ -51,6 +51,9 @@ class StepBlock:
     shaft : ShaftMotion, optional
         Of a shaft that is free. Its inertia is part of the kinetic energy, and the frames
         are those of the rigid linkage at the angle that it has.
+    frame : FrameMotion, optional
+        Of a frame on springs. Its energies are part of those above, and the frames of the links
+        are those of the rigid motion on a frame that stands.
     """
 
     time: FloatArray
@@ -65,6 +68,7 @@ class StepBlock:
     dissipation_power: FloatArray
     prestress_power: FloatArray
     shaft: ShaftMotion | None = None
+    frame: FrameMotion | None = None
 
 
 class Recorder:
@@ -141,7 +145,7 @@ class Recorder:
             ]
 
         self._forces.finish()
-        turned = joined("shaft")
+        turned, carried = joined("shaft"), joined("frame")
         return Trajectory(
             time=self.sample_time[: self._taken],
             displacement=joined("displacement"),
@@ -154,6 +158,7 @@ class Recorder:
             energy_error=self._worst / self._peak,
             step=self.step,
             shaft=ShaftMotion(*turned) if turned else None,
+            frame=FrameMotion(*carried) if carried else None,
         )
 
     def _sample(self, block: StepBlock, work: FloatArray) -> None:
@@ -169,6 +174,10 @@ class Recorder:
         stored = block.kinetic_energy, block.strain_energy, block.gravity_energy
         energy = np.stack([*stored, *work], axis=1)
         turned: list[FloatArray] = []
+        carried: list[FloatArray] = []
+        if block.frame is not None:
+            moved = block.frame.displacement, block.frame.rate
+            carried = [*hermite_interpolation(block.time, *moved, before, fraction)]
         if block.shaft is not None:
             rotation, rate = block.shaft.rotation[:, None], block.shaft.rate[:, None]
             turned = [
@@ -177,6 +186,7 @@ class Recorder:
         self._parts.append(
             {
                 "shaft": turned,
+                "frame": carried,
                 "displacement": [value for value, _ in cubic],
                 "rate": [slope for _, slope in cubic],
                 "energy": [linear_interpolation(energy, before, fraction)],

@@ -120,6 +120,26 @@ class ShaftMotion:
         )
 
 
+@dataclass(frozen=True)
+class FrameMotion:
+    """Motion of a frame on springs at m instants.
+
+    Parameters
+    ----------
+    displacement : ndarray, shape (m, 3)
+        Of its centre of mass along x and y in m, and its rotation in rad.
+    rate : ndarray, shape (m, 3)
+        Its time derivative.
+    """
+
+    displacement: FloatArray
+    rate: FloatArray
+
+    def __getitem__(self, where: slice) -> FrameMotion:
+        """Motion at some of the instants."""
+        return FrameMotion(self.displacement[where], self.rate[where])
+
+
 def rigid_torque(mechanism: Mechanism, drive: Drive, time: FloatArray) -> FloatArray:
     """Torque on the shaft for the prescribed motion of the rigid linkage and the shaft.
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.time_domain.recorded_runs.states import ShaftMotion
+from flexmech.time_domain.recorded_runs.states import FrameMotion, ShaftMotion
 
 
 @dataclass(frozen=True)
@@ -61,6 +61,8 @@ class Trajectory:
         Time step in s.
     shaft : ShaftMotion, optional
         Of a shaft that is free.
+    frame : FrameMotion, optional
+        Of a frame on springs.
     """
 
     time: FloatArray
@@ -74,6 +76,7 @@ class Trajectory:
     energy_error: float
     step: float
     shaft: ShaftMotion | None = None
+    frame: FrameMotion | None = None
 
     def __getitem__(self, where: slice) -> Trajectory:
         """The same run at some of the samples."""
@@ -89,6 +92,7 @@ class Trajectory:
             driving_torque=self.driving_torque[where],
             energy=energy,
             shaft=None if self.shaft is None else self.shaft[where],
+            frame=None if self.frame is None else self.frame[where],
         )
 
     def extrapolated(self, coarser: Trajectory, order: int) -> Trajectory:
@@ -117,6 +121,9 @@ class Trajectory:
         energy, shaft = EnergyHistory(*limits(self.energy, coarser.energy)), None
         if self.shaft is not None:
             shaft = ShaftMotion(*limits(self.shaft, coarser.shaft))
+        frame = None
+        if self.frame is not None:
+            frame = FrameMotion(*limits(self.frame, coarser.frame))
         return replace(
             self,
             displacement=list(map(limit, self.displacement, coarser.displacement)),
@@ -130,4 +137,5 @@ class Trajectory:
             energy=energy,
             energy_error=float(np.abs(energy.imbalance).max() / energy.kinetic.max()),
             shaft=shaft,
+            frame=frame,
         )

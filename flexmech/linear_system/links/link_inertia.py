@@ -7,19 +7,14 @@ from typing import Self
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
-from flexmech.linear_system import LinkModel
+from flexmech.arrays import FloatArray, row_products
+from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
 
 # Rigid fields of a link, in this order: unit translation along and across, unit turn about
 # the start, and the field of points at their distance from the start.
 FIELDS = ("along", "across", "tangential", "centripetal")
-
-
-def dot(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Scalar products of vectors (m, n) row by row, (m,)."""
-    return np.asarray(np.einsum("mi,mi->m", first, second))
 
 
 @dataclass(frozen=True)
@@ -97,7 +92,9 @@ def _fields(
 ) -> FloatArray:
     """Coefficients (m, 4) of the rigid fields; ``origin`` (m, 2) is in ground axes."""
     along, across = direction(angle), normal(angle)
-    return np.stack([dot(origin, along), dot(origin, across), turn, distance], axis=1)
+    return np.stack(
+        [row_products(origin, along), row_products(origin, across), turn, distance], axis=1
+    )
 
 
 @dataclass(frozen=True)
@@ -174,20 +171,21 @@ class LinkInertia:
             2 * link.angular_velocity[:, None] * link.rate + link.angular_acceleration[:, None] * p
         )
         return (
-            dot(p, turning @ self.model.centrifugal_mass)
-            - dot(p, link.acceleration @ self.turned.T)
-            - dot(p, link.change @ self.model.gyroscopic.T)
+            row_products(p, turning @ self.model.centrifugal_mass)
+            - row_products(p, link.acceleration @ self.turned.T)
+            - row_products(p, link.change @ self.model.gyroscopic.T)
         )
 
     def kinetic_energy(self, link: MovingLink) -> FloatArray:
         """Kinetic energy of the rigid motion with the vibration, (m,)."""
         p, rate, c, omega = link.displacement, link.rate, link.velocity, link.angular_velocity
         return np.asarray(
-            dot(c, c @ self.rigid) / 2
-            + dot(c, rate @ self.mass)
-            + dot(rate, rate @ self.model.mass) / 2
-            + omega * (dot(rate, p @ self.model.gyroscopic.T) - dot(c, p @ self.turned))
-            + omega**2 * dot(p, p @ self.model.centrifugal_mass) / 2
+            row_products(c, c @ self.rigid) / 2
+            + row_products(c, rate @ self.mass)
+            + row_products(rate, rate @ self.model.mass) / 2
+            + omega
+            * (row_products(rate, p @ self.model.gyroscopic.T) - row_products(c, p @ self.turned))
+            + omega**2 * row_products(p, p @ self.model.centrifugal_mass) / 2
         )
 
     def gravity_energy(
@@ -210,6 +208,6 @@ class LinkInertia:
         distance = FIELDS.index("centripetal")
         mass, (moment, lifted) = self.rigid[0, 0], self.rigid[distance, :2]
         moved = np.stack([along @ gravity, across @ gravity], axis=1)
-        elastic = dot(moved, displacement @ self.mass[:, :2])
+        elastic = row_products(moved, displacement @ self.mass[:, :2])
         centre = mass * origin + moment * along + lifted * across
         return np.asarray(-centre @ gravity - elastic)

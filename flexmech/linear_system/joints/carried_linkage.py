@@ -1,0 +1,416 @@
+"""A linkage on a frame that moves: three coordinates more, and how they are coupled by inertia.
+
+The coordinates z of the links are those in axes that move with the frame, in which the linkage runs
+as on a fixed ground; f are the displacement of the frame's centre of mass along x and y, and its
+rotation phi. A point at r from that centre in these axes, which moves there with r' and r'', has
+the acceleration, to first order in f::
+
+    r'' + X'' + phi'' J r + 2 phi' J r'
+
+written in the same axes, with J a quarter turn (Shabana, *Dynamics of Multibody Systems*, ch. 5: a
+floating frame of reference). So a displaced frame does nothing to the links but for the direction
+of the weight. The forces on the frame are those of the links' inertia in ground axes: as it turns,
+the inertia forces of the rigid motion turn with it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.arrays import FloatArray
+from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.links.chains import whole
+from flexmech.linear_system.links.link_inertia import LinkInertia
+from flexmech.linear_system.links.link_model import LinkModel
+from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
+from flexmech.linkages import RigidMotion
+from flexmech.linkages.motion import direction, normal
+from flexmech.mechanism import SprungFrame
+
+COORDINATES = 3
+"""Of a frame: displacement of its centre of mass along x and y, rotation."""
+
+
+@dataclass(frozen=True)
+class CarriedLinkage:
+    """Links of a linkage, and the frame on springs that carries them.
+
+    Parameters
+    ----------
+    frame : SprungFrame
+    frames : LinkFrames
+    inertias, of_ends : tuple of LinkInertia
+        Of each link by its coordinates, and by those of its joined ends alone, which carry nothing
+        with them: see :class:`flexmech.linear_system.links.link_model.EndMatrices`.
+    gravity : tuple of float
+        In ground axes, m/s^2.
+    """
+
+    frame: SprungFrame
+    frames: LinkFrames
+    inertias: tuple[LinkInertia, ...]
+    of_ends: tuple[LinkInertia, ...]
+    gravity: tuple[float, float]
+
+    @classmethod
+    def of(
+        cls,
+        frame: SprungFrame,
+        frames: LinkFrames,
+        links: Sequence[LinkModel],
+        gravity: tuple[float, float],
+        bases: Sequence[FloatArray] | None = None,
+    ) -> Self:
+        """Those of links, reduced or not.
+
+        Parameters
+        ----------
+        frame : SprungFrame
+        frames : LinkFrames
+        links : sequence of LinkModel
+            Unreduced.
+        gravity : tuple of float
+        bases : sequence of ndarray, shape (n_full, n_link), optional
+            From the coordinates of ``frames`` to those of the unreduced links.
+
+        Returns
+        -------
+        CarriedLinkage
+        """
+        if bases is None:
+            bases = [np.eye(link.size) for link in links]
+        inertias, of_ends = [], []
+        for own, full, basis in zip(frames.links, links, bases, strict=True):
+            inertias.append(LinkInertia.of(own, full, basis))
+            names = ("start", "end", "start_rotation", "end_rotation")
+            kept = {name: getattr(own, name) for name in names}
+            alone = own.reduced_ends is not None
+            unit = full.end_basis(own.size, kept) if alone else basis
+            of_ends.append(LinkInertia.of(own, full, unit))
+        return cls(frame, frames, tuple(inertias), tuple(of_ends), gravity)
+
+    def fields(self, motion: RigidMotion) -> FloatArray:
+        """Rigid displacement of each link by the frame's coordinates.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+
+        Returns
+        -------
+        ndarray, shape (n_links, B, 3, 3)
+            Displacement of its start along and across its frame, and rotation.
+        """
+        axes = np.stack([direction(motion.angle), normal(motion.angle)], axis=-2)
+        arm = motion.origin - np.asarray(self.frame.centre)
+        turned = np.stack([-arm[..., 1], arm[..., 0]], axis=-1)
+        found = np.zeros((*motion.angle.shape, 3, COORDINATES))
+        found[..., :2, :2] = axes
+        found[..., :2, 2] = (axes @ turned[..., None])[..., 0]
+        found[..., 2, 2] = 1.0
+        return np.swapaxes(found, 0, 1)
+
+    def added(
+        self,
+        motion: RigidMotion,
+        matrices: SystemMatrices,
+        terms: RotationTerms,
+        expansion: FloatArray | None = None,
+    ) -> SystemMatrices:
+        """Matrices of the linkage with the coordinates of the frame, which come last.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        matrices : SystemMatrices
+            Of the linkage on a frame that stands, (B, n, n) each.
+        terms : RotationTerms
+        expansion : ndarray, shape (B, size, n), optional
+            From these n coordinates to those of the link frames; they are the same by default.
+
+        Returns
+        -------
+        SystemMatrices
+            (B, n + 3, n + 3) each.
+        """
+        blocks = self._blocks(motion, terms)
+
+        def bordered(own: FloatArray, block: _Block) -> FloatArray:
+            by_frame, on_frame = block.by_frame, block.on_frame
+            if expansion is not None:
+                by_frame = np.swapaxes(expansion, 1, 2) @ by_frame
+                on_frame = on_frame @ expansion
+            count = own.shape[1]
+            total = np.empty((len(own), count + COORDINATES, count + COORDINATES))
+            total[:, :count, :count] = own
+            total[:, :count, count:] = by_frame
+            total[:, count:, :count] = on_frame
+            total[:, count:, count:] = block.frame
+            return total
+
+        return SystemMatrices(
+            bordered(matrices.mass, blocks[0]),
+            bordered(matrices.damping, blocks[1]),
+            bordered(matrices.stiffness, blocks[2]),
+        )
+
+    def load(self, motion: RigidMotion) -> FloatArray:
+        """Force of weight and of the inertia of the rigid motion on the frame.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+
+        Returns
+        -------
+        ndarray, shape (B, 3)
+            Along x and y in N, and the moment about the frame's centre in N m.
+        """
+        gravity = np.asarray(self.gravity)
+        total = np.zeros((len(motion.crank_angle), COORDINATES))
+        total[:, :2] += self.frame.mass * gravity
+        fields = self.fields(motion)
+        for number, inertia in enumerate(self.inertias):
+            pull = self._acceleration(motion, number, gravity)
+            total -= np.einsum("bkc,bk->bc", fields[number], (pull @ inertia.rigid)[:, :3])
+        return total
+
+    def moved(
+        self, motion: RigidMotion, place: FloatArray, rate: FloatArray, change: FloatArray
+    ) -> RigidMotion:
+        """Motion of the link frames in ground axes, as the frame carries them.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            In the axes of the frame, batch of shape (B,).
+        place, rate, change : ndarray, shape (B, 3)
+            Coordinates of the frame and their time derivatives.
+
+        Returns
+        -------
+        RigidMotion
+        """
+        turn, spin, swing = (own[:, 2, None] for own in (place, rate, change))
+        centre = np.asarray(self.frame.centre)
+        arm = turned(motion.origin - centre, turn)
+        velocity = turned(motion.origin_velocity, turn)
+        acceleration = turned(motion.origin_acceleration, turn)
+        by_spin = spin[..., None] * _quarter_turn(arm)
+        by_swing = swing[..., None] * _quarter_turn(arm) - spin[..., None] ** 2 * arm
+        coriolis = 2 * spin[..., None] * _quarter_turn(velocity)
+        return replace(
+            motion,
+            angle=motion.angle + turn,
+            angular_velocity=motion.angular_velocity + spin,
+            angular_acceleration=motion.angular_acceleration + swing,
+            origin=centre + place[:, None, :2] + arm,
+            origin_velocity=rate[:, None, :2] + velocity + by_spin,
+            origin_acceleration=change[:, None, :2] + acceleration + coriolis + by_swing,
+        )
+
+    def inertial_shapes(
+        self, motion: RigidMotion, links: Sequence[NDArray[Any]], moved: NDArray[Any]
+    ) -> NDArray[Any]:
+        """Shapes scaled so that their products are weighted by mass.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        links : sequence of ndarray, shape (B, n_link, m)
+            Coordinates of the links in the axes of the frame.
+        moved : ndarray, shape (B, 3, m)
+            Those of the frame.
+
+        Returns
+        -------
+        ndarray, shape (B, N, m)
+        """
+        fields = self.fields(motion)
+        parts = [np.sqrt(self.frame.inertia_matrix) @ moved]
+        for root, field, own in zip(self._roots, fields, links, strict=True):
+            parts.append(root.T @ np.concatenate([own, field @ moved], axis=1))
+        return np.concatenate(parts, axis=1)
+
+    @cached_property
+    def _roots(self) -> list[FloatArray]:
+        """Square root of each link's mass, by its coordinates and by its rigid displacement."""
+        roots = []
+        for inertia in self.inertias:
+            coupled = inertia.mass[:, :3]
+            both = np.block(
+                [[whole(inertia.model.mass), coupled], [coupled.T, inertia.rigid[:3, :3]]]
+            )
+            values, vectors = np.linalg.eigh(both)
+            roots.append(vectors * np.sqrt(np.maximum(values, 0.0)))
+        return roots
+
+    def _acceleration(
+        self, motion: RigidMotion, link: int, gravity: FloatArray | None = None
+    ) -> FloatArray:
+        """Coefficients (B, 4) of a link's fields by its rigid acceleration, less that of weight."""
+        pull = motion.origin_acceleration[:, link] - (0.0 if gravity is None else gravity)
+        speed = motion.angular_velocity[:, link]
+        turning = motion.angular_acceleration[:, link]
+        return np.column_stack([*_along_and_across(motion, link, pull), turning, -(speed**2)])
+
+    def _blocks(self, motion: RigidMotion, terms: RotationTerms) -> list[_Block]:
+        """What the frame adds to mass, damping and stiffness."""
+        batch, frame = len(motion.crank_angle), self.frame
+        own = [frame.inertia_matrix, frame.damping, frame.stiffness]
+        blocks = [_Block.of(matrix, batch, self.frames.size) for matrix in own]
+        mass, damping, stiffness = blocks
+        # An acceleration of the frame, the rotation of weight, that of the rigid acceleration.
+        pushed, swung, leaning, turned = [], [], [], []
+        rows = _Rows(self.frames, motion, terms)
+        accelerates = terms.centripetal or terms.tangential
+        quarter = np.array([-self.gravity[1], self.gravity[0]])
+        for number, (field, inertia) in enumerate(
+            zip(self.fields(motion), self.inertias, strict=True)
+        ):
+            across = np.swapaxes(field, 1, 2)
+            pushed.append(inertia.mass[:, :3] @ field)
+            mass.frame[:] += across @ inertia.rigid[:3, :3] @ field
+            speed = motion.angular_velocity[:, number]
+            along, beside = _along_and_across(motion, number, motion.origin_velocity[:, number])
+            coriolis = 2 * np.column_stack([-beside, along, np.zeros(batch), -speed])
+            swung.append(terms.coriolis * coriolis @ inertia.mass.T)
+            by_turning = np.einsum("bkc,bk->bc", field, (coriolis @ inertia.rigid)[:, :3])
+            damping.frame[:, :, 2] += terms.coriolis * by_turning
+            x, y, alpha, outward = self._acceleration(motion, number).T
+            quarter_on = accelerates * np.column_stack([-y, x, outward, -alpha])
+            turned.append(quarter_on @ inertia.mass.T)
+            by_angle = np.einsum("bkc,bk->bc", field, (quarter_on @ inertia.rigid)[:, :3])
+            # A moment about the centre does not change as everything turns about it.
+            stiffness.frame[:, :2, 2] += by_angle[:, :2]
+            weight = np.column_stack(
+                _along_and_across(motion, number, np.tile(quarter, (batch, 1)))
+            )
+            leaning.append(weight @ inertia.mass[:, :2].T)
+            stiffness.frame[:, 2, 2] += self._weight_about_centre(motion, number)
+            of_ends = self.of_ends[number]
+            rows.add(damping, stiffness, number, across, inertia, of_ends)
+        gather = self.frames.gather
+        mass.by_frame[:] = gather(motion, pushed)
+        mass.on_frame[:] = np.swapaxes(mass.by_frame, 1, 2)
+        damping.by_frame[:, :, 2] = gather(motion, swung)
+        stiffness.by_frame[:, :, 2] = gather(motion, leaning)
+        # The displaced links have the rigid acceleration at another arm.
+        stiffness.on_frame[:, 2] += stiffness.by_frame[:, :, 2] - gather(motion, turned)
+        return blocks
+
+    def _weight_about_centre(self, motion: RigidMotion, link: int) -> FloatArray:
+        """Virial of a link's weight about the frame's centre in N m, (B,)."""
+        rigid = self.inertias[link].rigid
+        angle = motion.angle[:, link]
+        first = rigid[3, 0] * direction(angle) + rigid[3, 1] * normal(angle)
+        arm = motion.origin[:, link] - np.asarray(self.frame.centre)
+        return np.asarray((rigid[0, 0] * arm + first) @ np.asarray(self.gravity))
+
+
+@dataclass(frozen=True)
+class _Block:
+    """Parts of a matrix: of the links by the frame, of the frame by the links, and its own.
+
+    Parameters
+    ----------
+    by_frame : ndarray, shape (B, size, 3)
+    on_frame : ndarray, shape (B, 3, size)
+    frame : ndarray, shape (B, 3, 3)
+    """
+
+    by_frame: FloatArray
+    on_frame: FloatArray
+    frame: FloatArray
+
+    @classmethod
+    def of(cls, frame: FloatArray, batch: int, size: int) -> Self:
+        """Of a frame alone."""
+        return cls(
+            np.zeros((batch, size, COORDINATES)),
+            np.zeros((batch, COORDINATES, size)),
+            np.tile(frame, (batch, 1, 1)),
+        )
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Forces on the frame by velocities and displacements of the links."""
+
+    frames: LinkFrames
+    motion: RigidMotion
+    terms: RotationTerms
+
+    @cached_property
+    def _dependent(self) -> list[list[Any]]:
+        return [list(own) for own in self.frames.dependent_rows(self.motion)]
+
+    def add(
+        self,
+        damping: _Block,
+        stiffness: _Block,
+        link: int,
+        across: FloatArray,
+        inertia: LinkInertia,
+        of_ends: LinkInertia,
+    ) -> None:
+        """Add those of a link, whose fields (B, 3, 3) are given transposed, to the blocks."""
+        motion, terms = self.motion, self.terms
+        speed = motion.angular_velocity[:, link, None, None]
+        alpha = motion.angular_acceleration[:, link, None, None]
+        by_rate = -2 * speed * (across @ inertia.turned[:, :3].T)
+        moving = across @ of_ends.mass[:, :3].T
+        if terms.coriolis:
+            self._gathered(damping.on_frame, link, by_rate)
+        by_place = np.zeros_like(by_rate)
+        if terms.tangential:
+            by_place -= alpha * (across @ inertia.turned[:, :3].T)
+        if terms.centripetal:
+            by_place -= speed**2 * (across @ inertia.translational[:, :3].T)
+        self._gathered(stiffness.on_frame, link, by_place)
+        swinging = -2 * speed * (across @ of_ends.turned[:, :3].T)
+        for tie in self._dependent[link]:
+            columns, rows = tie.columns, tie.rows
+            if terms.coriolis:
+                damping.on_frame[:, :, columns] += 2 * moving[:, :, rows] @ tie.rate
+            if terms.centripetal:
+                stiffness.on_frame[:, :, columns] += swinging[:, :, rows] @ tie.rate
+            if terms.centripetal or terms.tangential:
+                change = tie.acceleration(terms)
+                stiffness.on_frame[:, :, columns] += moving[:, :, rows] @ change
+
+    def _gathered(self, total: FloatArray, link: int, rows: FloatArray) -> None:
+        """Add rows (B, 3, n_link) by a link's coordinates to those by independent ones."""
+        target = self.frames.targets[link].copy()
+        for tie in self._dependent[link]:
+            total[:, :, tie.columns] += rows[:, :, tie.rows] @ tie.turn
+            target[tie.rows] = -1
+        free = np.flatnonzero(target >= 0)
+        total[:, :, target[free]] += rows[:, :, free]
+
+
+def turned(vector: FloatArray, angle: FloatArray) -> FloatArray:
+    """Vectors (..., 2) turned by angles (...) in rad to the left."""
+    return np.asarray(vector[..., :1] * direction(angle) + vector[..., 1:] * normal(angle))
+
+
+def _quarter_turn(vector: FloatArray) -> FloatArray:
+    return np.stack([-vector[..., 1], vector[..., 0]], axis=-1)
+
+
+def _along_and_across(
+    motion: RigidMotion, link: int, vector: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Components of vectors (B, 2) of the ground along and across a link, (B,) each."""
+    angle = motion.angle[:, link]
+    return np.sum(vector * direction(angle), axis=1), np.sum(vector * normal(angle), axis=1)
