@@ -40,7 +40,12 @@ from flexmech.linear_system.assembly.straight_links import (
     with_rigid_links,
 )
 from flexmech.linear_system.assembly.system import LinearSystem, condense
-from flexmech.linear_system.joints.carried_linkage import COORDINATES, CarriedLinkage, turned
+from flexmech.linear_system.joints.carried_linkage import (
+    COORDINATES,
+    CarriedLinkage,
+    carried_motion,
+    turned,
+)
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.link_place import DependentRows
 from flexmech.linear_system.joints.position_errors import (
@@ -165,6 +170,7 @@ __all__ = [
     "bent_curvature",
     "body_nodes",
     "body_turns",
+    "carried_motion",
     "chain_matrices",
     "chain_matrix",
     "check_elastic",

@@ -37,7 +37,13 @@ from flexmech.time_domain.periodic_motion.shooting import (
     simulated_orbit,
 )
 from flexmech.time_domain.recorded_runs.recording import Recorder, StepBlock
-from flexmech.time_domain.recorded_runs.states import Impact, LinkState, ShaftMotion, rigid_torque
+from flexmech.time_domain.recorded_runs.states import (
+    FrameMotion,
+    Impact,
+    LinkState,
+    ShaftMotion,
+    rigid_torque,
+)
 from flexmech.time_domain.recorded_runs.trajectory import Trajectory
 
 __all__ = [
@@ -45,6 +51,7 @@ __all__ = [
     "ConnectorWork",
     "DrivenLinkage",
     "ForcedModes",
+    "FrameMotion",
     "FreeAndForced",
     "Impact",
     "LinkState",

@@ -196,6 +196,24 @@ class AngleGap:
 
 
 @dataclass(frozen=True)
+class ShaftGap(AngleGap):
+    """An angle in rad that stays between a link and the shaft on a frame, which is the leader."""
+
+    def gap(self, position: Any, turn: float) -> tuple[float, ...]:
+        """How much it has changed in rad.
+
+        Parameters
+        ----------
+        position : ndarray
+            Coordinates of the system.
+        turn : float
+            Angle of the shaft against the frame in rad.
+        """
+        (off,) = AngleGap.gap(self, position, turn)
+        return (math.remainder(off - turn, 2 * math.pi),)
+
+
+@dataclass(frozen=True)
 class LineGap:
     """A point on a line of the ground or of a rigid link.
 
@@ -263,10 +281,13 @@ class ClosedJoints:
     shaft : Shaft
     gaps : list
         Of the joints.
+    axis : JoinedEnd or None
+        The shaft's axis on a frame that moves.
     """
 
     shaft: Shaft
     gaps: list[PlaceGap | AngleGap | LineGap]
+    axis: JoinedEnd | None = None
 
     def correct_coordinates(self, position: Any, t: float) -> None:
         """Correct the system's coordinates, in place; the hub's angle comes last.
@@ -288,6 +309,9 @@ class ClosedJoints:
             position -= gradient.T @ np.linalg.solve(gradient @ gradient.T, gap)
             if greatest < 1e-9:
                 break
+        if self.axis is not None:
+            position[-3:-1] = self.axis.place(position)
+            position[-1] = turn + self.axis.angle(position)
 
     def after_step(self, mbs: Any, t: float) -> bool:
         """User function of the system after every step."""

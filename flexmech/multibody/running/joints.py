@@ -13,7 +13,15 @@ from flexmech.linkages import LinkEnd, RigidMotion
 from flexmech.linkages.topology import leading_end
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.link_parts import RigidPart
-from flexmech.multibody.running.closure import AngleGap, ClosedJoints, JoinedEnd, LineGap, PlaceGap
+from flexmech.multibody.running.closure import (
+    AngleGap,
+    ClosedJoints,
+    JoinedEnd,
+    LineGap,
+    PlaceGap,
+    ShaftGap,
+)
+from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.user_functions import AxisPoint, HubClamp, Joints, Shaft
 
 
@@ -80,18 +88,40 @@ def greatest_gap(assembly: LinkAssembly, start: RigidMotion, position: FloatArra
     gaps = [place(end) - place_at_start(assembly, start, end) for end in fixed]
     gaps += [place(tie.leader) - place(tie.follower) for tie in topology.rigid_ties]
     closed = drifting_joints(assembly, Shaft(float(start.angle[assembly.base]), 0.0), start)
-    others = [0.0]
+    others = 0.0
     if isinstance(closed, ClosedJoints):
         nodes = np.append(assembly.arms.to_nodes(position), [0.0, 0.0, 0.0])
-        length = min(link.length for link in topology.links)
-        for gap in closed.gaps:
-            value = gap.gap(nodes, closed.shaft.angle(0.0))
-            others.append(abs(value[0]) * (length if isinstance(gap, AngleGap) else 1.0))
-    return float(max(np.max(np.linalg.norm(gaps, axis=1)), *others))
+        others = greatest_closing_gap(assembly, closed, nodes)
+    return float(max(np.max(np.linalg.norm(gaps, axis=1)), others))
+
+
+def greatest_closing_gap(
+    assembly: LinkAssembly, closed: ClosedJoints, position: FloatArray
+) -> float:
+    """Greatest gap of joints that are closed after every step, at time zero.
+
+    Parameters
+    ----------
+    assembly : LinkAssembly
+    closed : ClosedJoints
+    position : ndarray, shape (total_size,)
+        Exudyn's coordinates.
+
+    Returns
+    -------
+    float
+        In m; angles count by the length of the shortest link.
+    """
+    length = min(link.length for link in assembly.topology.links)
+    others = [0.0]
+    for gap in closed.gaps:
+        value = np.linalg.norm(gap.gap(position, closed.shaft.angle(0.0)))
+        others.append(float(value) * (length if isinstance(gap, AngleGap) else 1.0))
+    return max(others)
 
 
 def drifting_joints(
-    assembly: LinkAssembly, shaft: Shaft, start: RigidMotion
+    assembly: LinkAssembly, shaft: Shaft, start: RigidMotion, frame: FrameBody | None = None
 ) -> Joints | ClosedJoints:
     """Joints whose constraints drift, to be closed after every step.
 
@@ -101,6 +131,8 @@ def drifting_joints(
     shaft : Shaft
     start : RigidMotion
         At time zero, of shape ().
+    frame : FrameBody, optional
+        On springs, which carries the linkage.
 
     Returns
     -------
@@ -110,8 +142,8 @@ def drifting_joints(
     topology = assembly.topology
     rigid = any(isinstance(part, RigidPart) for part in assembly.parts)
     own_nodes = any(body.own_node is not None for body in assembly.attached)
-    if rigid or own_nodes or topology.welds or topology.sliders or topology.clamps[1:]:
-        return _closed_joints(assembly, shaft, start)
+    if rigid or own_nodes or topology.welds or topology.sliders or topology.clamps[1:] or frame:
+        return _closed_joints(assembly, shaft, start, frame)
     eccentric = {part.name for _, part in assembly.beams if part.arms is not None}
     ties = topology.rigid_ties
     pins = [(leading_end(tie.leader, ties), tie.follower) for tie in ties]
@@ -133,7 +165,9 @@ def drifting_joints(
     )
 
 
-def _closed_joints(assembly: LinkAssembly, shaft: Shaft, start: RigidMotion) -> ClosedJoints:
+def _closed_joints(
+    assembly: LinkAssembly, shaft: Shaft, start: RigidMotion, frame: FrameBody | None
+) -> ClosedJoints:
     topology = assembly.topology
     ties = topology.rigid_ties
 
@@ -143,14 +177,18 @@ def _closed_joints(assembly: LinkAssembly, shaft: Shaft, start: RigidMotion) -> 
     def angle(end: LinkEnd) -> float:
         return float(start.angle[topology.index(end.link)])
 
+    def on_ground(end: LinkEnd) -> PlaceGap:
+        place = _pair(place_at_start(assembly, start, end))
+        return PlaceGap(joined(end), frame and frame.joined(place), place, False)
+
+    clamped = [clamp.link_end for clamp in topology.clamps]
     places = [
-        PlaceGap(joined(clamp.link_end), None, place_on_hub(assembly, start, clamp.link_end), True)
-        for clamp in topology.clamps
+        PlaceGap(joined(end), None, place_on_hub(assembly, start, end), True)
+        if frame is None
+        else on_ground(end)
+        for end in clamped
     ]
-    places += [
-        PlaceGap(joined(end), None, _pair(place_at_start(assembly, start, end)), False)
-        for end in (pivot.link_end for pivot in topology.pivots if not pivot.sprung)
-    ]
+    places += [on_ground(pivot.link_end) for pivot in topology.pivots if not pivot.sprung]
     places += [
         PlaceGap(joined(tie.follower), joined(leading_end(tie.leader, ties)), (0.0, 0.0), False)
         for tie in ties
@@ -158,9 +196,12 @@ def _closed_joints(assembly: LinkAssembly, shaft: Shaft, start: RigidMotion) -> 
     fixed = list(_attached_nodes(assembly))
     places += [PlaceGap(body, node, (0.0, 0.0), False) for body, node in fixed]
     shaft_angle = float(start.angle[assembly.base])
+    axis = frame and frame.joined((0.0, 0.0))
     angles = [
-        AngleGap(joined(clamp.link_end), None, angle(clamp.link_end) - shaft_angle)
-        for clamp in topology.clamps
+        AngleGap(joined(end), None, angle(end) - shaft_angle)
+        if axis is None
+        else ShaftGap(joined(end), axis, angle(end) - shaft_angle)
+        for end in clamped
     ]
     angles += [
         AngleGap(
@@ -176,8 +217,10 @@ def _closed_joints(assembly: LinkAssembly, shaft: Shaft, start: RigidMotion) -> 
         if slider.guide:
             own = joined(LinkEnd(slider.guide, "start"))
             guide = JoinedEnd(own.first, own.node, place, own.has_slope)
+        elif frame is not None:
+            guide = frame.joined(place)
         lines.append(LineGap(joined(slider.link_end), guide, place, slider.direction))
-    return ClosedJoints(shaft, list(chain(places, angles, lines)))
+    return ClosedJoints(shaft, list(chain(places, angles, lines)), axis)
 
 
 def _attached_nodes(assembly: LinkAssembly) -> Iterator[tuple[JoinedEnd, JoinedEnd]]:

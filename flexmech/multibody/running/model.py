@@ -24,9 +24,12 @@ from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.joints import add_sliders, add_ties
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.node_directions import dependent_joints
+from flexmech.multibody.running.closure import ClosedJoints
 from flexmech.multibody.running.connectors import RunningConnectors
+from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.joints import (
     drifting_joints,
+    greatest_closing_gap,
     greatest_gap,
     place_at_start,
     place_on_hub,
@@ -38,7 +41,10 @@ from flexmech.multibody.running.loads import (
     add_running_loads,
 )
 from flexmech.multibody.running.user_functions import Shaft
-from flexmech.time_domain import Impact
+from flexmech.time_domain import FrameMotion, Impact
+
+# Of the shaft, in ground axes in m.
+_AXIS = (0.0, 0.0)
 
 
 class RunningModel:
@@ -79,8 +85,11 @@ class RunningModel:
         The spring of each joint that springs alone hold.
     joints : Joints or ClosedJoints
         What the integration rule leaves to drift.
+    frame : FrameBody or None
+        The frame on springs that carries the linkage and the hub.
     total_size : int
-        Coordinates of the links, of attached bodies and of the hub, which come last.
+        Coordinates of the links, of attached bodies, of a frame on springs, and of the hub, which
+        come last.
     """
 
     def __init__(
@@ -98,7 +107,8 @@ class RunningModel:
         self.drive = drive
         self.links = links
         self.energies = LinkEnergies(assembly, links)
-        self.total_size = assembly.system_size + 3
+        self.frame = FrameBody.of(mechanism, assembly.items, assembly.system_size)
+        self.total_size = assembly.system_size + (3 if self.frame is None else 6)
         self._start = mechanism.linkage.motion(drive.crank_angle(0.0))
         self.shaft = Shaft(
             float(self._start.angle[assembly.base]),
@@ -120,7 +130,8 @@ class RunningModel:
         for joint, tie in ties.items():
             others = [ties[name].position for name in self._dependent_joints[joint] if name in ties]
             self.constraints[joint] = [tie.position, *others]
-        self.sliders = {line.slider.joint: line for line in add_sliders(assembly)}
+        lines = add_sliders(assembly, None if self.frame is None else self.frame.add_marker)
+        self.sliders = {line.slider.joint: line for line in lines}
         self.constraints |= {joint: [line.constraint] for joint, line in self.sliders.items()}
         connectors = ConnectorItems(assembly, fixed, runs=True)
         self.connectors = RunningConnectors(connectors, links, self.shaft, self._start)
@@ -129,10 +140,14 @@ class RunningModel:
         }
         add_impacts(assembly, drive, impacts)
         assembly.mbs.Assemble()
-        self.joints = drifting_joints(assembly, self.shaft, self._start)
+        self.joints = drifting_joints(assembly, self.shaft, self._start, self.frame)
 
     def joint_force(
-        self, multiplier: FloatArray, position: FloatArray, sprung: Mapping[str, FloatArray]
+        self,
+        multiplier: FloatArray,
+        position: FloatArray,
+        sprung: Mapping[str, FloatArray],
+        frame_angle: FloatArray | float = 0.0,
     ) -> FloatArray:
         """Force on the grounded or following link at each joint in ground axes.
 
@@ -143,6 +158,8 @@ class RunningModel:
             Coordinates of the links.
         sprung : mapping of str to ndarray, shape (m, 2)
             Forces of the joints that springs alone hold, by their names.
+        frame_angle : ndarray, shape (m,)
+            By which the frame, on which lines of the ground are, has turned in rad.
 
         Returns
         -------
@@ -161,7 +178,9 @@ class RunningModel:
                 continue
             slider = self.sliders[joint].slider
             angle = np.full(len(multiplier), slider.direction)
-            if slider.guide:
+            if not slider.guide:
+                angle += frame_angle
+            else:
                 guide = self.assembly.topology.index(slider.guide)
                 angle += position[:, self.assembly.parts[guide].coordinates][:, 2]
             force[:, number] = multiplier[:, rows[:1]] * normal(angle)
@@ -189,13 +208,15 @@ class RunningModel:
         return -multiplier[:, self._multipliers(self.drive_constraint)[0]]
 
     def set_start(
-        self, position: FloatArray, velocity: FloatArray
+        self, position: FloatArray, velocity: FloatArray, moved: FrameMotion | None = None
     ) -> tuple[FloatArray, FloatArray]:
         """Set the state of the system at time zero.
 
         Parameters
         ----------
         position, velocity : ndarray, shape (size,)
+        moved : FrameMotion, optional
+            Of a frame on springs, arrays of shape (1, 3).
 
         Returns
         -------
@@ -206,28 +227,45 @@ class RunningModel:
         """
         nodes = self.assembly.arms.to_nodes(position)
         velocity = self.assembly.arms.rate_to_nodes(position, velocity)
-        coordinates = np.array([*nodes, 0.0, 0.0, self.shaft.angle(0.0)])
-        rates = np.array([*velocity, 0.0, 0.0, self.shaft.speed(0.0)])
+        hub, turning = np.zeros(3), np.zeros(3)
+        own: tuple[FloatArray, FloatArray] = (np.zeros(0), np.zeros(0))
+        if self.frame is not None:
+            assert moved is not None
+            own = moved.displacement[0], moved.rate[0]
+            hub[:2], turning[:2] = self.frame.at(_AXIS, moved)
+            hub[2], turning[2] = own[0][2], own[1][2]
+        hub[2] += self.shaft.angle(0.0)
+        turning[2] += self.shaft.speed(0.0)
+        coordinates = np.concatenate([nodes, own[0], hub])
+        rates = np.concatenate([velocity, own[1], turning])
         initial = load_exudyn().ConfigurationType.Initial
         data = self.assembly.mbs.systemData
         data.SetODE2Coordinates(coordinates, initial)
         data.SetODE2Coordinates_t(rates, initial)
         return coordinates, rates
 
-    def greatest_gap(self, position: FloatArray) -> float:
+    def greatest_gap(self, position: FloatArray, moved: FrameMotion | None = None) -> float:
         """Greatest constraint violation of the joints at time zero.
 
         Parameters
         ----------
         position : ndarray, shape (size,)
             At time zero.
+        moved : FrameMotion, optional
+            Of a frame on springs, arrays of shape (1, 3).
 
         Returns
         -------
         float
             In m.
         """
-        return greatest_gap(self.assembly, self._start, position)
+        if self.frame is None:
+            return greatest_gap(self.assembly, self._start, position)
+        assert moved is not None
+        assert isinstance(self.joints, ClosedJoints)
+        nodes = self.assembly.arms.to_nodes(position)
+        every = np.concatenate([nodes, moved.displacement[0], np.zeros(3)])
+        return greatest_closing_gap(self.assembly, self.joints, every)
 
     def _add_hub(self, fixed: ItemNumber) -> tuple[ItemNumber, ItemNumber | None]:
         """Body that turns with the shaft, and the constraint on its angle, if there is one."""
@@ -236,8 +274,15 @@ class RunningModel:
             return self._add_free_hub(fixed, self.torque), None
         items.begin("crank drive: a hub without mass, turned by the shaft")
         node = items.add("NodeRigidBody2D", "hub_node")
-        for coordinate, axis in enumerate("xy"):
-            assembly.add_constraint(f"hub_{axis}", fixed, node, coordinate)
+        if self.frame is None:
+            for coordinate, axis in enumerate("xy"):
+                assembly.add_constraint(f"hub_{axis}", fixed, node, coordinate)
+        else:
+            on_hub = items.add("MarkerNodeRigid", "hub_axis", nodeNumber=node)
+            bearing = [self.frame.add_marker(_AXIS, "hub_axis_on_frame"), on_hub]
+            items.add("RevoluteJoint2D", "hub_bearing", markerNumbers=bearing)
+            # The drive stands on the frame: what it prescribes is the angle against that.
+            fixed = self.frame.add_angle_marker("frame_angle")
         drive = assembly.add_constraint("crank_drive", fixed, node, 2, **self._turning())
         return items.add("ObjectRigidBody2D", "hub", nodeNumber=node, mass=0.0, inertia=0.0), drive
 
@@ -310,6 +355,15 @@ class RunningModel:
                 place_at_start(assembly, self._start, pivot.link_end),
             )
             assembly.items.begin(f"pivot {pivot.joint}")
+            if self.frame is not None:
+                x, y = map(float, place)
+                markers = [
+                    self.frame.add_marker((x, y), f"{name}_on_frame"),
+                    assembly.add_end_marker(pivot.link_end, f"{name}_on_{pivot.link_end.link}"),
+                ]
+                pin = assembly.items.add("RevoluteJoint2D", name, markerNumbers=markers)
+                constraints[pivot.joint] = [pin]
+                continue
             if not assembly.is_at_node(pivot.link_end):
                 pin = assembly.add_ground_pin(name, pivot.link_end, [*map(float, place), 0.0])[1]
                 constraints[pivot.joint] = [pin]

@@ -11,7 +11,14 @@ from typing import Any
 import numpy as np
 
 from flexmech.multibody.items import Choice, ItemNumber, Made
-from flexmech.multibody.running.closure import AngleGap, ClosedJoints, JoinedEnd, LineGap, PlaceGap
+from flexmech.multibody.running.closure import (
+    AngleGap,
+    ClosedJoints,
+    JoinedEnd,
+    LineGap,
+    PlaceGap,
+    ShaftGap,
+)
 from flexmech.multibody.running.user_functions import (
     AxisPoint,
     HubClamp,
@@ -35,6 +42,7 @@ SHARED = (
     JoinedEnd,
     PlaceGap,
     AngleGap,
+    ShaftGap,
     LineGap,
     ClosedJoints,
     difference_mass,

@@ -13,13 +13,20 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.choices import Integrator, LinkDirection
 from flexmech.errors import InputError
-from flexmech.linear_system import LinkModel, LinkPoint, displacement_row
+from flexmech.linear_system import LinkModel, LinkPoint, carried_motion, displacement_row
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.multibody.items import Setting, applied, solver_settings
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import MovingFrames
 from flexmech.multibody.running.model import RunningModel
-from flexmech.time_domain import LinkState, Recorder, ShaftMotion, StepBlock, UnbalancedStepError
+from flexmech.time_domain import (
+    FrameMotion,
+    LinkState,
+    Recorder,
+    ShaftMotion,
+    StepBlock,
+    UnbalancedStepError,
+)
 
 # How far a start may tear a joint apart, relative to the length of all links: above what a reduced
 # start leaves, 1e-9, and below the deflections of any run.
@@ -177,13 +184,18 @@ class Simulation:
         assembly, energies = self.model.assembly, self.model.energies
         shaft = self._shaft_motion(time, position, velocity)
         motion = self._motion(time) if shaft is None else self._displaced_motion(time, shaft)
+        frame, turn = self._frame_motion(position, velocity), 0.0
+        carried = motion
+        if frame is not None:
+            carried = self._carried(motion, frame)
+            turn = frame.displacement[:, 2]
         links = slice(0, assembly.size)
         position, velocity = position[:, links], velocity[:, links]
         position, velocity = (
             assembly.arms.to_axis(position),
             assembly.arms.rate_to_axis(position, velocity),
         )
-        displacement, rate = self._frames.to_frames(motion, position, velocity)
+        displacement, rate = self._frames.to_frames(carried, position, velocity)
         kinetic, strain, gravity, dissipation = np.zeros((4, len(time)))
         for number, part in enumerate(assembly.parts):
             own = part.coordinates
@@ -199,6 +211,11 @@ class Simulation:
         if shaft is not None:
             inertia = assembly.mechanism.shaft_inertia
             kinetic += inertia * motion.crank_speed**2 / 2
+        if frame is not None:
+            assert self.model.frame is not None
+            own = self.model.frame.energies(frame, assembly.mechanism.gravity)
+            kinetic, strain = kinetic + own[0], strain + own[1]
+            gravity, dissipation = gravity + own[2], dissipation + own[3]
         work = self.model.connectors.work(time, motion, displacement, rate)
         sprung = self.model.connectors.joint_forces(motion, displacement, rate)
         strain += work.stored
@@ -208,7 +225,7 @@ class Simulation:
             crank_speed=motion.crank_speed,
             displacement=displacement,
             rate=rate,
-            joint_force=self.model.joint_force(multiplier, position, sprung),
+            joint_force=self.model.joint_force(multiplier, position, sprung, turn),
             driving_torque=self.model.driving_torque(time, multiplier),
             kinetic_energy=kinetic,
             strain_energy=strain,
@@ -216,7 +233,19 @@ class Simulation:
             dissipation_power=dissipation,
             prestress_power=work.power,
             shaft=shaft,
+            frame=frame,
         )
+
+    def _frame_motion(self, position: FloatArray, velocity: FloatArray) -> FrameMotion | None:
+        """Motion of a frame on springs; None of one that stands."""
+        frame = self.model.frame
+        return None if frame is None else frame.motion(position, velocity)
+
+    def _carried(self, motion: RigidMotion, moved: FrameMotion) -> RigidMotion:
+        """Motion of the rigid linkage on its frame, whose acceleration does not count here."""
+        assert self.model.frame is not None
+        centre = self.model.frame.frame.centre
+        return carried_motion(centre, motion, moved.displacement, moved.rate)
 
     def _shaft_motion(
         self, time: FloatArray, position: FloatArray, velocity: FloatArray
@@ -256,15 +285,19 @@ class Simulation:
             If the start does not keep the joints together.
         """
         batch = [[values[None] for values in part] for part in (start.displacement, start.rate)]
-        position, velocity = self._frames.to_absolute(self._motion(np.zeros(1)), *batch)
-        gap = self.model.greatest_gap(position[0])
+        motion, moved = self._motion(np.zeros(1)), None
+        if self.model.frame is not None:
+            moved = start.moved
+            motion = self._carried(motion, moved)
+        position, velocity = self._frames.to_absolute(motion, *batch)
+        gap = self.model.greatest_gap(position[0], moved)
         allowed = START_GAP * sum(link.length for link in self.model.assembly.topology.links)
         if gap > allowed:
             raise InputError(
                 f"the start displaces link ends that a joint holds by {gap:.3g} m (at most "
                 f"{allowed:.3g} m); take a start whose displacements agree at the joints"
             )
-        return self.model.set_start(position[0], velocity[0])
+        return self.model.set_start(position[0], velocity[0], moved)
 
     def settings(self) -> dict[str, Setting]:
         """Settings of the solver, by their paths in ``exudyn.SimulationSettings``."""

@@ -14,7 +14,14 @@ import numpy as np
 
 from flexmech.arrays import ComplexArray, FloatArray, row_products
 from flexmech.dynamical_systems import VibrationState
-from flexmech.linear_system import COORDINATES, CarriedLinkage, LinkInertia, MovingLink, turned
+from flexmech.linear_system import (
+    COORDINATES,
+    CarriedLinkage,
+    LinkInertia,
+    MovingLink,
+    carried_motion,
+    turned,
+)
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.linkages.connection_forces import (
     connection_matrix,
@@ -78,8 +85,9 @@ class LinkageDynamics:
         whole, turning_alone = motion, unit
         if linkage.carried is not None:
             places = tuple(part[:, -COORDINATES:] for part in coordinates)
-            whole = linkage.carried.moved(motion, *places)
-            turning_alone = linkage.carried.moved(unit, places[0], *np.zeros((2, *places[0].shape)))
+            centre = linkage.carried.frame.centre
+            whole = carried_motion(centre, motion, *places)
+            turning_alone = carried_motion(centre, unit, places[0], np.zeros_like(places[0]))
         moving = [
             MovingLink.of(number, parts, whole, turning_alone, gravity)
             for number, parts in enumerate(elastic)

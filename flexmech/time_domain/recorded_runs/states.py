@@ -25,6 +25,26 @@ BATCH = 4096
 
 
 @dataclass(frozen=True)
+class FrameMotion:
+    """Motion of a frame on springs at m instants.
+
+    Parameters
+    ----------
+    displacement : ndarray, shape (m, 3)
+        Of its centre of mass along x and y in m, and its rotation in rad.
+    rate : ndarray, shape (m, 3)
+        Its time derivative.
+    """
+
+    displacement: FloatArray
+    rate: FloatArray
+
+    def __getitem__(self, where: slice) -> FrameMotion:
+        """Motion at some of the instants."""
+        return FrameMotion(self.displacement[where], self.rate[where])
+
+
+@dataclass(frozen=True)
 class LinkState:
     """Elastic state of all links at an instant, in the frames of their rigid motion.
 
@@ -33,10 +53,18 @@ class LinkState:
     displacement, rate : list of ndarray, shape (n_link,)
         Each link's coordinates less those of the undeformed link, and their time
         derivatives in that frame.
+    frame : FrameMotion, optional
+        Of a frame on springs, arrays of shape (1, 3); it stands as it is drawn if left out.
     """
 
     displacement: list[FloatArray]
     rate: list[FloatArray]
+    frame: FrameMotion | None = None
+
+    @property
+    def moved(self) -> FrameMotion:
+        """Motion of the frame at the instant."""
+        return self.frame or FrameMotion(np.zeros((1, 3)), np.zeros((1, 3)))
 
     @classmethod
     def rigid(cls, links: Sequence[LinkModel]) -> Self:
@@ -118,26 +146,6 @@ class ShaftMotion:
             "revolutions, give the shaft more inertia, lower the crank speed, or use shaft "
             "'prescribed'"
         )
-
-
-@dataclass(frozen=True)
-class FrameMotion:
-    """Motion of a frame on springs at m instants.
-
-    Parameters
-    ----------
-    displacement : ndarray, shape (m, 3)
-        Of its centre of mass along x and y in m, and its rotation in rad.
-    rate : ndarray, shape (m, 3)
-        Its time derivative.
-    """
-
-    displacement: FloatArray
-    rate: FloatArray
-
-    def __getitem__(self, where: slice) -> FrameMotion:
-        """Motion at some of the instants."""
-        return FrameMotion(self.displacement[where], self.rate[where])
 
 
 def rigid_torque(mechanism: Mechanism, drive: Drive, time: FloatArray) -> FloatArray:
