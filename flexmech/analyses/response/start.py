@@ -11,9 +11,9 @@ from flexmech.analyses.response.request import ResponseRequest
 from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.dynamical_systems import VibrationState
-from flexmech.linear_system import Engine, LinkFrames, RotationTerms
+from flexmech.linear_system import COORDINATES, Engine, LinkFrames, RotationTerms
 from flexmech.linkages import Drive, Load, RigidMotion
-from flexmech.time_domain import DrivenLinkage, LinkState, periodic_state
+from flexmech.time_domain import DrivenLinkage, FrameMotion, LinkState, periodic_state
 
 # Time over which a quasi-static start differentiates its displacement, in turns: the difference is
 # of second order, so that its error is 1e-8 and its round-off 1e-11 over the displacement.
@@ -45,7 +45,9 @@ def simulation_start(engine: Engine, request: ResponseRequest, step: float) -> L
     if request.start == "rigid":
         return LinkState.rigid(engine.links)
     if request.start == "equilibrium":
-        return _equilibrium(engine, request.drive)
+        return replace(
+            _equilibrium(engine, request.drive), frame=_frame_at_rest(engine, request.drive)
+        )
     return _on_periodic_motion(engine, request, step)
 
 
@@ -61,12 +63,15 @@ class _PeriodicMotion:
         Of the engine's links.
     rate : list of ndarray, shape (n_link,)
         At the first of the times.
+    frame : list of FrameMotion or None
+        Of a frame on springs at each time, arrays of shape (1, 3).
     """
 
     time: FloatArray
     motion: RigidMotion
     displacement: list[FloatArray]
     rate: list[FloatArray]
+    frame: list[FrameMotion | None]
 
     @classmethod
     def of(cls, engine: Engine, request: ResponseRequest, step: float) -> _PeriodicMotion:
@@ -90,6 +95,7 @@ class _PeriodicMotion:
             linkage.motion(time),
             [q @ basis.T for basis, (q, _, _) in links],
             [basis @ rate[0] for basis, (_, rate, _) in links],
+            [linkage.frame_motion(near[number : number + 1]) for number in range(len(time))],
         )
 
 
@@ -117,7 +123,18 @@ def _on_periodic_motion(engine: Engine, request: ResponseRequest, step: float) -
     return LinkState(
         displacement=[q[0] for q in placed],
         rate=[v + _rate(q, time) for v, q in zip(linear.rate, moved, strict=True)],
+        frame=linear.frame[0],
     )
+
+
+def _frame_at_rest(engine: Engine, drive: Drive) -> FrameMotion | None:
+    """Quasi-static displacement of a frame on springs at time zero, and how fast it changes."""
+    if engine.mechanism.frame is None:
+        return None
+    linkage = DrivenLinkage(engine, drive, "equilibrium", with_energy=False)
+    time = _start_times(drive)
+    place = linkage.quasi_static_equations(time).quasi_static()[:, -COORDINATES:]
+    return FrameMotion(place[:1], _rate(place, time)[None])
 
 
 def _equilibrium(engine: Engine, drive: Drive) -> LinkState:
@@ -229,7 +246,9 @@ def _stretching_on_periodic_motion(
         ]
 
     states = [
-        linkage.coordinates(LinkState([q[i] for q in linear.displacement], linear.rate), float(t))
+        linkage.coordinates(
+            LinkState([q[i] for q in linear.displacement], linear.rate, linear.frame[i]), float(t)
+        )
         for i, t in enumerate(time)
     ]
     position = np.stack([z for z, _ in states])
@@ -237,7 +256,8 @@ def _stretching_on_periodic_motion(
     expected = [force @ basis for force, basis in zip(forces, linkage.bases, strict=True)]
     placed = without_second_order_stretch(frames, motion, was, expected, internal_forces)
     moved = [(p - before)[..., None] for p, before in zip(placed, was, strict=True)]
-    taken_back = frames.independent(motion, moved)[..., 0]
+    taken_back = np.zeros_like(position)
+    taken_back[:, : frames.size] = frames.independent(motion, moved)[..., 0]
     velocity = states[0][1] + _rate(taken_back, time)
     return VibrationState(position[0] + taken_back[0], velocity, np.zeros_like(velocity))
 

@@ -46,7 +46,7 @@ from flexmech.time_domain.equations_of_motion.reduced_links import (
     stretching_links,
 )
 from flexmech.time_domain.equations_of_motion.stress_history import StressHistory
-from flexmech.time_domain.recorded_runs.states import LinkState
+from flexmech.time_domain.recorded_runs.states import FrameMotion, LinkState
 
 # Newton's method for a start in balance takes four passes from the linear one; 30 are a bound of
 # work. It ends at a change of the greatest displacement whose square is less than round-off. Beside
@@ -121,13 +121,6 @@ class DrivenLinkage:
         self._from_engine = [link.from_engine for link in reduced.unreduced]
         self.bases = reduced.engine_bases
         self.frames = LinkFrames(reduced.topology, self.links)
-        self.stretch = None
-        if stretches:
-            guides = MovingGuides(engine, self.frames, reduced.unreduced, self.run_bases)
-            self.stretch = LinkageStretch(self.frames, reduced.stretches, guides)
-        self.shaft = DrivenShaft.of(engine, drive, self.frames, reduced.unreduced, self.run_bases)
-        turns_far = self.shaft is not None and self.shaft.is_natural
-        self.connectors = DrivenConnectors(engine, self.frames, drive, follower_torque=turns_far)
         frame, gravity = engine.mechanism.frame, engine.mechanism.gravity
         self.carried = None
         if frame is not None:
@@ -135,8 +128,15 @@ class DrivenLinkage:
             self.carried = CarriedLinkage.of(
                 frame, self.frames, self.unreduced, gravity, self.run_bases
             )
-        count = self.frames.size + (0 if self.carried is None else COORDINATES)
-        self._condensed = np.zeros(count, dtype=bool)
+        others = 0 if self.carried is None else COORDINATES
+        self.stretch = None
+        if stretches:
+            guides = MovingGuides(engine, self.frames, reduced.unreduced, self.run_bases)
+            self.stretch = LinkageStretch(self.frames, reduced.stretches, guides, others)
+        self.shaft = DrivenShaft.of(engine, drive, self.frames, reduced.unreduced, self.run_bases)
+        turns_far = self.shaft is not None and self.shaft.is_natural
+        self.connectors = DrivenConnectors(engine, self.frames, drive, follower_torque=turns_far)
+        self._condensed = np.zeros(self.frames.size + others, dtype=bool)
         for target, condensed in zip(self.frames.targets, reduced.condensed, strict=True):
             self._condensed[target[condensed]] = True
         self.stress = StressHistory(
@@ -309,6 +309,21 @@ class DrivenLinkage:
         return LinkState(
             displacement=[basis @ q[0] for basis, (q, _, _) in pairs],
             rate=[basis @ rate[0] for basis, (_, rate, _) in pairs],
+            frame=self.frame_motion(vibration[:1]),
+        )
+
+    def frame_motion(self, vibration: VibrationState) -> FrameMotion | None:
+        """Motion of a frame on springs; None of one that stands.
+
+        Parameters
+        ----------
+        vibration : VibrationState
+            Arrays of shape (m, n).
+        """
+        if self.carried is None:
+            return None
+        return FrameMotion(
+            vibration.position[:, -COORDINATES:], vibration.velocity[:, -COORDINATES:]
         )
 
     def coordinates(self, state: LinkState, time: float = 0.0) -> tuple[FloatArray, FloatArray]:
@@ -348,6 +363,9 @@ class DrivenLinkage:
                 for both, (_, rate, _) in zip(nearest, moving, strict=True)
             ]
             values[1] = self.frames.independent(motion, rates)[0, :, 0]
+        if self.carried is not None:
+            moved = state.moved
+            values = np.concatenate([values, [moved.displacement[0], moved.rate[0]]], axis=1)
         position, velocity = values[:, ~self._condensed]
         return position, velocity
 

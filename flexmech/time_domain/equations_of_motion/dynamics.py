@@ -139,7 +139,9 @@ class LinkageDynamics:
         torque, kinetic, strain, weight, dissipated, prestress = totals
         if linkage.stretch is not None:
             guides = linkage.stretch.guides
-            torque = torque + guides.virtual_power(motion, unit, *coordinates[:2])
+            torque = torque + guides.virtual_power(
+                motion, unit, *(part[:, : frames.size] for part in coordinates[:2])
+            )
         if acting is not None:
             torque = torque - acting.virtual_power
             strain = strain + acting.work.stored

@@ -43,6 +43,8 @@ class LinkageStretch:
     links : sequence of LinkStretch
         In the links' own coordinates.
     guides : MovingGuides
+    others : int
+        Coordinates of a frame on springs, which follow z and strain nothing.
 
     Attributes
     ----------
@@ -56,13 +58,17 @@ class LinkageStretch:
     """
 
     def __init__(
-        self, frames: LinkFrames, links: Sequence[LinkStretch], guides: MovingGuides
+        self,
+        frames: LinkFrames,
+        links: Sequence[LinkStretch],
+        guides: MovingGuides,
+        others: int = 0,
     ) -> None:
         self.links, self.guides = tuple(links), guides
         self._frames = frames
         self.end_count = frames.end_count
         self._places = [np.array(target) for target in frames.targets]
-        self.size = frames.size
+        self._independent = self.size = frames.size + others
         for number, places in enumerate(self._places):
             own = frames.dependent_coordinates(number)
             places[own] = np.arange(self.size, self.size + len(own))
@@ -82,7 +88,7 @@ class LinkageStretch:
 
     def pin_rotations(self, motion: RigidMotion) -> PinRotations:
         """Those of the dependent ends and guides; ``motion`` is a batch of shape (m,)."""
-        count, first = len(motion.crank_angle), self._frames.size
+        count, first = len(motion.crank_angle), self._independent
         turn, rate = np.zeros((2, count, self.size - first, self.end_count))
         dependent = self._frames.dependent_rows(motion)
         guided = slice(self.size - first - self.guides.size, None)
@@ -146,7 +152,7 @@ class LinkageStretch:
 
     def augmentation(self, turn: FloatArray) -> FloatArray:
         """Map from z to augmented coordinates, (m, p, n), by ``turn`` of :class:`PinRotations`."""
-        size = self._frames.size
+        size = self._independent
         return self.augmented(turn, np.broadcast_to(np.eye(size), (len(turn), size, size)))
 
     def _spread(self, blocks: list[tuple[FloatArray, IntArray]]) -> FloatArray:

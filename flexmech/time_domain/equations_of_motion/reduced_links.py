@@ -132,10 +132,7 @@ def stretches_in_runs(engine: Engine, prestress: Prestress) -> bool:
     -------
     bool
     """
-    # About a frame that moves the equations are linear ones.
-    if engine.simulates or engine.mechanism.frame is not None:
-        return False
-    return prestress == "equilibrium" and can_stretch(engine)
+    return prestress == "equilibrium" and not engine.simulates and can_stretch(engine)
 
 
 def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
