@@ -22,6 +22,7 @@ from .effects import plot_speed_effect as plot_speed_effect
 from .effects import plot_vibration_effect as plot_vibration_effect
 from .floquet import plot_floquet_frequencies as plot_floquet_frequencies
 from .floquet import plot_floquet_harmonics as plot_floquet_harmonics
+from .frame import plot_frame_motion as plot_frame_motion
 from .frequencies import plot_damping_ratio as plot_damping_ratio
 from .frequencies import plot_frequencies as plot_frequencies
 from .frequencies import plot_modal_damping as plot_modal_damping

@@ -30,6 +30,7 @@ from flexmech.analyses.response.spectra import (
     spectrogram,
     window_duration,
 )
+from flexmech.analyses.response.sprung_frame import carried_by_frame, frame_variables
 from flexmech.analyses.response.stresses import peak_stresses
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import Engine
@@ -138,6 +139,7 @@ def _history(
     if trajectory.shaft is not None:
         turned = motion.crank_angle + trajectory.shaft.rotation
         carried = engine.mechanism.linkage.motion(turned, motion.crank_speed)
+    carried = carried_by_frame(engine, carried, trajectory)
     displacement = measurements.ground_displacements(engine, trajectory, carried)
     drift = measurements.constraint_drift(engine, displacement, carried)
     if carried is not motion:
@@ -168,6 +170,7 @@ def _history(
             }
         )
         .assign(_shaft(trajectory, run.trajectory))
+        .merge(frame_variables(engine, trajectory, run.trajectory))
         .merge(shaking)
     )
 

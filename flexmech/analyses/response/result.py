@@ -32,6 +32,12 @@ from flexmech.analyses.response.driven import (
     residual_numbers,
 )
 from flexmech.analyses.response.shaking import shaking_lines, shaking_numbers
+from flexmech.analyses.response.sprung_frame import (
+    frame_answer,
+    frame_columns,
+    frame_lines,
+    frame_numbers,
+)
 from flexmech.analyses.result import Result
 from flexmech.analyses.shaking import harmonics_table, shaking_columns
 from flexmech.analyses.summary import Summary
@@ -74,6 +80,7 @@ class Response(Result):
         "running_shaking_orders.png",
         "running_law.png",
         "residual.png",
+        "frame.png",
         "spectrum.png",
         "spectrogram.png",
         *_ANIMATIONS,
@@ -237,7 +244,7 @@ class Response(Result):
         for joint in self.pins:
             force = data["joint_force"].sel(joint=joint)
             columns |= columns_along(f"pin_{joint}_{{}}_N", force, "component")
-        columns |= shaking_columns(data)
+        columns |= shaking_columns(data) | frame_columns(data)
         tables = {self.stem: table_of(data, ("engine", "time"), columns)}
         if "order" in data:
             tables["running_shaking_harmonics"] = harmonics_table(data, "engine")
@@ -261,6 +268,8 @@ class Response(Result):
             figures["running_law"] = plots.plot_law(data)
         if "residual_envelope" in data:
             figures["residual"] = plots.plot_residual(data)
+        if "frame_displacement" in data:
+            figures["frame"] = plots.plot_frame_motion(data)
         if "shaking_force" in data:
             figures["running_shaking_force"] = plots.plot_running_shaking_force(data)
         if "order" in data:
@@ -336,6 +345,7 @@ class Response(Result):
             *words.load_lines(peaks, data),
             *driven_lines(data),
             *shaking_lines(data),
+            *frame_lines(data),
             *words.stress_lines(data),
             *words.shaft_lines(data),
             *words.spectrogram_lines(data),
@@ -344,7 +354,7 @@ class Response(Result):
             agreement_line(agreement, data),
         )
         return Summary(
-            (*answers.answer(data), *residual_answer(data)),
+            (*answers.answer(data), *frame_answer(data), *residual_answer(data)),
             table,
             answers.trust(data, agreement, forces),
             details,
@@ -353,7 +363,12 @@ class Response(Result):
                 *answers.disagreement(data, agreement, forces),
                 *warnings_of(data.attrs),
             ),
-            answers.numbers(data) + shaking_numbers(data) + residual_numbers(data),
+            (
+                *answers.numbers(data),
+                *shaking_numbers(data),
+                *frame_numbers(data),
+                *residual_numbers(data),
+            ),
         )
 
     def _peak_errors(self) -> xr.Dataset:

@@ -257,6 +257,8 @@ def _difference(
         "force": np.maximum(second.peak_joint_force, nothing),
         "torque": np.maximum(second.peak_driving_torque, nothing * extent),
     }
+    if "frame" in after:
+        scales["frame"] = np.maximum(after["frame"][1], ROUND_OFF * extent)
     errors: dict[str, FloatArray] = {}
     linkage = 0.0
     for name, scale in scales.items():
@@ -274,12 +276,16 @@ def _histories(
 ) -> dict[str, tuple[FloatArray, FloatArray]]:
     """Histories (N, k, components) of what has an error, and their peaks (k,)."""
     deflection, stress = deflections(engine, run), greatest_stresses(engine, run, drive)
-    return {
+    found = {
         "deflection": (deflection[..., None], peaks_between(deflection, run.time)[0]),
         "stress": (stress[..., None], peaks_between(stress, run.time)[0]),
         "force": (run.joint_force, run.peak_joint_force),
         "torque": (run.driving_torque[:, None, None], np.array([run.peak_driving_torque])),
     }
+    if run.frame is not None:
+        moved = run.frame.displacement[:, None, :2]
+        found["frame"] = moved, _sizes(moved).max(axis=0)
+    return found
 
 
 def _sizes(history: FloatArray) -> FloatArray:

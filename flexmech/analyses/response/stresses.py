@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.analyses.response.measurements import peaks_between
+from flexmech.analyses.response.sprung_frame import carried_by_frame
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine, LinkModel, bent_curvature, kinks_of
 from flexmech.linkages import Drive, RigidMotion, continuous_angles, forces_by_joints
@@ -233,7 +234,7 @@ def running_forces(engine: Engine, trajectory: Trajectory, drive: Drive) -> Link
 
 
 def carried(engine: Engine, trajectory: Trajectory, drive: Drive) -> RigidMotion:
-    """Motion of the rigid linkage at a run's samples, with what a free shaft has turned.
+    """Motion of the rigid linkage at a run's samples, on a free shaft or a frame on springs.
 
     Parameters
     ----------
@@ -248,6 +249,6 @@ def carried(engine: Engine, trajectory: Trajectory, drive: Drive) -> RigidMotion
     """
     time, linkage = trajectory.time, engine.mechanism.linkage
     if trajectory.shaft is None:
-        return drive.motion(linkage, time)
+        return carried_by_frame(engine, drive.motion(linkage, time), trajectory)
     angle = drive.crank_angle(time) + trajectory.shaft.rotation
     return linkage.motion(angle, drive.crank_speed(time), drive.crank_acceleration(time))

@@ -1,0 +1,194 @@
+"""How a frame on springs moves along a run, and what its springs put on the floor."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses.datasets import DEGREES, Columns, columns_along
+from flexmech.analyses.digits import Quantity
+from flexmech.arrays import FloatArray
+from flexmech.linear_system import Engine, carried_motion
+from flexmech.linkages import RigidMotion
+from flexmech.mechanism import SprungFrame
+from flexmech.time_domain import FrameMotion, Trajectory
+
+# Variables with a peak, the unit in which it is told, and what a number is multiplied by.
+_PEAKS = {
+    "frame_displacement": ("mm", 1e3),
+    "frame_rotation": ("deg", DEGREES),
+    "floor_force": ("N", 1.0),
+}
+
+
+def carried_by_frame(engine: Engine, motion: RigidMotion, trajectory: Trajectory) -> RigidMotion:
+    """Motion of the rigid linkage in ground axes, as a frame on springs carries it along a run.
+
+    Parameters
+    ----------
+    engine : Engine
+    motion : RigidMotion
+        On a frame that stands, at the N samples of the run.
+    trajectory : Trajectory
+
+    Returns
+    -------
+    RigidMotion
+        The same where the frame stands.
+    """
+    frame, moved = engine.mechanism.frame, trajectory.frame
+    if frame is None or moved is None:
+        return motion
+    change = _derivative(moved.rate, trajectory.time)
+    return carried_motion(frame.centre, motion, moved.displacement, moved.rate, change)
+
+
+def _derivative(rate: FloatArray, time: FloatArray) -> FloatArray:
+    """Time derivative of samples (N, 3) by a cubic spline through them."""
+    from scipy.interpolate import CubicSpline
+
+    return np.asarray(CubicSpline(time, rate, axis=0)(time, 1), dtype=float)
+
+
+def frame_variables(engine: Engine, trajectory: Trajectory, refined: Trajectory) -> xr.Dataset:
+    """Motion of a frame on springs, force on the floor, and their peaks.
+
+    Parameters
+    ----------
+    engine : Engine
+    trajectory : Trajectory
+        At the samples asked for.
+    refined : Trajectory
+        At all samples.
+
+    Returns
+    -------
+    xarray.Dataset
+        Empty where the frame stands.
+    """
+    frame, moved, every = engine.mechanism.frame, trajectory.frame, refined.frame
+    if frame is None or moved is None or every is None:
+        return xr.Dataset()
+    peaks = every.displacement, _floor_force(frame, every)
+    return xr.Dataset(
+        {
+            "frame_displacement": (("time", "component"), moved.displacement[:, :2]),
+            "frame_rotation": ("time", moved.displacement[:, 2]),
+            "floor_force": (("time", "component"), _floor_force(frame, moved)),
+            "peak_frame_displacement": float(np.hypot(*peaks[0][:, :2].T).max()),
+            "peak_frame_rotation": float(np.abs(peaks[0][:, 2]).max()),
+            "peak_floor_force": float(np.hypot(*peaks[1].T).max()),
+        }
+    )
+
+
+def _floor_force(frame: SprungFrame, moved: FrameMotion) -> FloatArray:
+    """Resultant of the springs and their dampers on the floor in ground axes, (N, 2)."""
+    force = moved.displacement @ frame.stiffness + moved.rate @ frame.damping
+    return np.asarray(force[:, :2])
+
+
+def frame_numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
+    """Greatest displacement and rotation of a frame on springs, and force on the floor.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a response.
+
+    Returns
+    -------
+    tuple of Quantity
+        ``peak_frame_displacement``, ``peak_frame_rotation`` and ``peak_floor_force``; of the first
+        engine. The error is that by step, component modes and mesh, or the difference of two
+        engines where that is more. None where the frame stands.
+    """
+    found = []
+    for name, (unit, factor) in _PEAKS.items():
+        peaks = dataset.get(f"peak_{name}")
+        if peaks is None:
+            continue
+        first = float(peaks[0])
+        known = [
+            float(dataset[f"{cause}_error_of_peak_frame"].max()) * first
+            for cause in ("step", "reduction", "mesh")
+            if f"{cause}_error_of_peak_frame" in dataset
+        ]
+        error = max(sum(known), float(abs(peaks - first).max()))
+        if math.isfinite(first) and first:
+            found.append(Quantity(f"peak_{name}", factor * first, unit, factor * error, ""))
+    return tuple(found)
+
+
+def frame_answer(dataset: xr.Dataset) -> tuple[str, ...]:
+    """How far a frame on springs moves, and what its springs put on the floor.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a response.
+
+    Returns
+    -------
+    tuple of str
+        None where the frame stands.
+    """
+    told = {one.name.removeprefix("peak_"): one for one in frame_numbers(dataset)}
+    said = {
+        "frame_displacement": "moves by at most {}",
+        "frame_rotation": "turns by at most {}",
+        "floor_force": "its springs put up to {} on the floor",
+    }
+    parts = [words.format(told[name]) for name, words in said.items() if name in told]
+    if not parts:
+        return ()
+    *before, last = parts
+    return (f"The frame {' and '.join(before)}; {last}." if before else f"Of the frame {last}.",)
+
+
+def frame_lines(dataset: xr.Dataset) -> list[str]:
+    """Where the frame's natural frequencies are, and how its force on the floor compares.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a response.
+
+    Returns
+    -------
+    list of str
+        None where the frame stands.
+    """
+    if "floor_force" not in dataset:
+        return []
+    shaking = (dataset["shaking_force"] ** 2).sum("component") ** 0.5
+    pairs = zip(
+        dataset["engine"].values,
+        shaking.max("time").values,
+        dataset["peak_floor_force"].values,
+        strict=True,
+    )
+    told = (f"{force:.4g} N by {floor:.4g} N ({engine})" for engine, force, floor in pairs)
+    return [
+        "frame: on springs; the greatest shaking force on it is answered on the floor: "
+        f"{', '.join(told)}; joint forces and the shaking force are in ground axes"
+    ]
+
+
+def frame_columns(dataset: xr.Dataset) -> Columns:
+    """Columns of a table for a frame on springs; none where it stands.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a response.
+    """
+    if "frame_displacement" not in dataset:
+        return {}
+    return {
+        **columns_along("frame_{}_m", dataset["frame_displacement"], "component"),
+        "frame_rotation_deg": "frame_rotation",
+        **columns_along("floor_force_{}_N", dataset["floor_force"], "component"),
+    }
