@@ -99,6 +99,7 @@ from .mechanism import JointPin as JointPin
 from .mechanism import Mechanism as Mechanism
 from .mechanism import PinEye as PinEye
 from .mechanism import PointMass as PointMass
+from .mechanism import SprungFrame as SprungFrame
 from .modelfile import load_mechanism as load_mechanism
 from .multibody import ExudynEngine as ExudynEngine
 from .multibody import ExudynSystem as ExudynSystem

@@ -4,7 +4,11 @@ from flexmech.mechanism.drawing import drawing, drawn_parts
 from flexmech.mechanism.joint_pins import JointPin, PinEye
 from flexmech.mechanism.mechanism import Mechanism
 from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
-from flexmech.mechanism.sprung_frame import FrameSpring, SprungFrame
+from flexmech.mechanism.sprung_frame import (
+    FrameSpring,
+    SprungFrame,
+    require_standing_frame,
+)
 
 __all__ = [
     "AttachedBody",
@@ -18,4 +22,5 @@ __all__ = [
     "Wetting",
     "drawing",
     "drawn_parts",
+    "require_standing_frame",
 ]

@@ -180,6 +180,7 @@ def exudyn_system(
         raise InputError(
             f"the {asked.name} engine has no Exudyn system; give flexmech.ExudynEngine(mechanism)"
         )
+    asked.require_standing_frame("the exported system")
     report, request = progress or silent, _request(speed, speed_unit, asked.mechanism)
     [chosen], _ = engines_in_state([asked], request, environment)
     with one_thread():

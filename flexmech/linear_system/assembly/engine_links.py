@@ -25,7 +25,7 @@ from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
 from flexmech.linear_system.loads.connectors import Connectors
 from flexmech.linear_system.loads.inertia_loads import inertia_loads
 from flexmech.linkages import RigidMotion, Topology
-from flexmech.mechanism import Mechanism
+from flexmech.mechanism import Mechanism, require_standing_frame
 
 
 class EngineLinks(ElementKinds):
@@ -332,6 +332,21 @@ class EngineLinks(ElementKinds):
                 f"{what} turns the shaft as prescribed, and that of this engine is free; "
                 "use shaft 'prescribed'"
             )
+
+    def require_standing_frame(self, what: str = "this computation") -> None:
+        """Refuse a frame on springs where the linkage is on the ground.
+
+        Parameters
+        ----------
+        what : str
+            Computation in which it is.
+
+        Raises
+        ------
+        InputError
+            If the mechanism has a frame on springs.
+        """
+        require_standing_frame(self.mechanism.frame, what)
 
     def fastest(self, motion: RigidMotion) -> FloatArray:
         """Greatest angular velocity of a link in a motion in rad/s, (1,); (D,) of a stack."""

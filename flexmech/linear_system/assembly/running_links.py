@@ -66,6 +66,7 @@ class RunningLinks(DisplacedLinks):
         -------
         RunningLinks
         """
+        engine.require_standing_frame("the strength of links")
         connectors, acting = engine.connectors, []
         if connectors.any:
             acting = connectors.point_forces(motion, displacement, time)

@@ -108,6 +108,7 @@ class DisplacedLinks:
             If the equilibrium does not converge or is unstable; names the crank angle.
         """
         engine.require_prescribed_shaft("a quasi-static equilibrium")
+        engine.require_standing_frame("the strength of links")
         for load in engine.mechanism.loads:
             if load.over == "time":
                 raise InputError(

@@ -218,6 +218,7 @@ class LinkageUnderImpact:
         direction: LinkDirection,
     ) -> None:
         linkage.engine.require_prescribed_shaft("a run with impacts")
+        linkage.engine.require_standing_frame("a run with impacts")
         self._linkage, self._step = linkage, step
         topology = linkage.frames.topology
         struck, self._place = hit.index(topology), seen.index(topology)

@@ -125,6 +125,7 @@ class SampledTurn:
         -------
         SampledTurn
         """
+        engine.require_standing_frame("a motion with periodic coefficients")
         speed = float(motion.crank_speed[0])
         # What is constant is solved exactly, in all coordinates.
         reduces = not (is_constant_turn(engine, motion) or engine.turns_as_one_body)

@@ -241,6 +241,7 @@ def simulated_orbit(
     ComputationError
         If the iteration does not close the orbit, or the crank speed is critical.
     """
+    linkage.engine.require_standing_frame("a simulated periodic motion")
     (monodromy, forced), n = turn_map(linkage, steps), linkage.size
     state = _fixed_point(linkage, monodromy, forced)
     gain = np.linalg.inv(np.eye(2 * n) - monodromy)
