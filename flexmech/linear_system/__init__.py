@@ -40,12 +40,7 @@ from flexmech.linear_system.assembly.straight_links import (
     with_rigid_links,
 )
 from flexmech.linear_system.assembly.system import LinearSystem, condense
-from flexmech.linear_system.joints.carried_linkage import (
-    COORDINATES,
-    CarriedLinkage,
-    carried_motion,
-    turned,
-)
+from flexmech.linear_system.joints.carried_linkage import COORDINATES, CarriedLinkage
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.link_place import DependentRows
 from flexmech.linear_system.joints.position_errors import (
@@ -170,7 +165,6 @@ __all__ = [
     "bent_curvature",
     "body_nodes",
     "body_turns",
-    "carried_motion",
     "chain_matrices",
     "chain_matrix",
     "check_elastic",
@@ -202,7 +196,6 @@ __all__ = [
     "swelling_force",
     "ties_beyond_pins",
     "times",
-    "turned",
     "whole",
     "with_rigid_links",
 ]

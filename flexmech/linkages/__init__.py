@@ -1,6 +1,7 @@
 """Rigid linkages: topology, kinematics and inverse dynamics. No elasticity here."""
 
 from flexmech.linkages.attachments import GROUND, AttachmentPoint, JointSpring, Load, Spring
+from flexmech.linkages.carried_motion import carried_motion, turned
 from flexmech.linkages.coupler_curves.curve import CouplerCurve, CouplerPoint, coupler_sextic
 from flexmech.linkages.coupler_curves.double_points import (
     DoublePoint,
@@ -87,6 +88,7 @@ __all__ = [
     "TransmissionDesign",
     "Weld",
     "assemblable",
+    "carried_motion",
     "circuit_of",
     "connections",
     "continuous_angles",
@@ -106,5 +108,6 @@ __all__ = [
     "synthesize_crank_rocker",
     "time_ratio",
     "transmission_design",
+    "turned",
     "unit_law",
 ]

@@ -185,7 +185,7 @@ class RigidMotion:
         -------
         ndarray, shape (..., 2)
         """
-        turning = self.angular_velocity[..., link, None] * _quarter_turn(self.arm(link, x, y))
+        turning = self.angular_velocity[..., link, None] * quarter_turn(self.arm(link, x, y))
         return np.asarray(self.origin_velocity[..., link, :] + turning)
 
     def acceleration(self, link: int, x: ArrayLike, y: ArrayLike = 0.0) -> FloatArray:
@@ -203,7 +203,7 @@ class RigidMotion:
         ndarray, shape (..., 2)
         """
         arm = self.arm(link, x, y)
-        tangential = self.angular_acceleration[..., link, None] * _quarter_turn(arm)
+        tangential = self.angular_acceleration[..., link, None] * quarter_turn(arm)
         centripetal = self.angular_velocity[..., link, None] ** 2 * arm
         return np.asarray(self.origin_acceleration[..., link, :] + tangential - centripetal)
 
@@ -213,6 +213,6 @@ def cross(first: FloatArray, second: FloatArray) -> FloatArray:
     return np.asarray(first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0])
 
 
-def _quarter_turn(vector: FloatArray) -> FloatArray:
+def quarter_turn(vector: FloatArray) -> FloatArray:
     """Vectors (..., 2) turned by 90 deg to the left."""
     return np.stack([-vector[..., 1], vector[..., 0]], axis=-1)

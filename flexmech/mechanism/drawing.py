@@ -22,6 +22,7 @@ from flexmech.linkages import (
 )
 from flexmech.mechanism.joint_pins import JointPin
 from flexmech.mechanism.parts import AttachedBody, PointMass
+from flexmech.mechanism.sprung_frame import SprungFrame
 
 
 class _Drawable(Protocol):
@@ -47,6 +48,8 @@ class _Drawable(Protocol):
     def shaft_inertia(self) -> float: ...
     @property
     def drive(self) -> Drive | None: ...
+    @property
+    def frame(self) -> SprungFrame | None: ...
     @property
     def gravity(self) -> tuple[float, float]: ...
 
@@ -166,7 +169,7 @@ def _largest(load: Load) -> dict[str, Any]:
 
 
 def attachment_lines(mechanism: _Drawable) -> list[str]:
-    """Bodies, loads, springs and the shaft in words, a line for each kind that there is."""
+    """Bodies, loads, springs, shaft and frame in words, a line for each kind that there is."""
     inertia = mechanism.shaft_inertia
     kinds = {
         "bodies": [_body(body) for body in mechanism.bodies],
@@ -180,6 +183,7 @@ def attachment_lines(mechanism: _Drawable) -> list[str]:
         "diameters of pins": [pin.described() for pin in mechanism.joint_pins],
         "shaft": [f"{inertia:.6g} kg m^2"] if inertia else [],
         "drive": [] if mechanism.drive is None else [mechanism.drive.words],
+        "frame": [] if mechanism.frame is None else [mechanism.frame.words],
     }
     return [f"{kind}: {'; '.join(texts)}" for kind, texts in kinds.items() if texts]
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from html import escape
 
 from numpy.typing import ArrayLike
 
@@ -24,8 +23,6 @@ from flexmech.linkages import (
     Topology,
     continuous_angles,
     inverse_dynamics,
-    linkage_positions,
-    picture_crank_angle,
 )
 from flexmech.materials import REFERENCE_TEMPERATURE
 from flexmech.mechanism.checks import (
@@ -39,8 +36,9 @@ from flexmech.mechanism.checks import (
     places_apart,
     sprung_linkage,
 )
-from flexmech.mechanism.drawing import attachment_lines, drawing
+from flexmech.mechanism.drawing import attachment_lines
 from flexmech.mechanism.joint_pins import JointPin
+from flexmech.mechanism.notebook import notebook_html
 from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
 from flexmech.mechanism.sprung_frame import SprungFrame
 from flexmech.mechanism.tables import (
@@ -212,31 +210,7 @@ class Mechanism:
         return short_repr(self, f"{self.provenance.name:.60}", kind, *links)
 
     def _repr_html_(self) -> str:
-        from flexmech.plots import figure_html, plot_linkage
-
-        dataset = linkage_positions(self.linkage, picture_crank_angle(self.linkage))
-        figure = plot_linkage(
-            dataset.assign_attrs(mechanism=self.provenance.name, drawing=drawing(self))
-        )
-        headings = ("link", "length (mm)", "mass (g)", "EA (N)", "EI (N m²)", "thickness (mm)")
-        rows: list[tuple[str, ...]] = [headings]
-        for link in self.linkage.topology.links:
-            length, section = link.length * 1e3, self.sections.get(link.name)
-            if section is None:
-                mass = self.link_mass(link.name).moment(0)
-                rows.append((link.name, f"{length:.5g}", f"{1e3 * mass:.5g}", "rigid", "rigid", ""))
-                continue
-            numbers = (
-                length,
-                section.mass_per_length * link.length * 1e3,
-                section.axial_stiffness,
-                section.bending_stiffness,
-                section.in_plane_thickness * 1e3,
-            )
-            rows.append((link.name, *(f"{number:.5g}" for number in numbers)))
-        cells = ("".join(f"<td>{escape(text)}</td>" for text in row) for row in rows)
-        table = "".join(f"<tr>{row}</tr>" for row in cells)
-        return f"<p>{escape(repr(self))}</p>{figure_html(figure)}<table>{table}</table>"
+        return notebook_html(self)
 
     def link_mass(self, link: str) -> LinkMass:
         """Mass of one link with its point masses, bodies and the joints that it leads or slides."""

@@ -176,6 +176,13 @@ class SprungFrame:
         squares = np.linalg.eigvalsh(half[:, None] * self.stiffness * half)
         return np.asarray(np.sqrt(squares) / (2 * np.pi), dtype=float)
 
+    @property
+    def words(self) -> str:
+        """Its mass, its springs, and its natural frequencies without the linkage."""
+        alone = ", ".join(f"{value:.4g}" for value in self.natural_frequencies)
+        count = f"{len(self.springs)} spring{'s' if len(self.springs) > 1 else ''}"
+        return f"{self.mass:.6g} kg on {count}, alone at {alone} Hz"
+
     def to_table(self) -> TomlTable:
         """Table ``[frame]`` of a model file."""
         return {

@@ -11,6 +11,7 @@ from flexmech.time_domain.equations_of_motion.reduced_links import (
     is_reduced,
     stretches_in_runs,
 )
+from flexmech.time_domain.equations_of_motion.static_balance import static_balance
 from flexmech.time_domain.integrators.runs import (
     LinkageUnderImpact,
     linear_run,
@@ -76,6 +77,7 @@ __all__ = [
     "rigid_torque",
     "simulated_orbit",
     "simulator",
+    "static_balance",
     "step_lag",
     "stretches_in_runs",
 ]

@@ -13,7 +13,7 @@ from flexmech.analyses.response.plan import lowest_axial_frequency
 from flexmech.dynamical_systems import LowPass, parabolic_work, step_operators
 from flexmech.dynamical_systems.lobatto import MARCH_ON, WEIGHTS
 from flexmech.linkages import CrankDrive, JointSpring
-from flexmech.time_domain import DrivenLinkage, linear_run, step_lag
+from flexmech.time_domain import DrivenLinkage, linear_run, static_balance, step_lag
 from flexmech.time_domain.integrators import stretch_march as march_module
 from flexmech.time_domain.integrators.linear_march import StepTable
 from flexmech.time_domain.integrators.position_table import PositionTable
@@ -78,7 +78,7 @@ def test_work_of_the_shaft_is_energy(linkage):
     """With the fourth order of the step, where what is fast is not shaken from the start."""
     time = 0.1 * linkage.drive.revolution_time * np.linspace(0.0, 1.0, 10)
     equations = linkage.quasi_static_equations(np.zeros(1))
-    still = linkage.balanced(equations.quasi_static()[0])
+    still = static_balance(linkage, equations.quasi_static()[0])
     pulled, tangent = linkage.stretch.static_force(
         linkage.stretch.pin_rotations(equations.motion), still
     )

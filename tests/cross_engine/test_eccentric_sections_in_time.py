@@ -28,7 +28,7 @@ from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine, whole
 from flexmech.materials import Material
 from flexmech.sections import BeamSection
-from flexmech.time_domain import DrivenLinkage, LinkState, linear_run
+from flexmech.time_domain import DrivenLinkage, LinkState, linear_run, static_balance
 from flexmech.time_domain.equations_of_motion import turning_sections
 from tests.cross_engine.test_composite_sections import UNSYMMETRIC, fourbar
 from tests.cross_engine.test_two_drawings import heavy_strip
@@ -74,7 +74,7 @@ def small_motions(engine: Engine, speed: float) -> FloatArray:
     """Three frequencies of a run about where it could rest."""
     linkage = DrivenLinkage(engine, CrankDrive(speed), stretches=True)
     assert linkage.stretch is not None
-    rest, now = linkage.balanced(np.zeros(linkage.size)), linkage.equations(np.zeros(1))
+    rest, now = static_balance(linkage, np.zeros(linkage.size)), linkage.equations(np.zeros(1))
     _, tangent = linkage.stretch.static_force(linkage.stretch.pin_rotations(now.motion), rest)
     mass, still = now.mass[0], np.zeros_like(now.mass[0])
     first = np.block([[np.eye(len(mass)), still], [still, mass]])

@@ -10,6 +10,20 @@ from tests.unit.plot_data import response_dataset
 __all__ = ["running_shaking_dataset"]
 
 
+def framed_dataset() -> xr.Dataset:
+    """A response with a frame on springs that two engines know to a percent of each other."""
+    data = response_dataset()
+    time = data["time"].values
+    moved = np.stack([2e-4 * np.sin(40.0 * time), 5e-5 * np.cos(70.0 * time)], axis=-1)
+    both = np.stack([moved, 1.01 * moved])
+    over = ("engine", "time", "component")
+    return data.assign(
+        frame_displacement=(over, both),
+        frame_rotation=(over[:2], 3.0 * both[..., 0]),
+        floor_force=(over, 4e4 * both),
+    )
+
+
 def running_shaking_dataset() -> xr.Dataset:
     data = response_dataset()
     angle, time = data["crank_angle"].values, data["time"].values

@@ -10,7 +10,7 @@ import pytest
 from flexmech import ReferenceEngine
 from flexmech.errors import ComputationError
 from flexmech.linkages import CrankDrive
-from flexmech.time_domain import DrivenLinkage, LinkState, simulated_orbit
+from flexmech.time_domain import DrivenLinkage, LinkState, simulated_orbit, static_balance
 from flexmech.time_domain.integrators import stretch_march
 from flexmech.time_domain.integrators.stage_operators import stage_operators
 from flexmech.time_domain.periodic_motion import nonlinear_orbit as orbits
@@ -64,7 +64,7 @@ def test_newtons_method_goes_to_round_off_and_holds_a_link_at_rest(unit_arm, mon
     """In its own frame an arm that turns evenly rests, once it is stretched."""
     engine = ReferenceEngine(unit_arm(100.0), elements=2)
     linkage = DrivenLinkage(engine, CrankDrive(1.0), "none", stretches=True)
-    rest = linkage.balanced(np.zeros(linkage.size))
+    rest = static_balance(linkage, np.zeros(linkage.size))
     time = np.array([STEP, 2 * STEP])
     rows = stage_operators(linkage.equations(time), linkage.stretch, 2 * STEP)
     forces = stretch_march.StretchForces(linkage.stretch, 2, 2 * STEP)

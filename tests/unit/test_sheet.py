@@ -45,7 +45,7 @@ from tests.unit.plot_data import (
 )
 from tests.unit.roved_hammer import roved_dataset
 from tests.unit.running_hammer_data import running_hammer_dataset
-from tests.unit.shaking_data import running_shaking_dataset
+from tests.unit.shaking_data import framed_dataset, running_shaking_dataset
 from tests.unit.stability_data import stability_dataset
 from tests.unit.strength_data import strength_dataset
 
@@ -135,6 +135,7 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_floquet_frequencies: (stability_dataset, 1),
     plots.plot_floquet_harmonics: (stability_dataset, 4),
     plots.plot_forces: (response_dataset, 7),
+    plots.plot_frame_motion: (framed_dataset, 5),
     plots.plot_frequencies: (frequency_dataset, 4),
     plots.plot_frequency_bands: (uncertainty_dataset, 2),
     plots.plot_frf: (hammer_dataset, 6),

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 import flexmech
 from flexmech.cli.application import app
 from flexmech.errors import InputError
-from flexmech.linear_system import carried_motion
+from flexmech.linkages import carried_motion
 from tests.unit.sprung_frame_data import FRAME, framed_file, sprung
 
 

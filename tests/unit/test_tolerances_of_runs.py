@@ -12,7 +12,7 @@ from flexmech import CrankDrive, FourBar, Mechanism, ReferenceEngine, natural_fr
 from flexmech.dynamical_systems import VibrationState
 from flexmech.materials import Material
 from flexmech.sections import BeamSection
-from flexmech.time_domain import DrivenLinkage
+from flexmech.time_domain import DrivenLinkage, static_balance
 from flexmech.time_domain.equations_of_motion import (
     natural_coordinates,
     reduced_links,
@@ -42,7 +42,7 @@ def eccentric(
 def at_rest(engine: ReferenceEngine, speed: float = 8.0) -> np.ndarray:
     """Displacements of all links of a run in balance."""
     linkage = DrivenLinkage(engine, CrankDrive(speed), stretches=True)
-    z = linkage.balanced(np.zeros(linkage.size))
+    z = static_balance(linkage, np.zeros(linkage.size))
     nothing = np.zeros((1, linkage.size))
     state = linkage.link_state(
         linkage.equations(np.zeros(1)), VibrationState(z[None], nothing, nothing)

@@ -10,8 +10,8 @@ import xarray as xr
 from flexmech.analyses.datasets import DEGREES, Columns, columns_along
 from flexmech.analyses.digits import Quantity
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import Engine, carried_motion
-from flexmech.linkages import RigidMotion
+from flexmech.linear_system import Engine
+from flexmech.linkages import RigidMotion, carried_motion
 from flexmech.mechanism import SprungFrame
 from flexmech.time_domain import FrameMotion, Trajectory
 

@@ -13,7 +13,13 @@ from flexmech.choices import Prestress
 from flexmech.dynamical_systems import VibrationState
 from flexmech.linear_system import COORDINATES, Engine, LinkFrames, RotationTerms
 from flexmech.linkages import Drive, Load, RigidMotion
-from flexmech.time_domain import DrivenLinkage, FrameMotion, LinkState, periodic_state
+from flexmech.time_domain import (
+    DrivenLinkage,
+    FrameMotion,
+    LinkState,
+    periodic_state,
+    static_balance,
+)
 
 # Time over which a quasi-static start differentiates its displacement, in turns: the difference is
 # of second order, so that its error is 1e-8 and its round-off 1e-11 over the displacement.
@@ -225,7 +231,7 @@ def _stretching_start(
         return _stretching_on_periodic_motion(linkage, request, step)
     position, _ = linkage.coordinates(_equilibrium(linkage.engine, request.drive))
     time = _start_times(request.drive)
-    still = np.stack([linkage.balanced(position, float(t)) for t in time])
+    still = np.stack([static_balance(linkage, position, float(t)) for t in time])
     return VibrationState(still[0], _rate(still, time), np.zeros_like(position))
 
 

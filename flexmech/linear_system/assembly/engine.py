@@ -31,8 +31,7 @@ from flexmech.linear_system.assembly.batches import (
 from flexmech.linear_system.assembly.engine_links import EngineLinks
 from flexmech.linear_system.assembly.free_shaft import FreeShaft
 from flexmech.linear_system.assembly.reduced_system import Connect, reduced_system, unreduced_system
-from flexmech.linear_system.assembly.system import LinearSystem
-from flexmech.linear_system.joints.carried_linkage import CarriedLinkage
+from flexmech.linear_system.assembly.system import LinearSystem, on_frame
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.position_errors import TooManyModesError
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
@@ -343,34 +342,23 @@ class Engine(EngineLinks):
                     "modes or more elements",
                     most_modes=system.size,
                 )
-            return self._carried(self._with_rigid_modes(system))
+            return self._completed(system)
         greatest = self.fastest(motion) if fastest is None else np.abs(np.atleast_1d(fastest))
         greatest = greatest if terms.any else 0 * greatest
         loaded = not stressed.unstressed and any(t.ndim == 3 for t in stressed.tangent)
         reduction = self._reduction(modes or SYSTEM_MODES, greatest, loaded, detail)
         if reduction.frames.rigid.size:
             motion = self.frames.displaced(motion, stressed.displacement)
-        system = reduced_system(self.links, reduction, motion, stressed, terms, connect)
-        return self._carried(self._with_rigid_modes(system))
-
-    def _carried(self, system: LinearSystem) -> LinearSystem:
-        """The system with the coordinates of a frame on springs, if there is one."""
-        frame = self.mechanism.frame
-        if frame is None:
-            return system
-        carried = CarriedLinkage.of(
-            frame, system.frames, self.links, self.mechanism.gravity, system.bases
+        return self._completed(
+            reduced_system(self.links, reduction, motion, stressed, terms, connect)
         )
-        own = SystemMatrices(system.mass, system.damping, system.stiffness)
-        matrices = carried.added(system.motion, own, system.terms, system.expansion)
-        return replace(system, **vars(matrices), carried=carried, unit_mass_from=None)
 
-    def _with_rigid_modes(self, system: LinearSystem) -> LinearSystem:
-        """The system with its number of rigid modes, and whether forces circulate."""
-        circulates = self.connectors.circulates
-        if not (self.rigid_modes or circulates):
-            return system
-        return replace(system, rigid_modes=self.rigid_modes, circulates=circulates)
+    def _completed(self, system: LinearSystem) -> LinearSystem:
+        """The system with its rigid modes counted, on its frame, and whether forces circulate."""
+        if (frame := self.mechanism.frame) is not None:
+            system = on_frame(system, frame, self.links, self.mechanism.gravity)
+        circulates, rigid = self.connectors.circulates, self.rigid_modes
+        return replace(system, rigid_modes=rigid, circulates=circulates)
 
     def _connect(
         self,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,11 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.carried_linkage import COORDINATES, CarriedLinkage
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.chains import times, whole
+from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
+from flexmech.mechanism import SprungFrame
 
 
 @dataclass(frozen=True)
@@ -168,6 +171,30 @@ class LinearSystem:
             axes = np.stack([along[:, number], across[:, number]], axis=1)
             parts.append(np.einsum("bmsc,bcd->bmsd", local, axes))
         return np.stack(parts, axis=2)
+
+
+def on_frame(
+    system: LinearSystem,
+    frame: SprungFrame,
+    links: Sequence[LinkModel],
+    gravity: tuple[float, float],
+) -> LinearSystem:
+    """A system with the coordinates of the frame on springs that carries the linkage.
+
+    Parameters
+    ----------
+    system : LinearSystem
+        On a frame that stands.
+    frame : SprungFrame
+    links : sequence of LinkModel
+        Unreduced.
+    gravity : tuple of float
+        In ground axes, m/s^2.
+    """
+    carried = CarriedLinkage.of(frame, system.frames, links, gravity, system.bases)
+    own = SystemMatrices(system.mass, system.damping, system.stiffness)
+    matrices = carried.added(system.motion, own, system.terms, system.expansion)
+    return replace(system, **vars(matrices), carried=carried, unit_mass_from=None)
 
 
 def condense(

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linear_system import turned
+from flexmech.linkages import turned
 from flexmech.mechanism import Mechanism, SprungFrame
 from flexmech.multibody.items import ItemNumber, SystemItems
 from flexmech.multibody.running.closure import JoinedEnd
-from flexmech.time_domain import FrameMotion
+from flexmech.time_domain import FrameMotion, StepBlock
 
 
 @dataclass(frozen=True)
@@ -126,10 +126,10 @@ class FrameBody:
         rate = moved.rate[:, :2] + spin * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
         return moved.displacement[:, :2] + arm - lever, rate
 
-    def energies(
-        self, moved: FrameMotion, gravity: tuple[float, float]
-    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Kinetic, strain and gravity energy in J, and power of the dampers in W, (m,) each."""
+    def added(
+        self, block: StepBlock, moved: FrameMotion, gravity: tuple[float, float]
+    ) -> StepBlock:
+        """Records of steps with the motion (m, 3) of the frame, and with its energies."""
         ends = [self.at(spring.point, moved) for spring in self.frame.springs]
         places, rates = (np.array(part) for part in zip(*ends, strict=True))
         stiffness, damping = (
@@ -138,9 +138,16 @@ class FrameBody:
         )
         kinetic = moved.rate**2 @ np.diag(self.frame.inertia_matrix) / 2
         centre = np.asarray(self.frame.centre) + moved.displacement[:, :2]
-        weight = -self.frame.mass * centre @ np.asarray(gravity)
         strain = (stiffness * places**2).sum(axis=(0, 2)) / 2
-        return kinetic, strain, weight, (damping * rates**2).sum(axis=(0, 2))
+        dissipated = (damping * rates**2).sum(axis=(0, 2))
+        return replace(
+            block,
+            kinetic_energy=block.kinetic_energy + kinetic,
+            strain_energy=block.strain_energy + strain,
+            gravity_energy=block.gravity_energy - self.frame.mass * centre @ np.asarray(gravity),
+            dissipation_power=block.dissipation_power + dissipated,
+            frame=moved,
+        )
 
     def _lever(self, place: tuple[float, float]) -> tuple[float, float]:
         """From the centre to a place in m."""

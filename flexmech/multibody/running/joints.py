@@ -179,7 +179,8 @@ def _closed_joints(
 
     def on_ground(end: LinkEnd) -> PlaceGap:
         place = _pair(place_at_start(assembly, start, end))
-        return PlaceGap(joined(end), frame and frame.joined(place), place, False)
+        leader = None if frame is None else frame.joined(place)
+        return PlaceGap(joined(end), leader, place, False)
 
     clamped = [clamp.link_end for clamp in topology.clamps]
     places = [
@@ -196,7 +197,7 @@ def _closed_joints(
     fixed = list(_attached_nodes(assembly))
     places += [PlaceGap(body, node, (0.0, 0.0), False) for body, node in fixed]
     shaft_angle = float(start.angle[assembly.base])
-    axis = frame and frame.joined((0.0, 0.0))
+    axis = None if frame is None else frame.joined((0.0, 0.0))
     angles = [
         AngleGap(joined(end), None, angle(end) - shaft_angle)
         if axis is None

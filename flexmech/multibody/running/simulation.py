@@ -13,8 +13,8 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.choices import Integrator, LinkDirection
 from flexmech.errors import InputError
-from flexmech.linear_system import LinkModel, LinkPoint, carried_motion, displacement_row
-from flexmech.linkages import RigidMotion, Topology
+from flexmech.linear_system import LinkModel, LinkPoint, displacement_row
+from flexmech.linkages import RigidMotion, Topology, carried_motion
 from flexmech.multibody.items import Setting, applied, solver_settings
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import MovingFrames
@@ -184,8 +184,8 @@ class Simulation:
         assembly, energies = self.model.assembly, self.model.energies
         shaft = self._shaft_motion(time, position, velocity)
         motion = self._motion(time) if shaft is None else self._displaced_motion(time, shaft)
-        frame, turn = self._frame_motion(position, velocity), 0.0
-        carried = motion
+        frame = self._frame_motion(position, velocity)
+        carried, turn = motion, np.zeros(len(time))
         if frame is not None:
             carried = self._carried(motion, frame)
             turn = frame.displacement[:, 2]
@@ -211,16 +211,11 @@ class Simulation:
         if shaft is not None:
             inertia = assembly.mechanism.shaft_inertia
             kinetic += inertia * motion.crank_speed**2 / 2
-        if frame is not None:
-            assert self.model.frame is not None
-            own = self.model.frame.energies(frame, assembly.mechanism.gravity)
-            kinetic, strain = kinetic + own[0], strain + own[1]
-            gravity, dissipation = gravity + own[2], dissipation + own[3]
         work = self.model.connectors.work(time, motion, displacement, rate)
         sprung = self.model.connectors.joint_forces(motion, displacement, rate)
         strain += work.stored
         dissipation += work.dissipation
-        return StepBlock(
+        block = StepBlock(
             time=time,
             crank_speed=motion.crank_speed,
             displacement=displacement,
@@ -233,8 +228,9 @@ class Simulation:
             dissipation_power=dissipation,
             prestress_power=work.power,
             shaft=shaft,
-            frame=frame,
         )
+        body, weight = self.model.frame, assembly.mechanism.gravity
+        return block if body is None or frame is None else body.added(block, frame, weight)
 
     def _frame_motion(self, position: FloatArray, velocity: FloatArray) -> FrameMotion | None:
         """Motion of a frame on springs; None of one that stands."""

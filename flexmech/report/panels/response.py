@@ -42,6 +42,7 @@ def response_panel(results: Results) -> Panel | None:
     if not runs:
         return None
     deflection, force, shaft = list[Trace](), list[Trace](), list[Trace]()
+    frame = list[Trace]()
     links, joints = bending_links(runs[0].dataset), names_of(runs[0].dataset, "joint")
     states = {state_of(run.dataset.attrs) for run in runs}
     answer, readings, lines = list[str](), list[Reading](), list[str]()
@@ -55,6 +56,7 @@ def response_panel(results: Results) -> Panel | None:
             deflection += _deflections(shown, links)
             force += _forces(shown)
             shaft += _shaft(shown)
+            frame += _frame(shown)
             readings += _readings(run, shown, links)
         at = f"{speed}, {state_of(data.attrs)}" if len(states) > 1 else speed
         answer += [f"{at}: {line}" for line in said.answer]
@@ -86,6 +88,18 @@ def response_panel(results: Results) -> Panel | None:
                 "the prescribed one over the last turn",
                 height=310,
                 title="Free shaft: rotation and speed fluctuation",
+            )
+        )
+    if frame:
+        plots.append(
+            over_angle(
+                "frame",
+                (YAxis("x (mm)"), YAxis("y (mm)"), YAxis("rotation (deg)"), YAxis("floor (N)")),
+                frame,
+                text="Displacement and rotation of the frame on springs, and the size of the force "
+                "on the floor, over the last turn",
+                height=480,
+                title="Frame on springs: displacement, rotation, force on the floor",
             )
         )
     begun = {STARTS[str(run.dataset.attrs["start"])] for run in runs}
@@ -196,6 +210,17 @@ def _shaft(run: _Shown) -> list[Trace]:
     return [
         run.trace("free shaft", each, axis) for axis, each in enumerate((rotation, fluctuation))
     ]
+
+
+def _frame(run: _Shown) -> list[Trace]:
+    """Displacement and rotation of a frame on springs, and the size of the force on the floor."""
+    if "frame_displacement" not in run.data:
+        return []
+    own = run.own
+    along = [1e3 * own["frame_displacement"].sel(component=one).values for one in ("x", "y")]
+    turned = np.degrees(own["frame_rotation"].values)
+    lines = (*along, turned, _sizes(own["floor_force"]))
+    return [run.trace("frame", each, axis) for axis, each in enumerate(lines)]
 
 
 def _readings(run: Response, shown: _Shown, links: list[str]) -> list[Reading]:

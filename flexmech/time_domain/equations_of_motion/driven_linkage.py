@@ -21,7 +21,6 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.choices import MODES
 from flexmech.dynamical_systems import VibrationState
-from flexmech.errors import ComputationError
 from flexmech.linear_system import (
     COORDINATES,
     CarriedLinkage,
@@ -47,13 +46,6 @@ from flexmech.time_domain.equations_of_motion.reduced_links import (
 )
 from flexmech.time_domain.equations_of_motion.stress_history import StressHistory
 from flexmech.time_domain.recorded_runs.states import FrameMotion, LinkState
-
-# Newton's method for a start in balance takes four passes from the linear one; 30 are a bound of
-# work. It ends at a change of the greatest displacement whose square is less than round-off. Beside
-# stiff bars of rigid links that is larger: a small change that no longer falls is made of it.
-MOST_PASSES = 30
-CONVERGED = 1e-10
-STAGNATED = 1e-7
 
 
 class DrivenLinkage:
@@ -389,46 +381,3 @@ class DrivenLinkage:
             own = equations.stiffness[0][np.ix_(axial, axial)]
             position[axial] = np.linalg.solve(own, force[axial])
         return position
-
-    def balanced(self, position: FloatArray, time: float = 0.0) -> FloatArray:
-        """Static equilibrium z of links that stretch, under the loads at an instant, (n,).
-
-        Parameters
-        ----------
-        position : ndarray, shape (n,)
-            Near it.
-        time : float
-            In s.
-
-        Returns
-        -------
-        ndarray, shape (n,)
-
-        Raises
-        ------
-        ComputationError
-            If Newton's method does not converge.
-        """
-        assert self.stretch is not None
-        equations = self.quasi_static_equations(np.array([time]))
-        turns = self.stretch.pin_rotations(equations.motion)
-        row = np.zeros((0, self.size))
-        if self.shaft is not None:
-            row = self.shaft.force(equations.motion, np.ones(1))
-        stiffness, force, z = equations.stiffness[0], equations.force[0], np.array(position)
-        last = np.inf
-        for _ in range(MOST_PASSES):
-            pulled, tangent = self.stretch.static_force(turns, z)
-            gap = np.concatenate([force - stiffness @ z - pulled, -row @ z])
-            bordered = np.block([[stiffness + tangent, row.T], [row, np.zeros(2 * [len(row)])]])
-            change = np.linalg.solve(bordered, gap)[: self.size]
-            z += change
-            part = np.abs(change).max() / (np.abs(z).max() or 1.0)
-            if part <= CONVERGED or last <= 2 * part <= STAGNATED:
-                return z
-            last = part
-        raise ComputationError(
-            f"the links find no balance at time {time:.6g} s from which to start, crank angle "
-            f"{np.degrees(float(self.drive.crank_angle(time))):.6g} deg; lower the crank speed, or "
-            "choose start rigid"
-        )

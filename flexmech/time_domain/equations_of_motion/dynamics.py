@@ -14,15 +14,8 @@ import numpy as np
 
 from flexmech.arrays import ComplexArray, FloatArray, row_products
 from flexmech.dynamical_systems import VibrationState
-from flexmech.linear_system import (
-    COORDINATES,
-    CarriedLinkage,
-    LinkInertia,
-    MovingLink,
-    carried_motion,
-    turned,
-)
-from flexmech.linkages import RigidMotion, Topology
+from flexmech.linear_system import COORDINATES, CarriedLinkage, LinkInertia, MovingLink
+from flexmech.linkages import RigidMotion, Topology, carried_motion, turned
 from flexmech.linkages.connection_forces import (
     connection_matrix,
     connection_vectors,
