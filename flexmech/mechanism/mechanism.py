@@ -210,7 +210,7 @@ class Mechanism:
         return short_repr(self, f"{self.provenance.name:.60}", kind, *links)
 
     def _repr_html_(self) -> str:
-        return notebook_html(self)
+        return notebook_html(self, drawing(self))
 
     def link_mass(self, link: str) -> LinkMass:
         """Mass of one link with its point masses, bodies and the joints that it leads or slides."""

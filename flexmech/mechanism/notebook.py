@@ -2,23 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from html import escape
-from typing import TYPE_CHECKING
+from typing import Protocol
 
-from flexmech.linkages import linkage_positions, picture_crank_angle
-from flexmech.mechanism.drawing import drawing
-
-if TYPE_CHECKING:
-    from flexmech.mechanism.mechanism import Mechanism
+from flexmech.linkages import Linkage, LinkMass, linkage_positions, picture_crank_angle
+from flexmech.mechanism.parts import Provenance
+from flexmech.sections import BeamSection
 
 
-def notebook_html(mechanism: Mechanism) -> str:
-    """A mechanism as a notebook shows it: in words, drawn, and its links in a table."""
+class _Shown(Protocol):
+    """What a notebook shows of a mechanism."""
+
+    @property
+    def linkage(self) -> Linkage: ...
+    @property
+    def sections(self) -> Mapping[str, BeamSection]: ...
+    @property
+    def provenance(self) -> Provenance: ...
+
+    def link_mass(self, link: str) -> LinkMass: ...
+
+
+def notebook_html(mechanism: _Shown, drawing: str) -> str:
+    """A mechanism as a notebook shows it: in words, drawn, and its links in a table.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    drawing : str
+        Of :func:`flexmech.mechanism.drawing.drawing`.
+    """
     from flexmech.plots import figure_html, plot_linkage
 
     dataset = linkage_positions(mechanism.linkage, picture_crank_angle(mechanism.linkage))
     figure = plot_linkage(
-        dataset.assign_attrs(mechanism=mechanism.provenance.name, drawing=drawing(mechanism))
+        dataset.assign_attrs(mechanism=mechanism.provenance.name, drawing=drawing)
     )
     headings = ("link", "length (mm)", "mass (g)", "EA (N)", "EI (N m²)", "thickness (mm)")
     rows: list[tuple[str, ...]] = [headings]

@@ -129,7 +129,15 @@ class FrameBody:
     def added(
         self, block: StepBlock, moved: FrameMotion, gravity: tuple[float, float]
     ) -> StepBlock:
-        """Records of steps with the motion (m, 3) of the frame, and with its energies."""
+        """Records of steps with the motion of the frame and its energies.
+
+        Parameters
+        ----------
+        block : StepBlock
+        moved : FrameMotion
+        gravity : tuple of float
+            In m/s^2.
+        """
         ends = [self.at(spring.point, moved) for spring in self.frame.springs]
         places, rates = (np.array(part) for part in zip(*ends, strict=True))
         stiffness, damping = (
