@@ -36,7 +36,7 @@ from flexmech.mechanism.checks import (
     places_apart,
     sprung_linkage,
 )
-from flexmech.mechanism.drawing import attachment_lines
+from flexmech.mechanism.drawing import attachment_lines, drawing
 from flexmech.mechanism.joint_pins import JointPin
 from flexmech.mechanism.notebook import notebook_html
 from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
