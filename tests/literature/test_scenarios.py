@@ -45,6 +45,7 @@ NAMES = [
     "running_fourbars",
     "running_hammer_test",
     "six_bars",
+    "soft_frame",
     "stability_maps",
     "steel_fourbar_frequencies",
     "strength_of_a_fourbar",
