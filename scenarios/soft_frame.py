@@ -1,4 +1,4 @@
-"""How soft must the springs of a frame be, so that less of what the linkage shakes reaches the floor?
+"""How soft must a frame's springs be, so that less of what the linkage shakes reaches the floor?
 
 The aluminium four-bar turns at 20 rad/s on a frame of 2 kg, whose four springs are equally stiff
 along x and y and have a twentieth of critical damping. Their stiffness is chosen by the frequency
