@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import flexmech
+from flexmech.choices import LoadSource
 from flexmech.report import write_report
 from flexmech.report.answers import cards, report_summary
 from flexmech.report.panel import Panel

@@ -73,8 +73,7 @@ def test_a_number_and_its_unit_are_the_quantity_that_is_typed(number: float, uni
     assert rad_per_s(number, None) == number
 
 
-@given(st.floats(0.5, 50.0), st.sampled_from(sorted(UNITS)))
-def test_speeds_in_any_unit_give_the_same_numbers(speed: float, unit: str):
+def check_speed(speed: float, unit: str) -> None:
     own = with_speeds("1 rad/s")
     number = speed / UNITS[unit]
     found = flexmech.kinematics(own, number, speed_unit=unit).dataset
@@ -89,6 +88,17 @@ def test_speeds_in_any_unit_give_the_same_numbers(speed: float, unit: str):
         flexmech.KinematicsRequest(crank_speed=number, speed_unit=unit).speed_of(own),
     )
     assert requests == pytest.approx((speed,) * 4, rel=1e-14)
+
+
+@pytest.mark.parametrize(("speed", "unit"), zip((20.0, 0.5, 50.0, 7.3), UNITS, strict=True))
+def test_speeds_in_any_unit_give_the_same_numbers(speed: float, unit: str):
+    check_speed(speed, unit)
+
+
+@pytest.mark.thorough
+@given(st.floats(0.5, 50.0), st.sampled_from(sorted(UNITS)))
+def test_any_speeds_in_any_unit_give_the_same_numbers(speed: float, unit: str):
+    check_speed(speed, unit)
 
 
 def maps(engine: object, speeds: list[float] | None, unit: str | None) -> list[flexmech.Result]:
