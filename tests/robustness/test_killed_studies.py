@@ -151,7 +151,7 @@ def test_a_worker_that_is_killed_leaves_what_is_done(
             pytest.fail(f"the study ended before a worker was killed: {process.communicate()}")
         time.sleep(0.05)
     os.kill(workers[0], signal.SIGKILL)
-    _, stderr = process.communicate(timeout=60)
+    _, stderr = process.communicate(timeout=300)
     assert process.returncode == 1, stderr
     assert "a worker was lost" in stderr
     assert stderr.count("\n") == 1, stderr
