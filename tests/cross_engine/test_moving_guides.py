@@ -28,7 +28,10 @@ MODELS = Path(__file__).parents[2] / "models"
 
 @pytest.mark.parametrize(
     ("shaft", "torque"),
-    [("prescribed", "driving_torque"), ("free", "shaft_rotation")],
+    [
+        pytest.param("prescribed", "driving_torque", marks=pytest.mark.thorough),
+        ("free", "shaft_rotation"),
+    ],
 )
 def test_a_run_is_that_of_exudyn(shaft: str, torque: str, tmp_path: Path) -> None:
     """Lines that turn linearly left deflections 2e-2 off, joint forces on a free shaft 0.2."""

@@ -63,7 +63,9 @@ def test_both_engines_at_the_periodic_motion() -> None:
     np.testing.assert_allclose(exudyn, reference, rtol=1e-3)
 
 
-@pytest.mark.parametrize(("speed", "gap"), [(5.0, 6e-3), (10.0, 2.4e-2)])
+@pytest.mark.parametrize(
+    ("speed", "gap"), [(5.0, 6e-3), pytest.param(10.0, 2.4e-2, marks=pytest.mark.thorough)]
+)
 def test_slow_links_bear_what_rigid_ones_do(speed: float, gap: float) -> None:
     """Vibration adds in proportion to the square of the speed: four times at twice the speed."""
     mechanism = aluminium()
@@ -246,7 +248,9 @@ def test_batches_are_joined_in_order(monkeypatch: pytest.MonkeyPatch) -> None:
 # --- running -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("engine", [ReferenceEngine, ExudynEngine])
+@pytest.mark.parametrize(
+    "engine", [ReferenceEngine, pytest.param(ExudynEngine, marks=pytest.mark.thorough)]
+)
 def test_what_runs_is_in_balance(engine: type[Engine]) -> None:
     """D'Alembert's forces against the curvature, and against the joint forces of the run itself.
 

@@ -160,6 +160,14 @@ DRAWINGS = {
 }
 
 
+SWEPT_BY_DEFAULT = (
+    ("none", "inside a coupler", ReferenceEngine),
+    ("none", "across", ExudynEngine),
+    ("equilibrium", "across", ReferenceEngine),
+)
+"""Each engine, drawing and one of the levels; Exudyn's equilibria take seconds."""
+
+
 def frequencies(
     engine: Engine, speed: float, prestress: Prestress = "equilibrium", *, rotation_terms: bool
 ) -> FloatArray:
@@ -200,10 +208,17 @@ def test_both_have_the_same_frequencies_on_straight_links(
         np.testing.assert_allclose(body, weld, rtol=SAME)
 
 
-@ENGINES
-@pytest.mark.parametrize("name", ["across", "inside a coupler"])
 @pytest.mark.parametrize(
-    "prestress", ["none", pytest.param("axial", marks=pytest.mark.thorough), "equilibrium"]
+    ("prestress", "name", "make"),
+    [
+        pytest.param(
+            *(prestress, name, make),
+            marks=[] if (prestress, name, make) in SWEPT_BY_DEFAULT else [pytest.mark.thorough],
+        )
+        for prestress in ("none", "axial", "equilibrium")
+        for name in ("across", "inside a coupler")
+        for make in (ReferenceEngine, ExudynEngine)
+    ],
 )
 def test_both_deflect_alike_in_a_speed_sweep(
     prestress: Prestress, name: str, make: type[Engine], tmp_path: Path

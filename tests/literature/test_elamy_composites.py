@@ -330,11 +330,12 @@ def test_saved_studies_load_back_equal_and_say_the_same(
     coarse: CompositeStudy, tmp_path: Path
 ) -> None:
     files = [path.relative_to(tmp_path).as_posix() for path in coarse.save(tmp_path)]
-    tables = ["composites", "composite_claims", "composite_properties", "composite_running"]
-    assert files[:5] == [*(f"{name}.csv" for name in tables), "composites.nc"]
+    kinds = ("claims", "properties", "running", "strength")
+    tables = ["composites", *(f"composite_{kind}" for kind in kinds)]
+    assert files[:6] == [*(f"{name}.csv" for name in tables), "composites.nc"]
     # Four cases of six laminates, of two models of plies that lie in two ways and one that does
     # not.
-    assert len(files) == 5 + 120
+    assert len(files) == 6 + 120
     loaded = CompositeStudy.load(tmp_path / "composites.nc")
     xr.testing.assert_identical(loaded.dataset, coarse.dataset)
     assert loaded.summary() == coarse.summary()

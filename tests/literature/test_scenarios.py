@@ -369,7 +369,8 @@ def test_running_fourbars(scenario, expected_number, tmp_path, capsys):
     printed = capsys.readouterr().out
     assert "aluminium four-bar at 20 rad/s" in printed
     assert "moist composite four-bar at 20 rad/s" in printed
-    kinds = ["20_response", "20_forces", "20_spectrum", "20_spectrogram", "over_crank_angle"]
+    histories = ["response", "forces", "running_shaking_force", "spectrum", "spectrogram"]
+    kinds = [*(f"20_{kind}" for kind in histories), "over_crank_angle"]
     assert_pictures(tmp_path, *(f"{name}_{k}.png" for name in names for k in kinds))
 
 

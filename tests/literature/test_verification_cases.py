@@ -8,7 +8,10 @@ import pytest
 from flexmech.verification import VerificationCase, verification_cases
 
 # Parts of the titles of cases that take longer: their runs are tested by default elsewhere.
-LONG = ("Running slider-crank", "Flexible slider-crank", "Sandwich four-bar", "first turn")
+LONG = (
+    *("Running slider-crank", "Flexible slider-crank", "Sandwich four-bar", "first turn"),
+    *("portal clamped", "both ends, exudyn"),
+)
 
 
 def takes_long(case: VerificationCase) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import flexmech
+from flexmech.choices import LoadSource
 from flexmech.report import write_report
 from flexmech.report.answers import cards, report_summary
 from flexmech.report.panel import Panel
@@ -73,10 +74,13 @@ def test_several_results_are_told_apart(found: flexmech.Strength) -> None:
     assert len(names) == 7
 
 
-def test_engines_are_chosen_by_the_reader() -> None:
+@pytest.mark.parametrize(
+    "source", ["quasi-static", pytest.param("periodic", marks=pytest.mark.thorough)]
+)
+def test_engines_are_chosen_by_the_reader(source: LoadSource) -> None:
     engines = [flexmech.ReferenceEngine(composite(), 2), flexmech.ExudynEngine(composite(), 2)]
     request = flexmech.StrengthRequest(
-        crank_speed=20.0, source="periodic", elements=2, search_speed=False
+        crank_speed=20.0, source=source, elements=2, search_speed=False
     )
     shown = panel(flexmech.strength(engines, request))
     chosen = {trace.when.get("engine") for plot in shown.plots for trace in plot.traces}

@@ -203,18 +203,20 @@ def wait_for_handlers(process: subprocess.Popen[str]) -> None:
         time.sleep(0.001)
 
 
-@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="needs /proc")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
-@pytest.mark.parametrize(
-    "delay",
-    [
-        0.0,
-        0.4,
-        *(pytest.param(0.12 * n, marks=pytest.mark.thorough) for n in range(1, 50)),
-    ],
-)
-def test_a_signal_ends_a_run_in_one_line(delay: float, number: int, tmp_path: Path) -> None:
-    process = start(frequencies(tmp_path / "out"))
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> float:
+    """How long a run takes after Python answers signals, in s."""
+    process = start(frequencies(tmp_path_factory.mktemp("undisturbed") / "out"))
+    wait_for_handlers(process)
+    since = time.monotonic()
+    process.communicate()
+    assert process.returncode == 0
+    return time.monotonic() - since
+
+
+def check_signal(delay: float, number: int, folder: Path) -> None:
+    """A run that gets a signal after a time ends in one line, with a whole set or none."""
+    process = start(frequencies(folder / "out"))
     wait_for_handlers(process)
     time.sleep(delay)
     process.send_signal(number)
@@ -223,8 +225,32 @@ def test_a_signal_ends_a_run_in_one_line(delay: float, number: int, tmp_path: Pa
         return
     assert (process.returncode, stderr.count("\n")) == (128 + number, 1), stderr
     assert stderr.startswith(LINES[signal.Signals(number)])
-    assert names(tmp_path / "out") in ([], WHOLE)  # just before the end the set is there
-    assert not list(tmp_path.rglob(f"{PREFIX}*"))
+    assert names(folder / "out") in ([], WHOLE)  # just before the end the set is there
+    assert not list(folder.rglob(f"{PREFIX}*"))
+
+
+NEEDS_PROC = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="needs /proc")
+SIGNALS = pytest.mark.parametrize(
+    "number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"]
+)
+
+
+@NEEDS_PROC
+@SIGNALS
+@pytest.mark.parametrize("delay", [0.0, 0.4])
+def test_a_signal_ends_a_run_in_one_line(delay: float, number: int, tmp_path: Path) -> None:
+    check_signal(delay, number, tmp_path)
+
+
+@pytest.mark.thorough
+@NEEDS_PROC
+@SIGNALS
+@pytest.mark.parametrize("part", range(1, 26))
+def test_a_signal_at_any_time_ends_a_run_in_one_line(
+    part: int, number: int, undisturbed: float, tmp_path: Path
+) -> None:
+    """From start to end, however long these are apart."""
+    check_signal(part / 25 * undisturbed, number, tmp_path)
 
 
 @pytest.mark.thorough

@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 import flexmech
 from flexmech.analyses.frequencies.refinement import same_shapes
+from flexmech.analyses.stability import vibrating_linkage
 from flexmech.analyses.stability.edges import ClosingSearch, closing_damping_ratio
 from flexmech.cli.application import app
 from flexmech.linkages import AttachmentPoint, Load, Spring
@@ -40,15 +41,28 @@ def test_a_start_below_the_least_damping_ratio_is_closed_by_it() -> None:
     assert closing_damping_ratio(Solver(), search) == 0.0  # type: ignore[arg-type]
 
 
-def test_steps_that_do_not_fit_into_memory_are_refused(tmp_path: Path) -> None:
-    """The stiff modes of one element at a slow crank: 3.4 GB and more for minutes."""
-    model = tmp_path / "model.toml"
+def refused_steps(folder: Path) -> str:
+    """What is told of the steps for the stiff modes of one element at a slow crank."""
+    model = folder / "model.toml"
     model.write_text(template("slider-crank"), encoding="utf-8")
     options = ["--speeds", "10", "--elements", "1", "--damping-ratio", "5%"]
-    done = CliRunner().invoke(app, ["stability", str(model), *options, "--out", str(tmp_path)])
+    done = CliRunner().invoke(app, ["stability", str(model), *options, "--out", str(folder)])
     assert (done.exit_code, done.stdout) == (1, "")
-    assert "6.6 GB" in done.stderr
     assert "ask for fewer modes" in done.stderr
+    return done.stderr
+
+
+def test_steps_that_do_not_fit_into_memory_are_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(vibrating_linkage, "MOST_BYTES", 1e8)
+    assert "6.6 GB, and at most 0.1 are taken" in refused_steps(tmp_path)
+
+
+@pytest.mark.thorough
+def test_steps_that_fit_into_memory_beside_those_that_do_not(tmp_path: Path) -> None:
+    """At the speed itself half a GB is taken, and half a minute."""
+    assert "6.6 GB, and at most 4 are taken" in refused_steps(tmp_path)
 
 
 @pytest.mark.parametrize(

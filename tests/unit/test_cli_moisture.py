@@ -85,8 +85,13 @@ def test_one_link_without_pictures(model: Path, tmp_path: Path) -> None:
     assert set(pd.read_csv(out / "moisture_uptake.csv")["link"]) == {"rocker"}
 
 
-def test_times_to_saturation_of_a_bar_by_the_product() -> None:
-    data = moisture_uptake(with_sides(), 1.0, DAY, 293.15).dataset
+@pytest.fixture(scope="module")
+def wet_sides() -> MoistureUptake:
+    return moisture_uptake(with_sides(), 1.0, DAY, 293.15)
+
+
+def test_times_to_saturation_of_a_bar_by_the_product(wet_sides: MoistureUptake) -> None:
+    data = wet_sides.dataset
     wide, slab = (data.sel(link=link) for link in ("coupler", "rocker"))
     laws = ["short_time_uptake", "shen_springer_uptake"]
     assert wide[laws].to_array().isnull().all()
@@ -124,9 +129,9 @@ print(loaded.summary())
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(MoistureUptake.files)
 
 
-def test_a_loaded_result_says_the_same(tmp_path: Path) -> None:
+def test_a_loaded_result_says_the_same(wet_sides: MoistureUptake, tmp_path: Path) -> None:
     """Links with fewer cells than others are filled up with places that are not numbers."""
-    result = moisture_uptake(with_sides(), 0.85, 20 * DAY)
+    result = wet_sides
     cells = result.dataset["place"].notnull().sum("cell").values
     assert cells[0] < cells[1]
     result.save(tmp_path)

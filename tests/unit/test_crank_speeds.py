@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from typer.testing import CliRunner
 
@@ -73,8 +73,8 @@ def test_a_number_and_its_unit_are_the_quantity_that_is_typed(number: float, uni
     assert rad_per_s(number, None) == number
 
 
-@given(st.floats(0.5, 50.0), st.sampled_from(sorted(UNITS)))
-def test_speeds_in_any_unit_give_the_same_numbers(speed: float, unit: str):
+def check_speed(speed: float, unit: str) -> None:
+    """A speed in rad/s, typed in a unit, against itself."""
     own = with_speeds("1 rad/s")
     number = speed / UNITS[unit]
     found = flexmech.kinematics(own, number, speed_unit=unit).dataset
@@ -89,6 +89,20 @@ def test_speeds_in_any_unit_give_the_same_numbers(speed: float, unit: str):
         flexmech.KinematicsRequest(crank_speed=number, speed_unit=unit).speed_of(own),
     )
     assert requests == pytest.approx((speed,) * 4, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("speed", "unit"), [(20.0, "rad/s"), (0.5, "rpm"), (50.0, "rps"), (7.3, "deg/s")]
+)
+def test_speeds_in_any_unit_give_the_same_numbers(speed: float, unit: str):
+    check_speed(speed, unit)
+
+
+@pytest.mark.thorough
+@settings(deadline=None)
+@given(st.floats(0.5, 50.0), st.sampled_from(sorted(UNITS)))
+def test_any_speeds_in_any_unit_give_the_same_numbers(speed: float, unit: str):
+    check_speed(speed, unit)
 
 
 def maps(engine: object, speeds: list[float] | None, unit: str | None) -> list[flexmech.Result]:

@@ -123,8 +123,19 @@ def test_without_an_sn_line_the_turns_are_not_known() -> None:
     assert found.tables()["endurance"]["cycles_per_turn"].isna().all()
 
 
-def test_slow_links_never_fail_by_fatigue() -> None:
-    summary = flexmech.strength(MECHANISM, 190.0, speed_unit="rpm").summary()
+@pytest.mark.parametrize(
+    "asked",
+    [
+        rigid(190.0),
+        pytest.param(
+            flexmech.StrengthRequest(crank_speed=190.0, speed_unit="rpm"),
+            marks=pytest.mark.thorough,
+        ),
+    ],
+    ids=["rigid", "elastic"],
+)
+def test_slow_links_never_fail_by_fatigue(asked: flexmech.StrengthRequest) -> None:
+    summary = flexmech.strength(MECHANISM, asked).summary()
     assert len(summary.answer) == 1
     assert not summary.warnings
     assert sum("no turn brings it nearer" in str(line) for line in summary.details) == 2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -190,6 +191,16 @@ OF_SEVERAL_MECHANISMS = {
 }
 
 
+@cache
+def _made(make: Callable[[], xr.Dataset]) -> xr.Dataset:
+    return make()
+
+
+def data_of(plot: Plot) -> xr.Dataset:
+    """What a figure is drawn from, made once."""
+    return _made(FIGURES[plot][0]).copy(deep=True)
+
+
 def check_same_lines(axes: Axes, other: Axes) -> None:
     for line, wanted in zip(axes.lines, other.lines, strict=True):
         np.testing.assert_array_equal(line.get_xdata(), wanted.get_xdata())
@@ -208,8 +219,7 @@ class TestAxesOfTheUser:
 
     @pytest.mark.parametrize("plot", FIGURES, ids=lambda plot: plot.__name__)
     def test_same_content_without_a_header(self, plot: Plot) -> None:
-        make, count = FIGURES[plot]
-        dataset = make()
+        count, dataset = FIGURES[plot][1], data_of(plot)
         figure, given = users_axes(count)
         height = figure.get_figheight()
         assert plot(dataset, ax=given if count > 1 else given[0]) is figure
@@ -236,18 +246,18 @@ class TestAxesOfTheUser:
         ids=lambda plot: plot.__name__,
     )
     def test_texts_stand_apart_in_them(self, plot: Plot) -> None:
-        make, count = FIGURES[plot]
+        count = FIGURES[plot][1]
         figure, given = users_axes(count)
-        plot(make(), ax=given if count > 1 else given[0])
+        plot(data_of(plot), ax=given if count > 1 else given[0])
         check_texts(figure)
 
     @pytest.mark.parametrize("plot", FIGURES, ids=lambda plot: plot.__name__)
     def test_wrong_number_is_refused(self, plot: Plot) -> None:
-        make, count = FIGURES[plot]
+        count = FIGURES[plot][1]
         _, given = users_axes(count + 1)
         words = rf"^ax: .* {count} panels? .*{count + 1} Axes"
         with pytest.raises(InputError, match=words):
-            plot(make(), ax=given)
+            plot(data_of(plot), ax=given)
 
     def test_message_names_the_choice_that_leaves_one_panel(self) -> None:
         _, (axes,) = users_axes(1)
@@ -258,7 +268,7 @@ class TestAxesOfTheUser:
         }
         for plot, words in choices.items():
             with pytest.raises(InputError, match=words):
-                plot(FIGURES[plot][0](), ax=axes)
+                plot(data_of(plot), ax=axes)
         for wrong in ("left", [axes, 3]):
             with pytest.raises(InputError, match="ax: must be Axes of matplotlib"):
                 plots.plot_frequencies(frequency_dataset(), ax=wrong)
@@ -292,9 +302,9 @@ class TestPageWidth:
     )
     def test_every_figure_can_be_read_in_one_column(self, plot: Plot) -> None:
         """And names its mechanism, whatever the name is."""
-        make, count = FIGURES[plot]
+        count = FIGURES[plot][1]
         with plots.page_width(88):
-            figure = plot(make().assign_attrs(mechanism="weaver's $1 loom"))
+            figure = plot(data_of(plot).assign_attrs(mechanism="weaver's $1 loom"))
         assert figure.get_figwidth() * 25.4 == pytest.approx(88)
         # A page of a journal is about 240 mm high.
         assert figure.get_figheight() * 25.4 < 240

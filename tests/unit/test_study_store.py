@@ -228,7 +228,7 @@ class TestSearches:
 
     found: Any = None
 
-    @pytest.mark.parametrize("least", [5, 60])
+    @pytest.mark.parametrize("least", [pytest.param(5, marks=pytest.mark.thorough), 60])
     def test_that_are_interrupted(self, whole: Path, tmp_path: Path, least: int) -> None:
         def stop(label: str, done: int, total: int) -> None:
             del label, total

@@ -206,10 +206,23 @@ class TestSearchesThatFail:
         assert row.status == "ok"
         assert row.reason.startswith("beyond a limit: torque 0.")
 
+    FRONT = TEXT.replace('"0.33 N m"', '"0.001 N m"') + '[[goals]]\noutput = "torque"\n'
+
     def test_a_front_that_keeps_no_limit(self, tmp_path: Path) -> None:
+        """Of masses and torques that grow with the thickness."""
         pytest.importorskip("pymoo")
-        text = TEXT.replace('"0.33 N m"', '"0.001 N m"') + '[[goals]]\noutput = "torque"\n'
-        told = self.failed(tmp_path, text)
+        out = tmp_path / "out"
+        growing = Scripted(lambda designs: designs[:, :1] * [40.0, 100.0])
+        with pytest.raises(ComputationError, match="none of 2560 designs keeps every limit"):
+            optimum_study(
+                load_study(study_file(tmp_path, text=self.FRONT)), folder=out, executor=growing
+            )
+        assert self.candidate(tmp_path)[2] == pytest.approx(1e-3, rel=0.01)
+
+    @pytest.mark.thorough
+    def test_a_front_of_the_mechanism_that_keeps_no_limit(self, tmp_path: Path) -> None:
+        pytest.importorskip("pymoo")
+        told = self.failed(tmp_path, self.FRONT)
         assert "none of 2560 designs keeps every limit" in told
         # The nearest is the lightest: the torque is by its mass alone.
         assert self.candidate(tmp_path)[2] == pytest.approx(1e-3, rel=0.01)

@@ -82,7 +82,7 @@ def test_small_orders_are_in_the_table_alone() -> None:
     assert " 0: " not in told
 
 
-@pytest.mark.parametrize("speed", [SPEED, 2.0])
+@pytest.mark.parametrize("speed", [SPEED, pytest.param(2.0, marks=pytest.mark.thorough)])
 def test_steps_of_elastic_links_are_fine_enough(speed: float) -> None:
     """Chosen ones, and at 140 orders below the first frequency fixed ones, against those halved."""
     mechanism = fourbar()
