@@ -19,6 +19,7 @@ from flexmech.linkages import (
     LinkBody,
     LinkMass,
     Load,
+    MotorDrive,
     RigidMotion,
     Spring,
     Topology,
@@ -96,13 +97,12 @@ class Mechanism:
     joint_pins : tuple of JointPin
         Sizes of pins, pivots and the pins of sliders, for their strength.
     shaft_inertia : float
-        Of the shaft that drives the crank, about its axis, in kg m^2. It matters where the
-        shaft is free.
-    drive : Drive, optional
-        How the crank is meant to turn; runs take it where no speed is asked for.
+        Of the shaft that drives the crank, about its axis, in kg m^2.
+    drive : Drive or MotorDrive, optional
+        How the crank turns, or by which motor; runs take it where no speed is asked for.
     speed_unit : str
-        In which results speak of crank speeds that nobody typed, such as ``"rpm"``: the unit of
-        the last speed of a model file. It does not count in comparisons.
+        In which results speak of crank speeds that nobody typed: that of the last speed of a
+        model file. It does not count in comparisons.
 
     Raises
     ------
@@ -136,7 +136,7 @@ class Mechanism:
     joint_springs: tuple[JointSpring, ...] = ()
     joint_pins: tuple[JointPin, ...] = ()
     shaft_inertia: float = 0.0
-    drive: Drive | None = None
+    drive: Drive | MotorDrive | None = None
     speed_unit: str = field(default=ANGULAR_SPEED.unit, compare=False)
 
     def __post_init__(self) -> None:

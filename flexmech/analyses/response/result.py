@@ -14,6 +14,7 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.datasets import Columns, columns_along, table_of
+from flexmech.analyses.motor import motor_answer, motor_lines, motor_numbers
 from flexmech.analyses.remarks import drive_words, warnings_of
 from flexmech.analyses.response import answer as answers
 from flexmech.analyses.response import words
@@ -73,6 +74,7 @@ class Response(Result):
         "running_shaking_force.png",
         "running_shaking_orders.png",
         "running_law.png",
+        "running_motor.png",
         "residual.png",
         "spectrum.png",
         "spectrogram.png",
@@ -259,6 +261,8 @@ class Response(Result):
         }
         if "driving_power" in data:
             figures["running_law"] = plots.plot_law(data)
+        if "motor_torque" in data:
+            figures["running_motor"] = plots.plot_motor(data)
         if "residual_envelope" in data:
             figures["residual"] = plots.plot_residual(data)
         if "shaking_force" in data:
@@ -335,6 +339,7 @@ class Response(Result):
             *words.check_lines(data),
             *words.load_lines(peaks, data),
             *driven_lines(data),
+            *motor_lines(data),
             *shaking_lines(data),
             *words.stress_lines(data),
             *words.shaft_lines(data),
@@ -344,7 +349,7 @@ class Response(Result):
             agreement_line(agreement, data),
         )
         return Summary(
-            (*answers.answer(data), *residual_answer(data)),
+            (*motor_answer(data), *answers.answer(data), *residual_answer(data)),
             table,
             answers.trust(data, agreement, forces),
             details,
@@ -353,7 +358,12 @@ class Response(Result):
                 *answers.disagreement(data, agreement, forces),
                 *warnings_of(data.attrs),
             ),
-            answers.numbers(data) + shaking_numbers(data) + residual_numbers(data),
+            (
+                *answers.numbers(data),
+                *shaking_numbers(data),
+                *residual_numbers(data),
+                *motor_numbers(data),
+            ),
         )
 
     def _peak_errors(self) -> xr.Dataset:
