@@ -15,6 +15,7 @@ from flexmech.linkages import (
     JointSpring,
     Linkage,
     Load,
+    MotorDrive,
     Spring,
     Topology,
     drawn_joints,

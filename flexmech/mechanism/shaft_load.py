@@ -80,10 +80,8 @@ class ShaftLoad:
     ) -> tuple[FloatArray, FloatArray]:
         """Both of :meth:`inertia` and :meth:`needed` at crank angles, speeds and times; (...)."""
         at, omega = np.asarray(angle, dtype=float), np.asarray(speed, dtype=float)
-        place = at / _TURN
-        turns = np.floor(place)
-        count = len(self._pieces)
-        place = (place - turns) * count
+        turns, count = at / _TURN, len(self._pieces)
+        place = (turns - np.floor(turns)) * count
         number = np.minimum(place.astype(np.intp), count - 1)
         inside, pieces = (place - number)[..., None], self._pieces[number]
         values = pieces[..., 0, :]
@@ -102,13 +100,14 @@ class ShaftLoad:
         ahead = self._torque(self._mechanism, angle, _SPEED) - still
         back = self._torque(self._mechanism, angle, -_SPEED) - still
         pulled = self._torque(self._mechanism, angle, 0.0, _ACCELERATION) - still
+        # A torsional spring that is wound up takes more from turn to turn, evenly as it turns.
+        wound = self._torque(self._mechanism, angle + _TURN) - still
         columns = [
             pulled / _ACCELERATION,
-            still,
+            still - angle / _TURN * wound,
             (ahead - back) / (2 * _SPEED),
             (ahead + back) / (2 * _SPEED**2),
-            # A torsional spring that is wound up takes more from turn to turn.
-            self._torque(self._mechanism, angle + _TURN) - still,
+            wound,
         ]
         if self._units:
             bare = self._torque(self._bare, angle)

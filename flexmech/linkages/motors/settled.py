@@ -16,8 +16,10 @@ from flexmech.linkages.motors.shaft_equation import ShaftEquation
 # Angles of a turn at which the motion is told.
 _ANGLES = 721
 _TOLERANCE = 1e-11
-# Newton's method by differences gains some five digits a pass.
-_PASSES, _DIFFERENCE, _CONVERGED = 12, 1e-6, 1e-9
+# Over the speed near which it is sought: a motor whose torque does not fall knows no bound.
+_FAST = 1e3
+# Newton's method by differences gains some five digits a pass, once it is near.
+_PASSES, _DIFFERENCE, _CONVERGED = 40, 1e-6, 1e-9
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,11 @@ class SettledMotion:
     @property
     def fluctuation(self) -> float:
         """Coefficient of speed fluctuation: greatest less least speed over the mean."""
-        return float(np.ptp(self.speed)) / abs(self.mean_speed)
+        from scipy.interpolate import CubicSpline
+
+        spline = CubicSpline(self.crank_angle * np.sign(self.mean_speed), self.speed)
+        found = np.append(self.speed, spline(spline.derivative().roots(extrapolate=False)))
+        return float(np.ptp(found)) / abs(self.mean_speed)
 
     @property
     def mean_power(self) -> float:
@@ -104,9 +110,11 @@ def settled_motion(equation: ShaftEquation, near: FloatArray) -> SettledMotion |
         except np.linalg.LinAlgError:
             # Neutral: no turn differs from the next at any speed, or all do alike.
             return None
-        # No farther than half of the speed at once.
-        way = abs(change[0]) / (0.5 * abs(unknown[0]))
+        # At a far lower speed the slope is another one: no farther than to its double at once.
+        way = abs(change[0]) / abs(unknown[0])
         unknown = unknown + change / max(1.0, way)
+        if abs(unknown[0]) > _FAST * abs(float(near[1])):
+            return None
     return None
 
 

@@ -1,0 +1,168 @@
+"""Elastic linkages under a motor: both engines agree, energy is closed, limits are met."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from flexmech import (
+    CrankDrive,
+    DcMotor,
+    ExudynEngine,
+    InputError,
+    MotorDrive,
+    ReferenceEngine,
+    ResponseRequest,
+    SpeedControl,
+    TorqueMotor,
+    load_mechanism,
+    motor_run,
+    response,
+)
+from flexmech.linear_system import Engine
+from flexmech.linkages import Motor
+from flexmech.mechanism import with_motor_run
+from flexmech.modelfile import mechanism_from_toml
+from flexmech.time_domain import LinkState
+from tests.analytical.test_motors import SLIDER_CRANK
+
+MECHANISM = load_mechanism("models/aluminium_fourbar.toml")
+CURVE = TorqueMotor((0.0, 15.0, 20.0), (0.4, 0.3, 0.0), inertia=5e-4)
+DC = DcMotor(1.2, 0.06, 24.0, 1e-3, gear_ratio=10.0, inertia=2e-5)
+CONTROL = SpeedControl(0.5, 2.0, 15.0)
+ENGINES: list[type[Engine]] = [ReferenceEngine, ExudynEngine]
+
+
+def run(motor: Motor, control: SpeedControl | None, time: float, **asked: Any) -> xr.Dataset:
+    engines = [engine(MECHANISM, 2) for engine in ENGINES]
+    drive = MotorDrive(motor, control, time=time)
+    return response(engines, ResponseRequest(drive, samples=90, modes=2, **asked)).dataset
+
+
+def apart(data: xr.Dataset, name: str, over: str = "") -> float:
+    values = data[name].values
+    scale = np.abs(data[over or name].values).max()
+    return float(np.abs(values[1] - values[0]).max() / scale)
+
+
+@pytest.mark.parametrize(
+    ("motor", "control", "time"),
+    [
+        (CURVE, None, 0.2),
+        pytest.param(CURVE, None, 0.6, marks=pytest.mark.thorough),
+        pytest.param(DC, CONTROL, 0.1, marks=pytest.mark.thorough),
+    ],
+    ids=["curve", "long curve", "dc with control"],
+)
+def test_engines_agree(motor: Motor, control: SpeedControl | None, time: float) -> None:
+    """The shaft's own rotation away from the rigid linkage's is what elastic links do to it."""
+    data = run(motor, control, time, step=5e-5)
+    assert apart(data, "shaft_rotation") < 0.03
+    assert apart(data, "deflection") < 0.02
+    assert apart(data, "motor_torque") < 0.03
+    assert (data["energy_error"].values < [1e-4, 1e-4]).all()
+    # The torque is the motor's own at the speed that the crank has.
+    speed = data["crank_speed_over_time"] + data["crank_speed_fluctuation"]
+    np.testing.assert_allclose(data["motor_speed"], motor.gear_ratio * speed)
+    if isinstance(motor, TorqueMotor) and control is None:
+        # Both as far as the band of forces lets them through.
+        gap = np.abs(data["motor_torque"] - motor.torque(data["motor_speed"]))
+        assert float(gap.quantile(0.9)) < 2e-3 * max(motor.torques)
+
+
+def test_energy_is_closed_with_the_motors_work() -> None:
+    """The error of both falls with the step, by sixteen of Lobatto's rule and four of Exudyn's."""
+    errors = np.array(
+        [run(CURVE, None, 0.05, step=step)["energy_error"].values for step in (4e-5, 2e-5)]
+    )
+    assert (errors[1] < [1e-5, 1e-5]).all()
+    assert (errors[0] / errors[1] > [4.0, 2.0]).all()
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_heavy_flywheel_turns_as_prescribed(engine: type[Engine]) -> None:
+    """Under the torque that its speed needs; what elastic links do to it falls as one over it."""
+    away = []
+    for inertia in (0.5, 5.0):
+        heavy = replace(MECHANISM, shaft_inertia=inertia)
+        # To 10 rad/s in a twentieth of a second.
+        motor = TorqueMotor((0.0,), (200.0 * inertia,))
+        request = ResponseRequest(MotorDrive(motor, time=0.05), samples=60, modes=2, step=5e-5)
+        data = response(engine(heavy, 2), request).dataset
+        away.append(float(data["peak_shaft_rotation"].item()))
+        even = 200.0 * data["time"].values
+        speed = data["motor_speed"].values[0]
+        assert float(np.abs(speed - even).max()) < 0.05 / inertia
+    assert away[0] / away[1] == pytest.approx(10.0, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("time", "steps", "tolerance"),
+    [
+        (0.5, (1e-3, 5e-4, 2.5e-4), (1e-8, 1e-7)),
+        pytest.param(3.0, (1e-3, 5e-4, 2.5e-4), (1e-6, 1e-5), marks=pytest.mark.thorough),
+    ],
+)
+def test_v16_by_exudyns_rigid_links(
+    time: float, steps: tuple[float, ...], tolerance: tuple[float, float]
+) -> None:
+    """Extrapolated twice to steps of zero, against the rigid linkage's own equation."""
+    mechanism = mechanism_from_toml(SLIDER_CRANK)
+    rigid = motor_run(mechanism, MotorDrive(TorqueMotor((0.0,), (0.1,)), time=time))
+    engine = ExudynEngine(with_motor_run(mechanism, rigid), 1, shaft="free")
+    found = []
+    for step in steps:
+        shaft = engine.simulate(rigid, LinkState.rigid(engine.links), np.array([time]), step).shaft
+        assert shaft is not None
+        found.append([shaft.rotation[-1], shaft.rate[-1]])
+    first, second, third = np.array(found)
+    once = (4 * second - first) / 3, (4 * third - second) / 3
+    left = np.abs(16 * once[1] - once[0]) / 15
+    whole = [float(rigid.crank_angle(time)), float(rigid.crank_speed(time))]
+    assert (left < np.array(tolerance) * whole).all()
+
+
+@pytest.mark.thorough
+def test_v16_by_the_reference_engines_stiff_rod() -> None:
+    """What a rod that bends takes away falls as one over its stiffness, towards the rigid one."""
+    left = []
+    for modulus in (2e3, 2e4):
+        text = SLIDER_CRANK.replace('points = ["A", "B"]\nrigid = true', 'points = ["A", "B"]')
+        bodies = text[text.index("bodies", text.index("[links.rod]")) :].split("\n")[0]
+        section = (
+            'material = "stiff"\nsection = "rectangle"\nin_plane_thickness = "4 mm"\n'
+            f'out_of_plane_width = "{0.2 / 0.3 / 7850 / 4e-3:.17g} m"'
+        )
+        material = f'[materials.stiff]\nyoungs_modulus = "{modulus:g} GPa"\n'
+        material += 'density = "7850 kg/m^3"\npoisson_ratio = 0.3\n'
+        text = text.replace(bodies, section).replace("[links.crank]", material + "[links.crank]")
+        drive = MotorDrive(TorqueMotor((0.0,), (0.1,)), time=1.0)
+        request = ResponseRequest(drive, samples=90, modes=1, step=2.5e-4)
+        engine = ReferenceEngine(mechanism_from_toml(text), 2, "euler")
+        data = response(engine, request).dataset.isel(engine=0, time=-1)
+        left.append([float(data["shaft_rotation"]), float(data["crank_speed_fluctuation"])])
+    stiff, stiffer = np.array(left)
+    whole = np.array([float(data["crank_angle"]), float(data["crank_speed_over_time"])])
+    np.testing.assert_allclose(stiff / stiffer, 10.0, rtol=0.1)
+    extrapolated = np.abs(10 * stiffer - stiff) / 9
+    assert (extrapolated < 1e-5 * whole).all()
+
+
+def test_what_a_motor_run_cannot_be_is_refused() -> None:
+    engine = ReferenceEngine(MECHANISM, 2)
+    coupled = replace(CURVE, coupling_stiffness=5.0)
+    with pytest.raises(InputError, match="rotor of this motor is on a coupling"):
+        response(engine, ResponseRequest(MotorDrive(coupled, time=0.1)))
+    with pytest.raises(InputError, match="a motor runs up from rest"):
+        ResponseRequest(MotorDrive(CURVE, time=0.1), start="periodic")
+    with pytest.raises(InputError, match="a motor turns a free shaft"):
+        ResponseRequest(MotorDrive(CURVE, time=0.1), shaft="prescribed")
+    with pytest.raises(InputError, match="leave speed_unit and run_up_time out"):
+        ResponseRequest(MotorDrive(CURVE, time=0.1), run_up_time=1.0)
+    # A speed in place of the motor of the model is a run as ever.
+    moved = replace(MECHANISM, drive=MotorDrive(CURVE))
+    assert isinstance(ResponseRequest(20.0).of(moved).drive, CrankDrive)
