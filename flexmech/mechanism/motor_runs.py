@@ -42,7 +42,7 @@ def motor_run(
     >>> mechanism = flexmech.load_mechanism("models/slider_crank.toml")
     >>> motor = flexmech.TorqueMotor((0.0, 200.0), (0.4, 0.0), inertia=2e-4)
     >>> run = flexmech.motor_run(mechanism, flexmech.MotorDrive(motor))
-    >>> run.settled.mean_speed.__round__(6), run.stall
+    >>> round(run.settled.mean_speed, 3), run.stall
     (1, 2)
     """
     own = drive if drive is not None else mechanism.drive
@@ -72,6 +72,10 @@ def with_motor_run(mechanism: Mechanism, run: MotorRun) -> Mechanism:
         If the rotor is on a coupling: it has a motion of its own.
     """
     if run.equation.is_coupled:
-        raise InputError("drive: the rotor of this motor is on a coupling")
+        raise InputError(
+            "drive: the rotor of this motor is on a coupling, which runs of elastic links do not "
+            "have; leave coupling_stiffness out, or ask for the rigid linkage by flexmech "
+            "kinematics"
+        )
     inertia = mechanism.shaft_inertia + run.drive.motor.inertia_at_crank
     return replace(mechanism, shaft_inertia=inertia)

@@ -72,13 +72,25 @@ class ShaftLoad:
         return self.parts(angle, 0.0, 0.0)[0]
 
     def needed(self, angle: ArrayLike, speed: ArrayLike, time: ArrayLike) -> FloatArray:
-        """Torque without acceleration in N m at crank angles, speeds and times; (...)."""
+        """Torque without acceleration in N m at crank angles, speeds and times; (...).
+
+        Parameters
+        ----------
+        angle, speed, time : array_like, shape (...)
+            In rad, rad/s and s.
+        """
         return self.parts(angle, speed, time)[1]
 
     def parts(
         self, angle: ArrayLike, speed: ArrayLike, time: ArrayLike
     ) -> tuple[FloatArray, FloatArray]:
-        """Both of :meth:`inertia` and :meth:`needed` at crank angles, speeds and times; (...)."""
+        """Both of :meth:`inertia` and :meth:`needed` at crank angles, speeds and times; (...).
+
+        Parameters
+        ----------
+        angle, speed, time : array_like, shape (...)
+            In rad, rad/s and s.
+        """
         at, omega = np.asarray(angle, dtype=float), np.asarray(speed, dtype=float)
         turns, count = at / _TURN, len(self._pieces)
         place = (turns - np.floor(turns)) * count

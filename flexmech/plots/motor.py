@@ -44,8 +44,8 @@ def plot_motor(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         rigid = [line_handle("rigid links", **RIGID)]
         handles = [*engine_lines(dataset), *rigid] if runs else []
         if "settled_crank_speed" in dataset:
-            handles.append(line_handle("settled, rigid links", **SETTLED))
-        drawn.header(handles, f"Motor\n{reading.conditions(dataset)}", of=dataset)
+            handles.append(line_handle("range once settled (rigid links)", **SETTLED))
+        drawn.header(handles, f"Crank and motor\n{reading.conditions(dataset)}", of=dataset)
         scales.label_times(drawn, dataset)
         _draw_speed(drawn.panels[0], dataset, runs=runs)
         for axes, (name, units, what) in zip(drawn.panels[1:], panels, strict=False):

@@ -52,35 +52,51 @@ def apart(data: xr.Dataset, name: str, over: str = "") -> float:
 @pytest.mark.parametrize(
     ("motor", "control", "time"),
     [
-        (CURVE, None, 0.2),
-        pytest.param(CURVE, None, 0.6, marks=pytest.mark.thorough),
+        pytest.param(CURVE, None, 0.3, marks=pytest.mark.thorough),
         pytest.param(DC, CONTROL, 0.1, marks=pytest.mark.thorough),
+        (CURVE, SpeedControl(0.1, 0.5, 15.0), 0.06),
     ],
-    ids=["curve", "long curve", "dc with control"],
+    ids=["curve", "dc with control", "curve with control"],
 )
 def test_engines_agree(motor: Motor, control: SpeedControl | None, time: float) -> None:
     """The shaft's own rotation away from the rigid linkage's is what elastic links do to it."""
-    data = run(motor, control, time, step=5e-5)
-    assert apart(data, "shaft_rotation") < 0.03
-    assert apart(data, "deflection") < 0.02
+    data = run(motor, control, time, step=1e-4)
+    assert apart(data, "shaft_rotation") < 0.04
+    # By meshes of two elements a link that is shaken at the start.
+    assert apart(data, "deflection") < 0.06
     assert apart(data, "motor_torque") < 0.03
-    assert (data["energy_error"].values < [1e-4, 1e-4]).all()
     # The torque is the motor's own at the speed that the crank has.
     speed = data["crank_speed_over_time"] + data["crank_speed_fluctuation"]
-    np.testing.assert_allclose(data["motor_speed"], motor.gear_ratio * speed)
+    xr.testing.assert_allclose(
+        data["motor_speed"].drop_attrs(), (motor.gear_ratio * speed).transpose("engine", "time")
+    )
     if isinstance(motor, TorqueMotor) and control is None:
         # Both as far as the band of forces lets them through.
         gap = np.abs(data["motor_torque"] - motor.torque(data["motor_speed"]))
         assert float(gap.quantile(0.9)) < 2e-3 * max(motor.torques)
 
 
-def test_energy_is_closed_with_the_motors_work() -> None:
-    """The error of both falls with the step, by sixteen of Lobatto's rule and four of Exudyn's."""
-    errors = np.array(
-        [run(CURVE, None, 0.05, step=step)["energy_error"].values for step in (4e-5, 2e-5)]
-    )
-    assert (errors[1] < [1e-5, 1e-5]).all()
-    assert (errors[0] / errors[1] > [4.0, 2.0]).all()
+@pytest.mark.parametrize("engine", ENGINES)
+def test_energy_is_closed_with_the_motors_work(engine: type[Engine]) -> None:
+    """A torque that begins at once shakes links faster than a step: four times less of half."""
+    errors = []
+    for step in (4e-5, 2e-5):
+        request = ResponseRequest(MotorDrive(CURVE, time=0.05), samples=60, modes=2, step=step)
+        data = response(engine(MECHANISM, 2), request).dataset
+        errors.append(float(data["energy_error"].item()))
+        work = data["drive_work"].isel(engine=0, time=-1)
+        power = data["motor_power"].isel(engine=0)
+        assert float(power.integrate("time")) == pytest.approx(float(work), rel=2e-3)
+    assert errors[0] / errors[1] > 3.0
+    assert errors[1] < (1e-6 if engine is ExudynEngine else 2e-3)
+
+
+@pytest.mark.thorough
+def test_energy_is_closed_where_the_torque_grows() -> None:
+    """As of other runs: 1e-5 of the equations in link frames, with a current that grows."""
+    request = ResponseRequest(MotorDrive(DC, CONTROL, time=0.3), samples=60, modes=2, step=1e-4)
+    data = response(ReferenceEngine(MECHANISM, 4), request).dataset
+    assert float(data["energy_error"].item()) < 1e-5
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -103,7 +119,7 @@ def test_a_heavy_flywheel_turns_as_prescribed(engine: type[Engine]) -> None:
 @pytest.mark.parametrize(
     ("time", "steps", "tolerance"),
     [
-        (0.5, (1e-3, 5e-4, 2.5e-4), (1e-8, 1e-7)),
+        (0.4, (1e-3, 5e-4, 2.5e-4), (1e-8, 1e-7)),
         pytest.param(3.0, (1e-3, 5e-4, 2.5e-4), (1e-6, 1e-5), marks=pytest.mark.thorough),
     ],
 )
@@ -145,11 +161,11 @@ def test_v16_by_the_reference_engines_stiff_rod() -> None:
         engine = ReferenceEngine(mechanism_from_toml(text), 2, "euler")
         data = response(engine, request).dataset.isel(engine=0, time=-1)
         left.append([float(data["shaft_rotation"]), float(data["crank_speed_fluctuation"])])
-    stiff, stiffer = np.array(left)
-    whole = np.array([float(data["crank_angle"]), float(data["crank_speed_over_time"])])
-    np.testing.assert_allclose(stiff / stiffer, 10.0, rtol=0.1)
-    extrapolated = np.abs(10 * stiffer - stiff) / 9
-    assert (extrapolated < 1e-5 * whole).all()
+    (stiff, _), (stiffer, shaken) = left
+    assert stiff / stiffer == pytest.approx(10.0, rel=0.01)
+    assert abs(10 * stiffer - stiff) / 9 < 1e-6 * float(data["crank_angle"])
+    # The rod is shaken by the sudden start, by the root of its softness.
+    assert abs(shaken) < 1e-4 * float(data["crank_speed_over_time"])
 
 
 def test_what_a_motor_run_cannot_be_is_refused() -> None:

@@ -24,7 +24,7 @@ from flexmech.dynamical_systems import ON_A_STEP
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment
 from flexmech.linear_system import Engine
-from flexmech.linkages import Drive, MotorDrive
+from flexmech.linkages import Drive, MotorDrive, MotorRun
 from flexmech.mechanism import Mechanism
 from flexmech.threads import one_thread
 from flexmech.time_domain import LinkState
@@ -185,6 +185,11 @@ def exudyn_system(
             f"the {asked.name} engine has no Exudyn system; give flexmech.ExudynEngine(mechanism)"
         )
     report, request = progress or silent, _request(speed, speed_unit, asked.mechanism)
+    if isinstance(request.drive, MotorRun):
+        raise InputError(
+            "drive: an exported Exudyn system has no motor; give a crank speed or a law in its "
+            "place, or run it by flexmech response"
+        )
     [chosen], _ = engines_in_state([asked], request, environment)
     with one_thread():
         loss = CountedLoss.of(chosen)

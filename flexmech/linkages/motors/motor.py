@@ -159,6 +159,8 @@ class TorqueMotor(Motor):
         Of the motor in rad/s, increasing.
     torques : tuple of float
         On the motor's shaft in N m.
+    gear_ratio, inertia, coupling_stiffness, coupling_damping : float, optional
+        As of :class:`Motor`, by their names.
 
     Raises
     ------
@@ -256,6 +258,8 @@ class DcMotor(Motor):
         In V; with speed control the greatest one either way.
     inductance : float
         Of the armature in H; without it the current follows at once.
+    gear_ratio, inertia, coupling_stiffness, coupling_damping : float, optional
+        As of :class:`Motor`, by their names.
 
     Raises
     ------

@@ -24,12 +24,24 @@ class ShaftLoad(Protocol):
         """Inertia reduced to the crank in kg m^2 at crank angles in rad; (...) -> (...)."""
 
     def needed(self, angle: ArrayLike, speed: ArrayLike, time: ArrayLike) -> FloatArray:
-        """Torque without acceleration in N m at crank angles, speeds and times; (...)."""
+        """Torque without acceleration in N m at crank angles, speeds and times; (...).
+
+        Parameters
+        ----------
+        angle, speed, time : array_like, shape (...)
+            In rad, rad/s and s.
+        """
 
     def parts(
         self, angle: ArrayLike, speed: ArrayLike, time: ArrayLike
     ) -> tuple[FloatArray, FloatArray]:
-        """Both at once."""
+        """Both at once.
+
+        Parameters
+        ----------
+        angle, speed, time : array_like, shape (...)
+            In rad, rad/s and s.
+        """
 
 
 @dataclass(frozen=True, eq=False)

@@ -182,7 +182,6 @@ class RunningModel:
     def driving_torque(
         self,
         time: FloatArray,
-        position: FloatArray,
         velocity: FloatArray,
         multiplier: FloatArray,
     ) -> FloatArray:
@@ -191,11 +190,11 @@ class RunningModel:
         Parameters
         ----------
         time : ndarray, shape (m,)
-        position, velocity : ndarray, shape (m, total_size)
+        velocity : ndarray, shape (m, total_size)
         multiplier : ndarray, shape (m, n_multipliers)
         """
         if isinstance(self.torque, MotorOnHub):
-            return self.torque.torque(position, velocity)
+            return self.torque.torque(velocity)
         if self.torque is not None:
             return self.torque.at(time)
         assert self.drive_constraint is not None

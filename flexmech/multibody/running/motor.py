@@ -1,8 +1,9 @@
 """A motor on the hub of a running Exudyn system: its states are coordinates of their own.
 
 The charge that has flowed is a coordinate, whose rate is the current; and the integral of speed
-control is one. A circuit is linear in them: its inductance stands in the mass matrix, resistance
-and back-EMF in the damping matrix. Torque curves and speed control are a user function.
+control is the rate of another: a coordinate without mass would leave Exudyn without accelerations
+at the start. A circuit is linear in them: its inductance stands in the mass matrix, resistance and
+back-EMF in the damping matrix. Torque curves and speed control are a user function.
 """
 
 from __future__ import annotations
@@ -39,11 +40,8 @@ class MotorOnHub:
 
     @property
     def start_rates(self) -> FloatArray:
-        """Rates of the coordinates at time zero, (count,): the current, in place of its charge."""
-        rates = self.run.rates[2:, 0].copy()
-        if self._has_current:
-            rates[0] = self.run.values[2, 0]
-        return rates
+        """Rates of the coordinates at time zero, (count,): the states."""
+        return self.run.values[2:, 0]
 
     @property
     def _has_current(self) -> bool:
@@ -66,7 +64,16 @@ class MotorOnHub:
         ]
 
     def add_object(self, items: SystemItems, own: list[ItemNumber], hub: ItemNumber) -> None:
-        """Add the motor between its node and that of the hub."""
+        """Add the motor between its node and that of the hub.
+
+        Parameters
+        ----------
+        items : SystemItems
+        own : list of ItemNumber
+            Its node, if it has one.
+        hub : ItemNumber
+            Node of the hub.
+        """
         size = self.count + _HUB
         mass, damping = np.zeros((2, size, size))
         force = np.zeros(size)
@@ -77,7 +84,7 @@ class MotorOnHub:
             damping[0, -1], damping[-1, 0] = constant, -constant
             force[0] = 0.0 if control is not None else motor.voltage
         if control is not None and control.has_integral:
-            damping[self.count - 1, self.count - 1] = 1.0
+            mass[self.count - 1, self.count - 1] = 1.0
         function: dict[str, Any] = {}
         if control is not None or not self._has_current:
             function["forceUserFunction"] = self._force
@@ -92,25 +99,17 @@ class MotorOnHub:
             **function,
         )
 
-    def torque(self, position: FloatArray, velocity: FloatArray) -> FloatArray:
-        """Torque on the hub in N m, (m,), by coordinates of the system (m, total_size)."""
-        states = self._states(position[:, -self.count - _HUB :], velocity[:, -self.count - _HUB :])
+    def torque(self, velocity: FloatArray) -> FloatArray:
+        """Torque on the hub in N m, (m,), by rates of the system's coordinates (m, total_size)."""
+        states = velocity[:, -self.count - _HUB : -_HUB].T
         given = self.run.equation.motor.output(velocity[:, -1], states)
         return np.asarray(self.run.drive.motor.gear_ratio * given.torque)
 
-    def _states(self, position: FloatArray, velocity: FloatArray) -> FloatArray:
-        """States of the motor by its coordinates (..., count + 3)."""
-        states = np.moveaxis(position, -1, 0)[: self.count].copy()
-        if self._has_current:
-            states[0] = velocity[..., 0]
-        return states
-
     def _force(self, mbs: Any, t: float, number: int, position: Any, velocity: Any) -> list[float]:
         """User function: what the torque curve, or the control's command, does."""
-        place, rate = np.asarray(position), np.asarray(velocity)
+        rate = np.asarray(velocity)
         driven_by, motor = self.run.equation.motor, self.run.drive.motor
-        states = self._states(place, rate)
-        given = driven_by.output(rate[-1], states)
+        given = driven_by.output(rate[-1], rate[: self.count])
         force = np.zeros(self.count + _HUB)
         if motor.has_current:
             force[0] = given.voltage

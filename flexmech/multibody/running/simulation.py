@@ -176,7 +176,7 @@ class Simulation:
         """
         assembly, energies = self.model.assembly, self.model.energies
         shaft = self._shaft_motion(time, position, velocity)
-        torque = self.model.driving_torque(time, position, velocity, multiplier)
+        torque = self.model.driving_torque(time, velocity, multiplier)
         motion = self._motion(time) if shaft is None else self._displaced_motion(time, shaft)
         links = slice(0, assembly.size)
         position, velocity = position[:, links], velocity[:, links]

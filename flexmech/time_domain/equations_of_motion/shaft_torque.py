@@ -30,6 +30,8 @@ class ShaftTorque:
         In N m s/rad and N m/rad.
     across, turning : ndarray, shape (m,)
         Coordinate by which the shaft turns, and its rate, in that motion.
+    recorded : list
+        Of :meth:`record`, which fills it.
     """
 
     time: FloatArray
@@ -51,7 +53,14 @@ class ShaftTorque:
         return np.asarray(damping * turning + stiffness * across)
 
     def beside(self, time: FloatArray, across: FloatArray, turning: FloatArray) -> FloatArray:
-        """The torque (m,) where the coordinate and its rate have some values (m,)."""
+        """The torque (m,) where the coordinate and its rate have some values.
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+            In s.
+        across, turning : ndarray, shape (m,)
+        """
         torque, damping, stiffness, *known = self.at(time)
         return np.asarray(torque - damping * (turning - known[1]) - stiffness * (across - known[0]))
 
