@@ -131,7 +131,8 @@ class TestKinematics:
 
     def test_a_stall_is_an_answer(self, tmp_path: Path) -> None:
         file = tmp_path / "model.toml"
-        weak = 'motor = { torque_speed = [["0 rpm", "0.03 N m"], ["300 rpm", "0 N m"]] }\nstart_angle = "280 deg"\n'
+        weak = 'motor = { torque_speed = [["0 rpm", "0.03 N m"], ["300 rpm", "0 N m"]] }\n'
+        weak += 'start_angle = "280 deg"\n'
         steel = load_mechanism("models/steel_fourbar.toml").to_toml().split("[operation]")[0]
         gravity = '[environment]\ngravity = ["0 m/s^2", "-9.81 m/s^2"]\n'
         file.write_text(f"{steel}\n[drive]\n{weak}\n{gravity}")
