@@ -91,10 +91,11 @@ def _fluctuation(torque: float, inertia: float) -> float:
 def _report(answer: Flywheels) -> None:
     print(f"flywheel for a coefficient of speed fluctuation of {WANTED:g}:")
     for torque in TORQUES:
-        own = answer.fluctuation.sel(torque=torque)
+        alone = float(answer.fluctuation.sel(torque=torque)[0])
+        needed = float(answer.needed.sel(torque=torque))
         print(
-            f"  motor of {torque:g} N m at rest: {1e3 * float(answer.needed.sel(torque=torque)):.3g}"
-            f" g m^2; without one the speed fluctuates by {100 * float(own[0]):.3g} %"
+            f"  motor of {torque:g} N m at rest: {1e3 * needed:.3g} g m^2; without one the speed "
+            f"fluctuates by {100 * alone:.3g} %"
         )
 
 

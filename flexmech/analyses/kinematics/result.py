@@ -171,7 +171,7 @@ def _drive_table(data: xr.Dataset, of: str = "") -> pd.DataFrame:
     columns: Columns = {"torque_Nm": f"{of}driving_torque", "power_W": f"{of}driving_power"}
     if "time" in data.dims and not of:
         law = {"speed_rad_s": "crank_speed_over_time", "acceleration_rad_s2": "crank_acceleration"}
-        columns = {f"crank_{name}": values for name, values in law.items()} | columns
+        columns = {**{f"crank_{name}": values for name, values in law.items()}, **columns}
         if "shaft_inertia_torque" in data:
             columns["shaft_inertia_torque_Nm"] = "shaft_inertia_torque"
         columns |= motor_columns(data)
