@@ -178,6 +178,9 @@ def test_what_a_motor_run_cannot_be_is_refused() -> None:
     coupled = replace(CURVE, coupling_stiffness=5.0)
     with pytest.raises(InputError, match="rotor of this motor is on a coupling"):
         response(engine, ResponseRequest(MotorDrive(coupled, time=0.1)))
+    weighed = ReferenceEngine(replace(MECHANISM, gravity=(0.0, -9.81)), 2)
+    with pytest.raises(InputError, match="the motor does not start: at 0 deg it gives the crank"):
+        response(weighed, ResponseRequest(MotorDrive(TorqueMotor((0.0,), (1e-3,)), time=0.1)))
     with pytest.raises(InputError, match="a motor runs up from rest"):
         ResponseRequest(MotorDrive(CURVE, time=0.1), start="periodic")
     with pytest.raises(InputError, match="a motor turns a free shaft"):

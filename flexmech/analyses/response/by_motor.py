@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
 import xarray as xr
 
 from flexmech.analyses.motor import last_turn, motor_variables
 from flexmech.analyses.response.request import ResponseRequest
+from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine
 from flexmech.linkages import MotorRun
@@ -38,7 +40,7 @@ def with_motor(
     Raises
     ------
     InputError
-        If the motor's rotor is on a coupling.
+        If the motor's rotor is on a coupling, or the motor does not move the linkage.
     """
     run = request.drive
     if not isinstance(run, MotorRun):
@@ -47,6 +49,15 @@ def with_motor(
     if environment is not None:
         wet = mechanism_in_state(mechanism, environment)
         request = replace(request, speed=run.drive).of(wet)
+        run = request.drive
+        assert isinstance(run, MotorRun)
+    if run.stall is not None and run.stall.time == 0:
+        raise InputError(
+            f"drive: the motor does not start: at {np.degrees(run.stall.crank_angle):.4g} deg it "
+            f"gives the crank {run.stall.torque:.4g} N m at rest, and {run.stall.needed:.4g} N m "
+            "would hold the linkage there; there is no run of elastic links: give a stronger "
+            "motor or another start_angle"
+        )
     own = with_motor_run(mechanism, run)
     return [engine.with_(mechanism=own, shaft="free") for engine in engines], request
 
