@@ -234,6 +234,7 @@ class TestSettledMotion:
         # Weight and masses give back over the turn what they take.
         assert settled.mean_power == pytest.approx(0.0, abs=1e-6)
 
+    @pytest.mark.thorough
     def test_is_found_where_a_run_would_take_minutes(self) -> None:
         heavy = replace(self.MOTOR, inertia=50.0)
         run = run_of(FOUR_BAR, heavy, time=3.0)
@@ -243,7 +244,7 @@ class TestSettledMotion:
         assert settled.mean_speed == pytest.approx(20.0, rel=1e-4)
 
     def test_is_none_under_a_constant_torque(self) -> None:
-        assert run_of(FOUR_BAR, TorqueMotor((0.0,), (0.9,)), time=1.0).settled is None
+        assert run_of(ARM, TorqueMotor((0.0,), (0.02,)), time=1.0).settled is None
 
     def test_fluctuates_as_one_over_a_heavy_flywheel(self) -> None:
         found = []
@@ -255,6 +256,7 @@ class TestSettledMotion:
         assert found[0] / found[1] == pytest.approx(10.0, rel=0.02)
 
 
+@pytest.mark.thorough
 def test_loads_over_crank_angle_and_time_count_with_their_corners() -> None:
     """As inverse dynamics has them; a load over the crank angle repeats, one over time does not."""
     tip = AttachmentPoint("rocker", 0.2)
