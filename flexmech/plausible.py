@@ -89,6 +89,12 @@ _OF_DIMENSION = {
         Plausible(units.DIFFUSIVITY, "1 m^2/s", "1e-30 m^2/s"),
         Plausible(units.ACTIVATION_ENERGY, "1e7 J/mol"),
         Plausible(units.PRESSURE_VELOCITY, "1e6 MPa m/s", "1 Pa m/s"),
+        Plausible(units.VOLTAGE, "1e6 V"),
+        Plausible(units.RESISTANCE, "1e9 ohm", "1e-9 ohm"),
+        Plausible(units.INDUCTANCE, "1e6 H"),
+        Plausible(units.TORQUE_CONSTANT, "1e6 N m/A", "1e-12 N m/A"),
+        Plausible(units.VOLTAGE_GAIN, "1e12 V s/rad"),
+        Plausible(units.VOLTAGE_INTEGRAL_GAIN, "1e12 V/rad"),
         Plausible(units.RATIO, "1e6"),
     )
 }

@@ -74,6 +74,12 @@ SPRING_STIFFNESS = Dimension("a spring stiffness", "N/m", ("500 N/m", "0.5 N/mm"
 TORQUE = Dimension("a torque", "N m", ("1.5 N m", "200 N mm"))
 TORSIONAL_DAMPING = Dimension("a torsional damping", "N m s/rad", ("1e-3 N m s/rad",))
 TORSIONAL_STIFFNESS = Dimension("a torsional stiffness", "N m/rad", ("2 N m/rad", "0.03 N m/deg"))
+VOLTAGE = Dimension("a voltage", "V", ("24 V", "0.4 kV"))
+RESISTANCE = Dimension("a resistance", "ohm", ("1.2 ohm", "800 mohm"))
+INDUCTANCE = Dimension("an inductance", "H", ("1 mH", "2e-4 H"))
+TORQUE_CONSTANT = Dimension("a torque constant", "N m/A", ("0.06 N m/A", "60 mN m/A"))
+VOLTAGE_GAIN = Dimension("a gain of speed control", "V s/rad", ("0.5 V s/rad", "0.05 V/rpm"))
+VOLTAGE_INTEGRAL_GAIN = Dimension("an integral gain of speed control", "V/rad", ("2 V/rad",))
 PRESSURE_VELOCITY = Dimension("a p v", "W/m^2", ("1.8 MPa m/s", "1.8 N/mm^2 m/s"))
 RATIO = Dimension("a ratio", "", ("0.01", "1 %"))
 

@@ -34,6 +34,8 @@ PLACES = {
     "JointTable": "[joints.NAME]",
     "ShaftTable": "[shaft]",
     "DriveTable": "[drive]",
+    "MotorTable": "[drive.motor]",
+    "SpeedControlTable": "[drive.speed_control]",
     "LoadTable": "[loads.NAME]",
     "SpringTable": "[springs.NAME]",
     "FibreTable": "[fibres.NAME]",

@@ -23,7 +23,7 @@ from .frequencies.request import FrequencyRequest as FrequencyRequest
 from .frequencies.result import MovingFrequencies as MovingFrequencies
 from .hammer.request import HammerRequest as HammerRequest
 from .hammer.result import HammerTest as HammerTest
-from .kinematics.compute import KinematicsRequest as KinematicsRequest
+from .kinematics.request import KinematicsRequest as KinematicsRequest
 from .kinematics.result import Kinematics as Kinematics
 from .moisture.compute import moisture_uptake as moisture_uptake
 from .moisture.result import MoistureUptake as MoistureUptake

@@ -54,7 +54,8 @@ def asked_run(
         Crank speed: rad/s unless a unit is given, as in "300 rpm". Negative turns backwards. Left
         out: the [drive] of the model, or the greatest speed at which it operates.
     revolutions : NUMBER
-        Turns at that speed; may be a fraction. A law of the [drive] ends with its last dwell.
+        Turns at that speed, or under a motor from rest; may be a fraction. A law of the [drive]
+        ends with its last dwell.
     start
         rigid: undeformed links at the rigid motion's velocities; equilibrium: links bent
         quasi-statically by the loads; periodic: on the periodic motion of the linear equations.
@@ -103,8 +104,8 @@ def response(
 ) -> None:
     """The running mechanism in time.
 
-    Deflections, strains, driving torque and joint forces at constant crank speed or by the
-    [drive] of the model: a table, files, pictures and an animation; dry, or in heat and moisture.
+    Deflections, strains, driving torque and joint forces at constant crank speed, or by the law or
+    the motor of [drive]: a table, files, pictures and an animation; dry, or in heat and moisture.
 
     Options
     -------

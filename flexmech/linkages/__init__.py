@@ -32,6 +32,14 @@ from flexmech.linkages.linkage import (
 )
 from flexmech.linkages.linkage_stack import LinkageStack, connections
 from flexmech.linkages.motion import RigidMotion
+from flexmech.linkages.motors.along_motion import answer_along, states_along, yielded_along
+from flexmech.linkages.motors.hermite import hermite_motion
+from flexmech.linkages.motors.motor import DcMotor, Motor, TorqueMotor
+from flexmech.linkages.motors.motor_drive import MotorDrive
+from flexmech.linkages.motors.motor_run import MotorRun, Stall, solved_run
+from flexmech.linkages.motors.settled import SettledMotion
+from flexmech.linkages.motors.shaft_equation import ShaftEquation, ShaftLoad
+from flexmech.linkages.motors.speed_control import DrivenBy, SpeedControl
 from flexmech.linkages.moving_points import moving_points
 from flexmech.linkages.planar import PlanarJoint, PlanarLink, PlanarLinkage
 from flexmech.linkages.rotating_arm import RotatingArm
@@ -56,8 +64,10 @@ __all__ = [
     "CouplerPoint",
     "CrankDrive",
     "CrankRockerProportions",
+    "DcMotor",
     "DoublePoint",
     "Drive",
+    "DrivenBy",
     "FiniteDoublePoint",
     "FourBar",
     "GrashofClass",
@@ -73,6 +83,9 @@ __all__ = [
     "LinkageStack",
     "Load",
     "LockedCrank",
+    "Motor",
+    "MotorDrive",
+    "MotorRun",
     "Pin",
     "Pivot",
     "PlanarJoint",
@@ -80,13 +93,20 @@ __all__ = [
     "PlanarLinkage",
     "RigidMotion",
     "RotatingArm",
+    "SettledMotion",
+    "ShaftEquation",
+    "ShaftLoad",
     "Slider",
+    "SpeedControl",
     "Spring",
+    "Stall",
     "TableDrive",
     "TableEnds",
     "Topology",
+    "TorqueMotor",
     "TransmissionDesign",
     "Weld",
+    "answer_along",
     "assemblable",
     "carried_motion",
     "circuit_of",
@@ -99,15 +119,19 @@ __all__ = [
     "focal_cubic",
     "forces_by_joints",
     "full_turn",
+    "hermite_motion",
     "inverse_dynamics",
     "linkage_positions",
     "lumped_elements",
     "moving_points",
     "picture_crank_angle",
     "rocker_swing",
+    "solved_run",
+    "states_along",
     "synthesize_crank_rocker",
     "time_ratio",
     "transmission_design",
     "turned",
     "unit_law",
+    "yielded_along",
 ]

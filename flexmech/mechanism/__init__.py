@@ -3,6 +3,7 @@
 from flexmech.mechanism.drawing import drawing, drawn_parts
 from flexmech.mechanism.joint_pins import JointPin, PinEye
 from flexmech.mechanism.mechanism import Mechanism
+from flexmech.mechanism.motor_runs import motor_run, with_motor_run
 from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
 from flexmech.mechanism.sprung_frame import (
     FrameSpring,
@@ -22,5 +23,7 @@ __all__ = [
     "Wetting",
     "drawing",
     "drawn_parts",
+    "motor_run",
     "require_standing_frame",
+    "with_motor_run",
 ]

@@ -15,6 +15,7 @@ from flexmech.linkages import (
     Linkage,
     Load,
     LockedCrank,
+    MotorDrive,
     Spring,
     Topology,
 )
@@ -57,7 +58,7 @@ def check_shaft(inertia: float, drive: object) -> None:
     """Refuse an inertia below zero, and what is no drive; None is that of a mechanism without."""
     check_number(inertia, "shaft_inertia", "kg m^2", NOT_NEGATIVE)
     remedy = "give a drive that turns the crank, as CrankDrive(20.0), or a LawDrive"
-    if drive is not None:
+    if drive is not None and not isinstance(drive, MotorDrive):
         check_instance(drive, Drive, "drive", remedy)
     if isinstance(drive, LockedCrank):
         raise InputError(f"drive: a locked crank does not turn; {remedy}")

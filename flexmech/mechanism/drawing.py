@@ -15,6 +15,7 @@ from flexmech.linkages import (
     JointSpring,
     Linkage,
     Load,
+    MotorDrive,
     Spring,
     Topology,
     drawn_joints,
@@ -47,7 +48,7 @@ class _Drawable(Protocol):
     @property
     def shaft_inertia(self) -> float: ...
     @property
-    def drive(self) -> Drive | None: ...
+    def drive(self) -> Drive | MotorDrive | None: ...
     @property
     def frame(self) -> SprungFrame | None: ...
     @property

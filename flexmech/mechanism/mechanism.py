@@ -18,6 +18,7 @@ from flexmech.linkages import (
     LinkBody,
     LinkMass,
     Load,
+    MotorDrive,
     RigidMotion,
     Spring,
     Topology,
@@ -96,15 +97,14 @@ class Mechanism:
     joint_pins : tuple of JointPin
         Sizes of pins, pivots and the pins of sliders, for their strength.
     shaft_inertia : float
-        Of the shaft that drives the crank, about its axis, in kg m^2. It matters where the
-        shaft is free.
-    drive : Drive, optional
-        How the crank is meant to turn; runs take it where no speed is asked for.
+        Of the shaft that drives the crank, about its axis, in kg m^2.
+    drive : Drive or MotorDrive, optional
+        How the crank turns, or by which motor; runs take it where no speed is asked for.
     frame : SprungFrame, optional
         Rigid frame on springs that carries the linkage; it does not move where left out.
     speed_unit : str
-        In which results speak of crank speeds that nobody typed, such as ``"rpm"``: the unit of
-        the last speed of a model file. It does not count in comparisons.
+        In which results speak of crank speeds that nobody typed: that of the last speed of a
+        model file. It does not count in comparisons.
 
     Raises
     ------
@@ -138,7 +138,7 @@ class Mechanism:
     joint_springs: tuple[JointSpring, ...] = ()
     joint_pins: tuple[JointPin, ...] = ()
     shaft_inertia: float = 0.0
-    drive: Drive | None = None
+    drive: Drive | MotorDrive | None = None
     frame: SprungFrame | None = None
     speed_unit: str = field(default=ANGULAR_SPEED.unit, compare=False)
 

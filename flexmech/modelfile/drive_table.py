@@ -9,9 +9,18 @@ from typing import Annotated, Any
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from flexmech.errors import InputError
-from flexmech.linkages import CrankDrive, Drive, LawDrive, LawName, TableDrive, TableEnds
+from flexmech.linkages import (
+    CrankDrive,
+    Drive,
+    LawDrive,
+    LawName,
+    MotorDrive,
+    TableDrive,
+    TableEnds,
+)
 from flexmech.modelfile import base_table as base
 from flexmech.modelfile.csv_files import check_rows, csv_lines
+from flexmech.modelfile.motor_table import MotorTable, SpeedControlTable
 from flexmech.plausible import RUN_UP, check_plausible, of_dimension
 from flexmech.units import ANGLE, ANGULAR_SPEED, TIME, Dimension, parse_quantity
 from flexmech.validation import POSITIVE
@@ -21,12 +30,13 @@ MasterSpeed = Annotated[float, base.QuantityField(ANGULAR_SPEED, POSITIVE)]
 MasterAngle = Annotated[float, base.QuantityField(ANGLE, POSITIVE)]
 Speed = Annotated[float, base.QuantityField(ANGULAR_SPEED)]
 
-# Keys that go with one of the three ways of saying it, and with all of them.
+# Keys that go with one of the ways of saying it, and with all of them.
 _KEYS = {
     "speed": {"run_up_time"},
     "law": {"travel", "time", "dwell", "master_angle", "master_dwell", "master_speed", "moves"}
     | {"forth_and_back"},
     "table": {"smoothing", "ends", "master_speed", "moves"},
+    "motor": {"speed_control", "time"},
 }
 _ANYWHERE = {"start_angle"}
 
@@ -50,13 +60,15 @@ RowsOrFile = Annotated[
 
 
 class DriveTable(base.Table):
-    """How the crank turns: a constant speed, a law of motion, or a table."""
+    """How the crank turns: a constant speed, a law of motion, a table, or a motor."""
 
     speed: Speed | None = base.optional("Constant speed; negative turns backwards")
     run_up_time: Time | None = base.optional("With speed: of a smooth run-up to it from rest")
     law: LawName | None = base.optional("A law of motion from rest to rest")
     travel: base.Angle | None = base.optional("With law: of a move; negative moves backwards")
-    time: Time | None = base.optional("With law: of a move")
+    time: Time | None = base.optional(
+        "With law: of a move. With motor: of the run; as many turns as asked for if left out"
+    )
     dwell: base.TimeOrZero | None = base.optional("With law: rest after each move; 0 if left out")
     master_angle: MasterAngle | None = base.optional(
         "With law and master_speed, in place of time: angle of the master shaft during a move"
@@ -84,6 +96,12 @@ class DriveTable(base.Table):
     moves: Annotated[int, Field(strict=True)] = base.optional(
         "With law or table: how often it is gone through, one after another", 1
     )
+    motor: MotorTable | None = base.optional(
+        "A motor that turns the crank from rest; how it turns follows from the linkage"
+    )
+    speed_control: SpeedControlTable | None = base.optional(
+        "With motor: PI control of the crank's speed"
+    )
     start_angle: base.Angle | None = base.optional(
         "Crank angle at time zero; 0 if left out, or the first one of the table"
     )
@@ -92,7 +110,7 @@ class DriveTable(base.Table):
     def _one_way_of_saying_it(self) -> DriveTable:
         ways = [name for name in _KEYS if getattr(self, name) is not None]
         if len(ways) != 1:
-            raise InputError("give either speed, or law with travel and time, or table")
+            raise InputError("give either speed, or law with travel and time, or table, or motor")
         [way] = ways
         for key in sorted(self.model_fields_set - _KEYS[way] - _ANYWHERE - {way}):
             others = " or ".join(name for name, keys in _KEYS.items() if key in keys)
@@ -118,7 +136,7 @@ class DriveTable(base.Table):
                 f"{'master_dwell' if by_master else 'dwell'}"
             )
 
-    def drive(self, folder: Path) -> Drive:
+    def drive(self, folder: Path) -> Drive | MotorDrive:
         """The drive that is stated.
 
         Parameters
@@ -128,7 +146,7 @@ class DriveTable(base.Table):
 
         Returns
         -------
-        Drive
+        Drive or MotorDrive
 
         Raises
         ------
@@ -149,6 +167,8 @@ class DriveTable(base.Table):
             return LawDrive(
                 self.law, self.travel, time, dwell, self.moves, self.forth_and_back, start
             )
+        if self.motor is not None:
+            return self._by_motor(self.motor, start)
         assert self.table is not None
         first = TIME if self.master_speed is None else ANGLE
         try:
@@ -161,6 +181,18 @@ class DriveTable(base.Table):
             return TableDrive(times, angles, self.smoothing or 0.0, self.ends, self.moves)
         except InputError as error:
             raise error.within(where) from error
+
+    def _by_motor(self, table: MotorTable, start: float) -> MotorDrive:
+        try:
+            motor = table.motor
+        except InputError as error:
+            raise error.within("motor") from error
+        if self.speed_control is None:
+            return MotorDrive(motor, None, start, self.time)
+        try:
+            return MotorDrive(motor, self.speed_control.control(motor), start, self.time)
+        except InputError as error:
+            raise error.within("speed_control") from error
 
 
 def _shown(table: str | list[list[str | float]]) -> str:

@@ -40,13 +40,14 @@ from flexmech.linear_system import (
     whole,
     with_rigid_links,
 )
-from flexmech.linkages import Drive, LockedCrank, RigidMotion
+from flexmech.linkages import Drive, LockedCrank, MotorRun, RigidMotion
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.beams import refuse_sections
 from flexmech.multibody.exudyn_system import ExudynSystem
 from flexmech.multibody.linearize import internal_forces, running_tangents, static_equilibrium
 from flexmech.multibody.running.loads import TorqueTable
 from flexmech.multibody.running.model import RunningModel
+from flexmech.multibody.running.motor import MotorOnHub
 from flexmech.multibody.running.simulation import PointRecorder, Simulation
 from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
@@ -246,13 +247,17 @@ class ExudynEngine(Engine):
         trajectory = recorder.finish()
         return replace(trajectory, energy_error=float("nan")) if impacts else trajectory
 
-    def _torque_on_free_shaft(self, drive: Drive, step: float, steps: int) -> TorqueTable | None:
-        """Torque at the steps of a run; None where the shaft is prescribed."""
+    def _torque_on_free_shaft(
+        self, drive: Drive, step: float, steps: int
+    ) -> TorqueTable | MotorOnHub | None:
+        """Torque at the steps of a run, or the motor; None where the shaft is prescribed."""
         if isinstance(drive, LockedCrank):
             self.require_prescribed_shaft("a run with the crank locked")
             return None
         if self.shaft == "prescribed":
             return None
+        if isinstance(drive, MotorRun):
+            return MotorOnHub(drive)
         return TorqueTable.at_steps(self.mechanism, drive, step, steps)
 
     def point_histories(

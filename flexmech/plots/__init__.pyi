@@ -49,6 +49,7 @@ from .layout import sheet as sheet
 from .mechanism import plot_mechanism as plot_mechanism
 from .motion import drawn_points as drawn_points
 from .motion import plot_motion as plot_motion
+from .motor import plot_motor as plot_motor
 from .reading import chosen as chosen
 from .reading import mode_label as mode_label
 from .reading import speed_label as speed_label

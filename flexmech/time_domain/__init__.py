@@ -11,6 +11,7 @@ from flexmech.time_domain.equations_of_motion.reduced_links import (
     is_reduced,
     stretches_in_runs,
 )
+from flexmech.time_domain.equations_of_motion.shaft_torque import ShaftTorque
 from flexmech.time_domain.equations_of_motion.static_balance import static_balance
 from flexmech.time_domain.integrators.runs import (
     LinkageUnderImpact,
@@ -62,6 +63,7 @@ __all__ = [
     "Recorder",
     "SampledTurn",
     "ShaftMotion",
+    "ShaftTorque",
     "StepBlock",
     "Trajectory",
     "UnbalancedStepError",

@@ -42,6 +42,7 @@ NAMES = [
     "lumped_masses",
     "mode_shapes",
     "moisture_and_stability",
+    "motor_and_flywheel",
     "running_fourbars",
     "running_hammer_test",
     "six_bars",
@@ -571,6 +572,19 @@ def test_hammer_noise_over_a_hundred_draws(scenario, method, tmp_path):
         scatters = [float(computed.iloc[number]) for number in (5, 5, 7, 7)]
         for cell, value, scatter in zip(row[4:], computed.iloc[4:], scatters, strict=True):
             assert float(cell) == pytest.approx(value, rel=0.02, abs=0.02 * scatter)
+
+
+def test_motor_and_flywheel(scenario, expected_number, tmp_path, capsys):
+    flywheels = np.array([0.0, 0.04, 0.05])
+    answer = scenario("motor_and_flywheel").main(tmp_path, flywheels)
+    assert 1e3 * float(answer.needed.sel(torque=1.5)) == expected_number("motor_and_flywheel")
+    light = answer.fluctuation.isel(inertia=0).values
+    assert (np.diff(light) < 0).all()
+    # One over the whole inertia, of which the linkage's own is a small part.
+    heavy = answer.fluctuation.isel(inertia=slice(1, None)).values
+    np.testing.assert_allclose(heavy[:, 0] / heavy[:, 1], 0.05 / 0.04, rtol=0.02)
+    assert "motor of 1.5 N m at rest: 43" in capsys.readouterr().out
+    assert_pictures(tmp_path, "flywheels.png")
 
 
 def test_transmission_angle(scenario, expected_number, tmp_path, capsys):

@@ -44,7 +44,7 @@ def test_the_command_writes_the_tables_of_the_result(tmp_path: Path) -> None:
     assert (code, errors) == (0, "")
     written = sorted(file.name for file in tmp_path.iterdir())
     # The picture of a law of motion is left out: the speed is constant.
-    assert written == sorted({*Kinematics.files, "summary.txt"} - {"law.png"})
+    assert written == sorted({*Kinematics.files, "summary.txt"} - {"law.png", "motor.png"})
     assert "at 190 rpm" in printed
     assert "driving torque by 12 lumped masses" in printed
     columns = {

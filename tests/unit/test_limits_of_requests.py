@@ -12,7 +12,7 @@ from flexmech.analyses.campbell.request import CampbellRequest
 from flexmech.analyses.comparison import over_angle, over_frequency, over_time, quantities
 from flexmech.analyses.frequencies.formulation import Formulation
 from flexmech.analyses.frequencies.request import FrequencyRequest
-from flexmech.analyses.kinematics.compute import KinematicsRequest
+from flexmech.analyses.kinematics.request import KinematicsRequest
 from flexmech.analyses.requests import in_radians
 from flexmech.analyses.stability.against import Against
 from flexmech.analyses.stability.engine_map import _refuse_too_many_steps

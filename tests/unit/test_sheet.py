@@ -31,6 +31,7 @@ from tests.unit.figure_checks import (
 )
 from tests.unit.hammer_data import hammer_dataset
 from tests.unit.kinematics_data import kinematics_dataset
+from tests.unit.motor_data import motor_dataset
 from tests.unit.plot_data import (
     campbell_dataset,
     coupler_dataset,
@@ -157,6 +158,7 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_modal_damping: (damped, 3),
     plots.plot_mode_shapes: (frequency_dataset, 4),
     plots.plot_moisture: (moisture_dataset, 4),
+    plots.plot_motor: (motor_dataset, 4),
     plots.plot_nyquist: (hammer_dataset, 2),
     plots.plot_pareto: (optimum_dataset, 1),
     plots.plot_residual: (driven_dataset, 3),

@@ -10,6 +10,7 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.datasets import Columns, columns_along, table_of
 from flexmech.analyses.kinematics.words import TRANSMISSION, summary_of
+from flexmech.analyses.motor import motor_columns
 from flexmech.analyses.result import Result
 from flexmech.analyses.shaking import harmonics_table, shaking_columns
 from flexmech.analyses.summary import Summary
@@ -41,7 +42,9 @@ class Kinematics(Result):
         ``extreme_quantity`` and ``extreme_of`` name, in ``extreme_unit``, with their crank angles
         and ``extreme_error``, found between the angles too; under a law of motion all is over
         ``time``, with ``crank_speed_over_time``, ``crank_acceleration``, and ``least_time`` and
-        ``greatest_time`` of extremes; ``mean_driving_power`` over whole
+        ``greatest_time`` of extremes; and under a motor ``motor_torque``, ``motor_speed`` and
+        ``motor_power`` on its own shaft, ``motor_current``, and a turn of the settled motion over
+        ``settled_angle``; ``mean_driving_power`` over whole
         turns with its error, and ``rocker_swing`` of a crank-rocker. The attributes
         ``crank_speed``, and where the crank accelerates ``crank_acceleration`` in rad/s^2 and
         ``shaft_inertia_torque`` in N m, which the shaft's own inertia takes besides the driving
@@ -71,6 +74,7 @@ class Kinematics(Result):
         "shaking_orders.png",
         "drive.png",
         "law.png",
+        "motor.png",
     )
 
     def tables(self) -> dict[str, pd.DataFrame]:
@@ -103,6 +107,8 @@ class Kinematics(Result):
         figures["drive"] = plots.plot_drive(self.dataset)
         if "crank_acceleration" in self.dataset:
             figures["law"] = plots.plot_law(self.dataset)
+        if "motor_torque" in self.dataset:
+            figures["motor"] = plots.plot_motor(self.dataset)
         if "shaking_force" in self.dataset:
             figures["shaking_force"] = plots.plot_shaking_force(self.dataset)
         if "order" in self.dataset:
@@ -162,12 +168,13 @@ def _force_table(data: xr.Dataset, of: str = "") -> pd.DataFrame:
 
 
 def _drive_table(data: xr.Dataset, of: str = "") -> pd.DataFrame:
-    columns = {"torque_Nm": f"{of}driving_torque", "power_W": f"{of}driving_power"}
+    columns: Columns = {"torque_Nm": f"{of}driving_torque", "power_W": f"{of}driving_power"}
     if "time" in data.dims and not of:
         law = {"speed_rad_s": "crank_speed_over_time", "acceleration_rad_s2": "crank_acceleration"}
-        columns = {f"crank_{name}": values for name, values in law.items()} | columns
+        columns = {**{f"crank_{name}": values for name, values in law.items()}, **columns}
         if "shaft_inertia_torque" in data:
             columns["shaft_inertia_torque_Nm"] = "shaft_inertia_torque"
+        columns |= motor_columns(data)
     if not of:
         columns |= {f"{angle}_deg": angle for angle in TRANSMISSION if angle in data}
     return table_of(data, (_over(data)[0],), {**_over(data)[1], **columns})

@@ -9,6 +9,7 @@ import xarray as xr
 
 from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.digits import MOST_DIGITS, Quantity, percent, rounded
+from flexmech.analyses.motor import motor_answer, motor_lines, motor_numbers
 from flexmech.analyses.remarks import drive_words
 from flexmech.analyses.shaking import harmonics_line, point_text
 from flexmech.analyses.summary import Row, Summary, Table
@@ -160,7 +161,9 @@ def _answer(data: xr.Dataset, found: _Found) -> tuple[str, ...]:
         said.append(f"The shaft gives {low} to {high} W.")
     if _mean_text(data, found) not in ("", "0"):
         said.append(f"The shaft gives {_mean_text(data, found)} W on average.")
-    return tuple(said[-3:] if len(said) > 3 else said)
+    motor = motor_answer(data)
+    most = 3 - len(motor)
+    return (*motor, *(said[-most:] if len(said) > most else said))
 
 
 def _stroke_text(slider: str, found: _Found) -> str:
@@ -249,7 +252,7 @@ def _lines(data: xr.Dataset, found: _Found, lumped: bool) -> list[str]:
         what = f"driving torque by {data.sizes['lump']} lumped masses"
         lines.append(found["lumped_driving_torque", ""].range(what, "N m"))
     lines.append(found["driving_power", ""].range("driving power", "W"))
-    lines += _law_lines(data)
+    lines += [*_law_lines(data), *motor_lines(data)]
     if shaft := float(data.attrs.get("shaft_inertia_torque", 0.0)):
         lines.append(f"driving torque: the shaft's own inertia takes {shaft:.5g} N m besides")
     if mean := _mean_text(data, found):
@@ -337,7 +340,7 @@ def _numbers(data: xr.Dataset, found: _Found) -> tuple[Quantity, ...]:
         numbers.append(_swing(data))
     if (mean := _mean(data, found)) is not None:
         numbers.append(mean)
-    return tuple(numbers)
+    return (*numbers, *motor_numbers(data))
 
 
 def _swing(data: xr.Dataset) -> Quantity:

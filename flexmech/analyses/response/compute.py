@@ -11,6 +11,7 @@ from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.datasets import with_units
 from flexmech.analyses.default_engines import engine_for
 from flexmech.analyses.requests import Engines, engine_of, engines_of
+from flexmech.analyses.response.by_motor import with_motor
 from flexmech.analyses.response.dataset import add_mesh_errors, build_dataset
 from flexmech.analyses.response.plan import engines_in_state, planned
 from flexmech.analyses.response.request import ResponseRequest
@@ -23,7 +24,7 @@ from flexmech.dynamical_systems import ON_A_STEP
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment
 from flexmech.linear_system import Engine
-from flexmech.linkages import Drive
+from flexmech.linkages import Drive, MotorDrive, MotorRun
 from flexmech.mechanism import Mechanism
 from flexmech.threads import one_thread
 from flexmech.time_domain import LinkState
@@ -34,14 +35,14 @@ System = TypeVar("System", covariant=True)
 
 def response(
     engines: Engines,
-    speed: ResponseRequest | Drive | float | None = None,
+    speed: ResponseRequest | Drive | MotorDrive | float | None = None,
     *,
     speed_unit: str | None = None,
     check_mesh: bool = False,
     environment: Environment | None = None,
     progress: LabelledProgress | None = None,
 ) -> Response:
-    """Run a linkage at constant crank speed, or by a law of motion of its crank.
+    """Run a linkage at constant crank speed, by a law of motion of its crank, or under a motor.
 
     Engines that simulate (Exudyn) run the nonlinear motion; the others the equations of
     motion in link frames. Joint forces and torque are those up to half the lowest frequency
@@ -51,9 +52,9 @@ def response(
     ----------
     engines : Engine, Mechanism or sequence of them
         All of one mechanism; of a mechanism the reference engine is made.
-    speed : float, Drive or ResponseRequest, optional
-        Crank speed in ``speed_unit``, a drive in rad/s, or all that a run can be asked to be. Left
-        out: the mechanism's drive, or the greatest speed at which it operates.
+    speed : float, Drive, MotorDrive or ResponseRequest, optional
+        Crank speed in ``speed_unit``, a drive in rad/s, a motor, or all that a run can be asked to
+        be. Left out: the mechanism's drive, or the greatest speed at which it operates.
     speed_unit : str, optional
         Unit of the speed, such as ``"rpm"``, in which the result speaks of it. Left out: rad/s,
         that of the request, or that of the model file for the mechanism's speed.
@@ -87,6 +88,7 @@ def response(
     check_flag(check_mesh, "check_mesh")
     engines, report = engines_of(engines), progress or silent
     request = _request(speed, speed_unit, engines[0].mechanism)
+    engines, request = with_motor(engines, request, environment)
     chosen, lines = engines_in_state(engines, request, environment)
     with one_thread():
         loss = CountedLoss.of(chosen[0])
@@ -104,7 +106,9 @@ def response(
 
 
 def _request(
-    speed: ResponseRequest | Drive | float | None, unit: str | None, mechanism: Mechanism
+    speed: ResponseRequest | Drive | MotorDrive | float | None,
+    unit: str | None,
+    mechanism: Mechanism,
 ) -> ResponseRequest:
     """All that a run is asked to be, as it is usual but for the speed where that alone is given."""
     if not isinstance(speed, ResponseRequest):
@@ -182,6 +186,11 @@ def exudyn_system(
         )
     asked.require_standing_frame("the exported system")
     report, request = progress or silent, _request(speed, speed_unit, asked.mechanism)
+    if isinstance(request.drive, MotorRun):
+        raise InputError(
+            "drive: an exported Exudyn system has no motor; give a crank speed or a law in its "
+            "place, or run it by flexmech response"
+        )
     [chosen], _ = engines_in_state([asked], request, environment)
     with one_thread():
         loss = CountedLoss.of(chosen)

@@ -12,6 +12,7 @@ from flexmech.analyses.datasets import attributes_of, provenance, rigid_position
 from flexmech.analyses.frequencies.formulation import Formulation
 from flexmech.analyses.frequencies.positions import frequencies_at
 from flexmech.analyses.response import measurements
+from flexmech.analyses.response.by_motor import motor_of_run
 from flexmech.analyses.response.driven import (
     drive_attributes,
     driven_variables,
@@ -67,6 +68,7 @@ def build_dataset(runs: Sequence[EngineRun], request: ResponseRequest, plan: Run
                 _peaks(run, request.drive),
                 _spectra(run, request, plan, duration),
                 driven_variables(run.engine, run.trajectory, request, plan.refinement),
+                motor_of_run(run.trajectory, request, plan.refinement),
             ]
         )
         for run in runs

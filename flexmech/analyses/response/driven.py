@@ -7,12 +7,13 @@ import xarray as xr
 
 from flexmech.analyses.datasets import Columns, columns_along
 from flexmech.analyses.digits import Quantity, rounded
+from flexmech.analyses.motor import motor_attributes, motor_columns, settled_variables
 from flexmech.analyses.response.agreement import errors_of
 from flexmech.analyses.response.measurements import deflections, peaks_between
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.residual import LEAST_SAMPLES, StandingModes, envelope, rests
 from flexmech.linear_system import Engine
-from flexmech.linkages import CrankDrive, TableDrive
+from flexmech.linkages import CrankDrive, MotorRun, TableDrive
 from flexmech.time_domain import Trajectory
 
 
@@ -42,7 +43,7 @@ def law_variables(engine: Engine, request: ResponseRequest) -> xr.Dataset:
     # Of a free shaft the driving torque is what the shaft is given, its inertia's share included.
     if (inertia := engine.mechanism.shaft_inertia) and engine.shaft == "prescribed":
         found["shaft_inertia_torque"] = "time", inertia * acceleration
-    return found
+    return found.merge(settled_variables(drive)) if isinstance(drive, MotorRun) else found
 
 
 def drive_attributes(request: ResponseRequest) -> dict[str, str | float]:
@@ -63,6 +64,8 @@ def drive_attributes(request: ResponseRequest) -> dict[str, str | float]:
     told: dict[str, str | float] = {"crank_speed": drive.greatest_speed, "drive": drive.words}
     if isinstance(drive, TableDrive):
         told["drive_note"] = drive.spline_words
+    if isinstance(drive, MotorRun):
+        told |= motor_attributes(drive)
     return told | {"crank_speed_at_end": drive.speed}
 
 
@@ -151,7 +154,7 @@ def driven_columns(data: xr.Dataset) -> Columns:
         columns["shaft_inertia_torque_Nm"] = "shaft_inertia_torque"
     if "residual_envelope" in data:
         columns |= columns_along("{}_residual_envelope_m", data["residual_envelope"], "link")
-    return columns
+    return columns | motor_columns(data)
 
 
 _NAMES = ("residual_amplitude", "residual_amplitude_at_end")

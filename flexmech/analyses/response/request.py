@@ -12,8 +12,8 @@ from flexmech.analyses.crank_speeds import GREATEST, RAD_S, asked_speeds, in_uni
 from flexmech.analyses.shaking import checked_point
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linkages import CrankDrive, Drive
-from flexmech.mechanism import Mechanism
+from flexmech.linkages import CrankDrive, Drive, MotorDrive, MotorRun
+from flexmech.mechanism import Mechanism, motor_run
 from flexmech.validation import POSITIVE, check_choice, check_count, check_number
 
 # More samples or steps than this are taken for a slip of the keyboard: a run would take hours.
@@ -31,12 +31,13 @@ class ResponseRequest:
 
     Parameters
     ----------
-    speed : float or Drive, optional
-        Crank speed in ``speed_unit``, negative turns backwards; or a drive, which is in rad/s. Left
-        out: the mechanism's drive, or the greatest speed at which it operates.
+    speed : float, Drive or MotorDrive, optional
+        Crank speed in ``speed_unit``, negative turns backwards; or a drive, which is in rad/s; or a
+        motor, whose shaft is free. Left out: the mechanism's drive, or the greatest speed at which
+        it operates.
     revolutions : float
-        Turns at the final speed, after the run-up if there is one. A run by a law that stops, or by
-        a table, lasts as long as these.
+        Turns at the final speed, after the run-up if there is one; under a motor all turns, where
+        it states no time. A run by a law that stops, or by a table, lasts as long as these.
     samples : int
         Samples a turn at the final speed; of a law or table those of a move with its dwell.
     start : {"rigid", "equilibrium", "periodic"}
@@ -79,7 +80,7 @@ class ResponseRequest:
     0.08
     """
 
-    speed: float | Drive | None = None
+    speed: float | Drive | MotorDrive | None = None
     revolutions: float = 4.0
     samples: int = 720
     start: choices.Start = "rigid"
@@ -94,7 +95,8 @@ class ResponseRequest:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "moment_point", checked_point(self.moment_point))
-        if isinstance(self.speed, Drive) and (self.speed_unit or self.run_up_time):
+        by_drive = isinstance(self.speed, Drive | MotorDrive)
+        if by_drive and (self.speed_unit or self.run_up_time):
             raise InputError(
                 f"a {type(self.speed).__name__} is in rad/s and has its own run-up; leave "
                 "speed_unit and run_up_time out, or give the speed as a number"
@@ -109,15 +111,29 @@ class ResponseRequest:
             check_choice(self.shaft, choices.SHAFTS, "shaft")
         if self.start == "periodic" and self.shaft == "free":
             raise InputError(NO_PERIODIC_START)
-        if self.start == "periodic" and self.speed is not None and not self.drive.is_constant:
+        if isinstance(self.speed, MotorDrive | MotorRun):
+            self._check_motor()
+        elif self.start == "periodic" and self.speed is not None and not self.drive.is_constant:
             raise InputError(
                 "a periodic start needs a constant crank speed: leave out the run-up, or give the "
                 "speed instead of a law"
             )
         if self.step is not None:
             check_number(self.step, "step", "s", POSITIVE)
-        if self.speed is not None:
+        if self.speed is not None and not isinstance(self.speed, MotorDrive):
             self._check_duration()
+
+    def _check_motor(self) -> None:
+        if self.start == "periodic":
+            raise InputError(
+                "a periodic start needs a prescribed shaft, and a motor runs up from rest; choose "
+                "start rigid or equilibrium"
+            )
+        if self.shaft == "prescribed":
+            raise InputError(
+                "shaft prescribed: a motor turns a free shaft; leave the shaft out, or give a "
+                "speed in place of the motor"
+            )
 
     def _check_duration(self) -> None:
         samples = self.duration / self.sample_interval
@@ -153,14 +169,24 @@ class ResponseRequest:
             return self.speed
         if self.speed is None:
             raise InputError("speed is left out; give one, as flexmech.ResponseRequest(20.0)")
+        if isinstance(self.speed, MotorDrive):
+            raise InputError(
+                "how a motor turns the crank follows from the linkage; take the request of a "
+                "mechanism, as request.of(mechanism)"
+            )
         return CrankDrive(one_rad_per_s(self.speed, self.speed_unit, "speed"), self.run_up_time)
 
     def of(self, mechanism: Mechanism) -> ResponseRequest:
-        """The request with a mechanism's own drive or speed, where none is asked for."""
+        """The request with a mechanism's own drive or speed, where none is asked for.
+
+        Of a motor with the motion that it gives the rigid linkage of the mechanism.
+        """
+        if isinstance(self.speed, MotorDrive):
+            return replace(self, speed=motor_run(mechanism, self.speed, self.revolutions))
         if self.speed is not None:
             return self
         if mechanism.drive is not None and self.speed_unit is None:
-            return replace(self, speed=mechanism.drive)
+            return replace(self, speed=mechanism.drive).of(mechanism)
         speeds, shown = asked_speeds(None, self.speed_unit, mechanism, GREATEST)
         return replace(self, speed=float(in_unit(speeds, shown)[0]), speed_unit=shown)
 

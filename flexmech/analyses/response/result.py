@@ -14,6 +14,7 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines
 from flexmech.analyses.datasets import Columns, columns_along, table_of
+from flexmech.analyses.motor import motor_answer, motor_lines, motor_numbers
 from flexmech.analyses.remarks import drive_words, warnings_of
 from flexmech.analyses.response import answer as answers
 from flexmech.analyses.response import words
@@ -79,6 +80,7 @@ class Response(Result):
         "running_shaking_force.png",
         "running_shaking_orders.png",
         "running_law.png",
+        "running_motor.png",
         "residual.png",
         "frame.png",
         "spectrum.png",
@@ -266,6 +268,8 @@ class Response(Result):
         }
         if "driving_power" in data:
             figures["running_law"] = plots.plot_law(data)
+        if "motor_torque" in data:
+            figures["running_motor"] = plots.plot_motor(data)
         if "residual_envelope" in data:
             figures["residual"] = plots.plot_residual(data)
         if "frame_displacement" in data:
@@ -344,6 +348,7 @@ class Response(Result):
             *words.check_lines(data),
             *words.load_lines(peaks, data),
             *driven_lines(data),
+            *motor_lines(data),
             *shaking_lines(data),
             *frame_lines(data),
             *words.stress_lines(data),
@@ -354,7 +359,12 @@ class Response(Result):
             agreement_line(agreement, data),
         )
         return Summary(
-            (*answers.answer(data), *frame_answer(data), *residual_answer(data)),
+            (
+                *motor_answer(data),
+                *answers.answer(data),
+                *frame_answer(data),
+                *residual_answer(data),
+            ),
             table,
             answers.trust(data, agreement, forces),
             details,
@@ -368,6 +378,7 @@ class Response(Result):
                 *shaking_numbers(data),
                 *frame_numbers(data),
                 *residual_numbers(data),
+                *motor_numbers(data),
             ),
         )
 

@@ -10,17 +10,21 @@ from functools import partial
 import numpy as np
 
 from flexmech.analyses.response.measurements import deflections, peaks_between
+from flexmech.analyses.response.motor_passes import MotorPasses
 from flexmech.analyses.response.plan import RunPlan
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.start import linear_start, simulation_start
 from flexmech.analyses.response.stresses import greatest_stresses
 from flexmech.arrays import ROUND_OFF, FloatArray, LabelledProgress, StepProgress
+from flexmech.dynamical_systems.lobatto import STAGES
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
-from flexmech.linkages import Drive
+from flexmech.linkages import Drive, MotorRun
 from flexmech.time_domain import (
     DETAIL,
     DrivenLinkage,
+    Recorder,
+    ShaftTorque,
     Trajectory,
     UnbalancedStepError,
     is_reduced,
@@ -140,10 +144,11 @@ def run_engine(
     ComputationError
         If a run fails, or no step is short enough.
     """
+    passes = MotorPasses(request.drive) if isinstance(request.drive, MotorRun) else None
 
     def run(step: float, detail: float = DETAIL) -> Trajectory:
         progress = partial(report, engine.name)
-        return _run(engine, request, plan, step, progress, detail)
+        return _run(engine, request, plan, step, progress, detail, passes)
 
     def difference(first: Trajectory, second: Trajectory) -> RunError:
         return _difference((engine, first), (engine, second), request.drive)
@@ -310,6 +315,7 @@ def _run(
     step: float,
     progress: StepProgress,
     detail: float = DETAIL,
+    passes: MotorPasses | None = None,
 ) -> Trajectory:
     """Simulate, or integrate the equations in link frames with component modes of some detail."""
     if engine.simulates:
@@ -322,15 +328,24 @@ def _run(
             progress=progress,
             band=plan.band,
         )
-    linkage = DrivenLinkage(
-        engine,
-        request.drive,
-        request.prestress,
-        modes=request.modes,
-        detail=detail,
-        stretches=stretches_in_runs(engine, request.prestress),
-    )
-    state = linear_start(linkage, request, step)
-    return linear_run(
-        linkage, state.position, state.velocity, plan.time, step, progress, band=plan.band
-    )
+
+    def integrated(drive: Drive, torque: ShaftTorque | None = None) -> Trajectory:
+        linkage = DrivenLinkage(
+            engine,
+            drive,
+            request.prestress,
+            modes=request.modes,
+            detail=detail,
+            stretches=stretches_in_runs(engine, request.prestress),
+            shaft_torque=torque,
+        )
+        state = linear_start(linkage, request, step)
+        return linear_run(
+            linkage, state.position, state.velocity, plan.time, step, progress, band=plan.band
+        )
+
+    if not isinstance(request.drive, MotorRun):
+        return integrated(request.drive)
+    steps = Recorder(plan.time, step, plan.band).steps + STAGES
+    own = passes or MotorPasses(request.drive)
+    return own.trajectory(integrated, step * steps, step)

@@ -148,11 +148,17 @@ def shaft_lines(data: xr.Dataset) -> list[str]:
         return []
     peak = data["peak_shaft_rotation"]
     part = 100 * data["peak_crank_speed_fluctuation"] / abs(data.attrs["crank_speed"])
+    left = "under the torque that drives the rigid linkage; it leaves its prescribed "
+    if "motor_torque" in data:
+        left = "under the motor; with elastic links it leaves the rigid linkage's "
     lines = [
-        "shaft: free, under the torque that drives the rigid linkage; it leaves its prescribed "
+        f"shaft: free, {left}"
         f"angle by at most {listed(DEGREES * peak, '{:.4g} deg')}, its speed the crank speed "
         f"by at most {listed(part, '{:.3g} %')}"
     ]
+    if "motor_torque" in data:
+        # Its equations follow the shaft at any rotation.
+        return lines
     linear = peak.sel(engine=~data["nonlinear"].astype(bool))
     if linear.sizes["engine"] and float(linear.max()) > _LARGE_ROTATION:
         lines.append(

@@ -17,7 +17,7 @@ from flexmech.arrays import FloatArray
 from flexmech.linear_system import LinkModel
 from flexmech.linkages import Clamp, Drive
 from flexmech.linkages.motion import normal
-from flexmech.mechanism import Mechanism
+from flexmech.mechanism import Mechanism, require_standing_frame
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.connectors import ConnectorItems
 from flexmech.multibody.items import ItemNumber
@@ -40,6 +40,7 @@ from flexmech.multibody.running.loads import (
     add_impacts,
     add_running_loads,
 )
+from flexmech.multibody.running.motor import MotorOnHub
 from flexmech.multibody.running.user_functions import Shaft
 from flexmech.time_domain import FrameMotion, Impact
 
@@ -62,7 +63,7 @@ class RunningModel:
         The links' matrices in the same coordinates, for their weight.
     impacts : sequence of Impact
         Pulses on points of links.
-    torque : TorqueTable, optional
+    torque : TorqueTable or MotorOnHub, optional
         Of a shaft that is free; it turns as prescribed where this is left out.
 
     Attributes
@@ -88,8 +89,8 @@ class RunningModel:
     frame : FrameBody or None
         The frame on springs that carries the linkage and the hub.
     total_size : int
-        Coordinates of the links, of attached bodies, of a frame on springs, and of the hub, which
-        come last.
+        Coordinates of the links, of attached bodies, of a motor or of a frame on springs, and of
+        the hub, which come last.
     """
 
     def __init__(
@@ -100,15 +101,22 @@ class RunningModel:
         drive: Drive,
         links: Sequence[LinkModel],
         impacts: Sequence[Impact] = (),
-        torque: TorqueTable | None = None,
+        torque: TorqueTable | MotorOnHub | None = None,
     ) -> None:
         self.torque = torque
         self.assembly = assembly = LinkAssembly(mechanism, elements, kind, bodies_have_mass=True)
         self.drive = drive
         self.links = links
         self.energies = LinkEnergies(assembly, links)
+        self._motor = torque if isinstance(torque, MotorOnHub) else None
+        self.total_size = assembly.system_size + 3
+        if self._motor is not None:
+            self.total_size += self._motor.count
         self.frame = FrameBody.of(mechanism, assembly.items, assembly.system_size)
-        self.total_size = assembly.system_size + (3 if self.frame is None else 6)
+        if self.frame is not None:
+            if torque is not None:
+                require_standing_frame(mechanism.frame, "a run with a free shaft")
+            self.total_size += 3
         self._start = mechanism.linkage.motion(drive.crank_angle(0.0))
         self.shaft = Shaft(
             float(self._start.angle[assembly.base]),
@@ -194,14 +202,22 @@ class RunningModel:
         """Number of Lagrange multipliers."""
         return len(self.assembly.mbs.systemData.GetAECoordinates())
 
-    def driving_torque(self, time: FloatArray, multiplier: FloatArray) -> FloatArray:
+    def driving_torque(
+        self,
+        time: FloatArray,
+        velocity: FloatArray,
+        multiplier: FloatArray,
+    ) -> FloatArray:
         """Torque of the drive on the shaft at instants in N m, (m,).
 
         Parameters
         ----------
         time : ndarray, shape (m,)
+        velocity : ndarray, shape (m, total_size)
         multiplier : ndarray, shape (m, n_multipliers)
         """
+        if isinstance(self.torque, MotorOnHub):
+            return self.torque.torque(velocity)
         if self.torque is not None:
             return self.torque.at(time)
         assert self.drive_constraint is not None
@@ -227,8 +243,9 @@ class RunningModel:
         """
         nodes = self.assembly.arms.to_nodes(position)
         velocity = self.assembly.arms.rate_to_nodes(position, velocity)
+        of_motor = np.zeros(0) if self._motor is None else self._motor.start_rates
+        own = np.zeros_like(of_motor), of_motor
         hub, turning = np.zeros(3), np.zeros(3)
-        own: tuple[FloatArray, FloatArray] = (np.zeros(0), np.zeros(0))
         if self.frame is not None:
             assert moved is not None
             own = moved.displacement[0], moved.rate[0]
@@ -286,15 +303,19 @@ class RunningModel:
         drive = assembly.add_constraint("crank_drive", fixed, node, 2, **self._turning())
         return items.add("ObjectRigidBody2D", "hub", nodeNumber=node, mass=0.0, inertia=0.0), drive
 
-    def _add_free_hub(self, fixed: ItemNumber, torque: TorqueTable) -> ItemNumber:
-        """Body with the shaft's inertia, turned by a torque over time."""
+    def _add_free_hub(self, fixed: ItemNumber, torque: TorqueTable | MotorOnHub) -> ItemNumber:
+        """Body with the shaft's inertia, turned by a torque over time or a motor."""
         assembly, items = self.assembly, self.assembly.items
         items.begin("crank drive: a free hub with the shaft's inertia, turned by a torque")
+        of_motor = torque.add_node(items) if isinstance(torque, MotorOnHub) else []
         node = items.add("NodeRigidBody2D", "hub_node")
         for coordinate, axis in enumerate("xy"):
             assembly.add_constraint(f"hub_{axis}", fixed, node, coordinate)
         inertia = float(assembly.mechanism.shaft_inertia)
         hub = items.add("ObjectRigidBody2D", "hub", nodeNumber=node, mass=0.0, inertia=inertia)
+        if isinstance(torque, MotorOnHub):
+            torque.add_object(items, of_motor, node)
+            return hub
         marker = items.add("MarkerNodeRigid", "hub_marker", nodeNumber=node)
         items.add(
             "LoadTorqueVector",

@@ -14,7 +14,7 @@ from flexmech.arrays import FloatArray
 from flexmech.choices import Integrator, LinkDirection
 from flexmech.errors import InputError
 from flexmech.linear_system import LinkModel, LinkPoint, displacement_row
-from flexmech.linkages import RigidMotion, Topology, carried_motion
+from flexmech.linkages import MotorRun, RigidMotion, Topology, carried_motion
 from flexmech.multibody.items import Setting, applied, solver_settings
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import MovingFrames
@@ -183,6 +183,7 @@ class Simulation:
         """
         assembly, energies = self.model.assembly, self.model.energies
         shaft = self._shaft_motion(time, position, velocity)
+        torque = self.model.driving_torque(time, velocity, multiplier)
         motion = self._motion(time) if shaft is None else self._displaced_motion(time, shaft)
         frame = self._frame_motion(position, velocity)
         carried, turn = motion, np.zeros(len(time))
@@ -221,7 +222,7 @@ class Simulation:
             displacement=displacement,
             rate=rate,
             joint_force=self.model.joint_force(multiplier, position, sprung, turn),
-            driving_torque=self.model.driving_torque(time, multiplier),
+            driving_torque=torque,
             kinetic_energy=kinetic,
             strain_energy=strain,
             gravity_energy=gravity,
@@ -250,8 +251,8 @@ class Simulation:
         shaft = self.model.shaft
         if not shaft.is_free:
             return None
-        rotation = position[:, -1] - [shaft.angle(t) for t in time]
-        return ShaftMotion(rotation, velocity[:, -1] - [shaft.speed(t) for t in time])
+        mean = np.array([shaft.motion(t) for t in time.tolist()])
+        return ShaftMotion(position[:, -1] - mean[:, 0], velocity[:, -1] - mean[:, 1])
 
     def _displaced_motion(self, time: FloatArray, shaft: ShaftMotion) -> RigidMotion:
         """Motion of the rigid linkage with a free shaft; a state needs no acceleration."""
@@ -370,7 +371,7 @@ class _Steps:
             self._recorder.add(self._simulation.displacement(time, position))
         else:
             block = self._simulation.block(time, position, velocity, multiplier)
-            if block.shaft is not None:
+            if block.shaft is not None and not isinstance(self._simulation.model.drive, MotorRun):
                 block.shaft.refuse_runaway(self._simulation.model.drive, time)
             self._recorder.add(block)
         for values in blocks:

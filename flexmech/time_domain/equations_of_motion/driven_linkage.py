@@ -7,9 +7,8 @@ modes rotate with the pins as a whole (Galerkin): a response in time does not de
 which it is written, as frozen eigenvalues do. Axial modes above
 the frequencies of interest are condensed: a bowed link stretches when it bends.
 
-The equations are linear about straight links, or about their quasi-static equilibrium. On
-request the links stretch by half the square of their slopes at the instant, which adds
-nonlinear forces (:class:`LinkageStretch`); then no axial mode is condensed.
+They are linear about straight links, or their quasi-static equilibrium. On request links stretch by
+half the square of their slopes (:class:`LinkageStretch`); then no axial mode is condensed.
 """
 
 from __future__ import annotations
@@ -44,6 +43,7 @@ from flexmech.time_domain.equations_of_motion.reduced_links import (
     prestressed_links,
     stretching_links,
 )
+from flexmech.time_domain.equations_of_motion.shaft_torque import ShaftTorque
 from flexmech.time_domain.equations_of_motion.stress_history import StressHistory
 from flexmech.time_domain.recorded_runs.states import FrameMotion, LinkState
 
@@ -54,11 +54,10 @@ class DrivenLinkage:
     Parameters
     ----------
     engine : Engine
-        With component modes or without; see :func:`is_reduced`.
+        With component modes or without.
     drive : Drive
     prestress : {"none", "axial", "equilibrium"}
-        ``equilibrium`` linearizes about the quasi-static equilibrium, whose displacement is
-        then part of the response.
+        ``equilibrium`` linearizes about that, whose displacement is part of the response.
     modes : int
         Number of natural frequencies for which the reduction is accurate.
     detail : float
@@ -66,16 +65,16 @@ class DrivenLinkage:
     with_energy : bool
         Whether energies and joint forces are needed.
     stretches : bool
-        Let straight links stretch by half the square of their slopes, in place of a
-        prestress; see :func:`can_stretch`.
+        Let straight links stretch in place of a prestress; see :func:`can_stretch`.
+    shaft_torque : ShaftTorque, optional
+        Of a motor on a free shaft.
 
     Attributes
     ----------
     links : tuple of LinkModel
         Reduced.
     unreduced : tuple of LinkModel
-        Links of the run: those of the engine, or in natural coordinates for large rotations; see
-        :mod:`flexmech.time_domain.equations_of_motion.natural_coordinates`.
+        Links of the run: those of the engine, or in natural coordinates for large rotations.
     bases, run_bases : tuple of ndarray, shape (n_full, n)
         From each reduced link's coordinates to the engine's, and to those of ``unreduced``.
     frames : LinkFrames
@@ -101,6 +100,7 @@ class DrivenLinkage:
         detail: float = DETAIL,
         with_energy: bool = True,
         stretches: bool = False,
+        shaft_torque: ShaftTorque | None = None,
     ) -> None:
         self.engine, self.drive, self.prestress = engine, drive, prestress
         reduced = (
@@ -125,7 +125,8 @@ class DrivenLinkage:
         if stretches:
             guides = MovingGuides(engine, self.frames, reduced.unreduced, self.run_bases)
             self.stretch = LinkageStretch(self.frames, reduced.stretches, guides, others)
-        self.shaft = DrivenShaft.of(engine, drive, self.frames, reduced.unreduced, self.run_bases)
+        own = reduced.unreduced, self.run_bases
+        self.shaft = DrivenShaft.of(engine, drive, self.frames, *own, shaft_torque)
         turns_far = self.shaft is not None and self.shaft.is_natural
         self.connectors = DrivenConnectors(engine, self.frames, drive, follower_torque=turns_far)
         self._condensed = np.zeros(self.frames.size + others, dtype=bool)
@@ -194,8 +195,8 @@ class DrivenLinkage:
         if self.connectors.any:
             force += self.connectors.force(motion, time, tables=tables)
         if self.shaft is not None:
-            torque = self.shaft.torque(motion, force)
-            force += self.shaft.force(motion, torque)
+            torque, pull = self.shaft.torque(time, motion, force)
+            force += self.shaft.force(motion, pull)
         force += self.frames.gather(motion, [-s.prestress for s in stress])
         matrices = self._matrices(time, motion, stress, frozen=frozen, torque=torque)
         if self.carried is not None:
@@ -225,7 +226,7 @@ class DrivenLinkage:
         matrices = self._matrices(time, motion, self.stress.at(time))
         units = self.connectors.unit_forces(motion)
         if self.shaft is not None:
-            units = [f + self.shaft.force(motion, self.shaft.torque(motion, f)) for f in units]
+            units = [self.shaft.unit_force(motion, f) for f in units]
         if load is not None:
             units.append(self.frames.gather(motion, [np.tile(f, (len(time), 1)) for f in load]))
         return [Equations.condensed(motion, matrices, f, self._condensed) for f in units]
@@ -254,14 +255,14 @@ class DrivenLinkage:
     ) -> SystemMatrices:
         """Matrices of all coordinates of the frames, under the torque (m,) of a free shaft."""
         terms = RotationTerms.all_or_none(not frozen)
-        tangents = [s.stiffness for s in stress]
-        if self.shaft is not None and torque is not None:
-            tangents[self.shaft.link] = tangents[self.shaft.link] + self.shaft.stiffness(torque)
+        tangents, damping = [s.stiffness for s in stress], [s.damping for s in stress]
+        if self.shaft is not None:
+            tangents, damping = self.shaft.acted(time, torque, tangents, damping)
         matrices = self.frames.assemble(
             motion,
             tangents,
             terms,
-            [LinkDamping(s.damping, s.damping) for s in stress],
+            [LinkDamping(own, own) for own in damping],
             self.stress.guide_stiffness(time),
         )
         if self.stretch is not None:

@@ -2,8 +2,8 @@
 
 The frames of the links turn with the prescribed motion. The shaft carries the torque that keeps the
 rigid linkage in it, by virtual work: the forces on the links and this torque do no work as the
-rigid linkage turns. What the equations give is turned back afterwards into the frames of the rigid
-linkage at the angle that the shaft has.
+rigid linkage turns; or that of a motor (:class:`ShaftTorque`). What the equations give is turned
+back afterwards into the frames of the rigid linkage at the angle that the shaft has.
 
 Where links stretch by the square of their slopes the shaft has the natural coordinates ``d`` of
 :mod:`flexmech.time_domain.equations_of_motion.natural_coordinates`. By its rotation phi its torque
@@ -25,6 +25,7 @@ from flexmech.linear_system import Engine, LinkFrames
 from flexmech.linkages import Drive, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain.equations_of_motion.natural_coordinates import NaturalLink
+from flexmech.time_domain.equations_of_motion.shaft_torque import ShaftTorque
 from flexmech.time_domain.recorded_runs.recording import StepBlock
 from flexmech.time_domain.recorded_runs.states import ShaftMotion, rigid_torque
 from flexmech.time_domain.recorded_runs.trajectory import Trajectory
@@ -46,6 +47,8 @@ class DrivenShaft:
         That it drives.
     rows : ndarray, shape (2, n_link)
         By its coordinates ``d`` of the shaft; in linear equations zero and phi.
+    given : ShaftTorque, optional
+        Of a motor, in place of the torque that drives the rigid linkage.
     """
 
     engine: Engine
@@ -54,6 +57,7 @@ class DrivenShaft:
     fields: tuple[FloatArray, ...]
     link: int
     rows: FloatArray
+    given: ShaftTorque | None = None
 
     @classmethod
     def of(
@@ -63,6 +67,7 @@ class DrivenShaft:
         frames: LinkFrames,
         unreduced: Sequence[NaturalLink],
         bases: Sequence[FloatArray],
+        given: ShaftTorque | None = None,
     ) -> Self | None:
         """The shaft of an engine; None where it is prescribed.
 
@@ -74,6 +79,7 @@ class DrivenShaft:
         unreduced : sequence of NaturalLink
         bases : sequence of ndarray, shape (n_full, n_link)
             From each reduced link's coordinates to those of the unreduced one.
+        given : ShaftTorque, optional
 
         Returns
         -------
@@ -93,24 +99,75 @@ class DrivenShaft:
             rows[1, engine.free_shaft.rotation(frames.links[number])] = 1.0
         else:
             rows = natural @ bases[number]
-        return cls(engine, drive, frames, tuple(fields), number, rows)
+        return cls(engine, drive, frames, tuple(fields), number, rows, given)
 
     @property
     def is_natural(self) -> bool:
         """Whether its coordinates are natural ones, so that it may turn far."""
         return bool(self.rows[0].any())
 
-    def torque(self, motion: RigidMotion, force: FloatArray) -> FloatArray:
-        """The torque (m,) that balances forces on the rigid linkage.
+    def torque(
+        self, time: FloatArray, motion: RigidMotion, force: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """The torque (m,) of the motor; or that balances forces on the rigid linkage.
+
+        And the torque where the coordinates are zero, of which the matrices make that.
 
         Parameters
         ----------
+        time : ndarray, shape (m,)
+            In s.
         motion : RigidMotion
             Batch of shape (m,).
         force : ndarray, shape (m, size)
             On the coordinates of the frames, of all that acts, inertia included.
         """
+        if self.given is not None:
+            torque = self.given.at(time)[0]
+            return torque, torque + self.given.pull(time)
+        torque = self.balance(motion, force)
+        return torque, torque
+
+    def balance(self, motion: RigidMotion, force: FloatArray) -> FloatArray:
+        """The torque (m,) that balances forces (m, size) on the rigid linkage."""
         return np.asarray(-np.sum(self.turn(motion) * force, axis=1))
+
+    def acted(
+        self,
+        time: FloatArray,
+        torque: FloatArray | None,
+        stiffness: Sequence[FloatArray],
+        damping: Sequence[FloatArray],
+    ) -> tuple[list[FloatArray], list[FloatArray]]:
+        """Stiffness and damping of all links, with those of the torque on the link it turns.
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+            In s.
+        torque : ndarray, shape (m,), optional
+            That acts, whose direction turns with the link where rotations are large.
+        stiffness, damping : sequence of ndarray, shape (m, n_link, n_link)
+
+        Returns
+        -------
+        tuple of list of ndarray, shape (m, n_link, n_link)
+        """
+        held, damped = list(stiffness), list(damping)
+        if torque is not None:
+            held[self.link] = held[self.link] + self.stiffness(torque)
+        if self.given is not None:
+            _, rate, place, *_ = (own[:, None, None] for own in self.given.at(time))
+            square = np.outer(self.rows[1], self.rows[1])
+            held[self.link] = held[self.link] + place * square
+            damped[self.link] = damped[self.link] + rate * square
+        return held, damped
+
+    def unit_force(self, motion: RigidMotion, force: FloatArray) -> FloatArray:
+        """A force (m, size) with the torque that follows it: none of a motor follows."""
+        if self.given is not None:
+            return force
+        return force + self.force(motion, self.balance(motion, force))
 
     def force(self, motion: RigidMotion, torque: FloatArray) -> FloatArray:
         """Force (m, size) of a torque (m,) on the coordinates of the frames."""
@@ -157,7 +214,7 @@ class DrivenShaft:
         block = replace(
             block,
             crank_speed=block.crank_speed + shaft.rate,
-            driving_torque=rigid_torque(self.engine.mechanism, self.drive, block.time),
+            driving_torque=self._given_torque(block, shaft),
             shaft=shaft,
         )
         if self.is_natural:
@@ -170,6 +227,15 @@ class DrivenShaft:
             moving = speed * turn[number] + phi * change[number]
             rate.append(block.rate[number] - moving @ field.T)
         return replace(block, displacement=displacement, rate=rate)
+
+    def _given_torque(self, block: StepBlock, shaft: ShaftMotion) -> FloatArray:
+        """Torque on the shaft at the steps of a block, which a motor's is recorded for."""
+        if self.given is None:
+            return rigid_torque(self.engine.mechanism, self.drive, block.time)
+        across = self.rows[1] @ block.displacement[self.link].T
+        turning = self.rows[1] @ block.rate[self.link].T
+        self.given.record(block.time, across, turning, shaft.rotation, shaft.rate)
+        return self.given.beside(block.time, across, turning)
 
     def turned_back(self, run: Trajectory) -> Trajectory:
         """A run in the frames of the rigid linkage at the angle that the shaft has.

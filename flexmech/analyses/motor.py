@@ -1,0 +1,236 @@
+"""A motor in a result: its torque, speed, power and current, its stall and its settled motion."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses.datasets import DEGREES, Columns
+from flexmech.analyses.digits import Quantity, rounded
+from flexmech.arrays import FloatArray
+from flexmech.linkages import DcMotor, MotorRun
+from flexmech.units import from_si
+
+# Relative error of the rigid linkage's motion under a motor: below all digits that are printed.
+_TOLD = 1e-6
+_VARIABLES = ("motor_torque", "motor_speed", "motor_power", "motor_current")
+_COLUMNS = {
+    "motor_torque_Nm": "motor_torque",
+    "motor_speed_rad_s": "motor_speed",
+    "motor_power_W": "motor_power",
+    "motor_current_A": "motor_current",
+}
+
+
+def motor_attributes(run: MotorRun) -> dict[str, str | float]:
+    """Attributes that tell where a motor stalls, or how it turns once it has settled.
+
+    Parameters
+    ----------
+    run : MotorRun
+
+    Returns
+    -------
+    dict
+    """
+    told: dict[str, str | float] = {"gear_ratio": run.drive.motor.gear_ratio}
+    told["run_duration"] = run.duration
+    if (stall := run.stall) is not None:
+        return told | {
+            "stall_time": stall.time,
+            "stall_angle": stall.crank_angle,
+            "stall_torque": stall.torque,
+            "stall_needed": stall.needed,
+        }
+    if (settled := run.settled) is not None:
+        told |= {
+            "settled_speed": settled.mean_speed,
+            "settled_fluctuation": settled.fluctuation,
+            "settled_power": settled.mean_power,
+        }
+    return told
+
+
+def settled_variables(run: MotorRun) -> xr.Dataset:
+    """Crank speed, and torque and current of the motor, over a turn of the settled motion.
+
+    Parameters
+    ----------
+    run : MotorRun
+
+    Returns
+    -------
+    xarray.Dataset
+        Empty of a motor that stalls or does not settle.
+    """
+    settled = run.settled
+    if settled is None:
+        return xr.Dataset()
+    variables = {
+        "settled_crank_speed": ("settled_angle", settled.speed),
+        "settled_motor_torque": ("settled_angle", settled.torque),
+    }
+    if isinstance(run.drive.motor, DcMotor):
+        variables["settled_motor_current"] = ("settled_angle", settled.current)
+    return xr.Dataset(variables, coords={"settled_angle": settled.crank_angle})
+
+
+def motor_variables(run: MotorRun, torque: FloatArray, speed: FloatArray) -> xr.Dataset:
+    """What a motor gives, by its torque and speed behind the gear.
+
+    Parameters
+    ----------
+    run : MotorRun
+    torque : ndarray, shape (N,)
+        Of the motor at the crank in N m.
+    speed : ndarray, shape (N,)
+        Of its rotor over the gear ratio, in rad/s.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over time.
+    """
+    motor = run.drive.motor
+    own = torque / motor.gear_ratio
+    found = {
+        "motor_torque": ("time", own),
+        "motor_speed": ("time", motor.gear_ratio * speed),
+        "motor_power": ("time", torque * speed),
+    }
+    if isinstance(motor, DcMotor):
+        found["motor_current"] = ("time", own / motor.torque_constant)
+    return xr.Dataset(found)
+
+
+def last_turn(angle: FloatArray, speed: FloatArray, time: FloatArray) -> tuple[float, float]:
+    """Mean crank speed over the last turn of a run, and its coefficient of fluctuation.
+
+    Parameters
+    ----------
+    angle, speed, time : ndarray, shape (N,)
+
+    Returns
+    -------
+    tuple of float
+        In rad/s, and greatest less least speed over the mean; not numbers of less than a turn.
+    """
+    way = np.abs(angle - angle[-1])
+    if way[0] < 2 * np.pi:
+        return np.nan, np.nan
+    first = int(np.flatnonzero(way >= 2 * np.pi)[-1])
+    begin = float(np.interp(2 * np.pi, way[first : first + 2][::-1], time[first : first + 2][::-1]))
+    mean = np.sign(angle[-1] - angle[0]) * 2 * np.pi / (time[-1] - begin)
+    return float(mean), float(np.ptp(speed[first:]) / abs(mean))
+
+
+def motor_columns(data: xr.Dataset) -> Columns:
+    """Columns of what the motor gives for a table over time; none without a motor."""
+    return {column: name for column, name in _COLUMNS.items() if name in data}
+
+
+def motor_answer(data: xr.Dataset) -> tuple[str, ...]:
+    """Where the motor stalls, or how fast it turns the crank and how evenly; or nothing."""
+    if "motor_torque" not in data:
+        return ()
+    told = data.attrs
+    if "stall_angle" in told:
+        angle = f"{DEGREES * told['stall_angle'] % 360:.4g} deg"
+        needed = f"it gives the crank {told['stall_torque']:.4g} N m at rest, and "
+        needed += f"{told['stall_needed']:.4g} N m would hold the linkage there"
+        if not told["stall_time"]:
+            return (f"The motor does not start: it stalls at {angle}, where {needed}.",)
+        return (f"The motor stalls at {angle}, after {told['stall_time']:.4g} s: {needed}.",)
+    if "settled_speed" in told:
+        part = rounded(100 * told["settled_fluctuation"], 0.0, 3)
+        speed = _speed(data, told["settled_speed"])
+        return (
+            f"Settled, the motor turns the rigid linkage at {speed}, which fluctuates by {part} % "
+            "of it over the turn.",
+        )
+    end = abs(float(data["motor_speed"].isel(time=-1).max())) / told["gear_ratio"]
+    return (
+        f"The motor has brought the crank to {_speed(data, end)} after "
+        f"{told['run_duration']:.4g} s, and settles at no speed.",
+    )
+
+
+def motor_lines(data: xr.Dataset) -> list[str]:
+    """Peaks of what the motor gives, and the settled motion; none without a motor."""
+    if "motor_torque" not in data:
+        return []
+    told = data.attrs
+    peaks = ", ".join(
+        f"{what} up to {_peaks(data, name)} {unit}"
+        for name, what, unit in (
+            ("motor_torque", "torque", "N m"),
+            ("motor_speed", "speed", "rad/s"),
+            ("motor_power", "power", "W"),
+            ("motor_current", "current", "A"),
+        )
+        if name in data
+    )
+    lines = [f"motor on its own shaft: {peaks}"]
+    if "settled_speed" in told:
+        lines.append(
+            f"settled motion of the rigid linkage, found directly: mean speed "
+            f"{_speed(data, told['settled_speed'])}, coefficient of fluctuation (greatest less "
+            f"least over mean) {rounded(told['settled_fluctuation'], 0.0, 5)}, mean power of the "
+            f"motor {_power(told['settled_power'])} W"
+        )
+    elif "stall_angle" not in told:
+        lines.append(
+            "settled motion: none was found; no turn ends as it begins near the end of the run"
+        )
+    if "last_turn_speed" in data and bool(np.isfinite(data["last_turn_speed"]).all()):
+        texts = ", ".join(
+            f"{_speed(data, float(own['last_turn_speed']))}, coefficient of fluctuation "
+            f"{float(own['last_turn_fluctuation']):.4g} ({own['engine'].item()})"
+            for _, own in data.groupby("engine", squeeze=False)
+            for own in [own.isel(engine=0)]
+        )
+        lines.append(f"last turn of the run, with elastic links: mean speed {texts}")
+    return lines
+
+
+def motor_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
+    """Peaks of torque, power and current; settled speed and fluctuation, or the stall."""
+    if "motor_torque" not in data:
+        return ()
+    found = []
+    for name, unit in (("motor_torque", "N m"), ("motor_power", "W"), ("motor_current", "A")):
+        if name in data:
+            sizes = abs(data[name]).max("time")
+            value, apart = float(sizes.max()), float(sizes.max() - sizes.min())
+            error = apart if "engine" in sizes.dims else _TOLD * value
+            found.append(Quantity(f"peak_{name}", value, unit, error))
+    told = data.attrs
+    if "stall_angle" in told:
+        angle = DEGREES * float(told["stall_angle"])
+        found.append(Quantity("stall_angle", angle, "deg", abs(angle) * _TOLD))
+    if "settled_speed" in told:
+        speed, part = float(told["settled_speed"]), float(told["settled_fluctuation"])
+        found.append(Quantity("settled_crank_speed", speed, "rad/s", abs(speed) * _TOLD))
+        found.append(Quantity("speed_fluctuation", part, "", part * _TOLD))
+    return tuple(found)
+
+
+def _peaks(data: xr.Dataset, name: str) -> str:
+    """Greatest size of a variable, of each engine."""
+    sizes = abs(data[name]).max("time")
+    if "engine" not in sizes.dims:
+        return rounded(float(sizes), 0.0, 5)
+    return ", ".join(
+        f"{rounded(float(own), 0.0, 5)} ({engine})"
+        for own, engine in zip(sizes.values, data["engine"].values, strict=True)
+    )
+
+
+def _speed(data: xr.Dataset, value: float) -> str:
+    unit = str(data.attrs.get("speed_unit", "rad/s"))
+    return f"{from_si(value, unit):.5g} {unit}"
+
+
+def _power(value: float) -> str:
+    # A motor without losses takes none in the mean but for round-off.
+    return f"{value:.4g}" if abs(value) > _TOLD else "0"

@@ -1,0 +1,91 @@
+"""A run under a motor: its engines, what the motor gives, and how the crank runs up."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses.motor import last_turn, motor_variables
+from flexmech.analyses.response.request import ResponseRequest
+from flexmech.errors import InputError
+from flexmech.hygrothermal import Environment, mechanism_in_state
+from flexmech.linear_system import Engine
+from flexmech.linkages import MotorRun
+from flexmech.mechanism import require_standing_frame, with_motor_run
+from flexmech.time_domain import Trajectory
+
+
+def with_motor(
+    engines: Sequence[Engine], request: ResponseRequest, environment: Environment | None
+) -> tuple[list[Engine], ResponseRequest]:
+    """Engines whose shaft is free and has the motor's rotor, and the request of a run with them.
+
+    Parameters
+    ----------
+    engines : sequence of Engine
+        Of one mechanism.
+    request : ResponseRequest
+    environment : HygrothermalState or Exposure, optional
+        In which the rigid linkage has other lengths and masses.
+
+    Returns
+    -------
+    list of Engine
+    ResponseRequest
+        Both as they are where there is no motor.
+
+    Raises
+    ------
+    InputError
+        If the motor's rotor is on a coupling, or the motor does not move the linkage.
+    """
+    run = request.drive
+    if not isinstance(run, MotorRun):
+        return list(engines), request
+    mechanism = engines[0].mechanism
+    require_standing_frame(mechanism.frame, "a run under a motor")
+    if environment is not None:
+        wet = mechanism_in_state(mechanism, environment)
+        request = replace(request, speed=run.drive).of(wet)
+        run = request.drive
+        assert isinstance(run, MotorRun)
+    if run.stall is not None and run.stall.time == 0:
+        raise InputError(
+            f"drive: the motor does not start: at {np.degrees(run.stall.crank_angle):.4g} deg it "
+            f"gives the crank {run.stall.torque:.4g} N m at rest, and {run.stall.needed:.4g} N m "
+            "would hold the linkage there; there is no run of elastic links: give a stronger "
+            "motor or another start_angle"
+        )
+    own = with_motor_run(mechanism, run)
+    return [engine.with_(mechanism=own, shaft="free") for engine in engines], request
+
+
+def motor_of_run(refined: Trajectory, request: ResponseRequest, refinement: int) -> xr.Dataset:
+    """What the motor gives in a run, and how evenly the crank turns in its last turn.
+
+    Parameters
+    ----------
+    refined : Trajectory
+        At the refined samples.
+    request : ResponseRequest
+    refinement : int
+        Refined samples for each one asked for.
+
+    Returns
+    -------
+    xarray.Dataset
+        Empty without a motor.
+    """
+    run, shaft = request.drive, refined.shaft
+    if not isinstance(run, MotorRun) or shaft is None:
+        return xr.Dataset()
+    time = refined.time
+    speed = run.crank_speed(time) + shaft.rate
+    found = motor_variables(run, refined.driving_torque, speed)
+    mean, fluctuation = last_turn(run.crank_angle(time) + shaft.rotation, speed, time)
+    return found.isel(time=slice(None, None, refinement)).assign(
+        last_turn_speed=mean, last_turn_fluctuation=fluctuation
+    )

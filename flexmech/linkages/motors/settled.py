@@ -1,0 +1,189 @@
+"""The settled motion under a motor, which repeats itself from turn to turn: found directly.
+
+The crank angle is the independent variable: after a turn of it all other unknowns are as before
+(shooting; Nayfeh & Balachandran, *Applied Nonlinear Dynamics*, 1995, sect. 5.2).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.arrays import FloatArray
+from flexmech.linkages.motors.shaft_equation import ShaftEquation
+
+# Angles of a turn at which the motion is told.
+_ANGLES = 721
+_TOLERANCE = 1e-11
+# Over the speed near which it is sought: a motor whose torque does not fall knows no bound.
+_FAST = 1e3
+# Newton's method by differences gains some five digits a pass, once it is near.
+_PASSES, _DIFFERENCE, _CONVERGED = 40, 1e-6, 1e-9
+
+
+@dataclass(frozen=True)
+class SettledMotion:
+    """A turn of the settled motion.
+
+    Parameters
+    ----------
+    crank_angle : ndarray, shape (m,)
+        In rad, over a turn.
+    time : ndarray, shape (m,)
+        In s, from zero.
+    speed : ndarray, shape (m,)
+        Of the crank in rad/s.
+    torque, power : ndarray, shape (m,)
+        Of the motor on its own shaft in N m, and in W.
+    current : ndarray, shape (m,)
+        Of a DC motor in A; not numbers otherwise.
+    """
+
+    crank_angle: FloatArray
+    time: FloatArray
+    speed: FloatArray
+    torque: FloatArray
+    power: FloatArray
+    current: FloatArray
+
+    @property
+    def mean_speed(self) -> float:
+        """Of the crank in rad/s: a turn over its time."""
+        turn = float(self.crank_angle[-1] - self.crank_angle[0])
+        return turn / float(self.time[-1])
+
+    @property
+    def fluctuation(self) -> float:
+        """Coefficient of speed fluctuation: greatest less least speed over the mean."""
+        from scipy.interpolate import CubicSpline
+
+        spline = CubicSpline(self.crank_angle * np.sign(self.mean_speed), self.speed)
+        found = np.append(self.speed, spline(spline.derivative().roots(extrapolate=False)))
+        return float(np.ptp(found)) / abs(self.mean_speed)
+
+    @property
+    def mean_power(self) -> float:
+        """Of the motor in W."""
+        from scipy.integrate import simpson
+
+        return float(simpson(self.power, x=self.time)) / float(self.time[-1])
+
+
+def settled_motion(equation: ShaftEquation, near: FloatArray) -> SettledMotion | None:
+    """The motion of a shaft that repeats itself from turn to turn.
+
+    Parameters
+    ----------
+    equation : ShaftEquation
+    near : ndarray, shape (n,)
+        Values near it.
+
+    Returns
+    -------
+    SettledMotion or None
+        None where there is no such motion near, or loads go over time.
+    """
+    if equation.load.over_time:
+        return None
+    turn = _Turn(equation, float(near[0]), float(np.sign(near[1])))
+    unknown = turn.unknowns(near)
+    scale = np.maximum(np.abs(unknown), 1e-3 * abs(float(near[1])))
+    for _ in range(_PASSES):
+        end = turn.end(unknown)
+        if end is None:
+            return None
+        gap = end - unknown
+        if np.all(np.abs(gap) <= _CONVERGED * scale):
+            return turn.motion(unknown)
+        columns = []
+        for number, size in enumerate(scale):
+            moved = unknown.copy()
+            moved[number] += _DIFFERENCE * size
+            changed = turn.end(moved)
+            if changed is None:
+                return None
+            columns.append((changed - end) / (_DIFFERENCE * size))
+        slope = np.column_stack(columns) - np.eye(len(unknown))
+        try:
+            change = np.linalg.solve(slope, -gap)
+        except np.linalg.LinAlgError:
+            # Neutral: no turn differs from the next at any speed, or all do alike.
+            return None
+        # At a far lower speed the slope is another one: no farther than to its double at once.
+        way = abs(change[0]) / abs(unknown[0])
+        unknown = unknown + change / max(1.0, way)
+        if abs(unknown[0]) > _FAST * abs(float(near[1])):
+            return None
+    return None
+
+
+class _Turn:
+    """A turn of the crank from an angle, as a map of the other unknowns.
+
+    These are the crank's speed, the twist of a coupling with its rotor's speed, and the states of
+    the motor.
+    """
+
+    def __init__(self, equation: ShaftEquation, angle: float, way: float) -> None:
+        self._equation, self._angle, self._way = equation, angle, way
+
+    def unknowns(self, values: FloatArray) -> FloatArray:
+        """The unknowns (n - 1,) of values (n,)."""
+        own = values[1:].copy()
+        if self._equation.is_coupled:
+            own[1] -= values[0]
+        return own
+
+    def values(self, angle: FloatArray | float, own: FloatArray) -> FloatArray:
+        """Values (n, ...) of unknowns (n - 1, ...) at crank angles (...)."""
+        values = np.concatenate([np.broadcast_to(angle, own.shape[1:])[None], own])
+        if self._equation.is_coupled:
+            values[2] += angle
+        return values
+
+    def _rates(self, angle: float, own: FloatArray) -> FloatArray:
+        """By the crank angle: of the unknowns, and of the time, which comes last."""
+        rates = self._equation.rates(0.0, self.values(angle, own[:-1]))
+        rates = rates.copy()
+        if self._equation.is_coupled:
+            rates[2] -= rates[0]
+        speed = own[0] if self._way * own[0] > 0 else np.nan
+        return np.asarray(np.append(rates[1:], 1.0) / speed)
+
+    def _solved(self, unknown: FloatArray, angles: FloatArray | None) -> FloatArray | None:
+        from scipy.integrate import solve_ivp
+
+        start = np.append(unknown, 0.0)
+        floor = 0.1 * _TOLERANCE * np.append(np.maximum(np.abs(unknown), 1e-6), 1e-3)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            found = solve_ivp(
+                self._rates,
+                (self._angle, self._angle + self._way * 2 * np.pi),
+                start,
+                method="DOP853",
+                rtol=_TOLERANCE,
+                atol=floor,
+                t_eval=angles,
+            )
+        ended = found.success and np.isfinite(found.y).all()
+        return np.asarray(found.y) if ended else None
+
+    def end(self, unknown: FloatArray) -> FloatArray | None:
+        """The unknowns a turn later; None where the crank stands before."""
+        found = self._solved(unknown, None)
+        return None if found is None else found[:-1, -1]
+
+    def motion(self, unknown: FloatArray) -> SettledMotion | None:
+        """The turn from these unknowns."""
+        angle = self._angle + self._way * np.linspace(0.0, 2 * np.pi, _ANGLES)
+        found = self._solved(unknown, angle)
+        if found is None:
+            return None
+        values = self.values(angle, found[:-1])
+        rotor = 3 if self._equation.is_coupled else 1
+        given = self._equation.motor.output(values[rotor], values[rotor + 1 :])
+        speed = self._equation.motor.motor.gear_ratio * values[rotor]
+        return SettledMotion(
+            angle, found[-1], values[1], given.torque, given.torque * speed, given.current
+        )

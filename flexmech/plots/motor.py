@@ -1,0 +1,81 @@
+"""What a motor gives, and how the crank runs up and turns under it."""
+
+from __future__ import annotations
+
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from flexmech.plots import reading, scales
+from flexmech.plots.layout import AxesLike, sheet
+from flexmech.plots.response import draw_engines, engine_lines
+from flexmech.plots.style import MID_GREY, Look, line_handle
+
+RIGID: Look = {"color": "0.15", "lw": 1.2}
+SETTLED: Look = {"color": MID_GREY, "lw": 0.9, "ls": "--"}
+_PANELS: tuple[tuple[str, reading.Units, str], ...] = (
+    ("motor_torque", ((1.0, "N m"), (1e3, "N mm")), "Motor\ntorque"),
+    ("motor_power", ((1.0, "W"), (1e3, "mW")), "Motor\npower"),
+    ("motor_current", ((1.0, "A"), (1e3, "mA")), "Motor\ncurrent"),
+)
+
+
+def plot_motor(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw the crank's speed, and torque, power and current of the motor on its own shaft.
+
+    Dashed lines are the least and the greatest speed of the rigid linkage's settled motion.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``Kinematics`` or ``Response`` result under a motor: ``motor_speed``,
+        ``motor_torque`` and ``motor_power`` over time, or (engine, time); ``motor_current`` of a
+        DC motor.
+    ax : sequence of Axes, optional
+        The user's: three, or four of a DC motor. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+    """
+    runs = "engine" in dataset["motor_torque"].dims
+    panels = [panel for panel in _PANELS if panel[0] in dataset]
+    with sheet(scales.time_layout(1 + len(panels)), ax=ax) as drawn:
+        rigid = [line_handle("rigid links", **RIGID)]
+        handles = [*engine_lines(dataset), *rigid] if runs else []
+        if "settled_crank_speed" in dataset:
+            handles.append(line_handle("range once settled (rigid links)", **SETTLED))
+        drawn.header(handles, f"Crank and motor\n{reading.conditions(dataset)}", of=dataset)
+        scales.label_times(drawn, dataset)
+        _draw_speed(drawn.panels[0], dataset, runs=runs)
+        for axes, (name, units, what) in zip(drawn.panels[1:], panels, strict=False):
+            if runs:
+                draw_engines(axes, dataset[name], units, what)
+            else:
+                _draw(axes, dataset[name], units, what)
+    return drawn.figure
+
+
+def _draw_speed(axes: Axes, dataset: xr.Dataset, *, runs: bool) -> None:
+    """Speed of the crank: of all engines, and of the rigid linkage."""
+    units: reading.Units = ((1.0, "rad/s"),)
+    speed = dataset["crank_speed_over_time"]
+    if runs:
+        factor = draw_engines(
+            axes, speed + dataset["crank_speed_fluctuation"], units, "Crank\nspeed"
+        )
+        axes.plot(dataset["time"].values, factor * speed.values, **RIGID, zorder=1.5)
+    else:
+        _draw(axes, speed, units, "Crank\nspeed")
+    if "settled_crank_speed" in dataset:
+        settled = dataset["settled_crank_speed"].values
+        for value in (settled.min(), settled.max()):
+            axes.axhline(value, **SETTLED, zorder=1.2)
+
+
+def _draw(axes: Axes, values: xr.DataArray, units: reading.Units, what: str) -> None:
+    factor, unit = reading.fitting_unit(values.values, units)
+    scales.zero_line(axes)
+    axes.plot(values["time"].values, factor * values.values, **RIGID)
+    scales.plain_numbers(axes)
+    axes.set_ylabel(f"{what}\n({unit})")
