@@ -12,6 +12,9 @@ from flexmech.linkages.coupler_curves.double_points import (
     full_turn,
 )
 from flexmech.linkages.drives.drive import CrankDrive, Drive, LockedCrank
+from flexmech.linkages.drives.shaped import ShapedDrive, check_shapeable
+from flexmech.linkages.drives.shaped_on_path import FrequenciesOnPath, PathShapedDrive
+from flexmech.linkages.drives.shapers import InputShaper, input_shaper
 from flexmech.linkages.drives.standard_laws import LAWS, LawDrive, LawName, unit_law
 from flexmech.linkages.drives.tabulated import TABLE_ENDS, TableDrive, TableEnds
 from flexmech.linkages.fourbar import FourBar, GrashofClass
@@ -59,7 +62,9 @@ __all__ = [
     "Drive",
     "FiniteDoublePoint",
     "FourBar",
+    "FrequenciesOnPath",
     "GrashofClass",
+    "InputShaper",
     "InverseDynamics",
     "JointSpring",
     "LawDrive",
@@ -72,6 +77,7 @@ __all__ = [
     "LinkageStack",
     "Load",
     "LockedCrank",
+    "PathShapedDrive",
     "Pin",
     "Pivot",
     "PlanarJoint",
@@ -79,6 +85,7 @@ __all__ = [
     "PlanarLinkage",
     "RigidMotion",
     "RotatingArm",
+    "ShapedDrive",
     "Slider",
     "Spring",
     "TableDrive",
@@ -87,6 +94,7 @@ __all__ = [
     "TransmissionDesign",
     "Weld",
     "assemblable",
+    "check_shapeable",
     "circuit_of",
     "connections",
     "continuous_angles",
@@ -97,6 +105,7 @@ __all__ = [
     "focal_cubic",
     "forces_by_joints",
     "full_turn",
+    "input_shaper",
     "inverse_dynamics",
     "linkage_positions",
     "lumped_elements",

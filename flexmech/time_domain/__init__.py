@@ -13,6 +13,7 @@ from flexmech.time_domain.equations_of_motion.reduced_links import (
 )
 from flexmech.time_domain.integrators.runs import (
     LinkageUnderImpact,
+    end_state,
     linear_run,
     simulator,
     step_lag,
@@ -58,6 +59,7 @@ __all__ = [
     "Trajectory",
     "UnbalancedStepError",
     "counts_of_modes",
+    "end_state",
     "forced_linkage",
     "forced_modes",
     "is_reduced",

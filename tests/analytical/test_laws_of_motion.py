@@ -126,7 +126,7 @@ def test_exudyn_prescribes_the_same_motion(drive: Drive) -> None:
 
 def test_a_piece_that_ends_a_rounding_before_the_next_is_not_the_last() -> None:
     """0.1 + 0.2 is beyond 0.3: at 0.3 the first piece is at its end, and the law goes on."""
-    still = (0.0, 0.0, 0.0)
+    still = ()
     pieces = ((0.0, 0.3, (0.0, 0.6), still), (0.1 + 0.2, 0.3, (0.6, 0.6), still))
     assert Shaft(0.0, 99.0, pieces).motion(0.3) == pytest.approx((0.6, 2.0))
     assert Shaft(0.0, 99.0, pieces).motion(0.7)[1] == 99.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -75,6 +76,35 @@ class StandingModes:
         weights = [whole(link.mass) @ q for link, q in zip(free.links, shapes, strict=True)]
         small = deflections_of(free, [_SMALL * q.T for q in shapes])
         return cls(modes.frequency[0], weights, small / _SMALL)
+
+    def of_state(
+        self,
+        displacement: Sequence[FloatArray],
+        rate: Sequence[FloatArray],
+        at_rest: Sequence[FloatArray],
+    ) -> FloatArray:
+        """Amplitude of each mode in the deflection of each link, from its state at the stop.
+
+        It tells how far the mode goes on to vibrate, without a run of the rest.
+
+        Parameters
+        ----------
+        displacement, rate, at_rest : sequence of ndarray, shape (n_link,)
+            Of each link of the engine, in its frame, in m and m/s; the last is where it comes to
+            rest under its loads.
+
+        Returns
+        -------
+        ndarray, shape (n_links, m)
+            In m.
+        """
+        moved = [q - rest for q, rest in zip(displacement, at_rest, strict=True)]
+        position, velocity = (
+            np.sum([q @ weight for q, weight in zip(each, self.weights, strict=True)], axis=0)
+            for each in (moved, rate)
+        )
+        found = np.hypot(position, velocity / (2 * np.pi * self.frequency))
+        return np.asarray(np.abs(self.bending.T) * found)
 
     def amplitudes(self, trajectory: Trajectory, begin: float) -> FloatArray:
         """Amplitude of each mode in the deflection of each link after the stop.

@@ -32,6 +32,12 @@ from flexmech.analyses.response.driven import (
     residual_numbers,
 )
 from flexmech.analyses.response.shaking import shaking_lines, shaking_numbers
+from flexmech.analyses.response.shaped_words import (
+    move_table,
+    shaped_answer,
+    shaped_lines,
+    shaped_numbers,
+)
 from flexmech.analyses.result import Result
 from flexmech.analyses.shaking import harmonics_table, shaking_columns
 from flexmech.analyses.summary import Summary
@@ -74,6 +80,9 @@ class Response(Result):
         "running_shaking_orders.png",
         "running_law.png",
         "residual.png",
+        "residual_over_move_time.csv",
+        "residual_over_move_time.png",
+        "shaped_law.png",
         "spectrum.png",
         "spectrogram.png",
         *_ANIMATIONS,
@@ -241,6 +250,8 @@ class Response(Result):
         tables = {self.stem: table_of(data, ("engine", "time"), columns)}
         if "order" in data:
             tables["running_shaking_harmonics"] = harmonics_table(data, "engine")
+        if "move_amplitude" in data:
+            tables["residual_over_move_time"] = move_table(data)
         return tables
 
     @property
@@ -261,6 +272,10 @@ class Response(Result):
             figures["running_law"] = plots.plot_law(data)
         if "residual_envelope" in data:
             figures["residual"] = plots.plot_residual(data)
+        if "shaped_deflection" in data:
+            figures["shaped_law"] = plots.plot_shaped(data)
+        if "move_amplitude" in data:
+            figures["residual_over_move_time"] = plots.plot_move_times(data)
         if "shaking_force" in data:
             figures["running_shaking_force"] = plots.plot_running_shaking_force(data)
         if "order" in data:
@@ -326,7 +341,7 @@ class Response(Result):
         data, peaks, agreement = self.dataset, self.peaks(), self.agreement()
         title = f"peaks {drive_words(data.attrs)}, {data.attrs['mechanism']}"
         trusted = representative(agreement, data)
-        forces = self.force_agreement()
+        forces, shaped = self.force_agreement(), shaped_answer(data)
         table = words.peak_table(
             peaks, float(data["crank_angle"][0]), title, trusted, self._peak_errors()
         )
@@ -335,6 +350,7 @@ class Response(Result):
             *words.check_lines(data),
             *words.load_lines(peaks, data),
             *driven_lines(data),
+            *shaped_lines(data),
             *shaking_lines(data),
             *words.stress_lines(data),
             *words.shaft_lines(data),
@@ -344,7 +360,7 @@ class Response(Result):
             agreement_line(agreement, data),
         )
         return Summary(
-            (*answers.answer(data), *residual_answer(data)),
+            (*shaped, *answers.answer(data), *(() if shaped else residual_answer(data))),
             table,
             answers.trust(data, agreement, forces),
             details,
@@ -353,7 +369,10 @@ class Response(Result):
                 *answers.disagreement(data, agreement, forces),
                 *warnings_of(data.attrs),
             ),
-            answers.numbers(data) + shaking_numbers(data) + residual_numbers(data),
+            answers.numbers(data)
+            + shaking_numbers(data)
+            + residual_numbers(data)
+            + shaped_numbers(data),
         )
 
     def _peak_errors(self) -> xr.Dataset:

@@ -330,4 +330,4 @@ def _plain_pieces(drive: Drive) -> tuple[Any, ...]:
     """The pieces of a law as plain numbers, which an exported script holds, from the start on."""
     begin = float(drive.crank_angle(0.0))
     moved = (piece.moved(0.0, -begin) for piece in drive.law.pieces)
-    return tuple((one.start, one.duration, one.polynomial, one.sine) for one in moved)
+    return tuple((one.start, one.duration, one.polynomial, one.sines) for one in moved)
