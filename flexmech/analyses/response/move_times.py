@@ -33,30 +33,38 @@ from flexmech.time_domain import (
 
 # Left out, the times of a move go from half the law's own to twice of it, evenly.
 _RANGE, _COUNT = (0.5, 2.0), 61
+# Fewest of them, and steps of all runs together beyond which there are fewer. Time alone.
+_FEWEST, _MOST_STEPS = 13, 250_000
 # Steps in a period of the highest frequency of interest, by the method of fourth order, where links
 # stretch: twice as many change an amplitude by less than 1e-4 of the greatest.
 _STEPS_WHERE_LINKS_STRETCH = 20
-# Of them an engine that simulates runs the first, the last and so many between.
-_SIMULATED = 5
+# Of them an engine that simulates runs so many of each law, the first and the last among them, and
+# fewer where all its runs would take more steps. Time alone.
+_SIMULATED, _MOST_SIMULATED_STEPS = 5, 30_000
 
 
-def moves_of(request: ResponseRequest) -> FloatArray:
+def moves_of(request: ResponseRequest, highest: float) -> FloatArray:
     """Times of a move, the dwell not counted, in s; (n,).
 
     Parameters
     ----------
     request : ResponseRequest
+    highest : float
+        Highest natural frequency of interest in Hz: of many steps there are fewer times.
 
     Returns
     -------
     ndarray
-        Empty where no chart is asked for.
+        Empty where no chart is asked for, and where a law ends with a blow, which the equations in
+        link frames do not hold.
     """
     if request.move_times is not None:
-        return np.sort(np.array(request.move_times))
-    if request.shaping is None:
+        return np.unique(request.move_times)
+    if request.shaping is None or request.drive.law.blow is not None:
         return np.zeros(0)
-    return move_time(request.drive) * np.linspace(*_RANGE, _COUNT)
+    steps = 2 * request.drive.law_time * highest * _STEPS_WHERE_LINKS_STRETCH
+    count = int(np.clip(_MOST_STEPS / steps, _FEWEST, _COUNT))
+    return move_time(request.drive) * np.linspace(*_RANGE, count)
 
 
 def move_time(drive: Drive) -> float:
@@ -106,7 +114,7 @@ def move_variables(
     ComputationError
         If a run diverges.
     """
-    times = moves_of(request)
+    times = moves_of(request, plan.highest)
     if not times.size:
         return xr.Dataset()
     drives = _drives(request, times, shaper)
@@ -127,7 +135,9 @@ def move_variables(
     simulating = [engine for engine in engines if engine.simulates]
     if not simulating:
         return dataset
-    some = np.unique(np.linspace(0, len(times) - 1, _SIMULATED).round().astype(int))
+    steps = len(names) * float(np.mean(whole)) * plan.highest * STEPS_PER_PERIOD
+    count = int(np.clip(_MOST_SIMULATED_STEPS / steps, 2, _SIMULATED))
+    some = np.unique(np.linspace(0, len(times) - 1, count).round().astype(int))
     rows = [[row[number] for number in some] for row in drives]
     values = [
         _all(rows, _Simulated(engine, request, plan).amplitudes, report, f"stops, {engine.name}")

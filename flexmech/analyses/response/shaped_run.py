@@ -59,6 +59,11 @@ def check_stops(engines: Sequence[Engine], request: ResponseRequest) -> None:
         return
     if any(engine.shaft == "free" for engine in engines):
         raise InputError(FREE_SHAFT_GOES_ON)
+    if request.move_times is not None and request.drive.law.blow is not None:
+        raise InputError(
+            "the law ends with a blow, which the equations that run the times of a move do not "
+            'hold; leave --move-times out, or take a table with ends = "rest"'
+        )
     if request.shaping is not None:
         check_rest(request)
 

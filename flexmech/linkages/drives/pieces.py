@@ -15,6 +15,9 @@ from flexmech.arrays import FloatArray
 
 Sine = tuple[float, float, float]
 
+# Of the speeds of a motion, or of a radian over its whole time: what splines leave of rest.
+_ROUND_OFF = 1e-9
+
 
 @dataclass(frozen=True)
 class MotionPiece:
@@ -124,6 +127,18 @@ class PiecewiseMotion:
     def acceleration(self, time: ArrayLike) -> FloatArray:
         """Acceleration in rad/s^2 at times in s; shape (...) -> (...)."""
         return self._values(time, 2)
+
+    @property
+    def blow(self) -> tuple[float, float] | None:
+        """Time in s and size in rad/s of the greatest jump of the speed; None where it has none."""
+        if not self.pieces:
+            return None
+        before = np.array([piece.end[1] for piece in self.pieces])
+        jumps = self.speed(self.knots[1:]) - before
+        place = int(np.abs(jumps).argmax())
+        if abs(jumps[place]) <= _ROUND_OFF * max(float(np.abs(before).max()), 1 / self.end):
+            return None
+        return float(self.knots[1 + place]), float(jumps[place])
 
     def piece_at(self, time: float) -> MotionPiece:
         """The piece at a time in s, one before the end."""

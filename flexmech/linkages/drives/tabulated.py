@@ -243,10 +243,16 @@ class TableDrive(Drive):
     @property
     def spline_words(self) -> str:
         """What the spline makes of the table: its second derivative, and how it leaves the rows."""
-        return (
+        spline = (
             f"spline through the table: its second derivative is at most "
             f"{self.greatest_acceleration:.5g} rad/s², and it leaves the rows by at most "
             f"{np.degrees(self.deviation):.3g} deg"
+        )
+        if (blow := self.law.blow) is None:
+            return spline
+        return (
+            f"{spline}; at {blow[0]:.4g} s its speed jumps by {blow[1]:.4g} rad/s, a blow whose "
+            "torque is no number, and what is told of it depends on the time step"
         )
 
     @property
