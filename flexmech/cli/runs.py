@@ -120,11 +120,9 @@ def asked_shaping(
         Run a law that stops shaped as well, beside the plain one: zv (zero vibration), zvd (zero
         vibration and derivative) or ei (extra insensitive).
     shaped_modes : LIST
-        Modes where the crank stops, for which the law is shaped, as in 1,2. Left out: those that
-        ring by more than a tenth of what rings most.
+        For which it is shaped, as in 1,2. Left out: those that ring by a tenth of the most or more.
     shaped_for
-        Frequencies for which the law is shaped: end, where the crank stops; path, those along its
-        path.
+        Whose frequencies count: end, where the crank stops; path, along its path.
     tolerated : RATIO
         Of ei: what it leaves at the frequency itself, over the residual vibration of the plain law.
     move_times : LIST
