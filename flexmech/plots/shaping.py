@@ -42,7 +42,7 @@ def plot_shaped(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     shaper = str(dataset.attrs["shaper"])
     looks = (("", PLAIN, "run_up_time"), ("shaped_", SHAPED, "shaped_until"))
     with sheet(scales.time_layout(1 + len(links)), ax=ax) as drawn:
-        handles = [line_handle("plain law", **PLAIN), line_handle(f"{shaper} shaper", **SHAPED)]
+        handles = [line_handle("plain law", **PLAIN), line_handle(shaper, **SHAPED)]
         handles.append(line_handle("end of the law", **(PLAIN | {"ls": ":"})))
         title = f"Plain and shaped law, {reading.engine_label(dataset)}"
         drawn.header(handles, f"{title}\n{reading.conditions(dataset)}", of=dataset)
@@ -136,7 +136,7 @@ def _points(law: str, engine: int) -> Look:
 
 
 def _handles(dataset: xr.Dataset, names: list[str]) -> list[Artist]:
-    labels = {"plain": "plain law", "shaped": f"{dataset.attrs.get('shaper', '')} shaper"}
+    labels = {"plain": "plain law", "shaped": str(dataset.attrs.get("shaper", ""))}
     handles = [line_handle(labels[name], **_LOOKS[name]) for name in names]
     if "simulating_engine" in dataset.coords:
         handles += [

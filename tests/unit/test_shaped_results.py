@@ -57,7 +57,7 @@ def test_the_answer_begins_with_what_the_shaper_leaves() -> None:
     assert numbers["shaper_delay"].value == pytest.approx(1e3 * data.attrs["shaper_delay"])
     assert "shaped_residual_amplitude" in numbers
     lines = [str(line) for line in summary.details]
-    assert any(line.startswith("shaper: ZV for mode 1 at ") for line in lines)
+    assert any(line.startswith("ZV shaper for mode 1 at ") for line in lines)
     assert sum(line.startswith("residual vibration over the time of a move") for line in lines) == 2
 
 

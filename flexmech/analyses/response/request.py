@@ -62,8 +62,8 @@ class Shaping:
 
     Examples
     --------
-    >>> flexmech.Shaping("zvd", modes=(1, 2)).words
-    'ZVD'
+    >>> flexmech.Shaping("zvd", modes=(1, 2), frequencies="path").words
+    'ZVD shaper along the path'
     """
 
     kind: choices.ShaperName
@@ -84,7 +84,8 @@ class Shaping:
     @property
     def words(self) -> str:
         """The shaper, and that it goes by the path."""
-        return self.kind.upper() + (" along the path" if self.frequencies == "path" else "")
+        along = " along the path" if self.frequencies == "path" else ""
+        return f"{self.kind.upper()} shaper{along}"
 
 
 @dataclass(frozen=True)

@@ -71,7 +71,7 @@ def shaped_answer(data: xr.Dataset) -> tuple[str, ...]:
     modes = str(data.attrs["shaped_modes"]).split(",")
     for_modes = f"mode{'s' if len(modes) > 1 else ''} {' and '.join(modes)}"
     return (
-        f"After the stop the {before.of} rings by {before}; with the {data.attrs['shaper']} shaper "
+        f"After the stop the {before.of} rings by {before}; with the {data.attrs['shaper']} "
         f"for {for_modes} by {after}{other}; the move takes {rounded(delay, 0.0, 3)} ms longer.",
     )
 
@@ -92,7 +92,7 @@ def shaped_lines(data: xr.Dataset) -> list[str]:
     lines = list[str]()
     if _NAME in data:
         lines += [
-            f"shaper: {data.attrs['shaper']} for {data.attrs['shaper_modes']}",
+            f"{data.attrs['shaper']} for {data.attrs['shaper_modes']}",
             _impulses(data),
         ]
         for name in map(str, data["engine"].values):

@@ -169,7 +169,7 @@ class LawShaper:
 
 def _path_label(shaping: Shaping, path: FrequenciesOnPath) -> str:
     low, high = min(path.frequencies), max(path.frequencies)
-    return f"{shaping.words}, {low:.4g} to {high:.4g} Hz"
+    return f"{shaping.kind.upper()} along the path, {low:.4g} to {high:.4g} Hz"
 
 
 def _paths(engine: Engine, drive: Drive, modes: tuple[int, ...]) -> tuple[FrequenciesOnPath, ...]:

@@ -120,7 +120,7 @@ class InputShaper:
         Returns
         -------
         ndarray, shape (...)
-            Singer and Seering 1990, eq. 12, at the time of the last impulse.
+            At the time of the last impulse (Singer and Seering 1990).
 
         Examples
         --------

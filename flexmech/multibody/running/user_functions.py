@@ -31,7 +31,8 @@ class Shaft:
     final_speed : float
         In rad/s.
     pieces : tuple
-        Of (start, duration, c, ((a, w, phase), ...)) in s and rad; none of a constant speed.
+        Of (start, duration, c, ((a, w, phase), ...)) in s and rad; none of a constant
+        speed.
     is_free : bool
         Whether the angle is that of the mean motion alone.
     """

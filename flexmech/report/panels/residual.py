@@ -23,7 +23,7 @@ def residual_panel(results: Results) -> Panel | None:
         line for run in runs for line in run.summary().answer if "After the stop" in line
     )
     shapers = {str(run.dataset.attrs.get("shaper", "")) for run in runs} - {""}
-    shaped = f", and by the law with the {' or '.join(sorted(shapers))} shaper" if shapers else ""
+    shaped = f", and by the law with the {' or '.join(sorted(shapers))}" if shapers else ""
     return panel_of("residual", answer=answer, plots=plots, shaped=shaped)
 
 
@@ -38,7 +38,7 @@ def _plot(run: Response, number: int) -> Plot:
         axes.append(YAxis(f"mode {mode}, {frequency:.4g} Hz (mm)", logarithmic=True))
         for law in names_of(data, "law"):
             shaped = law == "shaped"
-            name = f"{data.attrs['shaper']} shaper" if shaped else "plain law"
+            name = str(data.attrs["shaper"]) if shaped else "plain law"
             time = data["whole_move_time"].sel(law=law).values
             line = 1e3 * found.sel(law=law, mode=mode).values
             seen = line > 1e3 * _DRAWN * greatest
