@@ -133,8 +133,8 @@ def asked_shaping(
     if shaper is not None:
         with naming("--shaper, --shaped-modes, --tolerated"):
             shaping = analyses.Shaping(shaper, shaped_modes, shaped_for, tolerated)
-    elif shaped_modes is not None:
-        raise InputError("--shaped-modes goes with --shaper; add --shaper zv, zvd or ei")
+    elif shaped_modes is not None or shaped_for != "end":
+        raise InputError("--shaped-modes and --shaped-for need --shaper; add --shaper zv")
     return {"shaping": shaping, "move_times": move_times}
 
 

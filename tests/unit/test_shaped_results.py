@@ -181,6 +181,7 @@ class TestCommandLine:
             (("--shaper", "zv", "--speed", "10 rad/s"), "a shaper is for a law that stops"),
             (("--shaper", "zv", "--shaft", "free"), "choose shaft prescribed"),
             (("--shaped-modes", "1"), "add --shaper"),
+            (("--shaped-for", "path"), "add --shaper"),
             (("--shaper", "zv", "--shaped-modes", "0"), "counted from 1"),
             (("--shaper", "ei", "--tolerated", "2"), "between 0 and 1"),
             (("--move-times", "0:1:0.1 s"), "not positive"),
