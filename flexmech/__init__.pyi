@@ -30,6 +30,7 @@ from .analyses import Result as Result
 from .analyses import RunningHammerRequest as RunningHammerRequest
 from .analyses import RunningHammerTest as RunningHammerTest
 from .analyses import SectionProfiles as SectionProfiles
+from .analyses import Shaping as Shaping
 from .analyses import SpeedSweep as SpeedSweep
 from .analyses import StabilityMap as StabilityMap
 from .analyses import Strength as Strength
@@ -70,6 +71,7 @@ from .linkages import CrankDrive as CrankDrive
 from .linkages import DcMotor as DcMotor
 from .linkages import Drive as Drive
 from .linkages import FourBar as FourBar
+from .linkages import InputShaper as InputShaper
 from .linkages import JointSpring as JointSpring
 from .linkages import LawDrive as LawDrive
 from .linkages import Load as Load
@@ -79,11 +81,13 @@ from .linkages import PlanarJoint as PlanarJoint
 from .linkages import PlanarLink as PlanarLink
 from .linkages import PlanarLinkage as PlanarLinkage
 from .linkages import RotatingArm as RotatingArm
+from .linkages import ShapedDrive as ShapedDrive
 from .linkages import SpeedControl as SpeedControl
 from .linkages import Spring as Spring
 from .linkages import TableDrive as TableDrive
 from .linkages import TorqueMotor as TorqueMotor
 from .linkages import double_points as double_points
+from .linkages import input_shaper as input_shaper
 from .linkages import synthesize_crank_rocker as synthesize_crank_rocker
 from .materials import FatigueStrength as FatigueStrength
 from .materials import Laminate as Laminate

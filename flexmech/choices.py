@@ -56,6 +56,13 @@ Start = Literal["rigid", "equilibrium", "periodic"]
 """State in which a run begins."""
 STARTS: tuple[Start, ...] = get_args(Start)
 
+ShaperName = Literal["zv", "zvd", "ei"]
+"""Input shapers: zero vibration, zero vibration and derivative, extra insensitive."""
+SHAPERS: tuple[ShaperName, ...] = get_args(ShaperName)
+ShapedFor = Literal["end", "path"]
+"""Frequencies that a law is shaped for: those where the crank stops, or those along its path."""
+SHAPED_FOR: tuple[ShapedFor, ...] = get_args(ShapedFor)
+
 CriterionName = Literal["max-stress", "tsai-hill", "tsai-wu", "hashin", "puck", "von-mises"]
 """By which the layers of a link are judged."""
 CRITERIA: tuple[CriterionName, ...] = get_args(CriterionName)

@@ -148,10 +148,33 @@ def parse_counts(text: str) -> tuple[int, ...]:
     InputError
         If it is anything else, or one has more than four digits.
     """
+    return _whole_numbers(text, "the elements of each link", "1,4,4")
+
+
+def parse_modes(text: str) -> tuple[int, ...]:
+    """Read numbers of modes with commas between them, such as ``"1,2"``.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    tuple of int
+
+    Raises
+    ------
+    InputError
+        If it is anything else, or one has more than four digits.
+    """
+    return _whole_numbers(text, "modes, counted from 1", "1,2")
+
+
+def _whole_numbers(text: str, what: str, example: str) -> tuple[int, ...]:
     counts = [part.strip() for part in text.split(",")]
     if not all(re.fullmatch(r"0*[1-9][0-9]{0,3}", count, re.ASCII) for count in counts):
         raise InputError(
-            f"got {text!r}; give the elements of each link, whole numbers of one or "
-            "more with commas between them, for example 1,4,4"
+            f"got {text!r}; give {what}, whole numbers of one or "
+            f"more with commas between them, for example {example}"
         )
     return tuple(map(int, counts))

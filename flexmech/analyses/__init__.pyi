@@ -29,6 +29,7 @@ from .moisture.compute import moisture_uptake as moisture_uptake
 from .moisture.result import MoistureUptake as MoistureUptake
 from .response.measurements import deflections as deflections
 from .response.request import ResponseRequest as ResponseRequest
+from .response.request import Shaping as Shaping
 from .response.result import Response as Response
 from .result import Result as Result
 from .running_hammer.compute import running_hammer_test as running_hammer_test

@@ -19,9 +19,9 @@ EVERY_DEGREE: Any = "0:360:1"
 FIRST_ORDERS: Any = "1:10"
 AUTO: Any = "auto"
 ALL: Any = "all"
-FOUR: Any = "4"
 ZERO: Any = "0"
 HALF: Any = "50%"
+FIVE_PERCENT: Any = "5%"
 PNG: Any = "png"
 
 Model = Annotated[Path, Argument(help="Model file.", metavar="MODEL", parser=typed_path)]

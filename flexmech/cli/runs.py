@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple, cast
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, cast
 
 from typer import Option
 
@@ -20,11 +20,25 @@ if TYPE_CHECKING:
     from flexmech.mechanism import Mechanism
 
 
+NO_TURNS = (
+    "remark: --revolutions counts for nothing under a law that ends: the run lasts until the end "
+    "of its last dwell; leave it out"
+)
+
+
 class Run(NamedTuple):
-    """What a run is asked to be but for its crank speed, and the speed as typed."""
+    """What a run is asked to be but for its crank speed; and what was typed.
+
+    Parameters
+    ----------
+    request : ResponseRequest
+    speed : Speeds or None
+    revolutions : float or None
+    """
 
     request: analyses.ResponseRequest
     speed: typed.Speeds | None
+    revolutions: float | None
 
     def of(self, mechanism: Mechanism) -> tuple[analyses.ResponseRequest, typed.Speeds]:
         """The request and the speed, the mechanism's own where none was typed."""
@@ -32,12 +46,16 @@ class Run(NamedTuple):
 
         speed = typed.speeds_or_own(self.speed, mechanism, "--speed", DRIVE_OR_GREATEST)
         with naming("--revolutions, --samples, --run-up, --step"):
-            return replace(self.request, **speed.of_run), speed
+            request = replace(self.request, **speed.of_run)
+        if self.revolutions is not None and not request.drive.turns_on:
+            said = [speed.remark, NO_TURNS] if speed.remark else [NO_TURNS]
+            speed = replace(speed, remark="\n".join(said))
+        return request, speed
 
 
 def asked_run(
     speed: Annotated[typed.Speeds | None, typed.SPEED] = None,
-    revolutions: Annotated[float, typed.REVOLUTIONS] = options.FOUR,
+    revolutions: Annotated[float | None, typed.REVOLUTIONS] = None,
     start: choices.Start = "rigid",
     step: Annotated[float | None, typed.STEP] = options.AUTO,
     samples: Annotated[int, Option(min=8)] = 720,
@@ -54,8 +72,8 @@ def asked_run(
         Crank speed: rad/s unless a unit is given, as in "300 rpm". Negative turns backwards. Left
         out: the [drive] of the model, or the greatest speed at which it operates.
     revolutions : NUMBER
-        Turns at that speed, or under a motor from rest; may be a fraction. A law of the [drive]
-        ends with its last dwell.
+        Turns at that speed, or under a motor from rest; may be a fraction; 4 if left out. A law of
+        the [drive] ends with its last dwell.
     start
         rigid: undeformed links at the rigid motion's velocities; equilibrium: links bent
         quasi-statically by the loads; periodic: on the periodic motion of the linear equations.
@@ -78,18 +96,55 @@ def asked_run(
             "--start rigid or equilibrium"
         )
 
-    asked = None, revolutions, samples, start, step, integrator
+    asked = None, 4.0 if revolutions is None else revolutions, samples, start, step, integrator
     with naming("--revolutions, --samples, --run-up"):
         request = analyses.ResponseRequest(*asked, modes=modes, run_up_time=run_up)
-    return Run(replace(request, moment_point=moment_point), speed)
+    return Run(replace(request, moment_point=moment_point), speed, revolutions)
 
 
 AskedRun = Annotated[Run, Together(asked_run)]
 
 
+def asked_shaping(
+    shaper: choices.ShaperName | None = None,
+    shaped_modes: Annotated[tuple[int, ...] | None, typed.SHAPED_MODES] = None,
+    shaped_for: choices.ShapedFor = "end",
+    tolerated: Annotated[float, typed.TOLERATED] = options.FIVE_PERCENT,
+    move_times: Annotated[tuple[float, ...] | None, typed.MOVE_TIMES] = None,
+) -> dict[str, Any]:
+    """A shaper of the law of motion, and times of a move.
+
+    Options
+    -------
+    shaper
+        Run a law that stops shaped as well, beside the plain one: zv (zero vibration), zvd (zero
+        vibration and derivative) or ei (extra insensitive).
+    shaped_modes : LIST
+        For which it is shaped, as in 1,2. Left out: those that ring by a tenth of the most or more.
+    shaped_for
+        Whose frequencies count: end, where the crank stops; path, along its path.
+    tolerated : RATIO
+        Of ei: what it leaves at the frequency itself, over the residual vibration of the plain law.
+    move_times : LIST
+        Times of a move over which the residual vibration is drawn, as in "0.1:0.3:0.01 s". Left
+        out: with a shaper from half the law's time to twice of it.
+    """
+    shaping = None
+    if shaper is not None:
+        with naming("--shaper, --shaped-modes, --tolerated"):
+            shaping = analyses.Shaping(shaper, shaped_modes, shaped_for, tolerated)
+    elif shaped_modes is not None or shaped_for != "end":
+        raise InputError("--shaped-modes and --shaped-for need --shaper; add --shaper zv")
+    return {"shaping": shaping, "move_times": move_times}
+
+
+AskedShaping = Annotated[dict[str, Any], Together(asked_shaping)]
+
+
 def response(
     model: options.Model,
     run: AskedRun,
+    shaping: AskedShaping,
     engine: options.Engine = "both",
     element: options.Element = None,
     elements: options.Elements = choices.ELEMENTS_A_LINK,
@@ -106,6 +161,7 @@ def response(
 
     Deflections, strains, driving torque and joint forces at constant crank speed, or by the law or
     the motor of [drive]: a table, files, pictures and an animation; dry, or in heat and moisture.
+    With --shaper: residual vibration by a shaped law beside the plain one.
 
     Options
     -------
@@ -124,12 +180,14 @@ def response(
 
     mechanism = mechanism_of(model)
     request, speed = run.of(mechanism)
+    with naming("--shaper, --move-times"):
+        request = replace(request, **shaping, prestress=prestress)
     alone = "animation: a GIF alone, for MP4 needs ffmpeg; install it and run again"
     deliver(
         analyses.Response,
         lambda progress: analysis(
             analyses.chosen_engines(mechanism, engine, element, elements, shaft),
-            replace(request, prestress=prestress),
+            request,
             check_mesh=check_mesh,
             environment=environment,
             progress=progress,

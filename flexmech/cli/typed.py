@@ -16,7 +16,7 @@ from flexmech.crank_values import Speeds as Speeds
 from flexmech.errors import InputError, known_words
 from flexmech.plausible import RUN_UP as RUN_UPS
 from flexmech.plausible import Plausible, check_plausible, of_dimension
-from flexmech.quantity_lists import parse_counts
+from flexmech.quantity_lists import parse_counts, parse_modes
 
 if TYPE_CHECKING:
     from flexmech.arrays import FloatArray
@@ -154,6 +154,8 @@ POINT = Typed("--point", _by_its_room("point"))
 IMPACT = Typed("--impact", _by_its_room("place"))
 RESPONSE = Typed("--response", _by_its_room("place"))
 REVOLUTIONS = Typed("--revolutions", crank.parse_revolutions)
+SHAPED_MODES = Typed("--shaped-modes", parse_modes)
+MOVE_TIMES = Typed("--move-times", crank.parse_move_times)
 CRANK_ACCELERATION = _quantity("--crank-acceleration", units.ANGULAR_ACCELERATION, "rad/s^2")
 STEPS = _or_auto(Typed("--steps", _whole), "; write a multiple of 16, such as 256")
 _STEP_REFUSED = f"got {{!r}}, which is not positive; write a time, for example {units.TIME.example}"
@@ -171,6 +173,7 @@ PULSE = _positive("--pulse", units.TIME, "s")
 GROUND = _positive("--ground", units.LENGTH)
 NOISE = _quantity("--noise", units.RATIO)
 SHARE = _quantity("--share", units.RATIO)
+TOLERATED = _quantity("--tolerated", units.RATIO)
 TEMPERATURE_RISE = _quantity("--temperature-rise", units.TEMPERATURE_DIFFERENCE, "K")
 _BELOW_ZERO = "must be above absolute zero, got {!r}"
 TEMPERATURE = _quantity("--temperature", units.TEMPERATURE, "degC", (0.0).__lt__, _BELOW_ZERO)

@@ -13,6 +13,9 @@ from flexmech.linkages.coupler_curves.double_points import (
     full_turn,
 )
 from flexmech.linkages.drives.drive import CrankDrive, Drive, LockedCrank
+from flexmech.linkages.drives.shaped import ShapedDrive, check_shapeable
+from flexmech.linkages.drives.shaped_on_path import FrequenciesOnPath, PathShapedDrive
+from flexmech.linkages.drives.shapers import InputShaper, input_shaper
 from flexmech.linkages.drives.standard_laws import LAWS, LawDrive, LawName, unit_law
 from flexmech.linkages.drives.tabulated import TABLE_ENDS, TableDrive, TableEnds
 from flexmech.linkages.fourbar import FourBar, GrashofClass
@@ -70,7 +73,9 @@ __all__ = [
     "DrivenBy",
     "FiniteDoublePoint",
     "FourBar",
+    "FrequenciesOnPath",
     "GrashofClass",
+    "InputShaper",
     "InverseDynamics",
     "JointSpring",
     "LawDrive",
@@ -86,6 +91,7 @@ __all__ = [
     "Motor",
     "MotorDrive",
     "MotorRun",
+    "PathShapedDrive",
     "Pin",
     "Pivot",
     "PlanarJoint",
@@ -96,6 +102,7 @@ __all__ = [
     "SettledMotion",
     "ShaftEquation",
     "ShaftLoad",
+    "ShapedDrive",
     "Slider",
     "SpeedControl",
     "Spring",
@@ -109,6 +116,7 @@ __all__ = [
     "answer_along",
     "assemblable",
     "carried_motion",
+    "check_shapeable",
     "circuit_of",
     "connections",
     "continuous_angles",
@@ -120,6 +128,7 @@ __all__ = [
     "forces_by_joints",
     "full_turn",
     "hermite_motion",
+    "input_shaper",
     "inverse_dynamics",
     "linkage_positions",
     "lumped_elements",

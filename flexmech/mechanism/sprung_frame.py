@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -175,6 +175,12 @@ class SprungFrame:
         half = 1 / np.sqrt(np.diag(self.inertia_matrix))
         squares = np.linalg.eigvalsh(half[:, None] * self.stiffness * half)
         return np.asarray(np.sqrt(squares) / (2 * np.pi), dtype=float)
+
+    @property
+    def undamped(self) -> SprungFrame:
+        """The same without dampers."""
+        springs = tuple(replace(spring, damping=(0.0, 0.0)) for spring in self.springs)
+        return replace(self, springs=springs)
 
     @property
     def words(self) -> str:

@@ -12,9 +12,11 @@ from flexmech.errors import InputError
 from flexmech.linkages import (
     CrankDrive,
     Drive,
+    InputShaper,
     LawDrive,
     LawName,
     MotorDrive,
+    ShapedDrive,
     TableDrive,
     TableEnds,
 )
@@ -22,7 +24,7 @@ from flexmech.modelfile import base_table as base
 from flexmech.modelfile.csv_files import check_rows, csv_lines
 from flexmech.modelfile.motor_table import MotorTable, SpeedControlTable
 from flexmech.plausible import RUN_UP, check_plausible, of_dimension
-from flexmech.units import ANGLE, ANGULAR_SPEED, TIME, Dimension, parse_quantity
+from flexmech.units import ANGLE, ANGULAR_SPEED, RATIO, TIME, Dimension, parse_quantity
 from flexmech.validation import POSITIVE
 
 Time = Annotated[float, base.QuantityField(TIME, POSITIVE, RUN_UP)]
@@ -34,8 +36,8 @@ Speed = Annotated[float, base.QuantityField(ANGULAR_SPEED)]
 _KEYS = {
     "speed": {"run_up_time"},
     "law": {"travel", "time", "dwell", "master_angle", "master_dwell", "master_speed", "moves"}
-    | {"forth_and_back"},
-    "table": {"smoothing", "ends", "master_speed", "moves"},
+    | {"forth_and_back", "impulses"},
+    "table": {"smoothing", "ends", "dwell", "master_speed", "moves", "impulses"},
     "motor": {"speed_control", "time"},
 }
 _ANYWHERE = {"start_angle"}
@@ -69,7 +71,9 @@ class DriveTable(base.Table):
     time: Time | None = base.optional(
         "With law: of a move. With motor: of the run; as many turns as asked for if left out"
     )
-    dwell: base.TimeOrZero | None = base.optional("With law: rest after each move; 0 if left out")
+    dwell: base.TimeOrZero | None = base.optional(
+        "With law, or a table that stops: rest after each move; 0 if left out"
+    )
     master_angle: MasterAngle | None = base.optional(
         "With law and master_speed, in place of time: angle of the master shaft during a move"
     )
@@ -90,7 +94,8 @@ class DriveTable(base.Table):
         "With table: root mean square by which its spline may leave the rows; 0 if left out"
     )
     ends: TableEnds = base.optional(
-        "With table: rest begins and ends without speed and acceleration; free as the rows have it",
+        "With table: rest begins and ends without speed and acceleration; free as the rows have "
+        "it; held as the rows have it, and the crank is held after the last one",
         "free",
     )
     moves: Annotated[int, Field(strict=True)] = base.optional(
@@ -101,6 +106,10 @@ class DriveTable(base.Table):
     )
     speed_control: SpeedControlTable | None = base.optional(
         "With motor: PI control of the crank's speed"
+    )
+    impulses: list[list[str | float]] | None = base.optional(
+        "With law or table: times and weights of the impulses of an input shaper, as in "
+        "[['0 s', 0.5], ['11 ms', 0.5]]; flexmech response --shaper tells them"
     )
     start_angle: base.Angle | None = base.optional(
         "Crank angle at time zero; 0 if left out, or the first one of the table"
@@ -137,7 +146,7 @@ class DriveTable(base.Table):
             )
 
     def drive(self, folder: Path) -> Drive | MotorDrive:
-        """The drive that is stated.
+        """The drive that is stated, shaped where impulses are.
 
         Parameters
         ----------
@@ -153,6 +162,15 @@ class DriveTable(base.Table):
         InputError
             If it is none, or its file cannot be read.
         """
+        plain = self._unshaped(folder)
+        if self.impulses is None or isinstance(plain, MotorDrive):
+            return plain
+        try:
+            return ShapedDrive(plain, _shaper(self.impulses))
+        except InputError as error:
+            raise error.within("impulses") from error
+
+    def _unshaped(self, folder: Path) -> Drive | MotorDrive:
         start = self.start_angle or 0.0
         if self.speed is not None:
             return CrankDrive(self.speed, self.run_up_time or 0.0, start)
@@ -178,7 +196,9 @@ class DriveTable(base.Table):
         factor = 1.0 if self.master_speed is None else 1 / self.master_speed
         times, angles = tuple(factor * row[0] for row in rows), tuple(row[1] for row in rows)
         try:
-            return TableDrive(times, angles, self.smoothing or 0.0, self.ends, self.moves)
+            return TableDrive(
+                times, angles, self.smoothing or 0.0, self.ends, self.moves, self.dwell or 0.0
+            )
         except InputError as error:
             raise error.within(where) from error
 
@@ -193,6 +213,18 @@ class DriveTable(base.Table):
             return MotorDrive(motor, self.speed_control.control(motor), start, self.time)
         except InputError as error:
             raise error.within("speed_control") from error
+
+
+def _shaper(rows: list[list[str | float]]) -> InputShaper:
+    found = []
+    for number, row in enumerate(rows):
+        if len(row) != 2:
+            raise InputError(f"[{number}]: got {len(row)} values; give time and weight")
+        try:
+            found.append((parse_quantity(row[0], TIME), parse_quantity(row[1], RATIO)))
+        except InputError as error:
+            raise error.within(f"[{number}]") from error
+    return InputShaper(tuple(time for time, _ in found), tuple(weight for _, weight in found))
 
 
 def _shown(table: str | list[list[str | float]]) -> str:

@@ -63,6 +63,8 @@ from .section import plot_section as plot_section
 from .shaking import plot_running_shaking_force as plot_running_shaking_force
 from .shaking import plot_shaking_force as plot_shaking_force
 from .shaking import plot_shaking_orders as plot_shaking_orders
+from .shaping import plot_move_times as plot_move_times
+from .shaping import plot_shaped as plot_shaped
 from .spectra import plot_spectrogram as plot_spectrogram
 from .spectra import plot_spectrum as plot_spectrum
 from .stability import plot_stability as plot_stability

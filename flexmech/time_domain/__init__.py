@@ -15,6 +15,7 @@ from flexmech.time_domain.equations_of_motion.shaft_torque import ShaftTorque
 from flexmech.time_domain.equations_of_motion.static_balance import static_balance
 from flexmech.time_domain.integrators.runs import (
     LinkageUnderImpact,
+    end_state,
     linear_run,
     simulator,
     step_lag,
@@ -68,6 +69,7 @@ __all__ = [
     "Trajectory",
     "UnbalancedStepError",
     "counts_of_modes",
+    "end_state",
     "forced_linkage",
     "forced_modes",
     "is_reduced",

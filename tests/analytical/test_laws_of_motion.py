@@ -8,9 +8,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmech import CrankDrive, Drive, InputError, LawDrive, TableDrive
+from flexmech import (
+    CrankDrive,
+    Drive,
+    InputError,
+    LawDrive,
+    ShapedDrive,
+    TableDrive,
+    input_shaper,
+)
 from flexmech.arrays import FloatArray
-from flexmech.linkages import LAWS, LawName, LockedCrank
+from flexmech.linkages import LAWS, FrequenciesOnPath, LawName, LockedCrank, PathShapedDrive
 from flexmech.multibody.running.user_functions import Shaft
 
 # Greatest speed over travel / time, greatest acceleration over travel / time^2, greatest jerk over
@@ -89,6 +97,24 @@ DRIVES: dict[str, Drive] = {
     "table at rest": TableDrive(
         tuple(np.linspace(0.0, 0.2, 41)), tuple(np.linspace(0.0, 1.5, 41) ** 2), ends="rest"
     ),
+    "table that dwells": TableDrive(
+        tuple(np.linspace(0.0, 0.2, 41)),
+        tuple(LawDrive("cycloid", TRAVEL, 0.2).crank_angle(np.linspace(0.0, 0.2, 41))),
+        ends="rest",
+        moves=3,
+        dwell=0.05,
+    ),
+    "shaped": ShapedDrive(
+        law("modified sine", dwell=0.02, moves=2, forth_and_back=True),
+        input_shaper("zvd", 60.0, 0.02).convolved(input_shaper("zv", 90.0)),
+    ),
+    "shaped on its path": PathShapedDrive(
+        law("cycloid"),
+        input_shaper("ei", 1.0),
+        FrequenciesOnPath(
+            tuple(np.linspace(0.0, TRAVEL, 31)), tuple(np.linspace(40.0, 70.0, 31) ** 1.01)
+        ),
+    ),
 }
 
 
@@ -126,7 +152,7 @@ def test_exudyn_prescribes_the_same_motion(drive: Drive) -> None:
 
 def test_a_piece_that_ends_a_rounding_before_the_next_is_not_the_last() -> None:
     """0.1 + 0.2 is beyond 0.3: at 0.3 the first piece is at its end, and the law goes on."""
-    still = (0.0, 0.0, 0.0)
+    still = ()
     pieces = ((0.0, 0.3, (0.0, 0.6), still), (0.1 + 0.2, 0.3, (0.6, 0.6), still))
     assert Shaft(0.0, 99.0, pieces).motion(0.3) == pytest.approx((0.6, 2.0))
     assert Shaft(0.0, 99.0, pieces).motion(0.7)[1] == 99.0

@@ -43,6 +43,7 @@ NAMES = [
     "mode_shapes",
     "moisture_and_stability",
     "motor_and_flywheel",
+    "quiet_stop",
     "running_fourbars",
     "running_hammer_test",
     "six_bars",
@@ -810,3 +811,14 @@ def test_moisture_and_stability(scenario, expected_number, tmp_path):
     moved = 100 * (wet.first_frequency / dry.first_frequency - 1)
     assert change == pytest.approx(moved, abs=0.3)
     assert_pictures(tmp_path, "moisture_and_stability.png")
+
+
+@pytest.mark.thorough
+def test_quiet_stop(scenario, expected_number, tmp_path):
+    module = scenario("quiet_stop")
+    found = module.main(tmp_path, times=np.array([0.2, 0.3]), elements=4)
+    at = found.sel(move_time=module.STATED)
+    left = 100 * at / at.sel(law="plain")
+    assert float(left.sel(law="path")) == expected_number("quiet_stop")
+    assert float(left.sel(law="end")) > 30.0
+    assert_pictures(tmp_path, "residual.png")

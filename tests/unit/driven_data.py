@@ -14,12 +14,20 @@ from flexmech import (
     ReferenceEngine,
     Response,
     ResponseRequest,
+    Shaping,
     kinematics,
     response,
 )
 from tests.strategies import fourbar
 
-__all__ = ["LAW", "driven_dataset", "driven_kinematics", "driven_run"]
+__all__ = [
+    "LAW",
+    "driven_dataset",
+    "driven_kinematics",
+    "driven_run",
+    "shaped_dataset",
+    "shaped_run",
+]
 
 LAW = LawDrive("cycloid", np.radians(120), 0.15, dwell=0.1, start_angle=0.3)
 
@@ -33,6 +41,21 @@ def driven_run() -> Response:
 
 def driven_dataset() -> xr.Dataset:
     return driven_run().dataset.copy()
+
+
+@cache
+def shaped_run() -> Response:
+    """The law beside its shaped form, and three times of a move."""
+    mechanism = fourbar(damping_time=1e-5)
+    shaping = Shaping("zv", modes=(1, 2))
+    request = ResponseRequest(
+        LAW, samples=240, step=2e-4, shaping=shaping, move_times=(0.1, 0.15, 0.2)
+    )
+    return response(ReferenceEngine(mechanism, 2), request)
+
+
+def shaped_dataset() -> xr.Dataset:
+    return shaped_run().dataset.copy()
 
 
 @cache

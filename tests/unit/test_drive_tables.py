@@ -128,7 +128,7 @@ WRONG = {
     f"{LAW}\nmoves = 1.5": "drive.moves: got 1.5; write a whole number",
     f"{LAW}\nmove = 2": "drive.move: unknown key 'move'; did you mean 'moves'?",
     'speed = "0 rpm"': "drive: crank speed must be a number other than zero",
-    'speed = "20 rad/s"\ndwell = "1 s"': "drive: dwell belongs to law, and not to speed",
+    'speed = "20 rad/s"\ndwell = "1 s"': "drive: dwell belongs to law or table, and not to speed",
     'table = "same.csv"': "drive: table: file same.csv: the table is not increasing in time: "
     "0.01 s follows 0.01 s in row 3; give each time once",
     'table = "nan.csv"': "drive: table: file nan.csv: line 3 has 'nan', which is no number",

@@ -20,7 +20,7 @@ from flexmech.plots import chosen
 from tests.unit.balance_data import balance_dataset
 from tests.unit.comparison_data import drawn_dataset
 from tests.unit.design_data import optimum_dataset, sweep_designs, uncertainty_dataset
-from tests.unit.driven_data import driven_dataset
+from tests.unit.driven_data import driven_dataset, shaped_dataset
 from tests.unit.figure_checks import (
     check_layout,
     check_texts,
@@ -159,6 +159,7 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_mode_shapes: (frequency_dataset, 4),
     plots.plot_moisture: (moisture_dataset, 4),
     plots.plot_motor: (motor_dataset, 4),
+    plots.plot_move_times: (shaped_dataset, 3),
     plots.plot_nyquist: (hammer_dataset, 2),
     plots.plot_pareto: (optimum_dataset, 1),
     plots.plot_residual: (driven_dataset, 3),
@@ -168,6 +169,7 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_search: (optimum_dataset, 2),
     plots.plot_section: (section, 6),
     plots.plot_sensitivity: (uncertainty_dataset, 2),
+    plots.plot_shaped: (shaped_dataset, 4),
     plots.plot_shaking_force: (kinematics_dataset, 2),
     plots.plot_shaking_orders: (running_shaking_dataset, 2),
     plots.plot_spectrogram: (response_dataset, 3),

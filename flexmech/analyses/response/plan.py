@@ -83,8 +83,9 @@ def engines_in_state(
     ------
     InputError
         If the linkage locks in the course of a turn, no engine is given, links that bend
-        without load are to start straight, or a free shaft is to start on a periodic motion or
-        to run by linear equations without prestress.
+        without load are to start straight, the law's speed jumps where an engine does not simulate,
+        or a free shaft is to start on a periodic motion or to run by linear equations without
+        prestress.
     """
     check_instance(request, ResponseRequest, "request", "give a flexmech.ResponseRequest")
     chosen = engines_of(engines, request.modes)
@@ -102,6 +103,13 @@ def engines_in_state(
             f"a free shaft needs the tension of the links in the {linear[0]} engine's run: without "
             "it a turn of the shaft would meet the centrifugal potential of straight links; use "
             "prestress axial or equilibrium"
+        )
+    blow = request.drive.law.blow
+    if linear and blow is not None:
+        raise InputError(
+            f"the speed of the law jumps by {blow[1]:.4g} rad/s at {blow[0]:.4g} s: a blow, where "
+            f"the theory of the {linear[0]} engine's equations ends; run it by the exudyn engine, "
+            'or take a table with ends = "rest", or "free" to run until there'
         )
     mechanism = chosen[0].mechanism
     if request.start == "rigid" and mechanism.is_free_strained:
@@ -183,9 +191,9 @@ def _refinement(request: ResponseRequest, highest: float) -> int:
 
 
 def undamped(engine: Engine) -> Engine:
-    """The engine whose links, springs and joints have no damping."""
+    """The engine whose links, springs and joints have no damping, nor a frame on springs."""
     free = with_damping_time(engine, 0.0)
-    mechanism = free.mechanism
+    mechanism, frame = free.mechanism, free.mechanism.frame
     return free.with_(
         mechanism=replace(
             mechanism,
@@ -194,6 +202,7 @@ def undamped(engine: Engine) -> Engine:
                 replace(own, torsional_damping=0.0, radial_damping=0.0)
                 for own in mechanism.joint_springs
             ),
+            frame=None if frame is None else frame.undamped,
         )
     )
 

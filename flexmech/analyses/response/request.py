@@ -12,9 +12,16 @@ from flexmech.analyses.crank_speeds import GREATEST, RAD_S, asked_speeds, in_uni
 from flexmech.analyses.shaking import checked_point
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linkages import CrankDrive, Drive, MotorDrive, MotorRun
+from flexmech.linkages import CrankDrive, Drive, MotorDrive, MotorRun, check_shapeable
 from flexmech.mechanism import Mechanism, motor_run
-from flexmech.validation import POSITIVE, check_choice, check_count, check_number
+from flexmech.validation import (
+    POSITIVE,
+    Bounds,
+    check_choice,
+    check_count,
+    check_instance,
+    check_number,
+)
 
 # More samples or steps than this are taken for a slip of the keyboard: a run would take hours.
 MOST_SAMPLES = 2_000_000
@@ -23,6 +30,62 @@ NO_PERIODIC_START = (
     "a periodic start needs a prescribed shaft: under the torque that drives the rigid linkage a "
     "free one keeps no mean speed; choose start rigid or equilibrium"
 )
+FREE_SHAFT_GOES_ON = (
+    "a shaper and times of a move need a shaft that stops with its law, and a free one turns on; "
+    "choose shaft prescribed"
+)
+# Of the chart over the time of a move: each is a run.
+MOST_MOVES = 1000
+
+
+@dataclass(frozen=True)
+class Shaping:
+    """An input shaper that a law of motion is given, to be run beside the plain law.
+
+    Parameters
+    ----------
+    kind : {"zv", "zvd", "ei"}
+        See :func:`flexmech.input_shaper`.
+    modes : tuple of int, optional
+        Modes of the linkage where it stops, counted from 1, for which it is shaped, one after the
+        other. Left out: those that ring by more than a tenth of what rings most after the plain
+        law.
+    frequencies : {"end", "path"}
+        Natural frequencies for which it is shaped: where the crank stops, or those along its path.
+    tolerated : float
+        Residual vibration of EI at the frequency itself, over that of the plain law.
+
+    Raises
+    ------
+    InputError
+        If a value is impossible.
+
+    Examples
+    --------
+    >>> flexmech.Shaping("zvd", modes=(1, 2), frequencies="path").words
+    'ZVD shaper along the path'
+    """
+
+    kind: choices.ShaperName
+    modes: tuple[int, ...] | None = None
+    frequencies: choices.ShapedFor = "end"
+    tolerated: float = 0.05
+
+    def __post_init__(self) -> None:
+        check_choice(self.kind, choices.SHAPERS, "shaper")
+        check_choice(self.frequencies, choices.SHAPED_FOR, "shaped_for")
+        check_number(self.tolerated, "tolerated vibration", "", Bounds(above=0.0, below=1.0))
+        if self.modes is not None:
+            if not self.modes or len(set(self.modes)) < len(self.modes):
+                raise InputError("shaped modes must be one or more, each once, as 1,2")
+            for mode in self.modes:
+                check_count(mode, "shaped mode", most=choices.MOST_MODES)
+
+    @property
+    def words(self) -> str:
+        """The shaper, and that it goes by the path."""
+        along = " along the path" if self.frequencies == "path" else ""
+        return f"{self.kind.upper()} shaper{along}"
 
 
 @dataclass(frozen=True)
@@ -66,6 +129,11 @@ class ResponseRequest:
         Duration in s of a smooth run-up to the speed, see :class:`flexmech.CrankDrive`.
     moment_point : tuple of float, optional
         About which the shaking moment is taken, in ground axes in m; the shaft's axis if left out.
+    shaping : Shaping, optional
+        An input shaper for a law that stops, whose run is told beside that of the plain law.
+    move_times : tuple of float, optional
+        Times of a move in s over which the residual vibration is told. Left out: with a shaper from
+        half the law's time to twice of it, else none.
 
     Raises
     ------
@@ -92,6 +160,8 @@ class ResponseRequest:
     speed_unit: str | None = field(default=None, repr=False)
     run_up_time: float = field(default=0.0, repr=False)
     moment_point: tuple[float, float] | None = field(default=None, repr=False)
+    shaping: Shaping | None = field(default=None, repr=False)
+    move_times: tuple[float, ...] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "moment_point", checked_point(self.moment_point))
@@ -120,6 +190,7 @@ class ResponseRequest:
             )
         if self.step is not None:
             check_number(self.step, "step", "s", POSITIVE)
+        self._check_moves()
         if self.speed is not None and not isinstance(self.speed, MotorDrive):
             self._check_duration()
 
@@ -134,6 +205,24 @@ class ResponseRequest:
                 "shaft prescribed: a motor turns a free shaft; leave the shaft out, or give a "
                 "speed in place of the motor"
             )
+
+    def _check_moves(self) -> None:
+        """Refuse a shaper or times of a move for what does not stop."""
+        if self.shaping is not None:
+            check_instance(self.shaping, Shaping, "shaping", "give a flexmech.Shaping")
+        if self.move_times is not None:
+            if not 1 <= len(self.move_times) <= MOST_MOVES:
+                raise InputError(
+                    f"got {len(self.move_times)} times of a move; give one to {MOST_MOVES}"
+                )
+            for time in self.move_times:
+                check_number(time, "time of a move", "s", POSITIVE)
+        if self.shaping is None and self.move_times is None:
+            return
+        if self.shaft == "free" or isinstance(self.speed, MotorDrive | MotorRun):
+            raise InputError(FREE_SHAFT_GOES_ON)
+        if self.speed is not None:
+            check_shapeable(self.drive)
 
     def _check_duration(self) -> None:
         samples = self.duration / self.sample_interval

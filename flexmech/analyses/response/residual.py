@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -12,7 +13,7 @@ from flexmech.analyses.response.measurements import deflections_of
 from flexmech.analyses.response.plan import undamped, vibrating_engine
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import Engine, whole
+from flexmech.linear_system import Engine
 from flexmech.time_domain import Trajectory
 
 # A rest of fewer samples shows no vibration.
@@ -43,11 +44,14 @@ class StandingModes:
         Mass times shape of each link of the engine: by them its coordinates become modal ones.
     bending : ndarray, shape (m, n_links)
         Deflection of each link at its probe by a unit of the modal coordinate.
+    frame_weights : ndarray, shape (3, m)
+        The same for the coordinates of a frame on springs; zero of one that stands.
     """
 
     frequency: FloatArray
     weights: list[FloatArray]
     bending: FloatArray
+    frame_weights: FloatArray
 
     @classmethod
     def of(cls, engine: Engine, request: ResponseRequest) -> Self:
@@ -72,9 +76,38 @@ class StandingModes:
         system = free.linear_system(angle, prestress=free.prestress_at_rest, rotation_terms=False)
         modes = solve_modes(system, min(request.modes, system.size))
         shapes = [q[0] for q in system.unreduced_links(modes.vectors)]
-        weights = [whole(link.mass) @ q for link, q in zip(free.links, shapes, strict=True)]
+        weights, of_frame = system.modal_weights(modes.vectors, free.links)
         small = deflections_of(free, [_SMALL * q.T for q in shapes])
-        return cls(modes.frequency[0], weights, small / _SMALL)
+        return cls(modes.frequency[0], weights, small / _SMALL, of_frame)
+
+    def of_state(
+        self,
+        displacement: Sequence[FloatArray],
+        rate: Sequence[FloatArray],
+        at_rest: Sequence[FloatArray],
+    ) -> FloatArray:
+        """Amplitude of each mode in the deflection of each link, from its state at the stop.
+
+        It tells how far the mode goes on to vibrate, without a run of the rest.
+
+        Parameters
+        ----------
+        displacement, rate, at_rest : sequence of ndarray, shape (n_link,)
+            Of each link of the engine, in its frame, in m and m/s; the last is where it comes to
+            rest under its loads.
+
+        Returns
+        -------
+        ndarray, shape (n_links, m)
+            In m.
+        """
+        moved = [q - rest for q, rest in zip(displacement, at_rest, strict=True)]
+        position, velocity = (
+            np.sum([q @ weight for q, weight in zip(each, self.weights, strict=True)], axis=0)
+            for each in (moved, rate)
+        )
+        found = np.hypot(position, velocity / (2 * np.pi * self.frequency))
+        return np.asarray(np.abs(self.bending.T) * found)
 
     def amplitudes(self, trajectory: Trajectory, begin: float) -> FloatArray:
         """Amplitude of each mode in the deflection of each link after the stop.
@@ -98,6 +131,8 @@ class StandingModes:
         time = trajectory.time[after] - begin
         moved = zip(trajectory.displacement, self.weights, strict=True)
         modal = np.sum([q[after] @ weight for q, weight in moved], axis=0)
+        if trajectory.frame is not None:
+            modal = modal + trajectory.frame.displacement[after] @ self.frame_weights
         found = np.full(len(self.frequency), np.nan)
         for number, frequency in enumerate(self.frequency):
             if time[-1] * frequency < 1:

@@ -32,7 +32,14 @@ from flexmech.analyses.response.driven import (
     residual_answer,
     residual_numbers,
 )
+from flexmech.analyses.response.pictures import figures_of
 from flexmech.analyses.response.shaking import shaking_lines, shaking_numbers
+from flexmech.analyses.response.shaped_words import (
+    move_table,
+    shaped_answer,
+    shaped_lines,
+    shaped_numbers,
+)
 from flexmech.analyses.response.sprung_frame import (
     frame_answer,
     frame_columns,
@@ -82,6 +89,9 @@ class Response(Result):
         "running_law.png",
         "running_motor.png",
         "residual.png",
+        "residual_over_move_time.csv",
+        "residual_over_move_time.png",
+        "shaped_law.png",
         "frame.png",
         "spectrum.png",
         "spectrogram.png",
@@ -250,6 +260,8 @@ class Response(Result):
         tables = {self.stem: table_of(data, ("engine", "time"), columns)}
         if "order" in data:
             tables["running_shaking_harmonics"] = harmonics_table(data, "engine")
+        if "move_amplitude" in data:
+            tables["residual_over_move_time"] = move_table(data)
         return tables
 
     @property
@@ -260,27 +272,7 @@ class Response(Result):
 
     def figures(self) -> dict[str, Figure]:
         """Histories, forces and spectra; see :mod:`flexmech.plots`."""
-        data = self.dataset
-        figures = {
-            "response": plots.plot_response(data),
-            "forces": plots.plot_forces(data),
-            "spectrum": plots.plot_spectrum(data),
-        }
-        if "driving_power" in data:
-            figures["running_law"] = plots.plot_law(data)
-        if "motor_torque" in data:
-            figures["running_motor"] = plots.plot_motor(data)
-        if "residual_envelope" in data:
-            figures["residual"] = plots.plot_residual(data)
-        if "frame_displacement" in data:
-            figures["frame"] = plots.plot_frame_motion(data)
-        if "shaking_force" in data:
-            figures["running_shaking_force"] = plots.plot_running_shaking_force(data)
-        if "order" in data:
-            figures["running_shaking_orders"] = plots.plot_shaking_orders(data)
-        if "spectrogram" in data:
-            figures["spectrogram"] = plots.plot_spectrogram(data)
-        return figures
+        return figures_of(self.dataset)
 
     def plot(
         self,
@@ -339,7 +331,7 @@ class Response(Result):
         data, peaks, agreement = self.dataset, self.peaks(), self.agreement()
         title = f"peaks {drive_words(data.attrs)}, {data.attrs['mechanism']}"
         trusted = representative(agreement, data)
-        forces = self.force_agreement()
+        forces, shaped = self.force_agreement(), shaped_answer(data)
         table = words.peak_table(
             peaks, float(data["crank_angle"][0]), title, trusted, self._peak_errors()
         )
@@ -349,6 +341,7 @@ class Response(Result):
             *words.load_lines(peaks, data),
             *driven_lines(data),
             *motor_lines(data),
+            *shaped_lines(data),
             *shaking_lines(data),
             *frame_lines(data),
             *words.stress_lines(data),
@@ -360,10 +353,11 @@ class Response(Result):
         )
         return Summary(
             (
+                *shaped,
                 *motor_answer(data),
                 *answers.answer(data),
                 *frame_answer(data),
-                *residual_answer(data),
+                *(() if shaped else residual_answer(data)),
             ),
             table,
             answers.trust(data, agreement, forces),
@@ -378,6 +372,7 @@ class Response(Result):
                 *shaking_numbers(data),
                 *frame_numbers(data),
                 *residual_numbers(data),
+                *shaped_numbers(data),
                 *motor_numbers(data),
             ),
         )

@@ -146,7 +146,7 @@ def _frame_at_rest(engine: Engine, drive: Drive) -> FrameMotion | None:
 def _equilibrium(engine: Engine, drive: Drive) -> LinkState:
     """Nonlinear quasi-static equilibrium at time zero, and how fast the loads move it."""
     time = _start_times(drive)
-    displacement = _equilibria_at(engine, drive, time)
+    displacement = equilibria_at(engine, drive, time)
     if displacement is None:
         return LinkState.rigid(engine.links)
     return LinkState(
@@ -155,11 +155,28 @@ def _equilibrium(engine: Engine, drive: Drive) -> LinkState:
     )
 
 
-def _equilibria_at(engine: Engine, drive: Drive, time: FloatArray) -> list[FloatArray] | None:
-    """Equilibria at some times, (m, n_link) of each link; None where links stay straight.
+def equilibria_at(engine: Engine, drive: Drive, time: FloatArray) -> list[FloatArray] | None:
+    """Nonlinear quasi-static equilibria at some times.
 
     Loads over time act with what they are at these times: an engine's own equilibria are those
     of crank angles, at which such loads have no value.
+
+    Parameters
+    ----------
+    engine : Engine
+    drive : Drive
+    time : ndarray, shape (m,)
+        In s.
+
+    Returns
+    -------
+    list of ndarray, shape (m, n_link), or None
+        Of each link; None where links stay straight.
+
+    Raises
+    ------
+    ComputationError
+        If there is none.
     """
     mechanism = engine.mechanism
     if all(load.over != "time" for load in mechanism.loads):

@@ -144,6 +144,37 @@ class LinearSystem:
             return moved
         return [times(*pair) for pair in zip(self.bases, moved, strict=True)]
 
+    def modal_weights(
+        self, vectors: NDArray[Any], links: Sequence[LinkModel]
+    ) -> tuple[list[NDArray[Any]], NDArray[Any]]:
+        """Mass times shapes in the first position: by them coordinates become modal ones.
+
+        Parameters
+        ----------
+        vectors : ndarray, shape (B, n, m)
+        links : sequence of LinkModel
+            Unreduced.
+
+        Returns
+        -------
+        list of ndarray, shape (n_link, m)
+            Of the coordinates of each unreduced link.
+        ndarray, shape (3, m)
+            Of those of a frame on springs; zero of one that stands.
+        """
+        shapes = [q[0] for q in self.unreduced_links(vectors)]
+        of_frame = np.zeros((COORDINATES, vectors.shape[2]))
+        if self.carried is None:
+            return [times(whole(k.mass), q) for k, q in zip(links, shapes, strict=True)], of_frame
+        weights, moved = [], self._split(vectors)[1][0]
+        fields = self.carried.fields(self.motion)[:, 0]
+        for link, shape, field in zip(links, shapes, fields, strict=True):
+            own = link.fields
+            rigid = np.stack([own.along, own.across, own.tangential], axis=1) @ field
+            weights.append(whole(link.mass) @ (shape + rigid @ moved))
+            of_frame = of_frame + rigid.T @ weights[-1]
+        return weights, of_frame + self.carried.frame.inertia_matrix @ moved
+
     def displacements(self, vectors: NDArray[Any]) -> NDArray[Any]:
         """Displacement at the stations of every link, in ground axes.
 

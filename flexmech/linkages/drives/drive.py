@@ -101,6 +101,28 @@ class Drive(abc.ABC):
         """
         return self.law_time + (revolutions * self.revolution_time if self.speed else 0.0)
 
+    def stretched(self, factor: float) -> Drive:
+        """The same law over another time, with the same dwells.
+
+        Parameters
+        ----------
+        factor : float
+            By which every move takes longer.
+
+        Returns
+        -------
+        Drive
+
+        Raises
+        ------
+        InputError
+            If the drive has no moves.
+        """
+        raise InputError(
+            f"times of a move need a law that stops, and the crank goes on turning ({self.words}); "
+            'give a law in [drive], as law = "cycloid" with travel, time and dwell'
+        )
+
     def crank_angle(self, time: ArrayLike) -> FloatArray:
         """Crank angle in rad at times in s; shape (...) -> (...)."""
         return self.law.angle(time)
@@ -223,7 +245,7 @@ class CrankDrive(Drive):
         extent, turn = self.speed * total, 2 * np.pi
         # The second integral of 1 - cos(2 pi tau).
         sine = (extent / turn**2, turn, np.pi / 2)
-        rising = MotionPiece(0.0, total, (begin - extent / turn**2, 0.0, extent / 2), sine)
+        rising = MotionPiece(0.0, total, (begin - extent / turn**2, 0.0, extent / 2), (sine,))
         return PiecewiseMotion.chained([rising], begin + extent / 2, float(self.speed))
 
     @property

@@ -1,4 +1,4 @@
-"""A motion in pieces, each a polynomial of time and a sine: the one form of all laws."""
+"""A motion in pieces, each a polynomial of time and sines: the one form of all laws."""
 
 from __future__ import annotations
 
@@ -14,40 +14,67 @@ from numpy.typing import ArrayLike
 from flexmech.arrays import FloatArray
 
 Sine = tuple[float, float, float]
-NO_SINE: Sine = (0.0, 0.0, 0.0)
+
+# Of the speeds of a motion, or of a radian over its whole time: what splines leave of rest.
+_ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
 class MotionPiece:
-    """``sum_k polynomial[k] tau^k + a sin(w tau + phase)`` with ``tau = (t - start) / duration``.
+    """``sum_k p[k] tau^k + sum a sin(w tau + phase)`` with ``tau = (t - start) / duration``.
 
     Parameters
     ----------
     start, duration : float
         In s.
     polynomial : tuple of float
-        Coefficients in rad, that of the zeroth power first.
-    sine : tuple of float
-        ``a`` in rad, ``w`` and ``phase`` in rad.
+        Coefficients ``p`` in rad, that of the zeroth power first.
+    sines : tuple of tuple of float
+        ``a`` in rad, ``w`` and ``phase`` in rad of each.
     """
 
     start: float
     duration: float
     polynomial: tuple[float, ...]
-    sine: Sine = NO_SINE
+    sines: tuple[Sine, ...] = ()
 
     @property
     def end(self) -> tuple[float, float]:
         """Angle in rad and speed in rad/s at its end."""
-        size, rate, phase = self.sine
-        angle = sum(self.polynomial) + size * math.sin(rate + phase)
+        angle = sum(self.polynomial)
         speed = sum(power * each for power, each in enumerate(self.polynomial))
-        return angle, (speed + size * rate * math.cos(rate + phase)) / self.duration
+        for size, rate, phase in self.sines:
+            angle += size * math.sin(rate + phase)
+            speed += size * rate * math.cos(rate + phase)
+        return angle, speed / self.duration
 
     def moved(self, time: float, angle: float) -> MotionPiece:
         """The same, later by a time in s and further on by an angle in rad."""
         first, *rest = self.polynomial
         return replace(self, start=self.start + time, polynomial=(first + angle, *rest))
+
+    def part(self, start: float, duration: float) -> MotionPiece:
+        """The same motion over a part of its time, in s; or beyond it, as its formula goes on."""
+        begin, ratio = (start - self.start) / self.duration, duration / self.duration
+        polynomial = tuple(
+            ratio**power
+            * sum(
+                math.comb(above, power) * each * begin ** (above - power)
+                for above, each in enumerate(self.polynomial)
+                if above >= power
+            )
+            for power in range(len(self.polynomial))
+        )
+        sines = tuple(
+            (size, rate * ratio, phase + rate * begin) for size, rate, phase in self.sines
+        )
+        return MotionPiece(start, duration, polynomial, sines)
+
+    def times(self, weight: float) -> MotionPiece:
+        """The same with all angles times a weight."""
+        polynomial = tuple(weight * each for each in self.polynomial)
+        sines = tuple((weight * size, rate, phase) for size, rate, phase in self.sines)
+        return replace(self, polynomial=polynomial, sines=sines)
 
 
 @dataclass(frozen=True)
@@ -102,6 +129,22 @@ class PiecewiseMotion:
         return self._values(time, 2)
 
     @property
+    def blow(self) -> tuple[float, float] | None:
+        """Time in s and size in rad/s of the greatest jump of the speed; None where it has none."""
+        if not self.pieces:
+            return None
+        before = np.array([piece.end[1] for piece in self.pieces])
+        jumps = self.speed(self.knots[1:]) - before
+        place = int(np.abs(jumps).argmax())
+        if abs(jumps[place]) <= _ROUND_OFF * max(float(np.abs(before).max()), 1 / self.end):
+            return None
+        return float(self.knots[1 + place]), float(jumps[place])
+
+    def piece_at(self, time: float) -> MotionPiece:
+        """The piece at a time in s, one before the end."""
+        return self.pieces[max(int(np.searchsorted(self._starts, time, side="right")) - 1, 0)]
+
+    @property
     def knots(self) -> FloatArray:
         """Times in s at which pieces begin, and at which the last one ends; (n + 1,)."""
         return np.append(self._starts if self.pieces else np.zeros(0), self.end)
@@ -127,7 +170,13 @@ class PiecewiseMotion:
 
     @cached_property
     def _sines(self) -> FloatArray:
-        return np.array([piece.sine for piece in self.pieces]).T
+        """Size, rate and phase of each piece's sines, (k, 3, pieces); what it lacks has no size."""
+        most = max(len(piece.sines) for piece in self.pieces)
+        table = np.zeros((most, 3, len(self.pieces)))
+        for column, piece in enumerate(self.pieces):
+            for row, sine in enumerate(piece.sines):
+                table[row, :, column] = sine
+        return table
 
     def _values(self, time: ArrayLike, order: int) -> FloatArray:
         t = np.asarray(time, dtype=float)
@@ -140,7 +189,7 @@ class PiecewiseMotion:
         value = np.zeros(t.shape)
         for column in self._tables[order].T[::-1]:
             value = value * part + column[number]
-        size, rate, phase = self._sines[:, number]
-        # The derivative of a sine is a quarter of a period ahead.
-        value = value + size * rate**order * np.sin(rate * part + phase + order * np.pi / 2)
+        for size, rate, phase in self._sines[:, :, number]:
+            # The derivative of a sine is a quarter of a period ahead.
+            value = value + size * rate**order * np.sin(rate * part + phase + order * np.pi / 2)
         return np.asarray(np.where(t >= self.end, after, value / span**order))

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import ClassVar, Literal, get_args
 
@@ -18,7 +18,7 @@ import numpy as np
 
 from flexmech.errors import InputError
 from flexmech.linkages.drives.drive import Drive
-from flexmech.linkages.drives.pieces import NO_SINE, MotionPiece, PiecewiseMotion, Sine
+from flexmech.linkages.drives.pieces import MotionPiece, PiecewiseMotion, Sine
 from flexmech.model_text import TomlTable, fields_table
 from flexmech.units import ANGLE, TIME
 from flexmech.validation import (
@@ -73,15 +73,16 @@ def unit_law(name: LawName) -> tuple[MotionPiece, ...]:
         length = last - first
         if length <= 0:
             continue
-        sine: Sine = NO_SINE
+        sines: tuple[Sine, ...] = ()
         begin, own_speed = place, speed
         if size:
             # Minus the second integral; what it starts with is taken off again.
-            sine = (-size / rate**2, rate * length, phase)
-            begin -= sine[0] * math.sin(phase)
-            own_speed -= sine[0] * rate * math.cos(phase)
+            wave = -size / rate**2
+            begin -= wave * math.sin(phase)
+            own_speed -= wave * rate * math.cos(phase)
+            sines = ((wave, rate * length, phase),)
         polynomial = (begin, own_speed * length, constant * length**2 / 2)
-        pieces.append(MotionPiece(first, length, polynomial, sine))
+        pieces.append(MotionPiece(first, length, polynomial, sines))
         place, speed = pieces[-1].end
     return tuple(pieces)
 
@@ -167,6 +168,20 @@ class LawDrive(Drive):
         """Time of a move and its dwell in s."""
         return self.time + self.dwell
 
+    def stretched(self, factor: float) -> Drive:
+        """The same moves over another time, with the same dwells.
+
+        Parameters
+        ----------
+        factor : float
+            By which every move takes longer.
+
+        Returns
+        -------
+        LawDrive
+        """
+        return replace(self, time=factor * self.time)
+
     def run_time(self, revolutions: float) -> float:
         """Duration in s of all moves and dwells.
 
@@ -192,14 +207,8 @@ def _scaled(
 ) -> list[MotionPiece]:
     """A unit law that begins at a time and an angle."""
     return [
-        MotionPiece(
-            begin + time * piece.start,
-            time * piece.duration,
-            tuple(
-                (angle if power == 0 else 0.0) + travel * each
-                for power, each in enumerate(piece.polynomial)
-            ),
-            (travel * piece.sine[0], *piece.sine[1:]),
-        )
+        replace(
+            piece.times(travel), start=time * piece.start, duration=time * piece.duration
+        ).moved(begin, angle)
         for piece in law
     ]

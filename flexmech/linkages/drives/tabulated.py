@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal, get_args
 
@@ -16,8 +16,9 @@ from flexmech.model_text import TomlTable, fields_table, quantity
 from flexmech.units import ANGLE, TIME
 from flexmech.validation import NOT_NEGATIVE, check_choice, check_count, check_number, checked_array
 
-TableEnds = Literal["free", "rest"]
-"""How a table begins and ends: as its spline has it, or at rest without acceleration."""
+TableEnds = Literal["free", "rest", "held"]
+"""How a table begins and ends: as its spline has it; at rest without acceleration; or as its spline
+has it, and held after its last row."""
 TABLE_ENDS: tuple[TableEnds, ...] = get_args(TableEnds)
 
 # Degree of the spline, whose acceleration is smooth; of fewer rows than that takes the lower one.
@@ -38,7 +39,8 @@ class TableDrive(Drive):
     With ``smoothing`` the angles are first smoothed by a spline of as few knots as leave them by
     that much on average (Dierckx, *Curve and Surface Fitting with Splines*, 1993). Rows of constant
     speed are a drive of constant speed. After the last row the crank goes on at the speed that it
-    has there.
+    has there, or is held: then the speed that it still has there ends within no time, a blow to the
+    links.
 
     Parameters
     ----------
@@ -48,11 +50,14 @@ class TableDrive(Drive):
         In rad.
     smoothing : float
         Root mean square in rad by which the spline may leave the rows; zero goes through them.
-    ends : {"free", "rest"}
-        Whether the crank begins and ends at rest, without acceleration.
+    ends : {"free", "rest", "held"}
+        Whether the crank begins and ends at rest, without acceleration; or moves as the rows have
+        it and is held after the last one.
     moves : int
         How often the table is gone through, each time from the angle that was reached. Where its
         ends are free speed and acceleration are those of its start at the end.
+    dwell : float
+        Rest in s after each time, of ends that are not free.
 
     Raises
     ------
@@ -73,6 +78,7 @@ class TableDrive(Drive):
     smoothing: float = 0.0
     ends: TableEnds = "free"
     moves: int = 1
+    dwell: float = 0.0
 
     def __post_init__(self) -> None:
         times = checked_array(self.times, "times of a table", "s")
@@ -80,6 +86,11 @@ class TableDrive(Drive):
         check_number(self.smoothing, "smoothing", "rad", NOT_NEGATIVE)
         check_choice(self.ends, TABLE_ENDS, "ends")
         check_count(self.moves, "moves", most=_MOST_CYCLES)
+        check_number(self.dwell, "dwell", "s", NOT_NEGATIVE)
+        if self.dwell and self.ends == "free":
+            raise InputError(
+                "a table with a dwell stops: choose ends rest or held, or leave dwell out"
+            )
         if times.ndim != 1 or times.shape != angles.shape or len(times) <= _LOWER_DEGREE:
             raise InputError(
                 f"the table has {times.size} times and {angles.size} angles; give four rows or "
@@ -122,6 +133,7 @@ class TableDrive(Drive):
         ]
         table: TomlTable = {"table": rows, **fields_table(self, {"smoothing": ANGLE})}
         table |= {"ends": self.ends} if self.ends != "free" else {}
+        table |= {"dwell": quantity(self.dwell, TIME)} if self.dwell else {}
         return table | ({"moves": self.moves} if self.moves > 1 else {})
 
     @cached_property
@@ -129,23 +141,29 @@ class TableDrive(Drive):
         """The spline in pieces, each time that the table is gone through."""
         time = np.array(self.times) - self.times[0]
         angle = np.array(self.angles)
-        rest, travel, total = self.ends == "rest", float(angle[-1] - angle[0]), float(time[-1])
+        free, travel, total = self.ends == "free", float(angle[-1] - angle[0]), float(time[-1])
         # What leaves the straight line from end to end, of which less is lost to round-off.
         speed = travel / total
         bent = angle - angle[0] - speed * time
         fine = _STRAIGHT * max(abs(travel), np.pi / 5) * len(time) ** 0.5
-        if not rest and np.abs(bent).max() <= max(fine, self.smoothing):
+        if free and np.abs(bent).max() <= max(fine, self.smoothing):
             return PiecewiseMotion((), 0.0, float(angle[0]), speed)
         one, end_speed = _pieces(time, bent, speed, self, float(angle[0]))
-        pieces = [
-            piece.moved(number * total, number * travel)
-            for number in range(self.moves)
-            for piece in one
-        ]
+        pieces = list[MotionPiece]()
+        for number in range(self.moves):
+            if self.dwell and number:
+                begin = number * self._pass_time - self.dwell
+                pieces.append(MotionPiece(begin, self.dwell, (pieces[-1].end[0],)))
+            pieces += [piece.moved(number * self._pass_time, number * travel) for piece in one]
         end = float(angle[0]) + self.moves * travel
         if self.smoothing:
             end = pieces[-1].end[0]
-        return PiecewiseMotion.chained(pieces, end, 0.0 if rest else end_speed)
+        return PiecewiseMotion.chained(pieces, end, end_speed if free else 0.0)
+
+    @property
+    def _pass_time(self) -> float:
+        """Time in s of going through the table once, with its dwell."""
+        return self.times[-1] - self.times[0] + self.dwell
 
     @property
     def start_angle(self) -> float:  # type: ignore[override]
@@ -164,25 +182,50 @@ class TableDrive(Drive):
 
     @property
     def cycle_time(self) -> float:
-        """Time of the table in s; of constant speed that of a turn."""
-        return self.revolution_time if self.turns_on else self.times[-1] - self.times[0]
+        """Time of the table and its dwell in s; of constant speed that of a turn."""
+        return self.revolution_time if self.turns_on else self._pass_time
 
     def run_time(self, revolutions: float) -> float:
-        """Duration in s of the table, as often as it is gone through.
+        """Duration in s of the table with its dwell, as often as it is gone through.
 
         Parameters
         ----------
         revolutions : float
             Of no account.
         """
-        return self.moves * (self.times[-1] - self.times[0])
+        return self.moves * self._pass_time
+
+    def stretched(self, factor: float) -> Drive:
+        """The same table over another time, with the same dwells.
+
+        Parameters
+        ----------
+        factor : float
+            By which it takes longer.
+
+        Returns
+        -------
+        TableDrive
+
+        Raises
+        ------
+        InputError
+            If it does not stop.
+        """
+        if self.speed:
+            return super().stretched(factor)
+        return replace(self, times=tuple(factor * time for time in self.times))
 
     @property
     def corners(self) -> FloatArray:
         """Times in s at which the table begins, again and again, and ends; its spline has none."""
         if self.is_constant:
             return np.zeros(1)
-        return np.asarray((self.times[-1] - self.times[0]) * np.arange(self.moves + 1.0))
+        begins = self._pass_time * np.arange(float(self.moves))
+        if not self.dwell:
+            return np.append(begins, self.law.end)
+        ends = begins + self.times[-1] - self.times[0]
+        return np.asarray(np.column_stack([begins, ends]).reshape(-1))
 
     @property
     def greatest_acceleration(self) -> float:
@@ -200,10 +243,16 @@ class TableDrive(Drive):
     @property
     def spline_words(self) -> str:
         """What the spline makes of the table: its second derivative, and how it leaves the rows."""
-        return (
+        spline = (
             f"spline through the table: its second derivative is at most "
             f"{self.greatest_acceleration:.5g} rad/s², and it leaves the rows by at most "
             f"{np.degrees(self.deviation):.3g} deg"
+        )
+        if (blow := self.law.blow) is None:
+            return spline
+        return (
+            f"{spline}; at {blow[0]:.4g} s its speed jumps by {blow[1]:.4g} rad/s, a blow whose "
+            "torque is no number, and what is told of it depends on the time step"
         )
 
     @property
@@ -212,9 +261,11 @@ class TableDrive(Drive):
         travel = np.degrees(self.angles[-1] - self.angles[0])
         smoothed = " smoothed" if self.smoothing else ""
         often = f", {self.moves} times" if self.moves > 1 else ""
+        held = ", then held" if self.ends == "held" else ""
+        dwell = f", dwell {self.dwell:.4g} s" if self.dwell else ""
         return (
             f"table of {len(self.times)} rows{smoothed}, {travel:.4g} deg in "
-            f"{self.times[-1] - self.times[0]:.4g} s{often}"
+            f"{self.times[-1] - self.times[0]:.4g} s{held}{dwell}{often}"
         )
 
 

@@ -296,8 +296,7 @@ class RunningModel:
                 assembly.add_constraint(f"hub_{axis}", fixed, node, coordinate)
         else:
             on_hub = items.add("MarkerNodeRigid", "hub_axis", nodeNumber=node)
-            bearing = [self.frame.add_marker(_AXIS, "hub_axis_on_frame"), on_hub]
-            items.add("RevoluteJoint2D", "hub_bearing", markerNumbers=bearing)
+            self.frame.add_pin("hub_bearing", on_hub, np.array(_AXIS))
             # The drive stands on the frame: what it prescribes is the angle against that.
             fixed = self.frame.add_angle_marker("frame_angle")
         drive = assembly.add_constraint("crank_drive", fixed, node, 2, **self._turning())
@@ -371,19 +370,12 @@ class RunningModel:
         for pivot in assembly.topology.pivots:
             if pivot.sprung:
                 continue
-            name, place = (
-                f"pivot_{pivot.joint}",
-                place_at_start(assembly, self._start, pivot.link_end),
-            )
+            name = f"pivot_{pivot.joint}"
+            place = place_at_start(assembly, self._start, pivot.link_end)
             assembly.items.begin(f"pivot {pivot.joint}")
             if self.frame is not None:
-                x, y = map(float, place)
-                markers = [
-                    self.frame.add_marker((x, y), f"{name}_on_frame"),
-                    assembly.add_end_marker(pivot.link_end, f"{name}_on_{pivot.link_end.link}"),
-                ]
-                pin = assembly.items.add("RevoluteJoint2D", name, markerNumbers=markers)
-                constraints[pivot.joint] = [pin]
+                end = assembly.add_end_marker(pivot.link_end, f"{name}_on_{pivot.link_end.link}")
+                constraints[pivot.joint] = [self.frame.add_pin(name, end, place)]
                 continue
             if not assembly.is_at_node(pivot.link_end):
                 pin = assembly.add_ground_pin(name, pivot.link_end, [*map(float, place), 0.0])[1]
@@ -405,4 +397,4 @@ def _plain_pieces(drive: Drive) -> tuple[Any, ...]:
     """The pieces of a law as plain numbers, which an exported script holds, from the start on."""
     begin = float(drive.crank_angle(0.0))
     moved = (piece.moved(0.0, -begin) for piece in drive.law.pieces)
-    return tuple((one.start, one.duration, one.polynomial, one.sine) for one in moved)
+    return tuple((one.start, one.duration, one.polynomial, one.sines) for one in moved)

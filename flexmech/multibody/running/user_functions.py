@@ -20,7 +20,7 @@ class Shaft:
     """Prescribed angle of the driven link at its clamp: a law, then a constant speed.
 
     The law is in pieces: from the time ``start`` on the angle is that at time zero and
-    ``sum(c[k] * tau**k) + a * sin(w * tau + phase)``, with the part
+    ``sum(c[k] * tau**k) + sum(a * sin(w * tau + phase))``, with the part
     ``tau = (t - start) / duration``.
     A shaft that is free is turned by a torque, and its hub stands where that takes it.
 
@@ -31,7 +31,8 @@ class Shaft:
     final_speed : float
         In rad/s.
     pieces : tuple
-        Of (start, duration, c, (a, w, phase)) in s and rad; none of a constant speed.
+        Of (start, duration, c, ((a, w, phase), ...)) in s and rad; none of a constant
+        speed.
     is_free : bool
         Whether the angle is that of the mean motion alone.
     """
@@ -54,16 +55,17 @@ class Shaft:
         if not self.pieces:
             return self.start_angle + self.final_speed * t, self.final_speed
         number = bisect.bisect_right(self.pieces, t, key=lambda piece: piece[0])
-        start, duration, polynomial, sine = self.pieces[max(number - 1, 0)]
-        size, rate, phase = sine
+        start, duration, polynomial, sines = self.pieces[max(number - 1, 0)]
         after = t - (start + duration) if number == len(self.pieces) else -1.0
         part = 1.0 if after >= 0 else (t - start) / duration
         angle, speed = 0.0, 0.0
         for coefficient in reversed(polynomial):
             speed = speed * part + angle
             angle = angle * part + coefficient
-        angle += self.start_angle + size * math.sin(rate * part + phase)
-        speed += size * rate * math.cos(rate * part + phase)
+        for size, rate, phase in sines:
+            angle += size * math.sin(rate * part + phase)
+            speed += size * rate * math.cos(rate * part + phase)
+        angle += self.start_angle
         if after < 0:
             return angle, speed / duration
         return angle + self.final_speed * after, self.final_speed

@@ -126,6 +126,37 @@ def linear_run(
     return run if linkage.shaft is None else linkage.shaft.turned_back(run)
 
 
+def end_state(
+    linkage: DrivenLinkage, position: FloatArray, velocity: FloatArray, end: float, steps: int
+) -> LinkState:
+    """State of the engine's links at the end of a run, of which nothing else is kept.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+    position, velocity : ndarray, shape (n,)
+        Independent coordinates at time zero and their time derivatives.
+    end : float
+        In s.
+    steps : int
+        At least: a method may take its steps in groups.
+
+    Returns
+    -------
+    LinkState
+
+    Raises
+    ------
+    ComputationError
+        If displacements grow beyond all bounds; names the time and the crank angle.
+    """
+    stride = (LinearMarch if linkage.stretch is None else StretchMarch).stride
+    steps = stride * -(-steps // stride)
+    march = marching(linkage, end / steps)
+    *_, (*_, history, _) = _blocks(linkage, march, (position, velocity), end / steps, steps)
+    return linkage.link_state(linkage.equations(np.array([end])), history[-1:])
+
+
 def _blocks(
     linkage: DrivenLinkage,
     march: LinearMarch | StretchMarch,

@@ -1,0 +1,246 @@
+"""Residual vibration against the time of a move: plain and shaped laws, each of many times.
+
+The state of the links at the stop tells how far each mode of the standing linkage rings on. The
+equations of motion in link frames are run to it at every time; an engine that simulates at some of
+them, to check.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses.response.plan import STEPS_PER_PERIOD, RunPlan
+from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.response.residual import StandingModes
+from flexmech.analyses.response.shaping import LawShaper
+from flexmech.analyses.response.start import equilibria_at, linear_start, simulation_start
+from flexmech.arrays import FloatArray, LabelledProgress
+from flexmech.dynamical_systems import VibrationState
+from flexmech.linear_system import Engine
+from flexmech.linkages import Drive, LawDrive, ShapedDrive
+from flexmech.time_domain import (
+    DrivenLinkage,
+    LinkState,
+    end_state,
+    simulator,
+    static_balance,
+    stretches_in_runs,
+)
+
+# Left out, the times of a move go from half the law's own to twice of it, evenly.
+_RANGE, _COUNT = (0.5, 2.0), 61
+# Fewest of them, and steps of all runs together beyond which there are fewer. Time alone.
+_FEWEST, _MOST_STEPS = 13, 250_000
+# Steps in a period of the highest frequency of interest, by the method of fourth order, where links
+# stretch: twice as many change an amplitude by less than 1e-4 of the greatest.
+_STEPS_WHERE_LINKS_STRETCH = 20
+# Of them an engine that simulates runs so many of each law, the first and the last among them, and
+# fewer where all its runs would take more steps. Time alone.
+_SIMULATED, _MOST_SIMULATED_STEPS = 5, 30_000
+
+
+def moves_of(request: ResponseRequest, highest: float) -> FloatArray:
+    """Times of a move, the dwell not counted, in s; (n,).
+
+    Parameters
+    ----------
+    request : ResponseRequest
+    highest : float
+        Highest natural frequency of interest in Hz: of many steps there are fewer times.
+
+    Returns
+    -------
+    ndarray
+        Empty where no chart is asked for, and where a law ends with a blow, which the equations in
+        link frames do not hold.
+    """
+    if request.move_times is not None:
+        return np.unique(request.move_times)
+    if request.shaping is None or request.drive.law.blow is not None:
+        return np.zeros(0)
+    steps = 2 * request.drive.law_time * highest * _STEPS_WHERE_LINKS_STRETCH
+    count = int(np.clip(_MOST_STEPS / steps, _FEWEST, _COUNT))
+    return move_time(request.drive) * np.linspace(*_RANGE, count)
+
+
+def move_time(drive: Drive) -> float:
+    """Time of one move of a law in s, without dwell.
+
+    Parameters
+    ----------
+    drive : Drive
+        A law that stops.
+    """
+    while isinstance(drive, ShapedDrive):
+        drive = drive.drive
+    return drive.time if isinstance(drive, LawDrive) else float(np.diff(drive.corners)[0])
+
+
+def move_variables(
+    engines: Sequence[Engine],
+    request: ResponseRequest,
+    plan: RunPlan,
+    shaper: LawShaper | None,
+    report: LabelledProgress,
+) -> xr.Dataset:
+    """Amplitude of each mode after the stop, over the time of a move.
+
+    Parameters
+    ----------
+    engines : sequence of Engine
+        The first one's equations in link frames are run at all times; those that simulate at some.
+    request : ResponseRequest
+    plan : RunPlan
+        Whose highest frequency sets the steps.
+    shaper : LawShaper, optional
+        For which the law is shaped besides.
+    report : callable
+        Called with a label, the moves done and the moves to do.
+
+    Returns
+    -------
+    xarray.Dataset
+        Empty where no times are asked for. ``move_amplitude`` over (law, move_time, link, mode) in
+        m, ``whole_move_time`` over (law, move_time) in s with the shaper's delay; and, of engines
+        that simulate, ``simulated_move_amplitude`` over (simulating_engine, law,
+        simulated_move_time, link, mode).
+
+    Raises
+    ------
+    ComputationError
+        If a run diverges.
+    """
+    times = moves_of(request, plan.highest)
+    if not times.size:
+        return xr.Dataset()
+    drives = _drives(request, times, shaper)
+    moving = _InLinkFrames(engines[0], request, plan)
+    found = _all(drives, moving.amplitudes, report, "residual vibration")
+    names = ["plain"] if shaper is None or request.shaping is None else ["plain", "shaped"]
+    dims = ("law", "move_time", "link", "mode")
+    whole = [[drive.law_time for drive in row] for row in drives]
+    dataset = xr.Dataset(
+        {
+            "move_amplitude": (dims, found),
+            "whole_move_time": (("law", "move_time"), np.array(whole)),
+            "move_frequency": ("mode", moving.frequency),
+        },
+        coords={"law": names, "move_time": times, "mode": np.arange(1, found.shape[-1] + 1)},
+        attrs={"own_move_time": move_time(request.drive)},
+    )
+    simulating = [engine for engine in engines if engine.simulates]
+    if not simulating:
+        return dataset
+    steps = len(names) * float(np.mean(whole)) * plan.highest * STEPS_PER_PERIOD
+    count = int(np.clip(_MOST_SIMULATED_STEPS / steps, 2, _SIMULATED))
+    some = np.unique(np.linspace(0, len(times) - 1, count).round().astype(int))
+    rows = [[row[number] for number in some] for row in drives]
+    values = [
+        _all(rows, _Simulated(engine, request, plan).amplitudes, report, f"stops, {engine.name}")
+        for engine in simulating
+    ]
+    over = ("simulating_engine", "law", "simulated_move_time", "link", "mode")
+    return dataset.assign(simulated_move_amplitude=(over, np.stack(values))).assign_coords(
+        simulating_engine=[engine.name for engine in simulating], simulated_move_time=times[some]
+    )
+
+
+def _drives(
+    request: ResponseRequest, times: FloatArray, shaper: LawShaper | None
+) -> list[list[Drive]]:
+    """The plain law over each time; and the shaped one."""
+    own = move_time(request.drive)
+    plain = [request.drive.stretched(float(time) / own) for time in times]
+    return [plain] if shaper is None else [plain, [shaper.shaped(drive) for drive in plain]]
+
+
+def _all(
+    drives: list[list[Drive]],
+    amplitudes: Callable[[Drive], FloatArray],
+    report: LabelledProgress,
+    label: str,
+) -> FloatArray:
+    """Amplitudes (n_laws, n, n_links, m) of all drives."""
+    total, found = sum(map(len, drives)), list[list[FloatArray]]()
+    for row in drives:
+        of_law = list[FloatArray]()
+        for drive in row:
+            of_law.append(amplitudes(drive))
+            report(label, len(found) * len(row) + len(of_law), total)
+        found.append(of_law)
+    return np.array(found)
+
+
+class _Stops:
+    """Runs of an engine that end with the law, and the modes of what stands then."""
+
+    def __init__(self, engine: Engine, request: ResponseRequest, plan: RunPlan) -> None:
+        self._engine, self._request = engine, request
+        self._modes = StandingModes.of(engine, request)
+        self._highest = plan.highest
+
+    @property
+    def frequency(self) -> FloatArray:
+        """Of the modes in Hz, (m,)."""
+        return self._modes.frequency
+
+    def _steps(self, drive: Drive, per_period: int = STEPS_PER_PERIOD) -> int:
+        return max(1, math.ceil(drive.law_time * self._highest * per_period))
+
+
+class _InLinkFrames(_Stops):
+    """By the equations of motion in link frames, as a run that is not simulated."""
+
+    def amplitudes(self, drive: Drive) -> FloatArray:
+        """Amplitudes (n_links, m) in m after a law."""
+        prestress = self._request.prestress
+        stretches = stretches_in_runs(self._engine, prestress)
+        linkage = DrivenLinkage(
+            self._engine,
+            drive,
+            prestress,
+            modes=self._request.modes,
+            with_energy=False,
+            stretches=stretches,
+        )
+        per_period = _STEPS_WHERE_LINKS_STRETCH if stretches else STEPS_PER_PERIOD
+        steps = self._steps(drive, per_period)
+        request = replace(self._request, speed=drive, step=None)
+        state = linear_start(linkage, request, drive.law_time / steps)
+        end = end_state(linkage, state.position, state.velocity, drive.law_time, steps)
+        return self._modes.of_state(end.displacement, end.rate, _at_rest(linkage, drive.law_time))
+
+
+def _at_rest(linkage: DrivenLinkage, time: float) -> list[FloatArray]:
+    """Where links come to rest under their loads, by the equations of the run."""
+    equations = linkage.quasi_static_equations(np.array([time]))
+    if linkage.stretch is None:
+        still = equations.quasi_static(constrained=linkage.shaft_coordinates)
+    else:
+        still = static_balance(linkage, np.zeros(linkage.size), time)[None]
+    nothing = np.zeros_like(still)
+    return linkage.link_state(equations, VibrationState(still, nothing, nothing)).displacement
+
+
+class _Simulated(_Stops):
+    """By an engine that simulates."""
+
+    def amplitudes(self, drive: Drive) -> FloatArray:
+        """Amplitudes (n_links, m) in m after a law."""
+        engine, end = self._engine, drive.law_time
+        step = end / self._steps(drive)
+        start = simulation_start(engine, replace(self._request, speed=drive, step=None), step)
+        run = simulator(engine).simulate(
+            drive, start, np.array([0.0, end]), step, integrator=self._request.integrator
+        )
+        still = equilibria_at(engine, drive, np.array([end]))
+        at_rest = LinkState.rigid(engine.links).displacement
+        if still is not None:
+            at_rest = [q[0] for q in still]
+        last = [q[-1] for q in run.displacement], [v[-1] for v in run.rate]
+        return self._modes.of_state(*last, at_rest)

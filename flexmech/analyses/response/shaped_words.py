@@ -1,0 +1,233 @@
+"""What a shaper leaves of the residual vibration, in numbers, words and a table."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from flexmech.analyses.digits import Quantity, rounded
+from flexmech.analyses.response.driven import residual_numbers
+from flexmech.model_text import quantity
+from flexmech.units import TIME
+
+_MM, _MS = 1e3, 1e3
+_NAME = "shaped_residual_amplitude"
+# A chart tells of modes that ring by this part of what rings most.
+_TOLD = 0.02
+
+
+def shaped_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
+    """Residual amplitude of each link after the shaped law, and by how much it is longer.
+
+    Of the engine whose errors are the smaller; the difference of two engines is an error too.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of a response.
+
+    Returns
+    -------
+    tuple of Quantity
+        None of a run without a shaper.
+    """
+    if _NAME not in data:
+        return ()
+    place = int(data["shaped_residual_error"].max("link").argmin("engine"))
+    found = [Quantity("shaper_delay", _MS * float(data.attrs["shaper_delay"]), "ms", 0.0)]
+    for name in (_NAME, f"{_NAME}_at_end"):
+        gap = abs(data[name] - data[name].isel(engine=place)).max("engine")
+        own = data["shaped_residual_error"].isel(engine=place)
+        error = own.where(own > gap, gap)
+        for link in data["link"].values[data["peak_deflection"].max("engine").values > 0]:
+            size = _MM * float(data[name].isel(engine=place).sel(link=link))
+            found.append(Quantity(name, size, "mm", _MM * float(error.sel(link=link)), str(link)))
+    return tuple(found)
+
+
+def shaped_answer(data: xr.Dataset) -> tuple[str, ...]:
+    """How far the link that rings most does after both laws, and by how much one is longer.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of a response.
+
+    Returns
+    -------
+    tuple of str
+        None of a run without a shaper.
+    """
+    found = [one for one in shaped_numbers(data) if one.name == _NAME]
+    if not found:
+        return ()
+    plain = [one for one in residual_numbers(data) if one.name == "residual_amplitude"]
+    before = max(plain, key=lambda one: one.value)
+    after = next(one for one in found if one.of == before.of)
+    most = max(found, key=lambda one: one.value)
+    other = f" (the {most.of} by {most})" if most.of != after.of else ""
+    delay = _MS * float(data.attrs["shaper_delay"])
+    modes = str(data.attrs["shaped_modes"]).split(",")
+    for_modes = f"mode{'s' if len(modes) > 1 else ''} {' and '.join(modes)}"
+    return (
+        f"After the stop the {before.of} rings by {before}; with the {data.attrs['shaper']} "
+        f"for {for_modes} by {after}{other}; the move takes {rounded(delay, 0.0, 3)} ms longer.",
+    )
+
+
+def shaped_lines(data: xr.Dataset) -> list[str]:
+    """The shaper, how to state it in a model file, and what the shaped law does.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of a response.
+
+    Returns
+    -------
+    list of str
+        None of a run without a shaper and without times of a move.
+    """
+    lines = list[str]()
+    if _NAME in data:
+        lines += [
+            f"{data.attrs['shaper']} for {data.attrs['shaper_modes']}",
+            _impulses(data),
+        ]
+        for name in map(str, data["engine"].values):
+            own = data.sel(engine=name)
+            lines += [_residual_line(own, name), _modes_line(own, name), _peaks_line(own, name)]
+    if "move_amplitude" in data:
+        lines += _chart_lines(data)
+    return lines
+
+
+def _impulses(data: xr.Dataset) -> str:
+    """Impulses as a model file has them; along a path phases."""
+    weights = data["impulse_weight"].values
+    if "impulse_time" in data:
+        rows = ", ".join(
+            f'["{quantity(float(time), TIME)}", {float(weight)!r}]'
+            for time, weight in zip(data["impulse_time"].values, weights, strict=True)
+        )
+        return f"in [drive] of a model file: impulses = [{rows}]"
+    parts = ", ".join(
+        f"{weight:.4g} at {phase:.4g} of mode {mode}"
+        for phase, weight, mode in zip(
+            data["impulse_phase"].values, weights, data["impulse_mode"].values, strict=True
+        )
+    )
+    return f"shaper: impulses over the phase along the path, in periods: {parts}"
+
+
+def _bent(data: xr.Dataset) -> list[str]:
+    """Links that bend."""
+    return [str(name) for name in data["link"].values[data["peak_deflection"].values > 0]]
+
+
+def _residual_line(data: xr.Dataset, engine: str) -> str:
+    parts = []
+    for link in _bent(data):
+        ends = (data[name].sel(link=link) for name in (_NAME, f"{_NAME}_at_end"))
+        first, last = (rounded(_MM * float(one), 0.0, 4) for one in ends)
+        parts.append(f"{link} {first} to {last}")
+    return f"residual vibration with the shaper: {', '.join(parts)} mm ({engine})"
+
+
+def _modes_line(data: xr.Dataset, engine: str) -> str:
+    parts = []
+    for mode in data["mode"].values:
+        one, before = (
+            data[name].sel(mode=mode).max("link")
+            for name in ("shaped_modal_amplitude", "modal_amplitude")
+        )
+        if float(before) > 0:
+            frequency = float(data["standing_frequency"].sel(mode=mode))
+            share = 100 * float(one) / float(before)
+            parts.append(f"{frequency:.5g} Hz {rounded(share, 0.0, 3)} %")
+    return f"the shaper leaves of each mode: {', '.join(parts)} of the plain law's ({engine})"
+
+
+def _peaks_line(data: xr.Dataset, engine: str) -> str:
+    bent = ", ".join(
+        f"{link} {rounded(_MM * float(data['shaped_peak_deflection'].sel(link=link)), 0.0, 4)}"
+        for link in _bent(data)
+    )
+    torque, power, error = (
+        float(data[f"shaped_{name}"])
+        for name in ("peak_driving_torque", "peak_driving_power", "energy_error")
+    )
+    return (
+        f"run with the shaper: deflections up to {bent} mm, torque {torque:.4g} N m, power "
+        f"{power:.4g} W; its energy balance is off by at most {error:.2g} ({engine})"
+    )
+
+
+def _chart_lines(data: xr.Dataset) -> list[str]:
+    """Between what times of a move what rings least and most, and how the engines differ."""
+    found, lines = data["move_amplitude"].max("link"), list[str]()
+    for law in map(str, data["law"].values):
+        own = found.sel(law=law)
+        told = own["mode"].values[(own.max("move_time") > _TOLD * float(own.max())).values]
+        texts = []
+        for mode in told:
+            values = own.sel(mode=mode)
+            least, most = (
+                f"{rounded(_MM * float(values[place]), 0.0, 3)} mm at "
+                f"{float(data['move_time'][place]):.4g} s"
+                for place in (int(np.argmin(values.values)), int(np.argmax(values.values)))
+            )
+            texts.append(f"mode {mode} {least} to {most}")
+        lines.append(f"residual vibration over the time of a move, {law} law: {'; '.join(texts)}")
+    if "simulated_move_amplitude" in data:
+        at = data["simulated_move_time"].values
+        own = data["move_amplitude"].sel(move_time=at).rename(move_time="simulated_move_time")
+        apart = abs(data["simulated_move_amplitude"] - own).max() / own.max()
+        names = ", ".join(map(str, data["simulating_engine"].values))
+        lines.append(
+            f"at {len(at)} of the times of a move {names} and the equations in link frames differ "
+            f"by at most {float(apart):.2g} of the greatest amplitude"
+        )
+    return lines
+
+
+def move_table(data: xr.Dataset) -> pd.DataFrame:
+    """Amplitude of each mode after the stop over the time of a move.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of a response with ``move_amplitude``.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row for each law, time, way of computing and mode.
+    """
+    parts = [_rows(data, data["move_amplitude"], "move_time", "equations in link frames")]
+    if "simulated_move_amplitude" in data:
+        for name in data["simulating_engine"].values:
+            own = data["simulated_move_amplitude"].sel(simulating_engine=name, drop=True)
+            parts.append(_rows(data, own, "simulated_move_time", str(name)))
+    return pd.concat(parts, ignore_index=True)
+
+
+def _rows(data: xr.Dataset, values: xr.DataArray, over: str, by: str) -> pd.DataFrame:
+    law, time, mode = np.meshgrid(
+        values["law"].values, values[over].values, values["mode"].values, indexing="ij"
+    )
+    whole = data["whole_move_time"].sel(move_time=values[over].values).values
+    frequency = data["move_frequency"].values
+    columns = {
+        "law": law.reshape(-1),
+        "computed_by": by,
+        "move_time_s": time.reshape(-1),
+        "whole_time_s": np.broadcast_to(whole[..., None], law.shape).reshape(-1),
+        "mode": mode.reshape(-1),
+        "frequency_Hz": np.broadcast_to(frequency, law.shape).reshape(-1),
+    }
+    for link in values["link"].values:
+        amplitude = values.sel(link=link, drop=True).transpose("law", over, "mode").values
+        columns[f"{link}_amplitude_m"] = amplitude.reshape(-1)
+    return pd.DataFrame(columns)
