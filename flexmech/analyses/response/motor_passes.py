@@ -127,7 +127,8 @@ class MotorPasses:
                 return self._against_rigid(found, known.nominal)
             if self.run.equation.motor.state_count and gap > _WORTH:
                 moved = self._yielded(moved, applied)
-            known = _followed(moved).at(time)
+            # At the steps that were run: beyond them nothing is known that would be smooth.
+            known = _followed(moved)
         raise ComputationError(
             f"the run under the motor does not converge: after {_MOST_PASSES} passes its torque "
             f"is still off by {100 * gap:.3g} %; run fewer revolutions, give the motor or the "
