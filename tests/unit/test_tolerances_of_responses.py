@@ -65,7 +65,7 @@ def steps_of(monkeypatch, error, *, stretches=False, unbalanced=0, band=0.1):
     monkeypatch.setattr(run, "stretches_in_runs", lambda *of: stretches)
     monkeypatch.setattr(run, "is_reduced", lambda engine: False)
 
-    def taken(engine, request, plan, step, progress, detail):
+    def taken(engine, request, plan, step, progress, detail, passes):
         steps.append(1 / step)
         if len(steps) <= unbalanced:
             raise run.UnbalancedStepError("no balance")
@@ -141,6 +141,7 @@ def difference(monkeypatch, force):
             peak_joint_force=np.abs(history[0, :, 0]),
             driving_torque=np.ones(5),
             peak_driving_torque=1.0,
+            frame=None,
         )
 
     pair = trajectory(1.0), trajectory(-1.0)

@@ -165,7 +165,7 @@ class LinearSystem:
         shapes = [q[0] for q in self.unreduced_links(vectors)]
         of_frame = np.zeros((COORDINATES, vectors.shape[2]))
         if self.carried is None:
-            return [times(whole(k.mass), q) for k, q in zip(links, shapes, strict=True)], of_frame
+            return [whole(k.mass) @ q for k, q in zip(links, shapes, strict=True)], of_frame
         weights, moved = [], self._split(vectors)[1][0]
         fields = self.carried.fields(self.motion)[:, 0]
         for link, shape, field in zip(links, shapes, fields, strict=True):

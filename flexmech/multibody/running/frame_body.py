@@ -106,7 +106,16 @@ class FrameBody:
         )
 
     def add_pin(self, name: str, marker: ItemNumber, place: FloatArray) -> ItemNumber:
-        """Pin a marker to a place of it, in ground axes in m as it is drawn."""
+        """Pin a marker to it.
+
+        Parameters
+        ----------
+        name : str
+            Of the pin.
+        marker : ItemNumber
+        place : ndarray, shape (2,)
+            Of the frame as it is drawn, in ground axes in m.
+        """
         x, y = map(float, place)
         markers = [self.add_marker((x, y), f"{name}_on_frame"), marker]
         return self.items.add("RevoluteJoint2D", name, markerNumbers=markers)
