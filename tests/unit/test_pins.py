@@ -266,7 +266,8 @@ def test_links_without_layers_need_a_thickness() -> None:
     assert "for its material is not known: O4 (rocker)" in "\n".join(found.summary().lines)
 
 
-def test_a_hole_between_the_ends_of_a_link_tears_nothing_out() -> None:
+@pytest.mark.parametrize("search", [False, pytest.param(True, marks=pytest.mark.thorough)])
+def test_a_hole_between_the_ends_of_a_link_tears_nothing_out(search: bool) -> None:
     mechanism = flexmech.load_mechanism(MODELS / "stephenson_six_bar.toml")
     strong = flexmech.Material(70e9, 2700.0, 0.33, yield_strength=240e6)
     section = flexmech.BeamSection.rectangle(strong, 16e-3, 10e-3)
@@ -278,7 +279,7 @@ def test_a_hole_between_the_ends_of_a_link_tears_nothing_out() -> None:
         joint_pins=(flexmech.JointPin("B", 8e-3, eyes),),
     )
     found = flexmech.strength(
-        pinned, flexmech.StrengthRequest(crank_speed=20.0, search_speed=False)
+        pinned, flexmech.StrengthRequest(crank_speed=20.0, search_speed=search)
     )
     pins = found.tables()["pins"]
     checks = pins.groupby("link")["check"].apply(list).to_dict()

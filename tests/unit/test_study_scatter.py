@@ -92,6 +92,13 @@ def thickest(percentile: float | None, samples: int = 64, *, mechanism: bool = F
     )
 
 
+COMPUTED = pytest.mark.parametrize(
+    "mechanism",
+    [False, pytest.param(True, marks=pytest.mark.thorough)],
+    ids=["product", "mechanism"],
+)
+
+
 class TestOptimumUnderScatter:
     """The mass is linear in the density: its percentiles have a closed form."""
 
@@ -99,11 +106,7 @@ class TestOptimumUnderScatter:
         rows = np.array([[1.1e-3, 2500.0], [1.7e-3, 3300.0], [2.9e-3, 2923.0]])
         np.testing.assert_allclose(product(rows), masses(rows), rtol=1e-12)
 
-    @pytest.mark.parametrize(
-        "mechanism",
-        [False, pytest.param(True, marks=pytest.mark.thorough)],
-        ids=["product", "mechanism"],
-    )
+    @COMPUTED
     @pytest.mark.parametrize(("percentile", "apart"), [(90.0, NORMAL_90), (10.0, -NORMAL_90)])
     def test_a_percentile_is_that_of_the_closed_form(
         self, percentile: float, apart: float, mechanism: bool
@@ -116,14 +119,16 @@ class TestOptimumUnderScatter:
         assert abs(exact - 0.1) < 0.02 * per_deviation
         assert found["density"].item() == pytest.approx(MEAN)
 
-    def test_without_a_percentile_it_is_the_mean(self) -> None:
-        found = thickest(None)
+    @COMPUTED
+    def test_without_a_percentile_it_is_the_mean(self, mechanism: bool) -> None:
+        found = thickest(None, mechanism=mechanism)
         thick = found.dataset[THICKNESS.name].item()
         assert mass_of(thick, MEAN) == pytest.approx(0.1, rel=1e-3)
         assert "Over the samples: mass by its mean." in found.summary().answer
 
-    def test_the_summary_tells_the_runs(self) -> None:
-        found = thickest(90.0)
+    @COMPUTED
+    def test_the_summary_tells_the_runs(self, mechanism: bool) -> None:
+        found = thickest(90.0, mechanism=mechanism)
         count = int(found.dataset["evaluations"][-1])
         runs = found.dataset.attrs["runs"]
         # Every design as often as there are samples, and once each where the search starts.
