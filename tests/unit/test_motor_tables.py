@@ -171,6 +171,17 @@ class TestResponse:
         np.testing.assert_allclose(drawn[2], data["motor_power"].isel(engine=0))
 
 
+def test_turns_of_a_run_under_a_motor_are_asked_for(tmp_path: Path) -> None:
+    file = tmp_path / "motor.toml"
+    curve = 'torque_speed = [["0 rpm", "3 N m"], ["191 rpm", "0 N m"]], inertia = "0.05 kg m^2"'
+    file.write_text(model(f"motor = {{ {curve} }}"))
+    asked = ["--revolutions", "0.05", "--engine", "reference", "--elements", "2", "--modes", "2"]
+    out = str(tmp_path / "out")
+    found = CliRunner().invoke(app, ["response", str(file), *asked, "--no-plots", "--out", out])
+    assert found.exit_code == 0, found.output
+    assert "counts for nothing" not in found.output
+
+
 def test_a_run_of_a_motor_is_a_drive_of_kinematics() -> None:
     run = motor_run(fourbar(), MOTOR)
     found = kinematics(fourbar(), KinematicsRequest(drive=run)).dataset
