@@ -264,8 +264,13 @@ class _Making:
         ]
 
     def kinematics(self) -> list[analyses.Result]:
-        """Of the rigid linkage at each speed at which it turns; at rest if it turns at none."""
-        return [
+        """Of the rigid linkage at each speed at which it turns, and under the model's motor.
+
+        At rest if it turns at none.
+        """
+        drive = self.mechanism.drive
+        by_motor = [drive] if isinstance(drive, linkages.MotorDrive) else []
+        at_speeds = [
             kinematics_analysis.kinematics(
                 self.mechanism,
                 analyses.KinematicsRequest(
@@ -273,6 +278,15 @@ class _Making:
                 ),
             )
             for speed in (self.speeds[self.speeds != 0] if np.any(self.speeds) else self.speeds[:1])
+        ]
+        return [
+            *at_speeds,
+            *(
+                kinematics_analysis.kinematics(
+                    self.mechanism, analyses.KinematicsRequest(drive=own)
+                )
+                for own in by_motor
+            ),
         ]
 
     def sections(self) -> list[analyses.Result]:

@@ -15,6 +15,7 @@ from flexmech.report.panels.frequencies import (
 )
 from flexmech.report.panels.hammer import comparison_panel, hammer_panel, running_hammer_panel
 from flexmech.report.panels.kinematics import coupler_panel, kinematics_panel, mechanism_panel
+from flexmech.report.panels.motor import motor_panel
 from flexmech.report.panels.residual import residual_panel
 from flexmech.report.panels.response import response_panel, spectrum_panel
 from flexmech.report.panels.sections import moisture_panel, section_panel
@@ -51,6 +52,7 @@ PANELS: tuple[PanelMaker, ...] = (
     response_panel,
     spectrum_panel,
     residual_panel,
+    motor_panel,
     strength_panel,
     hammer_panel,
     comparison_panel,

@@ -22,6 +22,8 @@ def kinematics_panel(results: Results) -> panel.Panel | None:
     Of several speeds those at the one that the reader has chosen.
     """
     found = results.of_kind(Kinematics)
+    # Those under a motor have a panel of their own, and stand here where there are no others.
+    found = [own for own in found if "motor_torque" not in own.dataset] or found
     if not found:
         return None
     motion, moved, forces = (list[panel.Trace]() for _ in range(3))
