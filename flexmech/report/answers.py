@@ -220,11 +220,15 @@ def _others(run: Result, greatest: Quantity) -> tuple[str, ...]:
 
 
 def _greatest(results: Results, name: str) -> tuple[Result, Quantity] | None:
-    """The greatest number of a name and the run that has it; elastic runs come first."""
+    """The greatest number of a name and the run that has it.
+
+    Elastic runs come first, and runs at constant speed before those under a law or a motor.
+    """
     for kind in (Response, Kinematics):
+        runs = results.of_kind(kind)
         found = [
             (run, number)
-            for run in results.of_kind(kind)
+            for run in [own for own in runs if "drive" not in own.dataset.attrs] or runs
             for number in run.summary().numbers
             if number.name == name
         ]

@@ -18,7 +18,7 @@ def test_the_motor_of_rigid_and_of_elastic_links() -> None:
     assert panel.answer[0] == rigid.summary().answer[0]
     first, second = panel.plots
     data = rigid.dataset
-    assert first.axes[0].title == "crank speed (rad/s)"
+    assert first.axes[0].title == "crank (rad/s)"
     assert len(first.axes) == 4
     np.testing.assert_array_equal(first.traces[0].y, data["crank_speed_over_time"])
     np.testing.assert_array_equal(first.traces[-1].y, data["motor_current"])

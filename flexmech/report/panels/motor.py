@@ -21,9 +21,9 @@ from flexmech.report.results import Results
 
 # Of the motor on its own shaft.
 _GIVEN = {
-    "motor_torque": "motor torque (N m)",
-    "motor_power": "motor power (W)",
-    "motor_current": "motor current (A)",
+    "motor_torque": "torque (N m)",
+    "motor_power": "power (W)",
+    "motor_current": "current (A)",
 }
 
 
@@ -47,7 +47,7 @@ def motor_panel(results: Results) -> Panel | None:
 
 def _plot(data: xr.Dataset, number: int) -> Plot:
     time, traces = data["time"].values, list[Trace]()
-    axes = [YAxis("crank speed (rad/s)")]
+    axes = [YAxis("crank (rad/s)")]
     speed = data["crank_speed_over_time"]
     traces.append(Trace("rigid links", time, speed.values, GREY, axis=0))
     engines = names_of(data, "engine") if "engine" in data["motor_torque"].dims else []
@@ -69,6 +69,6 @@ def _plot(data: xr.Dataset, number: int) -> Plot:
         tuple(axes),
         tuple(traces),
         "Crank speed, and torque, power and current of the motor on its own shaft, against time",
-        height=FRAME_HEIGHT + 110 * len(axes),
+        height=FRAME_HEIGHT + 130 * len(axes),
         title=str(data.attrs.get("drive", "")),
     )
