@@ -126,6 +126,18 @@ class TestRun:
         assert "frame" in found.figures()
 
 
+def test_dampers_of_the_frame_damp_its_modes(file: Path) -> None:
+    """Of the frame alone c / (2 sqrt(k m)); what the links add to its mass lowers it."""
+    mechanism = flexmech.load_mechanism(file)
+    result = flexmech.moving_frequencies(
+        flexmech.ReferenceEngine(mechanism, elements=4), np.radians([0.0, 60.0]), [0.0], modes=3
+    )
+    found = result.dataset["damping_ratio"].squeeze().values
+    alone = 10.0 / (2 * np.sqrt(4e4 * 2.0))
+    assert (found > 0.1 * alone).all()
+    assert (found < 2.0 * alone).all()
+
+
 def test_a_frame_carries_velocities_and_accelerations(models: Path) -> None:
     """Central differences of positions as the frame moves along a known path."""
     linkage = flexmech.load_mechanism(models / "aluminium_fourbar.toml").linkage

@@ -10,9 +10,10 @@ from flexmech.mechanism import Mechanism
 
 
 def has_dampers(mechanism: Mechanism) -> bool:
-    """Whether a spring, or one in a joint, has a damper."""
+    """Whether a spring, one in a joint or one of the frame has a damper."""
     joints = any(own.torsional_damping or own.radial_damping for own in mechanism.joint_springs)
-    return joints or any(spring.damping for spring in mechanism.springs)
+    framed = mechanism.frame is not None and mechanism.frame.damping.any()
+    return bool(joints or framed or any(spring.damping for spring in mechanism.springs))
 
 
 def joint_couples(mechanism: Mechanism, connectors: Connectors) -> list[FloatArray]:
