@@ -21,7 +21,6 @@ AUTO: Any = "auto"
 ALL: Any = "all"
 ZERO: Any = "0"
 HALF: Any = "50%"
-FIVE_PERCENT: Any = "5%"
 PNG: Any = "png"
 
 Model = Annotated[Path, Argument(help="Model file.", metavar="MODEL", parser=typed_path)]

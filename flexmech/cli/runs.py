@@ -109,7 +109,7 @@ def asked_shaping(
     shaper: choices.ShaperName | None = None,
     shaped_modes: Annotated[tuple[int, ...] | None, typed.SHAPED_MODES] = None,
     shaped_for: choices.ShapedFor = "end",
-    tolerated: Annotated[float, typed.TOLERATED] = options.FIVE_PERCENT,
+    tolerated: Annotated[float | None, typed.TOLERATED] = None,
     move_times: Annotated[tuple[float, ...] | None, typed.MOVE_TIMES] = None,
 ) -> dict[str, Any]:
     """A shaper of the law of motion, and times of a move.
@@ -124,7 +124,8 @@ def asked_shaping(
     shaped_for
         Whose frequencies count: end, where the crank stops; path, along its path.
     tolerated : RATIO
-        Of ei: what it leaves at the frequency itself, over the residual vibration of the plain law.
+        Of ei: what it leaves at the frequency itself, over the residual vibration of the plain law;
+        5% if left out.
     move_times : LIST
         Times of a move over which the residual vibration is drawn, as in "0.1:0.3:0.01 s". Left
         out: with a shaper from half the law's time to twice of it.
@@ -133,8 +134,10 @@ def asked_shaping(
     if shaper is not None:
         with naming("--shaper, --shaped-modes, --tolerated"):
             shaping = analyses.Shaping(shaper, shaped_modes, shaped_for, tolerated)
-    elif shaped_modes is not None or shaped_for != "end":
-        raise InputError("--shaped-modes and --shaped-for need --shaper; add --shaper zv")
+    elif shaped_modes is not None or shaped_for != "end" or tolerated is not None:
+        raise InputError(
+            "--shaped-modes, --shaped-for and --tolerated need --shaper; add --shaper zv"
+        )
     return {"shaping": shaping, "move_times": move_times}
 
 

@@ -184,6 +184,8 @@ class TestCommandLine:
             (("--shaped-for", "path"), "add --shaper"),
             (("--shaper", "zv", "--shaped-modes", "0"), "counted from 1"),
             (("--shaper", "ei", "--tolerated", "2"), "between 0 and 1"),
+            (("--shaper", "zv", "--tolerated", "2%"), "belongs to the shaper ei"),
+            (("--tolerated", "2%"), "need --shaper"),
             (("--move-times", "0:1:0.1 s"), "not positive"),
             (("--move-times", "1 kg"), "--move-times"),
         ],

@@ -52,8 +52,9 @@ class Shaping:
         law.
     frequencies : {"end", "path"}
         Natural frequencies for which it is shaped: where the crank stops, or those along its path.
-    tolerated : float
-        Residual vibration of EI at the frequency itself, over that of the plain law.
+    tolerated : float, optional
+        Residual vibration of EI at the frequency itself, over that of the plain law; a twentieth
+        if left out.
 
     Raises
     ------
@@ -69,12 +70,18 @@ class Shaping:
     kind: choices.ShaperName
     modes: tuple[int, ...] | None = None
     frequencies: choices.ShapedFor = "end"
-    tolerated: float = 0.05
+    tolerated: float | None = None
 
     def __post_init__(self) -> None:
         check_choice(self.kind, choices.SHAPERS, "shaper")
         check_choice(self.frequencies, choices.SHAPED_FOR, "shaped_for")
-        check_number(self.tolerated, "tolerated vibration", "", Bounds(above=0.0, below=1.0))
+        if self.tolerated is not None:
+            check_number(self.tolerated, "tolerated vibration", "", Bounds(above=0.0, below=1.0))
+            if self.kind != "ei":
+                raise InputError(
+                    f"a tolerated vibration belongs to the shaper ei, and not to {self.kind}; "
+                    "leave it out, or take ei"
+                )
         if self.modes is not None:
             if not self.modes or len(set(self.modes)) < len(self.modes):
                 raise InputError("shaped modes must be one or more, each once, as 1,2")

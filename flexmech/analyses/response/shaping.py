@@ -135,8 +135,9 @@ class LawShaper:
         chosen = np.array(modes) - 1
         frequency, ratio = found.frequency[0, chosen], found.damping_ratio[0, chosen]
         along = shaping.frequencies == "path"
+        stated = {} if shaping.tolerated is None else {"tolerated": shaping.tolerated}
         shapers = tuple(
-            input_shaper(shaping.kind, 1.0 if along else float(one), float(part), shaping.tolerated)
+            input_shaper(shaping.kind, 1.0 if along else float(one), float(part), **stated)
             for one, part in zip(frequency, ratio, strict=True)
         )
         paths = tuple[FrequenciesOnPath, ...]()
