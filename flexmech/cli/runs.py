@@ -124,8 +124,7 @@ def asked_shaping(
     shaped_for
         Whose frequencies count: end, where the crank stops; path, along its path.
     tolerated : RATIO
-        Of ei: what it leaves at the frequency itself, over the residual vibration of the plain law;
-        5% if left out.
+        Of ei: what it leaves at the frequency, over the plain law; 5% if left out.
     move_times : LIST
         Times of a move over which the residual vibration is drawn, as in "0.1:0.3:0.01 s". Left
         out: with a shaper from half the law's time to twice of it.
@@ -135,9 +134,7 @@ def asked_shaping(
         with naming("--shaper, --shaped-modes, --tolerated"):
             shaping = analyses.Shaping(shaper, shaped_modes, shaped_for, tolerated)
     elif shaped_modes is not None or shaped_for != "end" or tolerated is not None:
-        raise InputError(
-            "--shaped-modes, --shaped-for and --tolerated need --shaper; add --shaper zv"
-        )
+        raise InputError("--shaped-modes, --shaped-for, --tolerated need --shaper; add --shaper")
     return {"shaping": shaping, "move_times": move_times}
 
 

@@ -91,6 +91,14 @@ class MotorRun(Drive):
         In s; the last time is some beyond, but for a motor that stalls.
     stall : Stall, optional
         Of a motor that stalls before the end.
+
+    Examples
+    --------
+    >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
+    >>> motor = flexmech.TorqueMotor((0.0, 20.0), (1.5, 0.0), inertia=5e-3)
+    >>> run = flexmech.motor_run(mechanism, flexmech.MotorDrive(motor))
+    >>> round(run.settled.fluctuation, 3), run.stall is None
+    (0.08, True)
     """
 
     drive: MotorDrive

@@ -35,6 +35,11 @@ class SpeedControl:
     ------
     InputError
         If kp is not positive, ki is negative, or the target is no speed.
+
+    Examples
+    --------
+    >>> flexmech.SpeedControl(kp=0.5, ki=0.0, target=20.0).has_integral
+    False
     """
 
     kp: float
