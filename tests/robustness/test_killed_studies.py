@@ -37,12 +37,14 @@ SEARCH = SEARCH[: SEARCH.index("[vary.length]")] + SEARCH[SEARCH.index("[outputs
 TEXTS = {"sweep": SWEEP, "optimize": SEARCH}
 
 
-def command(name: str, file: Path, out: Path, *more: str) -> subprocess.Popen[str]:
+def command(
+    name: str, file: Path, out: Path, *more: str, program: tuple[str, ...] = ("-m", "flexmech")
+) -> subprocess.Popen[str]:
     """A command on a study in a process of its own."""
     pipe, environment = subprocess.PIPE, {**os.environ, "PYTHONPATH": str(ROOT)}
     arguments = [name, str(file), "--out", str(out), "--no-plots", *more]
     return subprocess.Popen(
-        [sys.executable, "-m", "flexmech", *arguments],
+        [sys.executable, *program, *arguments],
         **{"stdout": pipe, "stderr": pipe, "env": environment},
         text=True,
     )
@@ -139,22 +141,32 @@ def test_a_study_that_is_killed_again_and_again(
     assert not [path for path in out.rglob("*") if "partial" in path.name or path.name[0] == "."]
 
 
+# The command kills a worker itself when the first task is done: from outside, a loaded machine may
+# see the first task only when the last one is done too.
+KILLS_A_WORKER = """
+import contextlib, multiprocessing, os, signal
+from flexmech.cli import deliver, main
+def kill_one(label, done, total):
+    if workers := multiprocessing.active_children():
+        os.kill(workers[0].pid, signal.SIGKILL)
+@contextlib.contextmanager
+def killing():
+    yield kill_one
+deliver.progress_bar = killing
+main()
+"""
+
+
 def test_a_worker_that_is_killed_leaves_what_is_done(
     whole: Callable[[str], Whole], tmp_path: Path
 ) -> None:
-    # Three of five tasks are left, or more, when the first one is done.
     file, out = whole("sweep").file, tmp_path / "killed"
-    process = command("sweep", file, out, "--workers", "2")
-    done = out / NAME / "done" / "c"
-    while not (done.exists() and (workers := workers_of(process.pid))):
-        if process.poll() is not None:
-            pytest.fail(f"the study ended before a worker was killed: {process.communicate()}")
-        time.sleep(0.05)
-    os.kill(workers[0], signal.SIGKILL)
+    process = command("sweep", file, out, "--workers", "2", program=("-c", KILLS_A_WORKER))
     _, stderr = process.communicate(timeout=300)
     assert process.returncode == 1, stderr
     assert "a worker was lost" in stderr
     assert stderr.count("\n") == 1, stderr
+    assert (out / NAME / "done" / "c").exists()
     finished(command("sweep", file, out, "--resume"))
     assert kept(out) == kept(whole("sweep").out)
 
