@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
 import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_reason
+from flexmech.analyses.digits import Quantity
 
-_CAUSES = ("step", "reduction", "mesh")
+CAUSES = ("step", "reduction", "mesh")
 # Names of :meth:`Response.agreement` and :meth:`Response.force_agreement`, and of the errors of
 # each cause.
 _ERRORS = {
@@ -38,7 +40,7 @@ def errors_of(dataset: xr.Dataset) -> xr.Dataset:
         and ``peak_joint_force`` over (engine, joint), ``driving_torque`` and
         ``peak_driving_torque`` over (engine); each over its own peak.
     """
-    known = [cause for cause in _CAUSES if f"{cause}_error" in dataset]
+    known = [cause for cause in CAUSES if f"{cause}_error" in dataset]
     return xr.Dataset(
         {
             name: sum(
@@ -47,6 +49,50 @@ def errors_of(dataset: xr.Dataset) -> xr.Dataset:
             for name, of in _ERRORS.items()
         }
     )
+
+
+def best_known(errors: xr.DataArray) -> int:
+    """Place of the engine whose greatest error over the links is the least.
+
+    Parameters
+    ----------
+    errors : xarray.DataArray
+        Over (engine, link).
+    """
+    return int(errors.max("link").argmin("engine"))
+
+
+def quantities_of(
+    values: xr.DataArray, errors: xr.DataArray, place: int, name: str, unit: str, factor: float
+) -> list[Quantity]:
+    """Numbers of one engine; the error is its own, or how far engines differ where that is more.
+
+    Parameters
+    ----------
+    values : xarray.DataArray
+        Over (engine), or over (engine, link) or (engine, joint), in SI units.
+    errors : xarray.DataArray
+        Of these.
+    place : int
+        Of the engine.
+    name, unit : str
+    factor : float
+        From the SI unit to ``unit``.
+
+    Returns
+    -------
+    list of Quantity
+        One, or one for each link or joint.
+    """
+    own = values.isel(engine=place)
+    apart = abs(values - own).max("engine")
+    worst = np.maximum(errors.isel(engine=place).values, apart.values)
+    labels = own[own.dims[0]].values if own.dims else [""]
+    pairs = zip(np.atleast_1d(own.values), np.atleast_1d(worst), strict=True)
+    return [
+        Quantity(name, factor * float(value), unit, factor * float(error), str(of))
+        for of, (value, error) in zip(labels, pairs, strict=True)
+    ]
 
 
 def within_errors(gaps: xr.Dataset, dataset: xr.Dataset) -> xr.Dataset:

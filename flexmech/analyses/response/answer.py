@@ -4,20 +4,25 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import xarray as xr
 
 from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.digits import Quantity, plain
-from flexmech.analyses.response.agreement import agreement_line, errors_of, within_errors
+from flexmech.analyses.response.agreement import (
+    agreement_line,
+    best_known,
+    errors_of,
+    quantities_of,
+    within_errors,
+)
 from flexmech.analyses.trust import trust_line, worth_a_warning
 
 # Variables with a peak, the unit in which it is told, and what a number is multiplied by.
 _PEAKS = {
-    "deflection": ("mm", 1e3, "link"),
-    "stress": ("MPa", 1e-6, "link"),
-    "joint_force": ("N", 1.0, "joint"),
-    "driving_torque": ("N m", 1.0, ""),
+    "deflection": ("mm", 1e3),
+    "stress": ("MPa", 1e-6),
+    "joint_force": ("N", 1.0),
+    "driving_torque": ("N m", 1.0),
 }
 
 
@@ -38,21 +43,12 @@ def numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
         ``peak_deflection``, ``peak_stress``, ``peak_joint_force`` and ``peak_driving_torque``.
     """
     errors, found = errors_of(dataset), list[Quantity]()
-    place = int(errors["deflection"].max("link").argmin("engine"))
-    for name, (unit, factor, dim) in _PEAKS.items():
-        if f"peak_{name}" not in dataset:
-            continue
-        peaks = dataset[f"peak_{name}"]
-        own = errors[f"peak_{name}"] * peaks
-        apart = abs(peaks - peaks.isel(engine=place))
-        worst = np.maximum(own.isel(engine=place).values, apart.max("engine").values)
-        values = np.atleast_1d(peaks.isel(engine=place).values)
-        labels = dataset[dim].values if dim else [""]
-        for of, value, error in zip(labels, values, np.atleast_1d(worst), strict=True):
-            if math.isfinite(value) and (value or not dim):
-                size = factor * float(value)
-                found.append(Quantity(f"peak_{name}", size, unit, factor * float(error), str(of)))
-    return tuple(found)
+    place = best_known(errors["deflection"])
+    for name, (unit, factor) in _PEAKS.items():
+        if (peaks := dataset.get(f"peak_{name}")) is not None:
+            own = errors[f"peak_{name}"] * peaks
+            found += quantities_of(peaks, own, place, f"peak_{name}", unit, factor)
+    return tuple(one for one in found if math.isfinite(one.value) and (one.value or not one.of))
 
 
 def greatest(found: tuple[Quantity, ...], name: str) -> Quantity | None:

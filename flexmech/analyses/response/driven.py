@@ -8,7 +8,7 @@ import xarray as xr
 from flexmech.analyses.datasets import Columns, columns_along
 from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.motor import motor_attributes, motor_columns, settled_variables
-from flexmech.analyses.response.agreement import errors_of
+from flexmech.analyses.response.agreement import best_known, errors_of, quantities_of
 from flexmech.analyses.response.measurements import deflections, peaks_between
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.residual import LEAST_SAMPLES, StandingModes, envelope, rests
@@ -184,22 +184,15 @@ def residual_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
     """
     if "peak_driving_power" not in data:
         return ()
-    place = int(errors_of(data)["deflection"].max("link").argmin("engine"))
-    power = data["peak_driving_power"]
-    own = errors_of(data)["peak_driving_torque"] * power
-    apart = float(abs(power - power.isel(engine=place)).max())
-    error = max(float(own[place]), apart)
-    found = [Quantity("peak_driving_power", float(power[place]), "W", error)]
+    known, power = errors_of(data), data["peak_driving_power"]
+    place = best_known(known["deflection"])
+    own = known["peak_driving_torque"] * power
+    found = quantities_of(power, own, place, "peak_driving_power", "W", 1.0)
     if _NAMES[0] not in data:
         return tuple(found)
+    bent = {"link": data["peak_deflection"].max("engine") > 0}
     for name in _NAMES:
-        values = data[name]
-        errors = _errors(data).isel(engine=place)
-        gaps = abs(values - values.isel(engine=place)).max("engine")
-        for link in data["link"].values[data["peak_deflection"].max("engine").values > 0]:
-            size = float(values.isel(engine=place).sel(link=link))
-            worst = max(float(errors.sel(link=link)), float(gaps.sel(link=link)))
-            found.append(Quantity(name, _MM * size, "mm", _MM * worst, str(link)))
+        found += quantities_of(data[name][bent], _errors(data)[bent], place, name, "mm", _MM)
     return tuple(found)
 
 

@@ -7,6 +7,7 @@ import pandas as pd
 import xarray as xr
 
 from flexmech.analyses.digits import Quantity, rounded
+from flexmech.analyses.response.agreement import best_known, quantities_of
 from flexmech.analyses.response.driven import residual_numbers
 from flexmech.model_text import quantity
 from flexmech.units import TIME
@@ -34,15 +35,11 @@ def shaped_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
     """
     if _NAME not in data:
         return ()
-    place = int(data["shaped_residual_error"].max("link").argmin("engine"))
+    errors = data["shaped_residual_error"]
+    place, bent = best_known(errors), {"link": data["peak_deflection"].max("engine") > 0}
     found = [Quantity("shaper_delay", _MS * float(data.attrs["shaper_delay"]), "ms", 0.0)]
     for name in (_NAME, f"{_NAME}_at_end"):
-        gap = abs(data[name] - data[name].isel(engine=place)).max("engine")
-        own = data["shaped_residual_error"].isel(engine=place)
-        error = own.where(own > gap, gap)
-        for link in data["link"].values[data["peak_deflection"].max("engine").values > 0]:
-            size = _MM * float(data[name].isel(engine=place).sel(link=link))
-            found.append(Quantity(name, size, "mm", _MM * float(error.sel(link=link)), str(link)))
+        found += quantities_of(data[name][bent], errors[bent], place, name, "mm", _MM)
     return tuple(found)
 
 

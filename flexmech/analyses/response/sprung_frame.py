@@ -9,6 +9,7 @@ import xarray as xr
 
 from flexmech.analyses.datasets import DEGREES, Columns, columns_along
 from flexmech.analyses.digits import Quantity
+from flexmech.analyses.response.agreement import CAUSES, quantities_of
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine
 from flexmech.linkages import RigidMotion, carried_motion
@@ -105,21 +106,13 @@ def frame_numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
         engine. The error is that by step, component modes and mesh, or the difference of two
         engines where that is more. None where the frame stands.
     """
-    found = []
+    found = list[Quantity]()
+    causes = (f"{cause}_error_of_peak_frame" for cause in CAUSES)
+    known = sum(float(dataset[cause].max()) for cause in causes if cause in dataset)
     for name, (unit, factor) in _PEAKS.items():
-        peaks = dataset.get(f"peak_{name}")
-        if peaks is None:
-            continue
-        first = float(peaks[0])
-        known = [
-            float(dataset[f"{cause}_error_of_peak_frame"].max()) * first
-            for cause in ("step", "reduction", "mesh")
-            if f"{cause}_error_of_peak_frame" in dataset
-        ]
-        error = max(sum(known), float(abs(peaks - first).max()))
-        if math.isfinite(first) and first:
-            found.append(Quantity(f"peak_{name}", factor * first, unit, factor * error, ""))
-    return tuple(found)
+        if (peaks := dataset.get(f"peak_{name}")) is not None:
+            found += quantities_of(peaks, known * peaks, 0, f"peak_{name}", unit, factor)
+    return tuple(one for one in found if math.isfinite(one.value) and one.value)
 
 
 def frame_answer(dataset: xr.Dataset) -> tuple[str, ...]:
