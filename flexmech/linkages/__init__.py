@@ -36,7 +36,6 @@ from flexmech.linkages.linkage import (
 from flexmech.linkages.linkage_stack import LinkageStack, connections
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.motors.along_motion import answer_along, states_along, yielded_along
-from flexmech.linkages.motors.hermite import hermite_motion
 from flexmech.linkages.motors.motor import DcMotor, Motor, TorqueMotor
 from flexmech.linkages.motors.motor_drive import MotorDrive
 from flexmech.linkages.motors.motor_run import MotorRun, Stall, solved_run
@@ -127,7 +126,6 @@ __all__ = [
     "focal_cubic",
     "forces_by_joints",
     "full_turn",
-    "hermite_motion",
     "input_shaper",
     "inverse_dynamics",
     "linkage_positions",

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
+from numpy.polynomial.polynomial import polyadd
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
@@ -97,7 +98,8 @@ class ShapedDrive(Drive):
     def _piece(self, first: float, last: float) -> MotionPiece:
         """The motion from one knot to the next."""
         law, middle, duration = self.drive.law, (first + last) / 2, last - first
-        polynomial, sines = np.zeros(1), list[Sine]()
+        polynomial: FloatArray = np.zeros(1)
+        sines = list[Sine]()
         for time, weight in zip(self.shaper.times, self.shaper.weights, strict=True):
             if middle >= time + law.end:
                 polynomial[0] += weight * law.end_angle
@@ -106,10 +108,7 @@ class ShapedDrive(Drive):
                 polynomial[0] += weight * float(law.angle(0.0))
                 continue
             part = law.piece_at(middle - time).part(first - time, duration).times(weight)
-            longer = np.zeros(max(len(polynomial), len(part.polynomial)))
-            longer[: len(polynomial)] += polynomial
-            longer[: len(part.polynomial)] += part.polynomial
-            polynomial = longer
+            polynomial = np.asarray(polyadd(polynomial, part.polynomial), dtype=float)
             sines += part.sines
         return MotionPiece(first, duration, tuple(polynomial.tolist()), tuple(sines))
 
@@ -152,7 +151,7 @@ class ShapedDrive(Drive):
             return ShapedDrive(inner.drive, inner.shaper.convolved(shaper)).to_table()
         return inner.to_table() | {"impulses": shaper.to_rows()}
 
-    def stretched(self, factor: float) -> Drive:
+    def stretched(self, factor: float) -> Self:
         """The law over another time, shaped as before.
 
         Parameters
@@ -164,7 +163,7 @@ class ShapedDrive(Drive):
         -------
         ShapedDrive
         """
-        return ShapedDrive(self.drive.stretched(factor), self.shaper)
+        return replace(self, drive=self.drive.stretched(factor))
 
     @property
     def words(self) -> str:

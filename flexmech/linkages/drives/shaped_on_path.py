@@ -19,7 +19,8 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.drives.drive import Drive
-from flexmech.linkages.drives.pieces import MotionPiece, PiecewiseMotion
+from flexmech.linkages.drives.hermite import hermite_pieces
+from flexmech.linkages.drives.pieces import PiecewiseMotion
 from flexmech.linkages.drives.shaped import ShapedDrive
 from flexmech.linkages.drives.tabulated import TableDrive
 from flexmech.model_text import TomlTable
@@ -30,17 +31,6 @@ from flexmech.validation import check_instance, checked_array
 _NODES, _PIECES = 2000, 24
 # Of an interval: as far inside of it as this its ends are taken, as accelerations may jump there.
 _INSIDE = 1e-9
-# A quintic over the unit interval by values, first and second derivatives at both ends.
-_HERMITE = np.array(
-    [
-        [1, 0, 0, 0, 0, 0],
-        [0, 1, 0, 0, 0, 0],
-        [0, 0, 0.5, 0, 0, 0],
-        [-10, -6, -1.5, 10, -4, 0.5],
-        [15, 8, 1.5, -15, 7, -1],
-        [-6, -3, -0.5, 6, -3, 0.5],
-    ]
-)
 
 
 @dataclass(frozen=True)
@@ -149,13 +139,9 @@ class PathShapedDrive(ShapedDrive):
         stride = (_NODES - 1) // _PIECES
         count = stride * _PIECES + 1
         time, phase = self._times(count)[::stride], self._nodes(count)[::stride]
-        span, inside = np.diff(time), _INSIDE * np.diff(phase)
-        ends = [self._motion(phase[:-1] + inside), self._motion(phase[1:] - inside)]
-        known = np.stack([span**order * end[order] for end in ends for order in range(3)], axis=1)
-        pieces = [
-            MotionPiece(float(start), float(length), tuple(row))
-            for start, length, row in zip(time, span, (known @ _HERMITE.T).tolist(), strict=False)
-        ]
+        inside = _INSIDE * np.diff(phase)
+        starts, ends = self._motion(phase[:-1] + inside), self._motion(phase[1:] - inside)
+        pieces = hermite_pieces(time, starts, ends)
         return PiecewiseMotion.chained(pieces, self.drive.law.end_angle)
 
     def _motion(self, phase: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -184,20 +170,6 @@ class PathShapedDrive(ShapedDrive):
         angle = np.append(self.crank_angle(time[:-1]), self.law.end_angle)
         dwell = self.run_time(1.0) - self.law_time
         return TableDrive(tuple(time), tuple(angle), ends="rest", dwell=dwell)
-
-    def stretched(self, factor: float) -> Drive:
-        """The law over another time, shaped as before.
-
-        Parameters
-        ----------
-        factor : float
-            By which every move of the law takes longer.
-
-        Returns
-        -------
-        PathShapedDrive
-        """
-        return PathShapedDrive(self.drive.stretched(factor), self.shaper, self.path)
 
 
 @dataclass(frozen=True)

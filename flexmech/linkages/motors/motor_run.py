@@ -22,8 +22,8 @@ from numpy.typing import ArrayLike
 from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError, InputError
 from flexmech.linkages.drives.drive import Drive
+from flexmech.linkages.drives.hermite import hermite_coefficients, hermite_motion
 from flexmech.linkages.drives.pieces import PiecewiseMotion
-from flexmech.linkages.motors.hermite import hermite_coefficients, hermite_motion
 from flexmech.linkages.motors.motor_drive import MotorDrive
 from flexmech.linkages.motors.settled import SettledMotion, settled_motion
 from flexmech.linkages.motors.shaft_equation import ShaftEquation
@@ -214,10 +214,12 @@ class MotorRun(Drive):
     def _others_in_pieces(self) -> Any:
         from scipy.interpolate import PPoly
 
-        known = [own[2:] for own in (self.values, self.rates, self.second_rates)]
-        coefficients = hermite_coefficients(self.time, known)
+        known, span = (self.values[2:], self.rates[2:], self.second_rates[2:]), np.diff(self.time)
+        coefficients = hermite_coefficients(
+            span, [own[:, :-1] for own in known], [own[:, 1:] for own in known]
+        )
         powers = np.arange(len(coefficients))[:, None, None]
-        scaled = (coefficients / np.diff(self.time) ** powers)[::-1]
+        scaled = (coefficients / span**powers)[::-1]
         found = PPoly(np.moveaxis(scaled, 1, 2), self.time)
         return lambda at: np.moveaxis(found(at), -1, 0)
 
