@@ -26,11 +26,11 @@ from numpy.typing import NDArray
 from flexmech.arrays import FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.chains import whole
-from flexmech.linear_system.links.link_inertia import LinkInertia
+from flexmech.linear_system.links.link_inertia import LinkInertia, field_coefficients
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linkages import RigidMotion
-from flexmech.linkages.motion import direction, normal
+from flexmech.linkages.motion import direction, normal, quarter_turn
 from flexmech.mechanism import SprungFrame
 
 COORDINATES = 3
@@ -110,10 +110,9 @@ class CarriedLinkage:
         """
         axes = np.stack([direction(motion.angle), normal(motion.angle)], axis=-2)
         arm = motion.origin - np.asarray(self.frame.centre)
-        turned = np.stack([-arm[..., 1], arm[..., 0]], axis=-1)
         found = np.zeros((*motion.angle.shape, 3, COORDINATES))
         found[..., :2, :2] = axes
-        found[..., :2, 2] = (axes @ turned[..., None])[..., 0]
+        found[..., :2, 2] = (axes @ quarter_turn(arm)[..., None])[..., 0]
         found[..., 2, 2] = 1.0
         return np.swapaxes(found, 0, 1)
 
@@ -228,7 +227,7 @@ class CarriedLinkage:
         pull = motion.origin_acceleration[:, link] - (0.0 if gravity is None else gravity)
         speed = motion.angular_velocity[:, link]
         turning = motion.angular_acceleration[:, link]
-        return np.column_stack([*_along_and_across(motion, link, pull), turning, -(speed**2)])
+        return field_coefficients(motion.angle[:, link], pull, turning, -(speed**2))
 
     def _blocks(self, motion: RigidMotion, terms: RotationTerms) -> list[_Block]:
         """What the frame adds to mass, damping and stiffness."""

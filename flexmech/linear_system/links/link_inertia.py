@@ -75,9 +75,9 @@ class MovingLink:
             *elastic,
             angular_velocity=omega,
             angular_acceleration=alpha,
-            velocity=_fields(angle, motion.origin_velocity[:, link], omega, nothing),
-            acceleration=_fields(angle, pull, alpha, -(omega**2)),
-            virtual_velocity=_fields(
+            velocity=field_coefficients(angle, motion.origin_velocity[:, link], omega, nothing),
+            acceleration=field_coefficients(angle, pull, alpha, -(omega**2)),
+            virtual_velocity=field_coefficients(
                 angle,
                 unit_motion.origin_velocity[:, link],
                 unit_motion.angular_velocity[:, link],
@@ -87,10 +87,24 @@ class MovingLink:
         )
 
 
-def _fields(
+def field_coefficients(
     angle: FloatArray, origin: FloatArray, turn: FloatArray, distance: FloatArray
 ) -> FloatArray:
-    """Coefficients (m, 4) of the rigid fields; ``origin`` (m, 2) is in ground axes."""
+    """Coefficients of the rigid fields, by how the start of a link moves and how it turns.
+
+    Parameters
+    ----------
+    angle : ndarray, shape (m,)
+        Of the link in rad.
+    origin : ndarray, shape (m, 2)
+        Velocity or acceleration of its start in ground axes.
+    turn, distance : ndarray, shape (m,)
+        Of the turn about the start, and of the field of points at their distance from it.
+
+    Returns
+    -------
+    ndarray, shape (m, 4)
+    """
     along, across = direction(angle), normal(angle)
     return np.stack(
         [row_products(origin, along), row_products(origin, across), turn, distance], axis=1

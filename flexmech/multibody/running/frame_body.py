@@ -9,6 +9,7 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages import turned
+from flexmech.linkages.motion import quarter_turn
 from flexmech.mechanism import Mechanism, SprungFrame
 from flexmech.multibody.items import ItemNumber, SystemItems
 from flexmech.multibody.running.closure import JoinedEnd
@@ -138,7 +139,7 @@ class FrameBody:
         turn, spin = moved.displacement[:, 2], moved.rate[:, 2, None]
         lever = np.tile(self._lever(place), (len(turn), 1))
         arm = turned(lever, turn)
-        rate = moved.rate[:, :2] + spin * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
+        rate = moved.rate[:, :2] + spin * quarter_turn(arm)
         return moved.displacement[:, :2] + arm - lever, rate
 
     def added(
