@@ -17,8 +17,9 @@ from flexmech.quantity_lists import Quantities, parse_quantities
 MOST_ANGLES = 100_000
 """More crank angles than this, every 0.004 deg of a turn, are taken for a slip of the keyboard."""
 MOST_SPEEDS = 10_000
-MOST_MOVE_TIMES = 1000
 """And more crank speeds than this: at a tenth of a second each they take a quarter of an hour."""
+MOST_MOVE_TIMES = 1000
+"""And more times of a move than this, each of which is a run."""
 MOST_DEGREES = 2880
 """Eight turns: positions repeat every turn."""
 BEYOND = (

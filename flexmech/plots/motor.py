@@ -7,11 +7,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flexmech.plots import reading, scales
+from flexmech.plots.law import PRESCRIBED, SPEED_UNITS_OF_CRANK
 from flexmech.plots.layout import AxesLike, sheet
 from flexmech.plots.response import draw_engines, engine_lines
 from flexmech.plots.style import MID_GREY, Look, line_handle
 
-RIGID: Look = {"color": "0.15", "lw": 1.2}
 SETTLED: Look = {"color": MID_GREY, "lw": 0.9, "ls": "--"}
 _PANELS: tuple[tuple[str, reading.Units, str], ...] = (
     ("motor_torque", ((1.0, "N m"), (1e3, "N mm")), "Motor\ntorque"),
@@ -41,7 +41,7 @@ def plot_motor(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     runs = "engine" in dataset["motor_torque"].dims
     panels = [panel for panel in _PANELS if panel[0] in dataset]
     with sheet(scales.time_layout(1 + len(panels)), ax=ax) as drawn:
-        rigid = [line_handle("rigid links", **RIGID)]
+        rigid = [line_handle("rigid links", **PRESCRIBED)]
         handles = [*engine_lines(dataset), *rigid] if runs else []
         if "settled_crank_speed" in dataset:
             handles.append(line_handle("range once settled (rigid links)", **SETTLED))
@@ -58,15 +58,17 @@ def plot_motor(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
 
 def _draw_speed(axes: Axes, dataset: xr.Dataset, *, runs: bool) -> None:
     """Speed of the crank: of all engines, and of the rigid linkage."""
-    units: reading.Units = ((1.0, "rad/s"),)
     speed = dataset["crank_speed_over_time"]
     if runs:
         factor = draw_engines(
-            axes, speed + dataset["crank_speed_fluctuation"], units, "Crank\nspeed"
+            axes,
+            speed + dataset["crank_speed_fluctuation"],
+            SPEED_UNITS_OF_CRANK,
+            "Crank\nspeed",
         )
-        axes.plot(dataset["time"].values, factor * speed.values, **RIGID, zorder=1.5)
+        axes.plot(dataset["time"].values, factor * speed.values, **PRESCRIBED, zorder=1.5)
     else:
-        _draw(axes, speed, units, "Crank\nspeed")
+        _draw(axes, speed, SPEED_UNITS_OF_CRANK, "Crank\nspeed")
     if "settled_crank_speed" in dataset:
         settled = dataset["settled_crank_speed"].values
         for value in (settled.min(), settled.max()):
@@ -76,6 +78,6 @@ def _draw_speed(axes: Axes, dataset: xr.Dataset, *, runs: bool) -> None:
 def _draw(axes: Axes, values: xr.DataArray, units: reading.Units, what: str) -> None:
     factor, unit = reading.fitting_unit(values.values, units)
     scales.zero_line(axes)
-    axes.plot(values["time"].values, factor * values.values, **RIGID)
+    axes.plot(values["time"].values, factor * values.values, **PRESCRIBED)
     scales.plain_numbers(axes)
     axes.set_ylabel(f"{what}\n({unit})")

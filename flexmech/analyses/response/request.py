@@ -11,6 +11,7 @@ from flexmech import choices
 from flexmech.analyses.crank_speeds import GREATEST, RAD_S, asked_speeds, in_unit, one_rad_per_s
 from flexmech.analyses.shaking import checked_point
 from flexmech.arrays import FloatArray
+from flexmech.crank_values import MOST_MOVE_TIMES
 from flexmech.errors import InputError
 from flexmech.linkages import CrankDrive, Drive, MotorDrive, MotorRun, check_shapeable
 from flexmech.mechanism import Mechanism, motor_run
@@ -34,8 +35,6 @@ FREE_SHAFT_GOES_ON = (
     "a shaper and times of a move need a shaft that stops with its law, and a free one turns on; "
     "choose shaft prescribed"
 )
-# Of the chart over the time of a move: each is a run.
-MOST_MOVES = 1000
 
 
 @dataclass(frozen=True)
@@ -218,9 +217,9 @@ class ResponseRequest:
         if self.shaping is not None:
             check_instance(self.shaping, Shaping, "shaping", "give a flexmech.Shaping")
         if self.move_times is not None:
-            if not 1 <= len(self.move_times) <= MOST_MOVES:
+            if not 1 <= len(self.move_times) <= MOST_MOVE_TIMES:
                 raise InputError(
-                    f"got {len(self.move_times)} times of a move; give one to {MOST_MOVES}"
+                    f"got {len(self.move_times)} times of a move; give one to {MOST_MOVE_TIMES}"
                 )
             for time in self.move_times:
                 check_number(time, "time of a move", "s", POSITIVE)
