@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import importlib
 import os
 import sys
 import tempfile
@@ -68,12 +69,20 @@ def rough_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 MODELS = Path(__file__).parents[1] / "models"
+SCENARIOS = MODELS.parent / "scenarios"
+
+
+@pytest.fixture
+def scenario(monkeypatch: pytest.MonkeyPatch, rough_pictures: None) -> Callable[[str], Any]:
+    """Imports a scenario by its name, and those that it imports."""
+    monkeypatch.syspath_prepend(str(SCENARIOS))
+    return importlib.import_module
 
 
 @pytest.fixture(scope="session")
 def expected_number() -> Callable[[str], Any]:
     """The number of a scenario, as the gallery shows it, within its tolerance."""
-    text = (MODELS.parent / "scenarios" / "expected_numbers.toml").read_text()
+    text = (SCENARIOS / "expected_numbers.toml").read_text()
     numbers = tomllib.loads(text)
 
     def within(scenario: str) -> Any:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -15,14 +14,7 @@ import pytest
 from flexmech import ReferenceEngine, natural_frequencies, stability
 from flexmech.studies import composite_crank_rocker
 
-SCENARIOS = Path(__file__).parents[2] / "scenarios"
 Scenario = Callable[[str], Any]
-
-
-@pytest.fixture
-def scenario(monkeypatch: pytest.MonkeyPatch, rough_pictures: None) -> Scenario:
-    monkeypatch.syspath_prepend(str(SCENARIOS))
-    return importlib.import_module
 
 
 def made_up(module: Any, case: int, lowest: float, *opens: float) -> Any:

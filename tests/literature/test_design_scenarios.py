@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,20 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-SCENARIOS = Path(__file__).parents[2] / "scenarios"
-
 
 @pytest.mark.thorough
 def test_best_stacking_under_scatter(
-    monkeypatch: pytest.MonkeyPatch,
-    rough_pictures: None,
+    scenario: Callable[[str], Any],
     expected_number: Callable[[str], Any],
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """Of the proportion with the highest frequencies: carbon alone, by either reading."""
-    monkeypatch.syspath_prepend(str(SCENARIOS))
-    module = importlib.import_module("best_stacking_under_scatter")
+    module = scenario("best_stacking_under_scatter")
     best = module.main(tmp_path, cases=(3,))
     wide, narrow = (best[3, reading] for reading in module.READINGS)
     assert wide.stacking == narrow.stacking == "[C/C/C/C/C]"
@@ -42,15 +37,13 @@ def test_best_stacking_under_scatter(
 
 @pytest.mark.thorough
 def test_lightest_stable_fourbar(
-    monkeypatch: pytest.MonkeyPatch,
-    rough_pictures: None,
+    scenario: Callable[[str], Any],
     expected_number: Callable[[str], Any],
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """Of two sheets the thinner one has a band too near, and the other none."""
-    monkeypatch.syspath_prepend(str(SCENARIOS))
-    module = importlib.import_module("lightest_stable_fourbar")
+    module = scenario("lightest_stable_fourbar")
     every, best = module.main(tmp_path, sheets=(2.0, 2.1))
     np.testing.assert_array_equal(every.dataset["within"], [False, True])
     assert 1e3 * float(best.dataset["mass"][0]) == expected_number("lightest_stable_fourbar")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,20 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-SCENARIOS = Path(__file__).parents[2] / "scenarios"
-
 
 @pytest.mark.thorough
 def test_soft_frame(
-    monkeypatch: pytest.MonkeyPatch,
-    rough_pictures: None,
+    scenario: Callable[[str], Any],
     expected_number: Callable[[str], Any],
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """A frame far below the crank's frequency spares the floor, a stiff one passes all on."""
-    monkeypatch.syspath_prepend(str(SCENARIOS))
-    module = importlib.import_module("soft_frame")
+    module = scenario("soft_frame")
     soft = module.main(tmp_path, frequencies=np.array([1.0, 3.2, 60.0]), elements=2)
     assert float(soft.transmitted[0]) == expected_number("soft_frame")
     assert soft.transmitted[1] > 5.0

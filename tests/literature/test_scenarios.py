@@ -4,7 +4,6 @@
 ``test_v2_fourbar_at_speed``.
 """
 
-import importlib
 import subprocess
 import sys
 import tomllib
@@ -65,12 +64,6 @@ def at_rest(mechanism: str, degrees: int) -> np.ndarray:
 
 ANGLES_AT_REST = {"steel": [0], "aluminium": [0, 60, 120, 180]}
 COARSE_TURN = np.radians(np.arange(0, 361, 60))
-
-
-@pytest.fixture
-def scenario(monkeypatch, rough_pictures):
-    monkeypatch.syspath_prepend(str(SCENARIOS))
-    return importlib.import_module
 
 
 def assert_pictures(folder, *names):

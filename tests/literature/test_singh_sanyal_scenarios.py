@@ -5,7 +5,6 @@ Numbers of the angles are those of the verification; of the diffusion, the first
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -18,14 +17,7 @@ import pytest
 from flexmech import CouplerPoint, HygrothermalState, coupler_paths
 from flexmech.verification import verification_case
 
-SCENARIOS = Path(__file__).parents[2] / "scenarios"
 Scenario = Callable[[str], Any]
-
-
-@pytest.fixture
-def scenario(monkeypatch: pytest.MonkeyPatch, rough_pictures: None) -> Scenario:
-    monkeypatch.syspath_prepend(str(SCENARIOS))
-    return importlib.import_module
 
 
 def test_swollen_angles(

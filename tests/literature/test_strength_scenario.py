@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,19 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-SCENARIOS = Path(__file__).parents[2] / "scenarios"
-
 
 def test_strength_of_a_fourbar(
-    monkeypatch: pytest.MonkeyPatch,
-    rough_pictures: None,
+    scenario: Callable[[str], Any],
     expected_number: Callable[[str], Any],
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """The rocker breaks first, after many turns; links that stayed straight would bear more."""
-    monkeypatch.syspath_prepend(str(SCENARIOS))
-    module = importlib.import_module("strength_of_a_fourbar")
+    module = scenario("strength_of_a_fourbar")
     turn = np.radians(np.arange(0.0, 361.0, 15.0))
     # The crank angle at which the rocker is worst is among them.
     turn = np.sort(np.append(turn, np.radians(25.0)))
