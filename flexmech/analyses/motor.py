@@ -8,11 +8,13 @@ import xarray as xr
 from flexmech.analyses.datasets import DEGREES, Columns
 from flexmech.analyses.digits import Quantity, rounded
 from flexmech.arrays import FloatArray
-from flexmech.linkages import DcMotor, MotorRun
+from flexmech.linkages import DcMotor, MotorOutput, MotorRun, SettledRun, speed_range
 from flexmech.units import from_si
 
 # Relative error of the rigid linkage's motion under a motor: below all digits that are printed.
 _TOLD = 1e-6
+# By which a run of one turn may lack of it, once elastic links have moved the shaft.
+_A_TURN = 1e-5
 _VARIABLES = ("motor_torque", "motor_speed", "motor_power", "motor_current")
 _COLUMNS = {
     "motor_torque_Nm": "motor_torque",
@@ -48,6 +50,12 @@ def motor_attributes(run: MotorRun) -> dict[str, str | float]:
             "settled_fluctuation": settled.fluctuation,
             "settled_power": settled.mean_power,
         }
+    if isinstance(run, SettledRun):
+        told |= {
+            "elastic_settled_speed": run.turn.mean_speed,
+            "elastic_settled_fluctuation": run.turn.fluctuation,
+            "elastic_settled_power": run.turn.mean_power,
+        }
     return told
 
 
@@ -68,21 +76,21 @@ def settled_variables(run: MotorRun) -> xr.Dataset:
         return xr.Dataset()
     variables = {
         "settled_crank_speed": ("settled_angle", settled.speed),
-        "settled_motor_torque": ("settled_angle", settled.torque),
+        "settled_motor_torque": ("settled_angle", settled.output.torque),
     }
     if isinstance(run.drive.motor, DcMotor):
-        variables["settled_motor_current"] = ("settled_angle", settled.current)
+        variables["settled_motor_current"] = ("settled_angle", settled.output.current)
     return xr.Dataset(variables, coords={"settled_angle": settled.crank_angle})
 
 
-def motor_variables(run: MotorRun, torque: FloatArray, speed: FloatArray) -> xr.Dataset:
-    """What a motor gives, by its torque and speed behind the gear.
+def motor_variables(run: MotorRun, given: MotorOutput, speed: FloatArray) -> xr.Dataset:
+    """What a motor gives over time.
 
     Parameters
     ----------
     run : MotorRun
-    torque : ndarray, shape (N,)
-        Of the motor at the crank in N m.
+    given : MotorOutput
+        Arrays of shape (N,).
     speed : ndarray, shape (N,)
         Of its rotor over the gear ratio, in rad/s.
 
@@ -91,15 +99,14 @@ def motor_variables(run: MotorRun, torque: FloatArray, speed: FloatArray) -> xr.
     xarray.Dataset
         Over time.
     """
-    motor = run.drive.motor
-    own = torque / motor.gear_ratio
+    rotor = run.drive.motor.gear_ratio * speed
     found = {
-        "motor_torque": ("time", own),
-        "motor_speed": ("time", motor.gear_ratio * speed),
-        "motor_power": ("time", torque * speed),
+        "motor_torque": ("time", given.torque),
+        "motor_speed": ("time", rotor),
+        "motor_power": ("time", given.torque * rotor),
     }
-    if isinstance(motor, DcMotor):
-        found["motor_current"] = ("time", own / motor.torque_constant)
+    if isinstance(run.drive.motor, DcMotor):
+        found["motor_current"] = ("time", given.current)
     return xr.Dataset(found)
 
 
@@ -116,12 +123,13 @@ def last_turn(angle: FloatArray, speed: FloatArray, time: FloatArray) -> tuple[f
         In rad/s, and greatest less least speed over the mean; not numbers of less than a turn.
     """
     way = np.abs(angle - angle[-1])
-    if way[0] < 2 * np.pi:
+    turn = 2 * np.pi * (1 - _A_TURN)
+    if way[0] < turn:
         return np.nan, np.nan
-    first = int(np.flatnonzero(way >= 2 * np.pi)[-1])
+    first = int(np.flatnonzero(way >= turn)[-1])
     begin = float(np.interp(2 * np.pi, way[first : first + 2][::-1], time[first : first + 2][::-1]))
     mean = np.sign(angle[-1] - angle[0]) * 2 * np.pi / (time[-1] - begin)
-    return float(mean), float(np.ptp(speed[first:]) / abs(mean))
+    return float(mean), speed_range(time[first:], speed[first:]) / abs(float(mean))
 
 
 def motor_columns(data: xr.Dataset) -> Columns:
@@ -141,6 +149,16 @@ def motor_answer(data: xr.Dataset) -> tuple[str, ...]:
         if not told["stall_time"]:
             return (f"The motor does not start: it stalls at {angle}, where {needed}.",)
         return (f"The motor stalls at {angle}, after {told['stall_time']:.4g} s: {needed}.",)
+    if "elastic_settled_speed" in told:
+        part, rigid = (
+            rounded(100 * told[name], 0.0, 3)
+            for name in ("elastic_settled_fluctuation", "settled_fluctuation")
+        )
+        speed = _speed(data, told["elastic_settled_speed"])
+        return (
+            f"Settled, the motor turns the linkage at {speed}, which fluctuates by {part} % of it "
+            f"over the turn; with rigid links by {rigid} %.",
+        )
     if "settled_speed" in told:
         part = rounded(100 * told["settled_fluctuation"], 0.0, 3)
         speed = _speed(data, told["settled_speed"])
@@ -172,12 +190,15 @@ def motor_lines(data: xr.Dataset) -> list[str]:
     )
     lines = [f"motor on its own shaft: {peaks}"]
     if "settled_speed" in told:
-        lines.append(
-            f"settled motion of the rigid linkage, found directly: mean speed "
-            f"{_speed(data, told['settled_speed'])}, coefficient of fluctuation (greatest less "
-            f"least over mean) {rounded(told['settled_fluctuation'], 0.0, 5)}, mean power of the "
-            f"motor {_power(told['settled_power'])} W"
-        )
+        for name, what in (("settled", "the rigid linkage"), ("elastic_settled", "elastic links")):
+            if f"{name}_speed" not in told:
+                continue
+            lines.append(
+                f"settled motion of {what}, found directly: mean speed "
+                f"{_speed(data, told[f'{name}_speed'])}, coefficient of fluctuation (greatest less "
+                f"least over mean) {rounded(told[f'{name}_fluctuation'], 0.0, 5)}, mean power of "
+                f"the motor {_power(told[f'{name}_power'])} W"
+            )
     elif "stall_angle" not in told:
         lines.append(
             "settled motion: none was found; no turn ends as it begins near the end of the run"
@@ -208,7 +229,13 @@ def motor_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
     if "stall_angle" in told:
         angle = DEGREES * float(told["stall_angle"])
         found.append(Quantity("stall_angle", angle, "deg", abs(angle) * _TOLD))
-    if "settled_speed" in told:
+    if "elastic_settled_speed" in told:
+        # Engines that run on the motion that was found tell how far it is off.
+        for name, of in (("settled_crank_speed", "speed"), ("speed_fluctuation", "fluctuation")):
+            value = float(told[f"elastic_settled_{of}"])
+            error = float(abs(data[f"last_turn_{of}"] - value).max())
+            found.append(Quantity(name, value, "rad/s" if of == "speed" else "", error))
+    elif "settled_speed" in told:
         speed, part = float(told["settled_speed"]), float(told["settled_fluctuation"])
         found.append(Quantity("settled_crank_speed", speed, "rad/s", abs(speed) * _TOLD))
         found.append(Quantity("speed_fluctuation", part, "", part * _TOLD))

@@ -35,13 +35,20 @@ from flexmech.linkages.linkage import (
 )
 from flexmech.linkages.linkage_stack import LinkageStack, connections
 from flexmech.linkages.motion import RigidMotion
-from flexmech.linkages.motors.along_motion import answer_along, states_along, yielded_along
+from flexmech.linkages.motors.along_motion import states_along, yielded_along
+from flexmech.linkages.motors.drive_train import DriveTrain
 from flexmech.linkages.motors.motor import DcMotor, Motor, TorqueMotor
 from flexmech.linkages.motors.motor_drive import MotorDrive
 from flexmech.linkages.motors.motor_run import MotorRun, Stall, solved_run
-from flexmech.linkages.motors.settled import SettledMotion
-from flexmech.linkages.motors.shaft_equation import ShaftEquation, ShaftLoad
-from flexmech.linkages.motors.speed_control import DrivenBy, SpeedControl
+from flexmech.linkages.motors.settled import SettledMotion, settled_motion, speed_range
+from flexmech.linkages.motors.settled_run import SettledRun, TwistedShaft, repeated
+from flexmech.linkages.motors.shaft_equation import (
+    AddedTorque,
+    ShaftEquation,
+    ShaftLoad,
+    periodic_spline,
+)
+from flexmech.linkages.motors.speed_control import DrivenBy, MotorOutput, SpeedControl
 from flexmech.linkages.moving_points import moving_points
 from flexmech.linkages.planar import PlanarJoint, PlanarLink, PlanarLinkage
 from flexmech.linkages.rotating_arm import RotatingArm
@@ -60,6 +67,7 @@ __all__ = [
     "LAWS",
     "LEAST_DISTANCE",
     "TABLE_ENDS",
+    "AddedTorque",
     "AttachmentPoint",
     "Clamp",
     "CouplerCurve",
@@ -69,6 +77,7 @@ __all__ = [
     "DcMotor",
     "DoublePoint",
     "Drive",
+    "DriveTrain",
     "DrivenBy",
     "FiniteDoublePoint",
     "FourBar",
@@ -89,6 +98,7 @@ __all__ = [
     "LockedCrank",
     "Motor",
     "MotorDrive",
+    "MotorOutput",
     "MotorRun",
     "PathShapedDrive",
     "Pin",
@@ -99,6 +109,7 @@ __all__ = [
     "RigidMotion",
     "RotatingArm",
     "SettledMotion",
+    "SettledRun",
     "ShaftEquation",
     "ShaftLoad",
     "ShapedDrive",
@@ -111,8 +122,8 @@ __all__ = [
     "Topology",
     "TorqueMotor",
     "TransmissionDesign",
+    "TwistedShaft",
     "Weld",
-    "answer_along",
     "assemblable",
     "carried_motion",
     "check_shapeable",
@@ -131,9 +142,13 @@ __all__ = [
     "linkage_positions",
     "lumped_elements",
     "moving_points",
+    "periodic_spline",
     "picture_crank_angle",
+    "repeated",
     "rocker_swing",
+    "settled_motion",
     "solved_run",
+    "speed_range",
     "states_along",
     "synthesize_crank_rocker",
     "time_ratio",

@@ -3,7 +3,7 @@
 from flexmech.mechanism.drawing import drawing, drawn_parts
 from flexmech.mechanism.joint_pins import JointPin, PinEye
 from flexmech.mechanism.mechanism import Mechanism
-from flexmech.mechanism.motor_runs import motor_run, with_motor_run
+from flexmech.mechanism.motor_runs import motor_run, settled_run, with_motor_run
 from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
 from flexmech.mechanism.sprung_frame import (
     FrameSpring,
@@ -25,5 +25,6 @@ __all__ = [
     "drawn_parts",
     "motor_run",
     "require_standing_frame",
+    "settled_run",
     "with_motor_run",
 ]

@@ -4,8 +4,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from flexmech.errors import InputError
-from flexmech.linkages import MotorDrive, MotorRun, ShaftEquation, solved_run
+from flexmech.linkages import (
+    DriveTrain,
+    MotorDrive,
+    MotorRun,
+    SettledRun,
+    ShaftEquation,
+    repeated,
+    settled_motion,
+    solved_run,
+)
 from flexmech.mechanism.mechanism import Mechanism
 from flexmech.mechanism.shaft_load import ShaftLoad
 from flexmech.validation import POSITIVE, check_instance, check_number
@@ -50,12 +61,55 @@ def motor_run(
     assert isinstance(own, MotorDrive)
     if revolutions is not None:
         check_number(revolutions, "revolutions", "", POSITIVE)
-    equation = ShaftEquation(ShaftLoad(mechanism), mechanism.shaft_inertia, own.driven_by)
+    train = DriveTrain(own.driven_by)
+    equation = ShaftEquation(ShaftLoad(mechanism), mechanism.shaft_inertia, train)
     return solved_run(equation, own, revolutions)
 
 
+def settled_run(mechanism: Mechanism, drive: MotorDrive, revolutions: float = 1.0) -> SettledRun:
+    """Turns of the rigid linkage's settled motion under a motor.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    drive : MotorDrive
+        Whose time, if it states one, is that of the run.
+    revolutions : float
+        Turns of the run otherwise.
+
+    Returns
+    -------
+    SettledRun
+        From the drive's start angle on.
+
+    Raises
+    ------
+    InputError
+        If the motor stalls or settles at no speed, or as :func:`motor_run`.
+    ComputationError
+        If the integration fails; names the time and the crank angle.
+    """
+    run = motor_run(mechanism, replace(drive, time=None))
+    if run.stall is not None:
+        angle = np.degrees(run.stall.crank_angle) % 360
+        raise InputError(
+            f"drive: the motor stalls at {angle:.4g} deg, and so has no settled motion; give a "
+            "stronger one"
+        )
+    near = run.values[:, -1].copy()
+    turned = near[0] - drive.start_angle
+    near[[0, 2] if run.equation.train.is_coupled else [0]] -= turned
+    turn = settled_motion(run.equation, near)
+    if turn is None:
+        raise InputError(
+            "drive: the motor settles at no speed: its torque does not fall with speed, or a load "
+            "goes over time; choose start rigid or equilibrium, and state how long the run lasts"
+        )
+    return repeated(turn, turn, drive, revolutions)
+
+
 def with_motor_run(mechanism: Mechanism, run: MotorRun) -> Mechanism:
-    """A mechanism whose shaft has the inertia of a rotor that turns with it.
+    """A mechanism whose shaft has the inertia of a rotor that turns rigidly with it.
 
     Parameters
     ----------
@@ -65,17 +119,7 @@ def with_motor_run(mechanism: Mechanism, run: MotorRun) -> Mechanism:
     Returns
     -------
     Mechanism
-
-    Raises
-    ------
-    InputError
-        If the rotor is on a coupling: it has a motion of its own.
+        A rotor on a coupling has a motion of its own, and adds nothing.
     """
-    if run.equation.is_coupled:
-        raise InputError(
-            "drive: the rotor of this motor is on a coupling, which runs of elastic links do not "
-            "have; leave coupling_stiffness out, or ask for the rigid linkage by flexmech "
-            "kinematics"
-        )
-    inertia = mechanism.shaft_inertia + run.drive.motor.inertia_at_crank
+    inertia = mechanism.shaft_inertia + run.equation.train.rigid_inertia
     return replace(mechanism, shaft_inertia=inertia)

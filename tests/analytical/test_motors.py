@@ -181,7 +181,7 @@ def test_a_coupling_is_an_oscillator() -> None:
     twist = 0.3 / rotor / rate**2 * (1 - np.cos(rate * time))
     np.testing.assert_allclose(run.crank_torque(time), stiffness * twist, rtol=1e-6, atol=1e-8)
     # The whole is accelerated as if it were one body.
-    whole = rotor * run.rotor(time)[0] + INERTIA * run.crank_speed(time)
+    whole = rotor * run.rotor_speed(time) + INERTIA * run.crank_speed(time)
     np.testing.assert_allclose(whole, 0.3 * time, rtol=1e-8, atol=1e-12)
 
 

@@ -124,7 +124,7 @@ def kinematics(
 def _along_law(mechanism: Mechanism, drive: Drive, request: KinematicsRequest) -> xr.Dataset:
     """Everything over the time of a law of motion."""
     elements = request.lumped_of(mechanism)
-    if isinstance(drive, MotorRun) and not drive.equation.is_coupled:
+    if isinstance(drive, MotorRun):
         mechanism = with_motor_run(mechanism, drive)
     at = forces_along(mechanism, drive, elements)
     cycles = drive.run_time(1.0) / drive.cycle_time
@@ -135,9 +135,8 @@ def _along_law(mechanism: Mechanism, drive: Drive, request: KinematicsRequest) -
     found = over_time(dataset, mechanism, drive, time, at, request.moment_point)
     if not isinstance(drive, MotorRun):
         return found
-    speed, _ = drive.rotor(time)
-    torque = drive.drive.motor.gear_ratio * drive.motor_output(time).torque
-    found = found.merge(motor_variables(drive, torque, speed)).merge(settled_variables(drive))
+    given = motor_variables(drive, drive.motor_output(time), drive.rotor_speed(time))
+    found = found.merge(given).merge(settled_variables(drive))
     return found.assign_attrs(motor_attributes(drive))
 
 

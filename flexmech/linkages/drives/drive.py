@@ -73,6 +73,11 @@ class Drive(abc.ABC):
         return not self.law.pieces
 
     @property
+    def repeats(self) -> bool:
+        """Whether the crank moves in every turn as in the one before."""
+        return self.is_constant
+
+    @property
     def turns_on(self) -> bool:
         """Whether a run goes on at the final speed after the law, turn by turn."""
         return self.speed != 0

@@ -95,11 +95,6 @@ class Motor(abc.ABC):
         return False
 
     @property
-    def electrical_rate(self) -> float:
-        """At which its current settles in 1/s; zero where that is no state."""
-        return 0.0
-
-    @property
     @abc.abstractmethod
     def words(self) -> str:
         """What it is, for titles."""
@@ -304,11 +299,6 @@ class DcMotor(Motor):
     def has_current(self) -> bool:
         """Whether the current is a state."""
         return self.inductance > 0
-
-    @property
-    def electrical_rate(self) -> float:
-        """At which its current settles in 1/s, R / L; zero where that is no state."""
-        return self.resistance / self.inductance if self.inductance else 0.0
 
     @property
     def words(self) -> str:

@@ -25,7 +25,7 @@ from flexmech.linkages.drives.drive import Drive
 from flexmech.linkages.drives.hermite import hermite_coefficients, hermite_motion
 from flexmech.linkages.drives.pieces import PiecewiseMotion
 from flexmech.linkages.motors.motor_drive import MotorDrive
-from flexmech.linkages.motors.settled import SettledMotion, settled_motion
+from flexmech.linkages.motors.settled import SettledMotion, TurningShaft, settled_motion
 from flexmech.linkages.motors.shaft_equation import ShaftEquation
 from flexmech.linkages.motors.speed_control import MotorOutput
 from flexmech.model_text import TomlTable
@@ -34,7 +34,7 @@ _TOLERANCE = 1e-11
 # Of the shorter step beside an instant, over which rates are differentiated.
 _DIFFERENCE = 1e-3
 # How far a run is known beyond its end, of its time: a filter of forces looks ahead.
-_BEYOND = 0.02
+BEYOND = 0.02
 # Turns after which a motor that does not settle is left alone, and the part by which the time of
 # a turn still changes where it has settled.
 _MOST_TURNS, _REPEATS = 200, 1e-3
@@ -43,7 +43,7 @@ _LONGEST_TURN = 1e3
 # A motor that does not start is shown for so long, in s.
 _STANDING = 0.1
 # Pieces of a run that are in memory and in a file: a slip of the keyboard asks for more.
-_MOST_PIECES = 400_000
+MOST_PIECES = 400_000
 
 
 @dataclass(frozen=True)
@@ -173,28 +173,25 @@ class MotorRun(Drive):
         """
         return self.duration
 
+    def states(self, time: ArrayLike) -> FloatArray:
+        """States of the drive train at times in s, (k, ...)."""
+        at = np.clip(np.asarray(time, dtype=float), 0.0, self.time[-1])
+        if len(self.values) == 2:
+            return np.zeros((0, *at.shape))
+        return np.asarray(self._states_in_pieces(at))
+
+    def rotor_speed(self, time: ArrayLike) -> FloatArray:
+        """Speed of the rotor over the gear ratio in rad/s at times in s; shape (...) -> (...)."""
+        return self.equation.train.rotor_speed(self.crank_speed(time), self.states(time))
+
     def motor_output(self, time: ArrayLike) -> MotorOutput:
         """What the motor gives at times in s; shape (...) -> (...)."""
-        speed, state = self.rotor(time)
-        return self.equation.motor.output(speed, state)
-
-    def rotor(self, time: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Speed of the rotor over the gear ratio in rad/s, and the motor's states, (k, ...)."""
-        speed = self.crank_speed(time)
-        others = self._others(time)
-        if self.equation.is_coupled:
-            return others[1], others[2:]
-        return speed, others
+        return self.equation.train.motor_output(self.crank_speed(time), self.states(time))
 
     def crank_torque(self, time: ArrayLike) -> FloatArray:
         """Torque on the crank in N m, (...): of the coupling, or of gear and motor."""
-        if not self.equation.is_coupled:
-            gear = self.drive.motor.gear_ratio
-            return np.asarray(gear * self.motor_output(time).torque)
-        others = self._others(time)
-        return self.equation.coupling_torque(
-            others[0] - self.crank_angle(time), others[1] - self.crank_speed(time)
-        )
+        moved = self.crank_angle(time), self.crank_speed(time)
+        return self.equation.train.on_crank(*moved, self.states(time))[0]
 
     @cached_property
     def settled(self) -> SettledMotion | None:
@@ -203,15 +200,8 @@ class MotorRun(Drive):
             return None
         return settled_motion(self.equation, self.values[:, -1])
 
-    def _others(self, time: ArrayLike) -> FloatArray:
-        """Unknowns besides crank angle and speed at times in s, (n - 2, ...)."""
-        at = np.clip(np.asarray(time, dtype=float), 0.0, self.time[-1])
-        if len(self.values) == 2:
-            return np.zeros((0, *at.shape))
-        return np.asarray(self._others_in_pieces(at))
-
     @cached_property
-    def _others_in_pieces(self) -> Any:
+    def _states_in_pieces(self) -> Any:
         from scipy.interpolate import PPoly
 
         known, span = (self.values[2:], self.rates[2:], self.second_rates[2:]), np.diff(self.time)
@@ -276,14 +266,22 @@ def _standing(equation: ShaftEquation, drive: MotorDrive, start: FloatArray) -> 
 
 def _stall(equation: ShaftEquation, time: float, values: FloatArray) -> Stall:
     angle = float(values[0])
-    given = equation.motor.motor.gear_ratio * equation.motor.standing_torque
+    given = equation.train.standing_torque
     return Stall(time, angle, given, float(equation.load.needed(angle, 0.0, time)))
 
 
-def _second_rates(
-    equation: ShaftEquation, time: FloatArray, values: FloatArray, rates: FloatArray
+def second_rates(
+    equation: TurningShaft, time: FloatArray, values: FloatArray, rates: FloatArray
 ) -> FloatArray:
-    """Time derivatives of the rates along a motion, (n, m), by differences over parts of steps."""
+    """Time derivatives of the rates along a motion, (n, m), by differences over parts of steps.
+
+    Parameters
+    ----------
+    equation : ShaftEquation or TwistedShaft
+    time : ndarray, shape (m,)
+        In s, increasing.
+    values, rates : ndarray, shape (n, m)
+    """
     step = _DIFFERENCE * np.minimum(np.diff(time, prepend=-np.inf), np.diff(time, append=np.inf))
     ahead = equation.rates(time + step, values + step * rates)
     back = equation.rates(time - step, values - step * rates)
@@ -301,18 +299,18 @@ class _Integration:
     """
 
     def __init__(self, equation: ShaftEquation, drive: MotorDrive, start: FloatArray) -> None:
-        self._equation, self._drive, self._way = equation, drive, equation.way
+        self._equation, self._drive, self._way = equation, drive, equation.train.way
         # Of a coupling the rotor stalls; the crank may stand still as it swings against it.
-        self._speed = 3 if equation.is_coupled else 1
+        self._speed = 3 if equation.train.is_coupled else 1
         self._time, self._values = [np.zeros(1)], [start[:, None]]
 
     def run(self, revolutions: float | None) -> MotorRun:
         """The run; see :func:`solved_run`."""
         duration = self._until_end(revolutions)
         time, values = np.concatenate(self._time), np.concatenate(self._values, axis=1)
-        if len(time) > _MOST_PIECES:
+        if len(time) > MOST_PIECES:
             raise InputError(
-                f"the run of {time[-1]:.4g} s has more than {_MOST_PIECES} pieces; ask for a "
+                f"the run of {time[-1]:.4g} s has more than {MOST_PIECES} pieces; ask for a "
                 "shorter time or fewer revolutions"
             )
         stall = None
@@ -320,7 +318,7 @@ class _Integration:
             duration = float(time[-1])
             stall = _stall(self._equation, duration, values[:, -1])
         rates = self._equation.rates(time, values)
-        second = _second_rates(self._equation, time, values, rates)
+        second = second_rates(self._equation, time, values, rates)
         return MotorRun(self._drive, self._equation, time, values, rates, second, duration, stall)
 
     def _until_end(self, revolutions: float | None) -> float | None:
@@ -338,21 +336,21 @@ class _Integration:
             if abs(turn - last) <= _REPEATS * turn:
                 break
             last = turn
-        self._advance(spent * (1 + _BEYOND), np.inf)
+        self._advance(spent * (1 + BEYOND), np.inf)
         return spent
 
     def _stated(self, time: float) -> float | None:
         if not self._advance(time, np.inf):
             return None
         # A stall beyond the end is none.
-        self._advance(time * (1 + _BEYOND), np.inf)
+        self._advance(time * (1 + BEYOND), np.inf)
         return time
 
     def _turns(self, revolutions: float) -> float | None:
         if not self._advance(np.inf, revolutions):
             return None
         duration = float(self._time[-1][-1])
-        self._advance(duration * (1 + _BEYOND), np.inf)
+        self._advance(duration * (1 + BEYOND), np.inf)
         return duration
 
     def _advance(self, until: float, turns: float) -> bool:

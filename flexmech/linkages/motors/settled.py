@@ -7,11 +7,16 @@ The crank angle is the independent variable: after a turn of it all other unknow
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
+from flexmech.linkages.motors.drive_train import DriveTrain
 from flexmech.linkages.motors.shaft_equation import ShaftEquation
+from flexmech.linkages.motors.speed_control import MotorOutput
 
 # Angles of a turn at which the motion is told.
 _ANGLES = 721
@@ -22,30 +27,56 @@ _FAST = 1e3
 _PASSES, _DIFFERENCE, _CONVERGED = 40, 1e-6, 1e-9
 
 
-@dataclass(frozen=True)
+class TurningShaft(Protocol):
+    """A shaft whose crank angle and speed, and the states of its drive train, are unknown."""
+
+    @property
+    def train(self) -> DriveTrain:
+        """What turns it."""
+
+    def rates(self, time: ArrayLike, values: FloatArray) -> FloatArray:
+        """Time derivatives of the values, (n, ...) at times (...)."""
+
+
+@dataclass(frozen=True, eq=False)
 class SettledMotion:
     """A turn of the settled motion.
 
     Parameters
     ----------
-    crank_angle : ndarray, shape (m,)
-        In rad, over a turn.
+    equation : ShaftEquation or TwistedShaft
+        Whose solution it is.
     time : ndarray, shape (m,)
         In s, from zero.
-    speed : ndarray, shape (m,)
-        Of the crank in rad/s.
-    torque, power : ndarray, shape (m,)
-        Of the motor on its own shaft in N m, and in W.
-    current : ndarray, shape (m,)
-        Of a DC motor in A; not numbers otherwise.
+    values : ndarray, shape (n, m)
+        Crank angle, speed and the states of the drive train, at even crank angles.
     """
 
-    crank_angle: FloatArray
+    equation: TurningShaft
     time: FloatArray
-    speed: FloatArray
-    torque: FloatArray
-    power: FloatArray
-    current: FloatArray
+    values: FloatArray
+
+    @property
+    def crank_angle(self) -> FloatArray:
+        """In rad, over a turn, (m,)."""
+        return np.asarray(self.values[0])
+
+    @property
+    def speed(self) -> FloatArray:
+        """Of the crank in rad/s, (m,)."""
+        return np.asarray(self.values[1])
+
+    @cached_property
+    def output(self) -> MotorOutput:
+        """What the motor gives, arrays of shape (m,)."""
+        return self.equation.train.motor_output(self.values[1], self.values[2:])
+
+    @property
+    def power(self) -> FloatArray:
+        """Of the motor in W, (m,)."""
+        train = self.equation.train
+        turning = train.rotor_speed(self.values[1], self.values[2:])
+        return self.output.torque * train.driven_by.motor.gear_ratio * turning
 
     @property
     def mean_speed(self) -> float:
@@ -56,11 +87,7 @@ class SettledMotion:
     @property
     def fluctuation(self) -> float:
         """Coefficient of speed fluctuation: greatest less least speed over the mean."""
-        from scipy.interpolate import CubicSpline
-
-        spline = CubicSpline(self.crank_angle * np.sign(self.mean_speed), self.speed)
-        found = np.append(self.speed, spline(spline.derivative().roots(extrapolate=False)))
-        return float(np.ptp(found)) / abs(self.mean_speed)
+        return speed_range(self.time, self.speed) / abs(self.mean_speed)
 
     @property
     def mean_power(self) -> float:
@@ -68,6 +95,25 @@ class SettledMotion:
         from scipy.integrate import simpson
 
         return float(simpson(self.power, x=self.time)) / float(self.time[-1])
+
+
+def speed_range(time: FloatArray, speed: FloatArray) -> float:
+    """Greatest less least speed in rad/s, also between the samples.
+
+    Parameters
+    ----------
+    time, speed : ndarray, shape (m,)
+        In s, increasing, and in rad/s.
+
+    Returns
+    -------
+    float
+    """
+    from scipy.interpolate import CubicSpline
+
+    spline = CubicSpline(time, speed)
+    between = spline(spline.derivative().roots(extrapolate=False))
+    return float(np.ptp(np.append(speed, between)))
 
 
 def settled_motion(equation: ShaftEquation, near: FloatArray) -> SettledMotion | None:
@@ -131,14 +177,14 @@ class _Turn:
     def unknowns(self, values: FloatArray) -> FloatArray:
         """The unknowns (n - 1,) of values (n,)."""
         own = values[1:].copy()
-        if self._equation.is_coupled:
+        if self._equation.train.is_coupled:
             own[1] -= values[0]
         return own
 
     def values(self, angle: FloatArray | float, own: FloatArray) -> FloatArray:
         """Values (n, ...) of unknowns (n - 1, ...) at crank angles (...)."""
         values = np.concatenate([np.broadcast_to(angle, own.shape[1:])[None], own])
-        if self._equation.is_coupled:
+        if self._equation.train.is_coupled:
             values[2] += angle
         return values
 
@@ -146,7 +192,7 @@ class _Turn:
         """By the crank angle: of the unknowns, and of the time, which comes last."""
         rates = self._equation.rates(0.0, self.values(angle, own[:-1]))
         rates = rates.copy()
-        if self._equation.is_coupled:
+        if self._equation.train.is_coupled:
             rates[2] -= rates[0]
         speed = own[0] if self._way * own[0] > 0 else np.nan
         return np.asarray(np.append(rates[1:], 1.0) / speed)
@@ -180,10 +226,4 @@ class _Turn:
         found = self._solved(unknown, angle)
         if found is None:
             return None
-        values = self.values(angle, found[:-1])
-        rotor = 3 if self._equation.is_coupled else 1
-        given = self._equation.motor.output(values[rotor], values[rotor + 1 :])
-        speed = self._equation.motor.motor.gear_ratio * values[rotor]
-        return SettledMotion(
-            angle, found[-1], values[1], given.torque, given.torque * speed, given.current
-        )
+        return SettledMotion(self._equation, found[-1], self.values(angle, found[:-1]))

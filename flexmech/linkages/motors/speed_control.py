@@ -102,14 +102,6 @@ class DrivenBy:
         return int(self.motor.has_current) + int(self._has_integral)
 
     @property
-    def fastest_rate(self) -> float:
-        """Of its states at a speed that stays, in 1/s; zero where there are none."""
-        rates = [self.motor.electrical_rate]
-        if self.control is not None:
-            rates.append(self.control.ki / self.control.kp)
-        return max(rates)
-
-    @property
     def standing_torque(self) -> float:
         """On the motor's shaft in N m, at rest once its current has settled."""
         return float(self.steady_torque(np.zeros(()), np.zeros(self.state_count)))
