@@ -11,7 +11,7 @@ from flexmech.time_domain.equations_of_motion.reduced_links import (
     is_reduced,
     stretches_in_runs,
 )
-from flexmech.time_domain.equations_of_motion.shaft_torque import ShaftTorque
+from flexmech.time_domain.equations_of_motion.shaft_torque import RotorCoupling, ShaftTorque
 from flexmech.time_domain.equations_of_motion.static_balance import static_balance
 from flexmech.time_domain.integrators.runs import (
     LinkageUnderImpact,
@@ -38,6 +38,7 @@ from flexmech.time_domain.periodic_motion.shooting import (
     periodic_state,
     periodic_turn,
     simulated_orbit,
+    state_under_motor,
 )
 from flexmech.time_domain.recorded_runs.recording import Recorder, StepBlock
 from flexmech.time_domain.recorded_runs.states import (
@@ -62,6 +63,7 @@ __all__ = [
     "MovingModes",
     "NonlinearOrbit",
     "Recorder",
+    "RotorCoupling",
     "SampledTurn",
     "ShaftMotion",
     "ShaftTorque",
@@ -81,6 +83,7 @@ __all__ = [
     "rigid_torque",
     "simulated_orbit",
     "simulator",
+    "state_under_motor",
     "static_balance",
     "step_lag",
     "stretches_in_runs",

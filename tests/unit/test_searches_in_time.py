@@ -148,7 +148,9 @@ def test_damping_falls_less_where_a_motion_is_not_found(monkeypatch):
 
 def test_a_motion_that_a_turn_returns_to_itself_is_refused():
     unit = SimpleNamespace(stiffness=np.eye(1)[None], mass=np.eye(1)[None])
-    linkage = SimpleNamespace(equations=lambda time: unit, drive=SimpleNamespace(speed=3.0), size=1)
+    linkage = SimpleNamespace(
+        equations=lambda time: unit, drive=SimpleNamespace(speed=3.0, revolution_time=2.0), size=1
+    )
     forced = np.array([1e-3, 0.0])
     found = shooting._fixed_point(linkage, np.diag([1 - 1e-6, 0.0]), forced)
     assert found == pytest.approx([1e3, 0.0])

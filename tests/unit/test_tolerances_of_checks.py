@@ -13,7 +13,7 @@ from flexmech.analyses import beam_theory
 from flexmech.analyses.check import remarks
 from flexmech.analyses.frequencies import formulation
 from flexmech.analyses.frequencies.formulation import RunningStates
-from flexmech.analyses.response import start
+from flexmech.analyses.response import tension_at_start
 from flexmech.analyses.section_profile.compute import _through_thickness
 from flexmech.analyses.section_profile.result import _without_noise, expansion_table
 from flexmech.analyses.stability import engine_map
@@ -211,7 +211,7 @@ def test_a_start_is_as_long_as_linear_links_are():
         link_coordinates=lambda motion, step: [step],
     )
     nothing = [np.zeros((1, 1))]
-    found = start.without_second_order_stretch(frames, None, nothing, nothing, internal)
+    found = tension_at_start.without_second_order_stretch(frames, None, nothing, nothing, internal)
     assert found[0][0, 0] == pytest.approx(-1 / 1.1, abs=3e-4)
     assert len(passes) <= 5
 

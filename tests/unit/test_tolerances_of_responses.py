@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from flexmech.analyses.comparison.result import _warnings
-from flexmech.analyses.response import plan, run, spectra, start, words
+from flexmech.analyses.response import plan, run, spectra, start, tension_at_start, words
 from flexmech.analyses.response.agreement import _large_bow
 from flexmech.analyses.response.dataset import _frames
 from flexmech.analyses.speed_sweep import compute as sweep
@@ -224,7 +224,7 @@ def test_stretch_is_taken_back_to_a_ten_thousandth():
         gather=lambda motion, force: force[0],
         link_coordinates=lambda motion, step: [step],
     )
-    found = start.without_second_order_stretch(
+    found = tension_at_start.without_second_order_stretch(
         frames, None, [np.zeros((1, 1))], [np.zeros((1, 1))], forces
     )
     assert found[0][0, 0] == pytest.approx(-0.01 / 1.1, rel=2e-4)

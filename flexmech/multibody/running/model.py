@@ -203,21 +203,18 @@ class RunningModel:
         return len(self.assembly.mbs.systemData.GetAECoordinates())
 
     def driving_torque(
-        self,
-        time: FloatArray,
-        velocity: FloatArray,
-        multiplier: FloatArray,
+        self, time: FloatArray, position: FloatArray, velocity: FloatArray, multiplier: FloatArray
     ) -> FloatArray:
         """Torque of the drive on the shaft at instants in N m, (m,).
 
         Parameters
         ----------
         time : ndarray, shape (m,)
-        velocity : ndarray, shape (m, total_size)
+        position, velocity : ndarray, shape (m, total_size)
         multiplier : ndarray, shape (m, n_multipliers)
         """
         if isinstance(self.torque, MotorOnHub):
-            return self.torque.torque(velocity)
+            return self.torque.torque(position, velocity)
         if self.torque is not None:
             return self.torque.at(time)
         assert self.drive_constraint is not None
@@ -243,9 +240,9 @@ class RunningModel:
         """
         nodes = self.assembly.arms.to_nodes(position)
         velocity = self.assembly.arms.rate_to_nodes(position, velocity)
-        of_motor = np.zeros(0) if self._motor is None else self._motor.start_rates
-        own = np.zeros_like(of_motor), of_motor
-        hub, turning = np.zeros(3), np.zeros(3)
+        hub, turning, own = np.zeros(3), np.zeros(3), (np.zeros(0), np.zeros(0))
+        if self._motor is not None:
+            own = self._motor.start(self.shaft.angle(0.0))
         if self.frame is not None:
             assert moved is not None
             own = moved.displacement[0], moved.rate[0]

@@ -1,9 +1,10 @@
 """A motor on the hub of a running Exudyn system: its states are coordinates of their own.
 
-The charge that has flowed is a coordinate, whose rate is the current; and the integral of speed
-control is the rate of another: a coordinate without mass would leave Exudyn without accelerations
-at the start. A circuit is linear in them: its inductance stands in the mass matrix, resistance and
-back-EMF in the damping matrix. Torque curves and speed control are a user function.
+A rotor on a coupling has its angle at the crank as a coordinate. The charge that has flowed is
+one, whose rate is the current; and the integral of speed control is the rate of another: a
+coordinate without mass would leave Exudyn without accelerations at the start. Circuit and coupling
+are linear in them: inductance and rotor stand in the mass matrix, resistance, back-EMF and damping
+in the damping matrix. Torque curves and speed control are a user function.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linkages import DcMotor, MotorRun
+from flexmech.linkages import DcMotor, DriveTrain, MotorRun
 from flexmech.multibody.items import ItemNumber, SystemItems
 
 # Coordinates of the hub: two of its place, and its angle.
@@ -35,17 +36,21 @@ class MotorOnHub:
 
     @property
     def count(self) -> int:
-        """Coordinates besides those of the hub."""
-        return self.run.equation.motor.state_count
+        """Coordinates besides those of the hub: of a rotor that turns by itself, of the motor."""
+        return int(self._train.is_coupled) + self._train.driven_by.state_count
+
+    def start(self, hub: float) -> tuple[FloatArray, FloatArray]:
+        """Coordinates (count,) at time zero and their rates, where the hub has an angle in rad."""
+        begin = self.run.values[:, 0]
+        if not self._train.is_coupled:
+            return np.zeros(self.count), begin[2:]
+        place = np.zeros(self.count)
+        place[0] = hub + begin[2] - begin[0]
+        return place, begin[3:]
 
     @property
-    def start_rates(self) -> FloatArray:
-        """Rates of the coordinates at time zero, (count,): the states."""
-        return self.run.values[2:, 0]
-
-    @property
-    def _has_current(self) -> bool:
-        return self.run.drive.motor.has_current
+    def _train(self) -> DriveTrain:
+        return self.run.equation.train
 
     def add_node(self, items: SystemItems) -> list[ItemNumber]:
         """Add the node of the coordinates, if there are any, before that of the hub."""
@@ -75,18 +80,25 @@ class MotorOnHub:
             Node of the hub.
         """
         size = self.count + _HUB
-        mass, damping = np.zeros((2, size, size))
+        mass, damping, stiffness = np.zeros((3, size, size))
         force = np.zeros(size)
         motor, control = self.run.drive.motor, self.run.drive.control
+        rotor, first = self._rotor, int(self._train.is_coupled)
+        if motor.coupling_stiffness is not None:
+            twist = np.zeros(size)
+            twist[[rotor, -1]] = 1.0, -1.0
+            mass[rotor, rotor] = motor.inertia_at_crank
+            stiffness += motor.coupling_stiffness * np.outer(twist, twist)
+            damping += motor.coupling_damping * np.outer(twist, twist)
         if isinstance(motor, DcMotor) and motor.has_current:
             constant = motor.gear_ratio * motor.torque_constant
-            mass[0, 0], damping[0, 0] = motor.inductance, motor.resistance
-            damping[0, -1], damping[-1, 0] = constant, -constant
-            force[0] = 0.0 if control is not None else motor.voltage
+            mass[first, first], damping[first, first] = motor.inductance, motor.resistance
+            damping[first, rotor], damping[rotor, first] = constant, -constant
+            force[first] = 0.0 if control is not None else motor.voltage
         if control is not None and control.has_integral:
             mass[self.count - 1, self.count - 1] = 1.0
         function: dict[str, Any] = {}
-        if control is not None or not self._has_current:
+        if control is not None or not motor.has_current:
             function["forceUserFunction"] = self._force
         items.add(
             "ObjectGenericODE2",
@@ -94,27 +106,42 @@ class MotorOnHub:
             nodeNumbers=[*own, hub],
             massMatrix=mass,
             dampingMatrix=damping,
-            stiffnessMatrix=np.zeros((size, size)),
+            stiffnessMatrix=stiffness,
             forceVector=force,
             **function,
         )
 
-    def torque(self, velocity: FloatArray) -> FloatArray:
-        """Torque on the hub in N m, (m,), by rates of the system's coordinates (m, total_size)."""
-        states = velocity[:, -self.count - _HUB : -_HUB].T
-        given = self.run.equation.motor.output(velocity[:, -1], states)
-        return np.asarray(self.run.drive.motor.gear_ratio * given.torque)
+    def torque(self, position: FloatArray, velocity: FloatArray) -> FloatArray:
+        """Torque on the hub in N m, (m,), by the system's coordinates (m, total_size) and rates."""
+        motion = position[:, -1], velocity[:, -1]
+        return self._train.on_crank(*motion, self._states(position.T, velocity.T))[0]
+
+    @property
+    def _rotor(self) -> int:
+        """Coordinate of the motor and the hub by which the rotor turns."""
+        return 0 if self._train.is_coupled else -1
+
+    def _states(self, position: FloatArray, velocity: FloatArray) -> FloatArray:
+        """States of the drive train, (k, ...).
+
+        By coordinates (n, ...) and their rates, of which those of motor and hub are the last.
+        """
+        own = slice(-self.count - _HUB, -_HUB)
+        if not self._train.is_coupled:
+            return velocity[own]
+        return np.concatenate([position[own][:1], velocity[own]])
 
     def _force(self, mbs: Any, t: float, number: int, position: Any, velocity: Any) -> list[float]:
         """User function: what the torque curve, or the control's command, does."""
         rate = np.asarray(velocity)
-        driven_by, motor = self.run.equation.motor, self.run.drive.motor
-        given = driven_by.output(rate[-1], rate[: self.count])
+        driven_by, motor = self._train.driven_by, self.run.drive.motor
+        states = self._states(np.asarray(position), rate)
+        given = self._train.motor_output(rate[-1], states)
         force = np.zeros(self.count + _HUB)
         if motor.has_current:
-            force[0] = given.voltage
+            force[int(self._train.is_coupled)] = given.voltage
         else:
-            force[-1] = motor.gear_ratio * given.torque
+            force[self._rotor] = motor.gear_ratio * given.torque
         if driven_by.control is not None and driven_by.control.has_integral:
             force[self.count - 1] = given.rates[-1]
         return [float(own) for own in force]

@@ -183,7 +183,7 @@ class Simulation:
         """
         assembly, energies = self.model.assembly, self.model.energies
         shaft = self._shaft_motion(time, position, velocity)
-        torque = self.model.driving_torque(time, velocity, multiplier)
+        torque = self.model.driving_torque(time, position, velocity, multiplier)
         motion = self._motion(time) if shaft is None else self._displaced_motion(time, shaft)
         frame = self._frame_motion(position, velocity)
         carried, turn = motion, np.zeros(len(time))

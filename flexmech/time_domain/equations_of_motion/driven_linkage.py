@@ -33,6 +33,7 @@ from flexmech.linear_system import (
 )
 from flexmech.linkages import Drive, RigidMotion
 from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors
+from flexmech.time_domain.equations_of_motion.driven_rotor import DrivenRotor
 from flexmech.time_domain.equations_of_motion.driven_shaft import DrivenShaft
 from flexmech.time_domain.equations_of_motion.equations import Equations
 from flexmech.time_domain.equations_of_motion.link_stress import LinkStress
@@ -84,6 +85,8 @@ class DrivenLinkage:
         Second-order stretch, besides the linear equations.
     shaft : DrivenShaft or None
         A shaft that is free.
+    rotor : DrivenRotor or None
+        On a coupling to that, whose coordinate is the last one.
     carried : CarriedLinkage or None
         With the frame on springs that carries the linkage, whose coordinates are the last three.
     stress : StressHistory
@@ -120,13 +123,17 @@ class DrivenLinkage:
             self.carried = CarriedLinkage.of(
                 frame, self.frames, self.unreduced, gravity, self.run_bases
             )
-        others = 0 if self.carried is None else COORDINATES
+        coupling = None if shaft_torque is None else shaft_torque.coupling
+        others = int(coupling is not None) if self.carried is None else COORDINATES
         self.stretch = None
         if stretches:
             guides = MovingGuides(engine, self.frames, reduced.unreduced, self.run_bases)
             self.stretch = LinkageStretch(self.frames, reduced.stretches, guides, others)
         own = reduced.unreduced, self.run_bases
         self.shaft = DrivenShaft.of(engine, drive, self.frames, *own, shaft_torque)
+        self.rotor = None
+        if self.shaft is not None and shaft_torque is not None and coupling is not None:
+            self.rotor = DrivenRotor(drive, shaft_torque, coupling, self.shaft.coordinate)
         turns_far = self.shaft is not None and self.shaft.is_natural
         self.connectors = DrivenConnectors(engine, self.frames, drive, follower_torque=turns_far)
         self._condensed = np.zeros(self.frames.size + others, dtype=bool)
@@ -149,12 +156,12 @@ class DrivenLinkage:
 
     @property
     def shaft_coordinates(self) -> list[int]:
-        """Number of the coordinate that is a free shaft's rotation; empty without one."""
+        """Numbers of the coordinates by which a free shaft and a rotor on a coupling turn."""
         if self.shaft is None:
             return []
-        [column] = np.flatnonzero(self.shaft.rows[1])
-        column = self.frames.targets[self.shaft.link][column]
-        return [int(np.sum(~self._condensed[:column]))]
+        [column] = np.flatnonzero(self.shaft.coordinate)
+        own = [int(np.sum(~self._condensed[:column]))]
+        return own if self.rotor is None else [*own, self.size - 1]
 
     @property
     def is_condensed(self) -> bool:
@@ -202,6 +209,8 @@ class DrivenLinkage:
         if self.carried is not None:
             matrices = self.carried.added(motion, matrices, RotationTerms.all_or_none(not frozen))
             force = np.concatenate([force, self.carried.load(motion)], axis=1)
+        if self.rotor is not None:
+            force = self.rotor.force(time, force)
         return Equations.condensed(motion, matrices, force, self._condensed)
 
     def unit_equations(
@@ -229,6 +238,8 @@ class DrivenLinkage:
             units = [self.shaft.unit_force(motion, f) for f in units]
         if load is not None:
             units.append(self.frames.gather(motion, [np.tile(f, (len(time), 1)) for f in load]))
+        if self.rotor is not None:
+            units = [np.pad(f, ((0, 0), (0, 1))) for f in units]
         return [Equations.condensed(motion, matrices, f, self._condensed) for f in units]
 
     def histories(self, time: FloatArray, force: FloatArray | None = None) -> FloatArray:
@@ -268,8 +279,8 @@ class DrivenLinkage:
         if self.stretch is not None:
             matrices = self.stretch.guides.added(matrices, motion, terms)
         if self.connectors.any:
-            return self.connectors.added(motion, matrices, terms, time)
-        return matrices
+            matrices = self.connectors.added(motion, matrices, terms, time)
+        return matrices if self.rotor is None else self.rotor.added(time, matrices)
 
     def quasi_static_equations(self, time: FloatArray) -> Equations:
         """Equations of the quasi-static state at times of shape (m,): without rotation terms.
@@ -359,6 +370,8 @@ class DrivenLinkage:
         if self.carried is not None:
             moved = state.moved
             values = np.concatenate([values, [moved.displacement[0], moved.rate[0]]], axis=1)
+        if self.rotor is not None:
+            values = np.pad(values, ((0, 0), (0, 1)))
         position, velocity = values[:, ~self._condensed]
         return position, velocity
 

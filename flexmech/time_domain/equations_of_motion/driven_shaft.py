@@ -106,6 +106,19 @@ class DrivenShaft:
         """Whether its coordinates are natural ones, so that it may turn far."""
         return bool(self.rows[0].any())
 
+    @property
+    def has_motor(self) -> bool:
+        """Whether its torque is a motor's."""
+        return self.given is not None
+
+    @property
+    def coordinate(self) -> FloatArray:
+        """Of the frames' coordinates (size,) that by which it turns: as a row of them."""
+        row = np.zeros(self.frames.size)
+        [column] = np.flatnonzero(self.rows[1])
+        row[self.frames.targets[self.link][column]] = self.rows[1, column]
+        return row
+
     def torque(
         self, time: FloatArray, motion: RigidMotion, force: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
@@ -123,8 +136,7 @@ class DrivenShaft:
             On the coordinates of the frames, of all that acts, inertia included.
         """
         if self.given is not None:
-            torque = self.given.at(time)[0]
-            return torque, torque + self.given.pull(time)
+            return self.given.on_shaft(time)
         torque = self.balance(motion, force)
         return torque, torque
 
@@ -157,7 +169,7 @@ class DrivenShaft:
         if torque is not None:
             held[self.link] = held[self.link] + self.stiffness(torque)
         if self.given is not None:
-            _, rate, place, *_ = (own[:, None, None] for own in self.given.at(time))
+            rate, place = (own[:, None, None] for own in self.given.answer_of_shaft(time))
             square = np.outer(self.rows[1], self.rows[1])
             held[self.link] = held[self.link] + place * square
             damped[self.link] = damped[self.link] + rate * square
@@ -192,7 +204,9 @@ class DrivenShaft:
         moved = [(c @ f.T)[..., None] for c, f in zip(fields, self.fields, strict=True)]
         return self.frames.independent(motion, moved)[..., 0]
 
-    def carried(self, block: StepBlock, motion: RigidMotion) -> StepBlock:
+    def carried(
+        self, block: StepBlock, motion: RigidMotion, rotor: Sequence[FloatArray] = ()
+    ) -> StepBlock:
         """Steps with the torque that the shaft is given, and its motion.
 
         Those of linear equations are carried into the frames of the rigid linkage at the angle
@@ -204,6 +218,8 @@ class DrivenShaft:
             In the frames of the prescribed motion.
         motion : RigidMotion
             That, batch of shape (m,).
+        rotor : sequence of ndarray, shape (m,)
+            Coordinate and rate of a rotor on a coupling; empty without one.
 
         Returns
         -------
@@ -214,7 +230,7 @@ class DrivenShaft:
         block = replace(
             block,
             crank_speed=block.crank_speed + shaft.rate,
-            driving_torque=self._given_torque(block, shaft),
+            driving_torque=self._given_torque(block, shaft, rotor),
             shaft=shaft,
         )
         if self.is_natural:
@@ -228,14 +244,18 @@ class DrivenShaft:
             rate.append(block.rate[number] - moving @ field.T)
         return replace(block, displacement=displacement, rate=rate)
 
-    def _given_torque(self, block: StepBlock, shaft: ShaftMotion) -> FloatArray:
+    def _given_torque(
+        self, block: StepBlock, shaft: ShaftMotion, rotor: Sequence[FloatArray]
+    ) -> FloatArray:
         """Torque on the shaft at the steps of a block, which a motor's is recorded for."""
         if self.given is None:
             return rigid_torque(self.engine.mechanism, self.drive, block.time)
         across = self.rows[1] @ block.displacement[self.link].T
         turning = self.rows[1] @ block.rate[self.link].T
-        self.given.record(block.time, across, turning, shaft.rotation, shaft.rate)
-        return self.given.beside(block.time, across, turning)
+        self.given.record(block.time, across, turning, shaft.rotation, shaft.rate, *rotor)
+        if self.given.coupling is None:
+            return self.given.beside(block.time, across, turning)
+        return self.given.coupling.carried(rotor[0] - shaft.rotation, rotor[1] - shaft.rate)
 
     def turned_back(self, run: Trajectory) -> Trajectory:
         """A run in the frames of the rigid linkage at the angle that the shaft has.

@@ -157,7 +157,8 @@ class LinkageDynamics:
             return _on_its_frame(block, linkage.carried, places[0], places[1])
         if linkage.shaft is None:
             return block
-        return linkage.shaft.carried(block, motion)
+        rotor = [] if linkage.rotor is None else [part[:, -1] for part in coordinates[:2]]
+        return linkage.shaft.carried(block, motion, rotor)
 
     def _joint_forces(
         self,

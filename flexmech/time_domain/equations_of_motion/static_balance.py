@@ -40,9 +40,7 @@ def static_balance(linkage: DrivenLinkage, position: FloatArray, time: float = 0
     assert linkage.stretch is not None
     equations = linkage.quasi_static_equations(np.array([time]))
     turns = linkage.stretch.pin_rotations(equations.motion)
-    row = np.zeros((0, linkage.size))
-    if linkage.shaft is not None:
-        row = linkage.shaft.force(equations.motion, np.ones(1))
+    row = np.eye(linkage.size)[linkage.shaft_coordinates]
     stiffness, force, z = equations.stiffness[0], equations.force[0], np.array(position)
     last = np.inf
     for _ in range(MOST_PASSES):

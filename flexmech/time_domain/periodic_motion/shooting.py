@@ -75,6 +75,51 @@ def periodic_state(linkage: DrivenLinkage, steps: int) -> VibrationState:
     return initial_state(linkage.equations(np.zeros(1)), state[:n], state[n:])
 
 
+def state_under_motor(
+    linkage: DrivenLinkage, stronger: DrivenLinkage, steps: int
+) -> tuple[VibrationState, float]:
+    """State at time zero of a periodic motion whose shaft a motor turns.
+
+    The shaft has its nominal angle at time zero: which instant that is may be chosen. For it a
+    constant torque is found, besides the motor's, that makes the time of a turn the nominal one;
+    it is zero when the nominal motion has the right time.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+        About a motion that repeats itself, with the motor's torque along it.
+    stronger : DrivenLinkage
+        The same, whose motor has 1 N m more at the crank.
+    steps : int
+        Time steps a turn.
+
+    Returns
+    -------
+    VibrationState
+        Arrays of shape (n,).
+    float
+        The constant torque at the crank in N m.
+
+    Raises
+    ------
+    InputError, ComputationError
+        As :func:`periodic_state`.
+    """
+    monodromy, forced = turn_map(linkage, steps)
+    pushed = turn_map(stronger, steps)[1] - forced
+    count, n = len(forced), linkage.size
+    bordered = np.zeros((count + 1, count + 1))
+    bordered[:count, :count], bordered[:count, -1] = np.eye(count) - monodromy, -pushed
+    shaft = linkage.shaft_coordinates[0]
+    bordered[-1, shaft] = 1.0
+    scale = _energy_scale(linkage)
+    rows = np.append(scale, scale[shaft])
+    columns = np.append(scale, np.linalg.norm(scale * pushed))
+    found = _solved(linkage, bordered, np.append(forced, 0.0), rows, columns)
+    equations = linkage.equations(np.zeros(1))
+    return initial_state(equations, found[:n], found[n:count]), float(found[-1])
+
+
 def periodic_turn(linkage: DrivenLinkage, steps: int) -> list[FloatArray]:
     """Displacement of the engine's links along one turn of the periodic motion.
 
@@ -129,8 +174,9 @@ def _all_motions(
     InputError
         If the crank speed is not constant, or loads do not repeat themselves with the turn.
     """
-    linkage.engine.require_prescribed_shaft("a periodic motion")
-    if not linkage.drive.is_constant:
+    if linkage.shaft is None or not linkage.shaft.has_motor:
+        linkage.engine.require_prescribed_shaft("a periodic motion")
+    if not linkage.drive.repeats:
         raise InputError("a periodic motion needs a constant crank speed: leave out the run-up")
     linkage.connectors.require_periodic()
     n, step = linkage.size, linkage.drive.revolution_time / steps
@@ -183,19 +229,35 @@ def _affine_map(end: VibrationState) -> tuple[FloatArray, FloatArray]:
 
 def _fixed_point(linkage: DrivenLinkage, monodromy: FloatArray, forced: FloatArray) -> FloatArray:
     """Fixed point of the map: position and velocity at time zero, (2 n,)."""
+    scale = _energy_scale(linkage)
+    return _solved(linkage, np.eye(len(forced)) - monodromy, forced, scale, scale)
+
+
+def _energy_scale(linkage: DrivenLinkage) -> FloatArray:
+    """Positions by their stiffness and velocities by their mass, (2 n,): both count as energies."""
     equations = linkage.equations(np.zeros(1))
-    # Positions by their stiffness and velocities by their mass: both count as energies.
     energies = (np.diagonal(equations.stiffness[0]), np.diagonal(equations.mass[0]))
     scale = np.sqrt(np.abs(np.concatenate(energies)))
-    gap = scale[:, None] * (np.eye(len(forced)) - monodromy) / scale
+    return np.where(scale > 0, scale, 1.0)
+
+
+def _solved(
+    linkage: DrivenLinkage,
+    matrix: FloatArray,
+    forced: FloatArray,
+    rows: FloatArray,
+    columns: FloatArray,
+) -> FloatArray:
+    """Solution of the equations that close a turn, which count and whose unknowns count so much."""
+    gap = rows[:, None] * matrix / columns
     if np.linalg.svd(gap, compute_uv=False)[-1] < CRITICAL:
         raise ComputationError(
             f"crank speed {CRANK_SPEED} is critical: a free vibration fits one turn of the crank "
             "exactly, and without damping no motion is periodic; change the speed a little, or "
             "give the links damping",
-            crank_speed=linkage.drive.speed,
+            crank_speed=np.copysign(2 * np.pi / linkage.drive.revolution_time, linkage.drive.speed),
         )
-    return np.asarray(np.linalg.solve(gap, scale * forced) / scale)
+    return np.asarray(np.linalg.solve(gap, rows * forced) / columns)
 
 
 @dataclass(frozen=True)
