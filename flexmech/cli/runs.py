@@ -76,7 +76,7 @@ def asked_run(
         the [drive] ends with its last dwell.
     start
         rigid: undeformed links at the rigid motion's velocities; equilibrium: links bent
-        quasi-statically by the loads; periodic: on the periodic motion of the linear equations.
+        quasi-statically by the loads; periodic: on the periodic motion, under a motor settled.
     step : auto|SECONDS
         Time step: s unless a unit is given, as in "0.1 ms"; auto: halved until deflections hold
         still.

@@ -13,7 +13,7 @@ from flexmech.analyses.response.request import ResponseRequest
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine
-from flexmech.linkages import MotorRun
+from flexmech.linkages import MotorRun, states_along
 from flexmech.mechanism import require_standing_frame, with_motor_run
 from flexmech.time_domain import Trajectory
 
@@ -40,7 +40,7 @@ def with_motor(
     Raises
     ------
     InputError
-        If the motor's rotor is on a coupling, or the motor does not move the linkage.
+        If the motor does not move the linkage.
     """
     run = request.drive
     if not isinstance(run, MotorRun):
@@ -84,8 +84,12 @@ def motor_of_run(refined: Trajectory, request: ResponseRequest, refinement: int)
         return xr.Dataset()
     time = refined.time
     speed = run.crank_speed(time) + shaft.rate
-    found = motor_variables(run, refined.driving_torque, speed)
-    mean, fluctuation = last_turn(run.crank_angle(time) + shaft.rotation, speed, time)
+    angle = run.crank_angle(time) + shaft.rotation
+    train = run.equation.train
+    states = states_along(train, time, angle, speed, run.states(0.0))
+    given = train.motor_output(speed, states)
+    found = motor_variables(run, given, train.rotor_speed(speed, states))
+    mean, fluctuation = last_turn(angle, speed, time)
     return found.isel(time=slice(None, None, refinement)).assign(
         last_turn_speed=mean, last_turn_fluctuation=fluctuation
     )

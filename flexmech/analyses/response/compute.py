@@ -17,6 +17,7 @@ from flexmech.analyses.response.plan import engines_in_state, planned
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.result import Response
 from flexmech.analyses.response.run import mesh_error, run_engine
+from flexmech.analyses.response.settled import settled_with_links
 from flexmech.analyses.response.shaped_run import check_stops, with_shaped_law
 from flexmech.analyses.response.start import simulation_start
 from flexmech.arrays import LabelledProgress, silent
@@ -25,7 +26,7 @@ from flexmech.dynamical_systems import ON_A_STEP
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment
 from flexmech.linear_system import Engine
-from flexmech.linkages import Drive, MotorDrive, MotorRun
+from flexmech.linkages import Drive, MotorDrive, MotorRun, SettledRun
 from flexmech.mechanism import Mechanism
 from flexmech.threads import one_thread
 from flexmech.time_domain import LinkState
@@ -98,6 +99,10 @@ def response(
         loss = CountedLoss.of(chosen[0])
         chosen = [loss.engine(each) for each in chosen]
         plan = planned(chosen, request)
+        if isinstance(request.drive, SettledRun):
+            turn = settled_with_links(chosen[0], request, plan.highest)
+            request = replace(request, speed=turn)
+            plan = replace(plan, time=request.sample_time(plan.refinement))
         runs = [run_engine(engine, request, plan, report) for engine in chosen]
         dataset = build_dataset(runs, request, plan)
         if check_mesh:

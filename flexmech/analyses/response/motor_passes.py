@@ -18,8 +18,8 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError
-from flexmech.linkages import MotorRun, answer_along, states_along, yielded_along
-from flexmech.time_domain import ShaftTorque, Trajectory
+from flexmech.linkages import DriveTrain, MotorRun, states_along, yielded_along
+from flexmech.time_domain import RotorCoupling, ShaftTorque, Trajectory
 
 logger = logging.getLogger(__name__)
 
@@ -38,8 +38,8 @@ _DEGREE = 5
 
 
 @dataclass
-class _Known:
-    """The motion of the shaft that is known: of the frames, and how it leaves these.
+class KnownMotion:
+    """The motion that is known: of the frames, and how shaft and rotor leave these.
 
     Parameters
     ----------
@@ -51,6 +51,8 @@ class _Known:
         Coordinate by which the shaft turns, and its rate.
     rotation, rate : ndarray, shape (m,)
         Of the shaft against the nominal motion, in rad and rad/s.
+    rotor, rotor_rate : ndarray, shape (m,)
+        Of what the motor turns, the same: of the rotor on its coupling, or of the shaft.
     """
 
     nominal: MotorRun
@@ -59,17 +61,53 @@ class _Known:
     turning: FloatArray
     rotation: FloatArray
     rate: FloatArray
+    rotor: FloatArray
+    rotor_rate: FloatArray
 
-    def at(self, time: FloatArray) -> _Known:
+    @classmethod
+    def recorded(cls, nominal: MotorRun, torque: ShaftTorque) -> KnownMotion:
+        """What a run has recorded.
+
+        Parameters
+        ----------
+        nominal : MotorRun
+        torque : ShaftTorque
+            That acted.
+
+        Returns
+        -------
+        KnownMotion
+        """
+        time, *own = torque.history
+        return cls(nominal, time, *(own if torque.coupling is not None else [*own, *own[2:]]))
+
+    @property
+    def rotor_angle(self) -> FloatArray:
+        """Angle of what the motor turns at the crank, in rad, (m,)."""
+        return np.asarray(self.nominal.crank_angle(self.time) + self.rotor)
+
+    @property
+    def rotor_speed(self) -> FloatArray:
+        """Its speed in rad/s, (m,)."""
+        return np.asarray(self.nominal.crank_speed(self.time) + self.rotor_rate)
+
+    def at(self, time: FloatArray) -> KnownMotion:
         """The same at other times; the last values stay beyond the last of its own."""
         from scipy.interpolate import CubicSpline
 
         inside = np.clip(time, self.time[0], self.time[-1])
-        moved = (
-            CubicSpline(self.time, own)(inside)
-            for own in (self.across, self.turning, self.rotation, self.rate)
-        )
-        return _Known(self.nominal, time, *moved)
+        moved = (CubicSpline(self.time, own)(inside) for own in self._motion)
+        return KnownMotion(self.nominal, time, *moved)
+
+    def turned(self, angle: FloatArray, speed: FloatArray) -> KnownMotion:
+        """Shaft and rotor farther by angles (m,) in rad, which turn at speeds (m,) in rad/s."""
+        moved = (own + by for own, by in zip(self._motion, [angle, speed] * 3, strict=True))
+        return KnownMotion(self.nominal, self.time, *moved)
+
+    @property
+    def _motion(self) -> tuple[FloatArray, ...]:
+        of_shaft = self.across, self.turning, self.rotation, self.rate
+        return *of_shaft, self.rotor, self.rotor_rate
 
 
 @dataclass
@@ -83,7 +121,7 @@ class MotorPasses:
     """
 
     run: MotorRun
-    _known: _Known | None = field(default=None, repr=False)
+    _known: KnownMotion | None = field(default=None, repr=False)
 
     def trajectory(
         self,
@@ -117,15 +155,14 @@ class MotorPasses:
         for number in range(_MOST_PASSES):
             torque = self._torque(known)
             found = march(known.nominal, torque)
-            moved = _Known(known.nominal, *torque.history)
-            given = self._given(moved)[0]
-            applied = torque.beside(moved.time, moved.across, moved.turning)
+            moved = KnownMotion.recorded(known.nominal, torque)
+            given, applied = self._given(moved)[0], self._applied(torque, moved)
             gap = float(np.abs(given - applied).max() / np.abs(given).max())
             logger.info("motor: pass %d, torque off by %.1e", number + 1, gap)
             self._known = moved
-            if gap <= _CONVERGED:
+            if max(gap, self._coupling_gap(torque, moved)) <= _CONVERGED:
                 return self._against_rigid(found, known.nominal)
-            if self.run.equation.motor.state_count and gap > _WORTH:
+            if self._train.state_count and gap > _WORTH:
                 moved = self._yielded(moved, applied)
             # At the steps that were run: beyond them nothing is known that would be smooth.
             known = _followed(moved)
@@ -135,38 +172,84 @@ class MotorPasses:
             "shaft more inertia, or take the exudyn engine"
         )
 
-    def _start(self, time: FloatArray) -> _Known:
+    def torque_along(self, time: FloatArray) -> ShaftTorque:
+        """The motor's torque along the rigid linkage's motion, at times (m,) in s."""
+        return self._torque(self._start(time))
+
+    @property
+    def _train(self) -> DriveTrain:
+        """What turns the rotor: the motor and its gear."""
+        return self.run.equation.train.without_coupling
+
+    @property
+    def _start_states(self) -> FloatArray:
+        """Of the motor at time zero."""
+        return self.run.states(0.0)[2 * self.run.equation.train.is_coupled :]
+
+    def _start(self, time: FloatArray) -> KnownMotion:
         if self._known is not None:
             return self._known.at(time)
-        return _Known(self.run, time, *np.zeros((4, len(time))))
+        still, train = np.zeros_like(time), self.run.equation.train
+        rotor = still, still
+        if train.is_coupled:
+            turned, turning = self.run.states(time)[:2]
+            rotor = turned - self.run.crank_angle(time), turning - self.run.crank_speed(time)
+        return KnownMotion(self.run, time, still, still, still, still, *rotor)
 
-    def _given(self, known: _Known) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Torque on the crank along a motion, and its damping and stiffness."""
-        motor = self.run.equation.motor
-        speed = known.nominal.crank_speed(known.time) + known.rate
-        state = states_along(motor, known.time, speed, self.run.values[2:, 0])
-        torque = motor.motor.gear_ratio * motor.output(speed, state).torque
-        return torque, *answer_along(motor, speed, state)
+    def _given(self, known: KnownMotion) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Torque of the motor at the crank along a motion, and its damping and stiffness."""
+        train, speed = self._train, known.rotor_speed
+        states = states_along(train, known.time, known.rotor_angle, speed, self._start_states)
+        torque = train.on_crank(known.rotor_angle, speed, states)[0]
+        return torque, *train.answer(speed, states)
 
-    def _yielded(self, known: _Known, applied: FloatArray) -> _Known:
+    def _applied(self, torque: ShaftTorque, moved: KnownMotion) -> FloatArray:
+        """The motor's torque that acted in a run."""
+        if torque.coupling is None:
+            return torque.beside(moved.time, moved.across, moved.turning)
+        return torque.beside(moved.time, moved.rotor, moved.rotor_rate)
+
+    def _coupling_gap(self, torque: ShaftTorque, moved: KnownMotion) -> float:
+        """How far the coupling's torque is off that which turned with the shaft."""
+        coupling, now = torque.coupling, self._coupling(moved)
+        if coupling is None or now is None:
+            return 0.0
+        known = np.interp(moved.time, torque.time, coupling.torque)
+        # It counts as far as the shaft leaves the frames.
+        far = float(np.abs(moved.rotation).max())
+        return far * float(np.abs(now.torque - known).max() / np.abs(now.torque).max())
+
+    def _yielded(self, known: KnownMotion, applied: FloatArray) -> KnownMotion:
         """A motion nearer to that under the motor, by the rigid linkage and the motor's states."""
-        equation, nominal = self.run.equation, known.nominal
-        angle = nominal.crank_angle(known.time) + known.rotation
-        speed = nominal.crank_speed(known.time) + known.rate
-        inertia = equation.inertia(angle)
-        start = self.run.values[2:, 0]
-        turned, faster = yielded_along(equation.motor, known.time, speed, applied, inertia, start)
-        rotation, rate = known.rotation + turned, known.rate + faster
-        return replace(
-            known,
-            across=known.across + turned,
-            turning=known.turning + faster,
-            rotation=rotation,
-            rate=rate,
+        angle, speed = known.rotor_angle, known.rotor_speed
+        inertia = self.run.equation.inertia(angle)
+        if self.run.equation.train.is_coupled:
+            inertia = inertia + self.run.drive.motor.inertia_at_crank
+        return known.turned(
+            *yielded_along(
+                self._train, known.time, angle, speed, applied, inertia, self._start_states
+            )
         )
 
-    def _torque(self, known: _Known) -> ShaftTorque:
-        return ShaftTorque(known.time, *self._given(known), known.across, known.turning)
+    def _torque(self, known: KnownMotion) -> ShaftTorque:
+        coupling = self._coupling(known)
+        driven = known.across, known.turning
+        if coupling is not None:
+            driven = known.rotor, known.rotor_rate
+        return ShaftTorque(known.time, *self._given(known), *driven, coupling)
+
+    def _coupling(self, known: KnownMotion) -> RotorCoupling | None:
+        """The coupling with its torque along a motion; None of a rotor without one."""
+        motor, begin = self.run.drive.motor, self.run.values[:, 0]
+        if motor.coupling_stiffness is None:
+            return None
+        start = float(begin[2] - begin[0]), float(begin[3] - begin[1])
+        numbers = motor.inertia_at_crank, motor.coupling_stiffness, motor.coupling_damping
+        none = np.zeros_like(known.time)
+        bare = RotorCoupling(*numbers, start, none, none)
+        twist, rate = known.rotor - known.rotation, known.rotor_rate - known.rate
+        lag = bare.carried(known.across - known.rotation, known.turning - known.rate)
+        return replace(bare, torque=bare.carried(twist, rate), lag=lag)
 
     def _against_rigid(self, found: Trajectory, nominal: MotorRun) -> Trajectory:
         if nominal is self.run or found.shaft is None:
@@ -178,7 +261,7 @@ class MotorPasses:
         return replace(found, shaft=turned)
 
 
-def _followed(known: _Known) -> _Known:
+def _followed(known: KnownMotion) -> KnownMotion:
     """The same motion with frames that follow the smooth part of a shaft that is far off."""
     if np.abs(known.rotation).max() <= _FAR:
         return known
@@ -205,4 +288,7 @@ def _followed(known: _Known) -> _Known:
         second_rates=np.stack(moved[2:4]),
     )
     rotation, rate = known.rotation - smooth(time), known.rate - smooth(time, nu=1)
-    return _Known(followed, time, np.sin(rotation), np.cos(rotation) * rate, rotation, rate)
+    rotor = known.rotor - smooth(time), known.rotor_rate - smooth(time, nu=1)
+    return KnownMotion(
+        followed, time, np.sin(rotation), np.cos(rotation) * rate, rotation, rate, *rotor
+    )

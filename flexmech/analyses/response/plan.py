@@ -17,6 +17,7 @@ from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine, LinkFrames, LinkModel, OverdampedError, RotationTerms
+from flexmech.linkages import MotorRun
 from flexmech.validation import check_instance
 
 # Spectra reach this far above the highest natural frequency asked for, so that its peak stands
@@ -95,7 +96,8 @@ def engines_in_state(
         chosen = [engine.with_(mechanism=wet).fit_for(request.modes) for engine in chosen]
     if request.shaft is not None:
         chosen = [engine.with_(shaft=request.shaft) for engine in chosen]
-    if request.start == "periodic" and any(engine.shaft == "free" for engine in chosen):
+    free = any(engine.shaft == "free" for engine in chosen)
+    if request.start == "periodic" and free and not isinstance(request.drive, MotorRun):
         raise InputError(NO_PERIODIC_START)
     linear = [engine.name for engine in chosen if not engine.simulates]
     if linear and chosen[0].shaft == "free" and request.prestress == "none":

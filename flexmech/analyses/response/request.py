@@ -14,7 +14,7 @@ from flexmech.arrays import FloatArray
 from flexmech.crank_values import MOST_MOVE_TIMES
 from flexmech.errors import InputError
 from flexmech.linkages import CrankDrive, Drive, MotorDrive, MotorRun, check_shapeable
-from flexmech.mechanism import Mechanism, motor_run
+from flexmech.mechanism import Mechanism, motor_run, settled_run
 from flexmech.validation import (
     POSITIVE,
     Bounds,
@@ -112,7 +112,7 @@ class ResponseRequest:
     start : {"rigid", "equilibrium", "periodic"}
         Undeformed links with the rigid motion's velocities; links bent as the loads bend
         them quasi-statically (engines that simulate: at the nonlinear equilibrium); or on the
-        periodic orbit of the linear equations.
+        periodic orbit of the linear equations, under a motor on its settled motion.
     step : float, optional
         Time step in s; chosen from ``modes`` and checked by halving where it is left out.
     integrator : {"trapezoidal", "generalized-alpha"}
@@ -201,11 +201,6 @@ class ResponseRequest:
             self._check_duration()
 
     def _check_motor(self) -> None:
-        if self.start == "periodic":
-            raise InputError(
-                "a periodic start needs a prescribed shaft, and a motor runs up from rest; choose "
-                "start rigid or equilibrium"
-            )
         if self.shaft == "prescribed":
             raise InputError(
                 "shaft prescribed: a motor turns a free shaft; leave the shaft out, or give a "
@@ -282,6 +277,8 @@ class ResponseRequest:
         Of a motor with the motion that it gives the rigid linkage of the mechanism.
         """
         if isinstance(self.speed, MotorDrive):
+            if self.start == "periodic":
+                return replace(self, speed=settled_run(mechanism, self.speed, self.revolutions))
             return replace(self, speed=motor_run(mechanism, self.speed, self.revolutions))
         if self.speed is not None:
             return self

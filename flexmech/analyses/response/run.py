@@ -340,6 +340,8 @@ def _run(
             shaft_torque=torque,
         )
         state = linear_start(linkage, request, step)
+        if linkage.rotor is not None:
+            state = linkage.rotor.started(state)
         return linear_run(
             linkage, state.position, state.velocity, plan.time, step, progress, band=plan.band
         )

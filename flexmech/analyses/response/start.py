@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.response.tension_at_start import (
+    linear_forces,
+    without_second_order_stretch,
+)
 from flexmech.arrays import FloatArray
-from flexmech.choices import Prestress
 from flexmech.dynamical_systems import VibrationState
-from flexmech.linear_system import COORDINATES, Engine, LinkFrames, RotationTerms
-from flexmech.linkages import Drive, Load, RigidMotion
+from flexmech.linear_system import COORDINATES, Engine, LinkFrames
+from flexmech.linkages import Drive, Load, MotorRun, RigidMotion
 from flexmech.time_domain import (
     DrivenLinkage,
     FrameMotion,
@@ -63,6 +65,8 @@ class _PeriodicMotion:
 
     Parameters
     ----------
+    engine : Engine
+        With a prescribed shaft.
     time : ndarray, shape (3,)
     motion : RigidMotion
     displacement : list of ndarray, shape (3, n_link)
@@ -73,6 +77,7 @@ class _PeriodicMotion:
         Of a frame on springs at each time, arrays of shape (1, 3).
     """
 
+    engine: Engine
     time: FloatArray
     motion: RigidMotion
     displacement: list[FloatArray]
@@ -81,7 +86,9 @@ class _PeriodicMotion:
 
     @classmethod
     def of(cls, engine: Engine, request: ResponseRequest, step: float) -> _PeriodicMotion:
-        """Find it, and its motion for a moment."""
+        """Find it, and its motion for a moment; a motor turns the shaft as its run says."""
+        if isinstance(request.drive, MotorRun):
+            engine = engine.with_(shaft="prescribed")
         linkage = DrivenLinkage(
             engine, request.drive, request.prestress, modes=request.modes, with_energy=False
         )
@@ -97,12 +104,17 @@ class _PeriodicMotion:
             zip(linkage.bases, linkage.link_motion(linkage.equations(time), near), strict=True)
         )
         return cls(
+            engine,
             time,
             linkage.motion(time),
             [q @ basis.T for basis, (q, _, _) in links],
             [basis @ rate[0] for basis, (_, rate, _) in links],
             [linkage.frame_motion(near[number : number + 1]) for number in range(len(time))],
         )
+
+    def state(self, number: int) -> LinkState:
+        """State of the engine's links at one of the times, with the rates at the first."""
+        return LinkState([q[number] for q in self.displacement], self.rate, self.frame[number])
 
 
 def _on_periodic_motion(engine: Engine, request: ResponseRequest, step: float) -> LinkState:
@@ -112,6 +124,7 @@ def _on_periodic_motion(engine: Engine, request: ResponseRequest, step: float) -
     """
     linear = _PeriodicMotion.of(engine, request, step)
     time, motion, was = linear.time, linear.motion, linear.displacement
+    engine = linear.engine
 
     def internal_forces(displacement: list[FloatArray]) -> list[FloatArray]:
         found = engine.running_links(motion, displacement).internal_force
@@ -228,6 +241,9 @@ def linear_start(linkage: DrivenLinkage, request: ResponseRequest, step: float) 
     if linkage.stretch is not None:
         return _stretching_start(linkage, request, step)
     if request.start == "periodic":
+        if linkage.shaft is not None:
+            first = _PeriodicMotion.of(linkage.engine, request, step).state(0)
+            return VibrationState(*linkage.coordinates(first), nothing)
         return periodic_state(linkage, _steps_of_a_turn(request, step))
     time = _start_times(request.drive)
     position = linkage.quasi_static_equations(time).quasi_static(
@@ -259,7 +275,7 @@ def _stretching_on_periodic_motion(
     assert linkage.stretch is not None
     linear = _PeriodicMotion.of(linkage.engine, request, step)
     time, motion, frames = linear.time, linear.motion, linkage.frames
-    forces = linear_forces(linkage.engine, motion, linear.displacement, request.prestress)
+    forces = linear_forces(linear.engine, motion, linear.displacement, request.prestress)
     links = list(zip(frames.links, linkage.stretch.links, strict=True))
 
     def internal_forces(displacement: list[FloatArray]) -> list[FloatArray]:
@@ -268,16 +284,13 @@ def _stretching_on_periodic_motion(
             for (link, stretch), p in zip(links, displacement, strict=True)
         ]
 
-    states = [
-        linkage.coordinates(
-            LinkState([q[i] for q in linear.displacement], linear.rate, linear.frame[i]), float(t)
-        )
-        for i, t in enumerate(time)
-    ]
+    states = [linkage.coordinates(linear.state(i), float(t)) for i, t in enumerate(time)]
     position = np.stack([z for z, _ in states])
     was = [p[..., 0] for p in frames.link_coordinates(motion, position[..., None])]
     expected = [force @ basis for force, basis in zip(forces, linkage.bases, strict=True)]
-    placed = without_second_order_stretch(frames, motion, was, expected, internal_forces)
+    shaft = linkage.shaft
+    held = () if shaft is None else np.flatnonzero(shaft.coordinate)
+    placed = without_second_order_stretch(frames, motion, was, expected, internal_forces, held)
     moved = [(p - before)[..., None] for p, before in zip(placed, was, strict=True)]
     taken_back = np.zeros_like(position)
     taken_back[:, : frames.size] = frames.independent(motion, moved)[..., 0]
@@ -297,95 +310,3 @@ def _rate(position: FloatArray, time: FloatArray) -> FloatArray:
 
 def _steps_of_a_turn(request: ResponseRequest, step: float) -> int:
     return max(_LEAST_STEPS_OF_A_TURN, round(request.drive.revolution_time / step))
-
-
-# Each leaves of the stretch about the part by which the links have turned.
-_PASSES = 4
-
-
-# Internal forces (B, n_link) of nonlinear links at displacements (B, n_link).
-Forces = Callable[[list[FloatArray]], Sequence[FloatArray]]
-
-
-def without_second_order_stretch(
-    frames: LinkFrames,
-    motion: RigidMotion,
-    displacement: Sequence[FloatArray],
-    expected: Sequence[FloatArray],
-    internal_forces: Forces,
-) -> list[FloatArray]:
-    """Displacements at which nonlinear links have the tension that linear ones have.
-
-    Parameters
-    ----------
-    frames : LinkFrames
-        Of the links, reduced or not.
-    motion : RigidMotion
-        Batch of shape (B,).
-    displacement : sequence of ndarray, shape (B, n_link)
-        Of each link in its frame, by the linear equations.
-    expected : sequence of ndarray, shape (B, n_link)
-        Internal forces by the linear equations: :func:`linear_forces`.
-    internal_forces : callable
-
-    Returns
-    -------
-    list of ndarray, shape (B, n_link)
-    """
-    straight = [link.stiffness for link in frames.links]
-    stiffness = frames.assemble(motion, straight, RotationTerms.all_or_none(False)).stiffness
-    taken_back = list(displacement)
-    for _ in range(_PASSES):
-        found = internal_forces(taken_back)
-        stretching = [
-            np.where(link.is_axial, force - linear, 0.0)
-            for link, force, linear in zip(frames.links, found, expected, strict=True)
-        ]
-        gathered = frames.gather(motion, stretching)
-        step = np.linalg.solve(stiffness, gathered[..., None])
-        moved = frames.link_coordinates(motion, step)
-        taken_back = [q - by[..., 0] for q, by in zip(taken_back, moved, strict=True)]
-    return taken_back
-
-
-def linear_forces(
-    engine: Engine,
-    motion: RigidMotion,
-    displacement: Sequence[FloatArray],
-    prestress: Prestress,
-) -> list[FloatArray]:
-    """Internal force of each link by its tangent in the state that it is linear about.
-
-    Parameters
-    ----------
-    engine : Engine
-    motion : RigidMotion
-        Batch of shape (B,).
-    displacement : sequence of ndarray, shape (B, n_link)
-        Of each link in its frame.
-    prestress : {"none", "axial", "equilibrium"}
-        What the equations are linear about.
-
-    Returns
-    -------
-    list of ndarray, shape (B, n_link)
-
-    Raises
-    ------
-    ComputationError
-        If there is no equilibrium.
-    """
-    state = engine.stressed_links(motion, prestress)
-    forces = [np.zeros_like(q) for q in displacement]
-    beyond = list(displacement)
-    if state.displacement is not None:
-        found = state.internal_force
-        if found is None:
-            found = engine.running_links(motion, state.displacement).internal_force
-        assert found is not None
-        forces = found
-        beyond = [q - at for q, at in zip(displacement, state.displacement, strict=True)]
-    return [
-        force + (tangent @ change[..., None])[..., 0]
-        for force, tangent, change in zip(forces, state.tangent, beyond, strict=True)
-    ]

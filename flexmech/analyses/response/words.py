@@ -151,6 +151,8 @@ def shaft_lines(data: xr.Dataset) -> list[str]:
     left = "under the torque that drives the rigid linkage; it leaves its prescribed "
     if "motor_torque" in data:
         left = "under the motor; with elastic links it leaves the rigid linkage's "
+        if data.attrs["start"] == "periodic":
+            left = "under the motor; it leaves the settled motion that was found directly in its "
     lines = [
         f"shaft: free, {left}"
         f"angle by at most {listed(DEGREES * peak, '{:.4g} deg')}, its speed the crank speed "
