@@ -14,7 +14,7 @@ from flexmech.units import from_si
 # Relative error of the rigid linkage's motion under a motor: below all digits that are printed.
 _TOLD = 1e-6
 # By which a run of one turn may lack of it, once elastic links have moved the shaft.
-_A_TURN = 1e-5
+_A_TURN = 1e-3
 _VARIABLES = ("motor_torque", "motor_speed", "motor_power", "motor_current")
 _COLUMNS = {
     "motor_torque_Nm": "motor_torque",
@@ -123,12 +123,12 @@ def last_turn(angle: FloatArray, speed: FloatArray, time: FloatArray) -> tuple[f
         In rad/s, and greatest less least speed over the mean; not numbers of less than a turn.
     """
     way = np.abs(angle - angle[-1])
-    turn = 2 * np.pi * (1 - _A_TURN)
-    if way[0] < turn:
+    if way[0] < 2 * np.pi * (1 - _A_TURN):
         return np.nan, np.nan
+    turn = min(2 * np.pi, float(way[0]))
     first = int(np.flatnonzero(way >= turn)[-1])
-    begin = float(np.interp(2 * np.pi, way[first : first + 2][::-1], time[first : first + 2][::-1]))
-    mean = np.sign(angle[-1] - angle[0]) * 2 * np.pi / (time[-1] - begin)
+    begin = float(np.interp(turn, way[first : first + 2][::-1], time[first : first + 2][::-1]))
+    mean = np.sign(angle[-1] - angle[0]) * turn / (time[-1] - begin)
     return float(mean), speed_range(time[first:], speed[first:]) / abs(float(mean))
 
 

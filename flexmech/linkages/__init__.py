@@ -42,13 +42,9 @@ from flexmech.linkages.motors.motor_drive import MotorDrive
 from flexmech.linkages.motors.motor_run import MotorRun, Stall, solved_run
 from flexmech.linkages.motors.settled import SettledMotion, settled_motion, speed_range
 from flexmech.linkages.motors.settled_run import SettledRun, TwistedShaft, repeated
-from flexmech.linkages.motors.shaft_equation import (
-    AddedTorque,
-    ShaftEquation,
-    ShaftLoad,
-    periodic_spline,
-)
+from flexmech.linkages.motors.shaft_equation import AddedTorque, ShaftEquation, ShaftLoad
 from flexmech.linkages.motors.speed_control import DrivenBy, MotorOutput, SpeedControl
+from flexmech.linkages.motors.turn_series import TurnSeries
 from flexmech.linkages.moving_points import moving_points
 from flexmech.linkages.planar import PlanarJoint, PlanarLink, PlanarLinkage
 from flexmech.linkages.rotating_arm import RotatingArm
@@ -122,6 +118,7 @@ __all__ = [
     "Topology",
     "TorqueMotor",
     "TransmissionDesign",
+    "TurnSeries",
     "TwistedShaft",
     "Weld",
     "assemblable",
@@ -142,7 +139,6 @@ __all__ = [
     "linkage_positions",
     "lumped_elements",
     "moving_points",
-    "periodic_spline",
     "picture_crank_angle",
     "repeated",
     "rocker_swing",

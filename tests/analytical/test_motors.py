@@ -28,7 +28,7 @@ from flexmech import (
     motor_run,
 )
 from flexmech.arrays import FloatArray
-from flexmech.linkages import AttachmentPoint, Motor, continuous_angles
+from flexmech.linkages import AttachmentPoint, Motor, TurnSeries, continuous_angles
 from flexmech.modelfile import mechanism_from_toml
 
 # Validation V16: crank .1 m, rod .3 m, masses .2, .2, slider .4 kg, slender bars.
@@ -345,3 +345,22 @@ def test_pieces_are_consistent() -> None:
 def test_motors_that_are_none_are_refused(make: object, message: str) -> None:
     with pytest.raises(InputError, match=message):
         make()  # type: ignore[operator]
+
+
+def test_a_series_over_a_turn_is_its_function() -> None:
+    """Values and derivatives of few harmonics, known at uneven angles, also beyond a turn."""
+
+    def function(angle: FloatArray, order: int = 0) -> FloatArray:
+        shifted = angle + order * np.pi / 2
+        return (
+            (order == 0) * 0.3
+            + np.cos(shifted)
+            - 0.2 * 3.0**order * np.sin(3 * angle + order * np.pi / 2)
+        )
+
+    even = np.linspace(0.5, 0.5 + 2 * np.pi, 1441)[:-1]
+    known = even + 0.02 * np.sin(even)
+    series = TurnSeries.of(known, function(known), 20)
+    angle = np.linspace(-4.0, 9.0, 57)
+    for order in range(3):
+        np.testing.assert_allclose(series(angle, order), function(angle, order), atol=1e-8)

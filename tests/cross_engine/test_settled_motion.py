@@ -61,7 +61,7 @@ def run(
 def test_both_engines_stay_on_it(
     motor: Motor, control: SpeedControl | None, gravity: float
 ) -> None:
-    """A free shaft under the motor turns as found, to a part in a thousand of its fluctuation."""
+    """A free shaft under the motor turns as found, to a thousandth of its fluctuation."""
     mechanism = replace(MECHANISM, gravity=(0.0, gravity))
     data = run(motor, control, mechanism=mechanism, engines=BOTH)
     found = float(data.attrs["elastic_settled_fluctuation"])
@@ -70,7 +70,7 @@ def test_both_engines_stay_on_it(
     assert abs(found / float(data.attrs["settled_fluctuation"]) - 1) > 0.008
     for engine in ("reference", "exudyn"):
         own = data.sel(engine=engine)
-        assert float(own["last_turn_fluctuation"]) == pytest.approx(found, rel=2e-3)
+        assert float(own["last_turn_fluctuation"]) == pytest.approx(found, rel=1e-3)
         assert float(own["last_turn_speed"]) == pytest.approx(speed, rel=2e-5)
         assert float(own["peak_shaft_rotation"]) < 1e-4
         # The links end the turn as they began it.
@@ -78,6 +78,25 @@ def test_both_engines_stay_on_it(
         assert np.abs(bent[-1] - bent[0]).max() < 3e-3 * np.abs(bent).max()
 
 
+@pytest.mark.thorough
+def test_of_a_slider_crank_that_fluctuates_by_two_fifths() -> None:
+    """Links change that by a twelfth of it; what is linear in the search leaves a part of that."""
+    mechanism = load_mechanism("models/slider_crank.toml")
+    motor = TorqueMotor((0.0, 200.0), (0.4, 0.0), inertia=2e-4)
+    data = run(motor, mechanism=mechanism, engines=BOTH, step=2e-5)
+    found = float(data.attrs["elastic_settled_fluctuation"])
+    assert found / float(data.attrs["settled_fluctuation"]) > 1.07
+    np.testing.assert_allclose(data["last_turn_fluctuation"], found, rtol=3e-3)
+    speed = float(data.attrs["elastic_settled_speed"])
+    np.testing.assert_allclose(data["last_turn_speed"], speed, rtol=1e-3)
+
+
+def test_exudyn_alone_runs_on_it() -> None:
+    data = run(CURVE, engines=(ExudynEngine,))
+    assert float(data["peak_shaft_rotation"].item()) < 2e-5
+
+
+@pytest.mark.thorough
 def test_a_long_run_from_rest_ends_on_it() -> None:
     from_rest = run(CURVE, start="equilibrium", revolutions=8.0, step=5e-4)
     directly = run(CURVE)
@@ -113,9 +132,12 @@ def test_a_stiff_coupling_is_none() -> None:
     assert off[0] / off[1] == pytest.approx(10.0, rel=0.15)
 
 
-def test_its_turns_are_one_law() -> None:
+@pytest.mark.parametrize(
+    "motor", [CURVE, pytest.param(COUPLED, marks=pytest.mark.thorough)], ids=["rigid", "coupled"]
+)
+def test_its_turns_are_one_law(motor: Motor) -> None:
     """Angle, speed and acceleration go on from turn to turn, and repeat themselves."""
-    turns = settled_run(MECHANISM, MotorDrive(COUPLED, start_angle=0.7), 3.0)
+    turns = settled_run(MECHANISM, MotorDrive(motor, start_angle=0.7), 3.0)
     once = turns.revolution_time
     assert turns.duration == pytest.approx(3 * once)
     assert float(turns.crank_angle(0.0)) == pytest.approx(0.7)

@@ -100,7 +100,7 @@ def response(
         chosen = [loss.engine(each) for each in chosen]
         plan = planned(chosen, request)
         if isinstance(request.drive, SettledRun):
-            turn = settled_with_links(chosen[0], request, plan.highest)
+            turn = settled_with_links(chosen, request, plan.highest)
             request = replace(request, speed=turn)
             plan = replace(plan, time=request.sample_time(plan.refinement))
         runs = [run_engine(engine, request, plan, report) for engine in chosen]

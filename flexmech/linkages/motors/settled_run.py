@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +15,7 @@ from flexmech.linkages.motors.motor_drive import MotorDrive
 from flexmech.linkages.motors.motor_run import BEYOND, MOST_PIECES, MotorRun, second_rates
 from flexmech.linkages.motors.settled import SettledMotion
 from flexmech.linkages.motors.shaft_equation import ShaftEquation
+from flexmech.linkages.motors.turn_series import TurnSeries
 
 # Turns that are known at least: what is made of one looks beyond its end.
 _LEAST_TURNS = 2
@@ -73,13 +73,13 @@ class TwistedShaft:
         Of the rotor without the coupling, whose load is all that the coupling carries.
     train : DriveTrain
         With the coupling.
-    twist : Any
-        Periodic spline of the twist in rad over the rotor's angle in rad.
+    twist : TurnSeries
+        In rad over the rotor's angle.
     """
 
     rotor: ShaftEquation
     train: DriveTrain
-    twist: Any
+    twist: TurnSeries
 
     def values(self, rotor: FloatArray) -> FloatArray:
         """Values (n + 2, m) by those of the rotor (n, m): angle, speed, and the motor's states."""

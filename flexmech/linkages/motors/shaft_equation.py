@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +11,7 @@ from numpy.typing import ArrayLike
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.motors.drive_train import DriveTrain
+from flexmech.linkages.motors.turn_series import TurnSeries
 
 
 class ShaftLoad(Protocol):
@@ -53,15 +53,12 @@ class AddedTorque:
     ----------
     load : ShaftLoad
         The other one.
-    angle : ndarray, shape (m,)
-        Increasing, over less than a turn, in rad.
-    torque : ndarray, shape (m,)
-        Needed besides, in N m; a periodic cubic spline between.
+    torque : TurnSeries
+        Needed besides over the crank angle, in N m.
     """
 
     load: ShaftLoad
-    angle: FloatArray
-    torque: FloatArray
+    torque: TurnSeries
 
     @property
     def over_time(self) -> bool:
@@ -93,33 +90,7 @@ class AddedTorque:
             In rad, rad/s and s.
         """
         inertia, needed = self.load.parts(angle, speed, time)
-        return inertia, np.asarray(needed + self._spline(angle))
-
-    @cached_property
-    def _spline(self) -> Any:
-        return periodic_spline(self.angle, self.torque)
-
-
-def periodic_spline(angle: FloatArray, values: FloatArray) -> Any:
-    """Cubic spline over the crank angle that repeats itself from turn to turn.
-
-    Parameters
-    ----------
-    angle : ndarray, shape (m,)
-        Increasing, over less than a turn, in rad.
-    values : ndarray, shape (m,)
-
-    Returns
-    -------
-    scipy.interpolate.CubicSpline
-        At any angle.
-    """
-    from scipy.interpolate import CubicSpline
-
-    whole = np.append(angle, angle[0] + 2 * np.pi)
-    return CubicSpline(
-        whole, np.append(values, values[0]), bc_type="periodic", extrapolate="periodic"
-    )
+        return inertia, needed + self.torque(angle)
 
 
 @dataclass(frozen=True, eq=False)
