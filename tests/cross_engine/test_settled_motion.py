@@ -22,9 +22,11 @@ from flexmech import (
     load_mechanism,
     response,
 )
+from flexmech.analyses.response.motor_passes import MotorPasses
 from flexmech.linear_system import Engine
 from flexmech.linkages import Motor
-from flexmech.mechanism import Mechanism, settled_run
+from flexmech.mechanism import Mechanism, settled_run, with_motor_run
+from flexmech.time_domain import DrivenLinkage, linear_run, state_under_motor
 
 MECHANISM = load_mechanism("models/aluminium_fourbar.toml")
 CURVE = TorqueMotor((0.0, 20.0), (1.5, 0.0), inertia=5e-3)
@@ -163,3 +165,37 @@ def test_what_has_no_settled_motion_is_refused() -> None:
         settled_run(weighed, weak)
     with pytest.raises(InputError, match="a periodic start needs a prescribed shaft"):
         ResponseRequest(20.0, start="periodic", shaft="free")
+
+
+def test_a_constant_torque_is_taken_back_that_the_time_of_a_turn_does_not_allow() -> None:
+    """A motor that is stronger than along the motion: what keeps the time takes the rest back."""
+    turns = settled_run(MECHANISM, MotorDrive(CURVE))
+    steps = 720
+    step = turns.revolution_time / steps
+    own = with_motor_run(MECHANISM, turns)
+    engine = ReferenceEngine(own, 2, shaft="free").fit_for(2)
+    along = MotorPasses(turns).torque_along(step * np.arange(2.0 * steps))
+
+    def linkage(more: float) -> DrivenLinkage:
+        given = replace(along, torque=along.torque + more, recorded=[])
+        return DrivenLinkage(engine, turns, "axial", modes=2, shaft_torque=given)
+
+    states, constants = zip(
+        *(state_under_motor(linkage(more), linkage(more + 1), steps) for more in (0.0, 0.02)),
+        strict=True,
+    )
+    assert constants[1] - constants[0] == pytest.approx(-0.02, rel=1e-6)
+    np.testing.assert_allclose(states[1].velocity, states[0].velocity, atol=1e-8)
+    shaft = linkage(0.0).shaft_coordinates[0]
+    assert states[0].position[shaft] == pytest.approx(0.0, abs=1e-12)
+    # The turn closes with it alone.
+    for constant, closes in ((constants[1] + 0.02, True), (0.02, False)):
+        end = linear_run(
+            linkage(constant),
+            states[0].position,
+            states[0].velocity,
+            step * np.arange(steps + 1.0),
+            step,
+        ).shaft
+        assert end is not None
+        assert (abs(float(np.diff(end.rate[[0, -1]])[0])) < 1e-8) is closes
