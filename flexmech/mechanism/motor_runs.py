@@ -97,8 +97,7 @@ def settled_run(mechanism: Mechanism, drive: MotorDrive, revolutions: float = 1.
             "stronger one"
         )
     near = run.values[:, -1].copy()
-    turned = near[0] - drive.start_angle
-    near[[0, 2] if run.equation.train.is_coupled else [0]] -= turned
+    near[run.equation.train.angles] -= near[0] - drive.start_angle
     turn = settled_motion(run.equation, near)
     if turn is None:
         raise InputError(

@@ -184,7 +184,7 @@ class MotorPasses:
     @property
     def _start_states(self) -> FloatArray:
         """Of the motor at time zero."""
-        return self.run.states(0.0)[2 * self.run.equation.train.is_coupled :]
+        return self.run.equation.train.motor_states(self.run.states(0.0))
 
     def _start(self, time: FloatArray) -> KnownMotion:
         if self._known is not None:

@@ -143,7 +143,7 @@ def _settled(
 
     load = AddedTorque(equation.load, over_turn(torque[once] - needed))
     rotor = replace(equation, load=load, train=equation.train.without_coupling)
-    states = run.states(0.0)[2 * equation.train.is_coupled :]
+    states = equation.train.motor_states(run.states(0.0))
     twist = over_turn((found.rotor - found.rotation)[once])
     start = run.drive.start_angle
     begin = start

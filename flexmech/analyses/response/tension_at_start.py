@@ -53,6 +53,8 @@ def without_second_order_stretch(
     """
     straight = [link.stiffness for link in frames.links]
     stiffness = frames.assemble(motion, straight, RotationTerms.all_or_none(False)).stiffness
+    free = np.setdiff1d(np.arange(stiffness.shape[-1]), held)
+    of_free = stiffness[..., free[:, None], free]
     taken_back = list(displacement)
     for _ in range(_PASSES):
         found = internal_forces(taken_back)
@@ -61,10 +63,8 @@ def without_second_order_stretch(
             for link, force, linear in zip(frames.links, found, expected, strict=True)
         ]
         gathered = frames.gather(motion, stretching)
-        free = np.setdiff1d(np.arange(gathered.shape[-1]), held)
         step = np.zeros((*gathered.shape, 1))
-        part = stiffness[..., free[:, None], free]
-        step[:, free] = np.linalg.solve(part, gathered[:, free, None])
+        step[:, free] = np.linalg.solve(of_free, gathered[:, free, None])
         moved = frames.link_coordinates(motion, step)
         taken_back = [q - by[..., 0] for q, by in zip(taken_back, moved, strict=True)]
     return taken_back

@@ -13,8 +13,6 @@ from flexmech.linkages.motors.drive_train import DriveTrain
 
 # Relative and absolute tolerance: below what ends the passes of a run.
 _TOLERANCE = 1e-9
-# Of a correction, which the next run makes good.
-_ROUGH = 1e-9
 
 
 def states_along(
@@ -51,7 +49,7 @@ def states_along(
         place, turning = known(at)
         return train.on_crank(place, turning, states)[1]
 
-    return _integrated(rates, time, start, _TOLERANCE)
+    return _integrated(rates, time, start)
 
 
 def yielded_along(
@@ -95,22 +93,19 @@ def yielded_along(
         torque, changes = train.on_crank(place + values[0], was + values[1], values[2:])
         return np.concatenate([[values[1], (torque - given) / own], changes])
 
-    found = _integrated(rates, time, np.concatenate([np.zeros(2), start]), _ROUGH)
+    found = _integrated(rates, time, np.concatenate([np.zeros(2), start]))
     return found[0], found[1]
 
 
 def _integrated(
-    rates: Callable[[float, FloatArray], FloatArray],
-    time: FloatArray,
-    start: FloatArray,
-    tolerance: float,
+    rates: Callable[[float, FloatArray], FloatArray], time: FloatArray, start: FloatArray
 ) -> FloatArray:
     """Values (n, m) at times (m,), by the explicit Runge-Kutta method of eighth order."""
     from scipy.integrate import solve_ivp
 
     span = (float(time[0]), float(time[-1]))
     found: Any = solve_ivp(
-        rates, span, start, method="DOP853", t_eval=time, rtol=tolerance, atol=tolerance
+        rates, span, start, method="DOP853", t_eval=time, rtol=_TOLERANCE, atol=_TOLERANCE
     )
     if not found.success:
         raise ComputationError(

@@ -39,6 +39,11 @@ class DriveTrain:
         return self._own + self.driven_by.state_count
 
     @property
+    def angles(self) -> list[int]:
+        """Which values of a shaft are angles: the crank's, and that of a rotor on a coupling."""
+        return [0, 2] if self.is_coupled else [0]
+
+    @property
     def without_coupling(self) -> DriveTrain:
         """Motor and gear alone, which turn the rotor."""
         if not self.is_coupled:
@@ -74,13 +79,18 @@ class DriveTrain:
             states[self._own] = motor.holding_current(needed / motor.gear_ratio)
         return states
 
+    def motor_states(self, states: FloatArray) -> FloatArray:
+        """Those of the motor alone, (motor's count, ...), of all states (state_count, ...)."""
+        return np.asarray(states[self._own :])
+
     def rotor_speed(self, speed: FloatArray, states: FloatArray) -> FloatArray:
         """Speed of the rotor over the gear ratio in rad/s, (...)."""
         return states[1] if self.is_coupled else speed
 
     def motor_output(self, speed: FloatArray, states: FloatArray) -> MotorOutput:
         """What the motor gives at crank speeds (...) in rad/s and states (state_count, ...)."""
-        return self.driven_by.output(self.rotor_speed(speed, states), states[self._own :])
+        turning = self.rotor_speed(speed, states)
+        return self.driven_by.output(turning, self.motor_states(states))
 
     def on_crank(
         self, angle: FloatArray, speed: FloatArray, states: FloatArray

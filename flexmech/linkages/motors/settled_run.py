@@ -129,9 +129,7 @@ def repeated(
         )
     # Angles go on from turn to turn, of the crank and of a rotor on a coupling.
     grows = np.zeros((len(turn.values), 1))
-    grows[[0, 2] if turn.equation.train.is_coupled else [0]] = (
-        turn.values[0, -1] - turn.values[0, 0]
-    )
+    grows[turn.equation.train.angles] = turn.values[0, -1] - turn.values[0, 0]
     parts = [turn.values[:, :-1] + number * grows for number in range(count)]
     time = [turn.time[:-1] + number * once for number in range(count)]
     whole = np.concatenate([*time, [count * once]])
