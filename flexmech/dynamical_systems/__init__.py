@@ -55,6 +55,7 @@ from flexmech.dynamical_systems.signals import (
     LowPass,
     hermite_interpolation,
     linear_interpolation,
+    look_ahead,
     sample_intervals,
 )
 
@@ -80,6 +81,7 @@ __all__ = [
     "initial_state",
     "krein_signature",
     "linear_interpolation",
+    "look_ahead",
     "magnus_exponents",
     "march",
     "matrix_exponentials",

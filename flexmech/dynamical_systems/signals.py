@@ -25,6 +25,17 @@ WEIGHTED = 3.0
 ON_A_STEP = 1e-6
 
 
+def look_ahead(band: float) -> float:
+    """Time in s before and after an instant that a filtered value depends on.
+
+    Parameters
+    ----------
+    band : float
+        Of :class:`LowPass`, in Hz.
+    """
+    return float((ATTENUATION - 7.95) / (4 * 2.285 * np.pi * band))
+
+
 class LowPass:
     """Finite impulse response without delay: Kaiser's window (Oppenheim & Schafer, ch. 7).
 
@@ -55,7 +66,7 @@ class LowPass:
         self.kernel: FloatArray = np.ones(1)
         if middle < nyquist:
             beta = scipy.signal.kaiser_beta(ATTENUATION)
-            half = int(np.ceil((ATTENUATION - 7.95) / (2.285 * np.pi * band / nyquist) / 2))
+            half = int(np.ceil(look_ahead(band) / step))
             self.kernel = scipy.signal.firwin(
                 2 * half + 1, middle, window=("kaiser", beta), fs=1 / step
             )

@@ -317,6 +317,18 @@ def test_pieces_are_consistent() -> None:
         np.testing.assert_allclose(before, after, atol=1e-8 * float(np.abs(after).max()))
 
 
+def test_a_run_goes_on_as_a_longer_one() -> None:
+    motor = TorqueMotor((0.0, 20.0), (2.0, 0.0), inertia=1e-3)
+    run, longer = (run_of(FOUR_BAR, motor, time=time) for time in (0.1, 0.3))
+    further = run.known_until(0.3)
+    assert further.duration == run.duration == 0.1
+    assert further.known_until(0.2) is further
+    time = np.linspace(0.0, 0.3, 301)
+    for name in ("crank_angle", "crank_speed"):
+        known, expected = (getattr(each, name)(time) for each in (further, longer))
+        np.testing.assert_allclose(known, expected, atol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [

@@ -31,6 +31,7 @@ from flexmech.time_domain import DrivenLinkage, linear_run, state_under_motor
 MECHANISM = load_mechanism("models/aluminium_fourbar.toml")
 CURVE = TorqueMotor((0.0, 20.0), (1.5, 0.0), inertia=5e-3)
 COUPLED = replace(CURVE, coupling_stiffness=300.0, coupling_damping=0.01)
+BACKWARDS = TorqueMotor((-30.0, 0.0), (0.75, -1.5), inertia=5e-3)
 DC = DcMotor(1.2, 0.06, 24.0, 1e-3, gear_ratio=10.0, inertia=2e-5)
 CONTROL = SpeedControl(0.5, 2.0, 15.0)
 BOTH: Sequence[type[Engine]] = (ReferenceEngine, ExudynEngine)
@@ -57,8 +58,9 @@ def run(
         pytest.param(CURVE, None, -9.81, marks=pytest.mark.thorough),
         pytest.param(COUPLED, None, 0.0, marks=pytest.mark.thorough),
         pytest.param(DC, CONTROL, 0.0, marks=pytest.mark.thorough),
+        pytest.param(BACKWARDS, None, -9.81, marks=pytest.mark.thorough),
     ],
-    ids=["curve", "weight", "on a coupling", "dc with control"],
+    ids=["curve", "weight", "on a coupling", "dc with control", "backwards"],
 )
 def test_both_engines_stay_on_it(
     motor: Motor, control: SpeedControl | None, gravity: float

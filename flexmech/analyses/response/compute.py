@@ -103,6 +103,9 @@ def response(
             turn = settled_with_links(chosen, request, plan.highest)
             request = replace(request, speed=turn)
             plan = replace(plan, time=request.sample_time(plan.refinement))
+        elif isinstance(request.drive, MotorRun):
+            known = request.drive.known_until(plan.until(request.step))
+            request = replace(request, speed=known)
         runs = [run_engine(engine, request, plan, report) for engine in chosen]
         dataset = build_dataset(runs, request, plan)
         if check_mesh:

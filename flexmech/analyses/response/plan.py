@@ -14,6 +14,7 @@ from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import ANGLES, engines_of
 from flexmech.analyses.response.request import MOST_SAMPLES, NO_PERIODIC_START, ResponseRequest
 from flexmech.arrays import FloatArray
+from flexmech.dynamical_systems import look_ahead
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine, LinkFrames, LinkModel, OverdampedError, RotationTerms
@@ -30,6 +31,9 @@ _SAMPLES_PER_PERIOD = 2.5
 _FORCE_BAND = 0.5
 # Of the greatest eigenvalue: what is below is round-off of links that turn.
 _LOOSE = 1e-10
+
+# Steps that a method may need beyond the last value that counts, and some.
+_STEPS_BEYOND = 10
 
 # Steps in a period of the highest frequency of a run with one step, which is not extrapolated: the
 # trapezoidal rule lowers that frequency by 2e-3 of itself.
@@ -60,6 +64,17 @@ class RunPlan:
     highest: float
     band: float
     note: str = ""
+
+    def until(self, step: float | None) -> float:
+        """Time in s until which a run goes, at the longest, for its last forces to be filtered.
+
+        Parameters
+        ----------
+        step : float, optional
+            In s; left out of a run that chooses one below the interval of the samples.
+        """
+        longest = float(self.time[1] - self.time[0]) if step is None else step
+        return float(self.time[-1]) + look_ahead(self.band) + _STEPS_BEYOND * longest
 
 
 def engines_in_state(

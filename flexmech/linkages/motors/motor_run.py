@@ -33,8 +33,8 @@ from flexmech.model_text import TomlTable
 _TOLERANCE = 1e-11
 # Of the shorter step beside an instant, over which rates are differentiated.
 _DIFFERENCE = 1e-3
-# How far a run is known beyond its end, of its time: a filter of forces looks ahead.
-BEYOND = 0.02
+# How far a run is known beyond its end, of its time, so that its end is no corner.
+_BEYOND = 0.02
 # Turns after which a motor that does not settle is left alone, and the part by which the time of
 # a turn still changes where it has settled.
 _MOST_TURNS, _REPEATS = 200, 1e-3
@@ -173,6 +173,17 @@ class MotorRun(Drive):
         """
         return self.duration
 
+    def known_until(self, time: float) -> MotorRun:
+        """The same run, whose motion is known until a time in s at least, or to a stall before.
+
+        The forces of elastic links are filtered, which looks ahead.
+        """
+        if self.stall is not None or time <= self.time[-1]:
+            return self
+        further = _Integration(self.equation, self.drive, self.time, self.values)
+        further.follow(time)
+        return further.result(self.duration)
+
     def states(self, time: ArrayLike) -> FloatArray:
         """States of the drive train at times in s, (k, ...)."""
         at = np.clip(np.asarray(time, dtype=float), 0.0, self.time[-1])
@@ -252,7 +263,7 @@ def solved_run(
     start = equation.start(drive.start_angle)
     if not equation.starts(drive.start_angle):
         return _standing(equation, drive, start)
-    return _Integration(equation, drive, start).run(revolutions)
+    return _Integration(equation, drive, np.zeros(1), start[:, None]).run(revolutions)
 
 
 def _standing(equation: ShaftEquation, drive: MotorDrive, start: FloatArray) -> MotorRun:
@@ -289,24 +300,40 @@ def second_rates(
 
 
 class _Integration:
-    """Integration from rest until the end, a stall or the settled motion.
+    """Integration until the end, a stall or the settled motion.
 
     Parameters
     ----------
     equation : ShaftEquation
     drive : MotorDrive
-    start : ndarray, shape (n,)
+    time : ndarray, shape (m,)
+        Until which the motion is known, in s; of a start from rest zero.
+    values : ndarray, shape (n, m)
+        At these times.
     """
 
-    def __init__(self, equation: ShaftEquation, drive: MotorDrive, start: FloatArray) -> None:
+    def __init__(
+        self, equation: ShaftEquation, drive: MotorDrive, time: FloatArray, values: FloatArray
+    ) -> None:
         self._equation, self._drive, self._way = equation, drive, equation.train.way
         # Of a coupling the rotor stalls; the crank may stand still as it swings against it.
         self._speed = 3 if equation.train.is_coupled else 1
-        self._time, self._values = [np.zeros(1)], [start[:, None]]
+        self._time, self._values = [time], [values]
 
     def run(self, revolutions: float | None) -> MotorRun:
         """The run; see :func:`solved_run`."""
         duration = self._until_end(revolutions)
+        if duration is not None:
+            # A stall beyond the end is none.
+            self.follow(duration * (1 + _BEYOND))
+        return self.result(duration)
+
+    def follow(self, until: float) -> None:
+        """Integrate on until a time in s; a stall before it ends the motion."""
+        self._advance(until, np.inf)
+
+    def result(self, duration: float | None) -> MotorRun:
+        """The run of a duration in s, or until the stall where there is none."""
         time, values = np.concatenate(self._time), np.concatenate(self._values, axis=1)
         if len(time) > MOST_PIECES:
             raise InputError(
@@ -324,9 +351,9 @@ class _Integration:
     def _until_end(self, revolutions: float | None) -> float | None:
         """Integrate; returns the duration, or None of a motor that stalls."""
         if (time := self._drive.time) is not None:
-            return self._stated(time)
+            return time if self._advance(time, np.inf) else None
         if revolutions is not None:
-            return self._turns(revolutions)
+            return float(self._time[-1][-1]) if self._advance(np.inf, revolutions) else None
         last, spent = np.inf, 0.0
         for _ in range(_MOST_TURNS):
             if not self._advance(np.inf, 1.0):
@@ -336,22 +363,7 @@ class _Integration:
             if abs(turn - last) <= _REPEATS * turn:
                 break
             last = turn
-        self._advance(spent * (1 + BEYOND), np.inf)
         return spent
-
-    def _stated(self, time: float) -> float | None:
-        if not self._advance(time, np.inf):
-            return None
-        # A stall beyond the end is none.
-        self._advance(time * (1 + BEYOND), np.inf)
-        return time
-
-    def _turns(self, revolutions: float) -> float | None:
-        if not self._advance(np.inf, revolutions):
-            return None
-        duration = float(self._time[-1][-1])
-        self._advance(duration * (1 + BEYOND), np.inf)
-        return duration
 
     def _advance(self, until: float, turns: float) -> bool:
         """Integrate on until a time or by some turns; returns whether the crank still turns."""

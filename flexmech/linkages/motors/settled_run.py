@@ -12,7 +12,7 @@ from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.motors.drive_train import DriveTrain
 from flexmech.linkages.motors.motor_drive import MotorDrive
-from flexmech.linkages.motors.motor_run import BEYOND, MOST_PIECES, MotorRun, second_rates
+from flexmech.linkages.motors.motor_run import MOST_PIECES, MotorRun, second_rates
 from flexmech.linkages.motors.settled import SettledMotion
 from flexmech.linkages.motors.shaft_equation import ShaftEquation
 from flexmech.linkages.motors.turn_series import TurnSeries
@@ -121,7 +121,7 @@ def repeated(
     """
     once = float(turn.time[-1])
     duration = drive.time if drive.time is not None else revolutions * once
-    count = max(_LEAST_TURNS, int(np.ceil(duration / once * (1 + BEYOND))) + 1)
+    count = max(_LEAST_TURNS, int(np.ceil(duration / once)) + 1)
     if count * len(turn.time) > MOST_PIECES:
         raise InputError(
             f"the run of {duration:.4g} s has more than {MOST_PIECES} pieces; ask for a shorter "

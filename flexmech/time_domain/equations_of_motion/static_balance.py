@@ -14,6 +14,8 @@ from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkag
 MOST_PASSES = 30
 CONVERGED = 1e-10
 STAGNATED = 1e-7
+# Displacements in m, and slopes, that are none: links without load rest in round-off of the start.
+NOTHING = 1e-12
 
 
 def static_balance(linkage: DrivenLinkage, position: FloatArray, time: float = 0.0) -> FloatArray:
@@ -49,7 +51,7 @@ def static_balance(linkage: DrivenLinkage, position: FloatArray, time: float = 0
         bordered = np.block([[stiffness + tangent, row.T], [row, np.zeros(2 * [len(row)])]])
         change = np.linalg.solve(bordered, gap)[: linkage.size]
         z += change
-        part = np.abs(change).max() / (np.abs(z).max() or 1.0)
+        part = np.abs(change).max() / max(np.abs(z).max(), NOTHING)
         if part <= CONVERGED or last <= 2 * part <= STAGNATED:
             return z
         last = part
