@@ -65,9 +65,9 @@ from .hygrothermal import HygrothermalState as HygrothermalState
 from .hygrothermal import mechanism_in_state as mechanism_in_state
 from .linear_system import LinkPoint as LinkPoint
 from .linear_system import RotationTerms as RotationTerms
+from .linkages import ConstantSpeed as ConstantSpeed
 from .linkages import CouplerCurve as CouplerCurve
 from .linkages import CouplerPoint as CouplerPoint
-from .linkages import CrankDrive as CrankDrive
 from .linkages import DcMotor as DcMotor
 from .linkages import Drive as Drive
 from .linkages import FourBar as FourBar

@@ -19,7 +19,7 @@ import numpy as np
 from _common import four_bar, output_folder, save_pictures
 
 from flexmech import (
-    CrankDrive,
+    ConstantSpeed,
     ExudynEngine,
     Mechanism,
     ReferenceEngine,
@@ -123,7 +123,7 @@ def with_damping(mechanism: Mechanism) -> Mechanism:
 
 def _simulated_peak(mechanism: Mechanism, elements: int, speed: float) -> FloatArray:
     """Greatest deflections over a turn of Exudyn's periodic motion, (n_links,)."""
-    engine, drive = ExudynEngine(mechanism, elements), CrankDrive(speed)
+    engine, drive = ExudynEngine(mechanism, elements), ConstantSpeed(speed)
     turn = drive.revolution_time
     time = turn / 720 * np.arange(721, dtype=float)
     linkage = DrivenLinkage(engine, drive, "equilibrium", detail=2.0, with_energy=False)

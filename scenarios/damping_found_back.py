@@ -19,7 +19,7 @@ from _common import four_bar, output_folder, save_pictures
 
 from flexmech import (
     ComparisonRequest,
-    CrankDrive,
+    ConstantSpeed,
     ExudynEngine,
     Mechanism,
     ReferenceEngine,
@@ -78,7 +78,7 @@ def damped(mechanism: Mechanism) -> Mechanism:
 
 def simulated(mechanism: Mechanism, elements: int, step: float) -> Response:
     """The nonlinear run that is taken as the real machine."""
-    request = ResponseRequest(CrankDrive(SPEED), TURNS, SAMPLES, step=step)
+    request = ResponseRequest(ConstantSpeed(SPEED), TURNS, SAMPLES, step=step)
     return response(ExudynEngine(mechanism, elements), request)
 
 

@@ -21,7 +21,7 @@ from _common import MODELS, output_folder, save_pictures
 from matplotlib.figure import Figure
 
 from flexmech import (
-    CrankDrive,
+    ConstantSpeed,
     ExudynEngine,
     ReferenceEngine,
     ResponseRequest,
@@ -131,7 +131,7 @@ def _by_engine(name: str, elements: int, step: float, time: FloatArray) -> Float
     )
     turns = END_TIME * SPEED / (2 * np.pi)
     request = ResponseRequest(
-        CrankDrive(SPEED), turns, samples=SAMPLES_OF_A_TURN, start="equilibrium", step=step
+        ConstantSpeed(SPEED), turns, samples=SAMPLES_OF_A_TURN, start="equilibrium", step=step
     )
     data = response(engine, request).dataset
     deflection = data["deflection"].isel(engine=0).sel(link="rod")

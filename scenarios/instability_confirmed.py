@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 from flexmech import ExudynEngine, Mechanism
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import floquet_modes
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.time_domain import (
     LinkState,
     SampledTurn,
@@ -163,7 +163,7 @@ def confirm(engine: ExudynEngine, prediction: Prediction, steps: int) -> Confirm
     """Simulate both runs and fit the rate to their difference once a turn."""
     turns = np.arange(TURNS + 1)
     time, step = prediction.period * turns, prediction.period / steps
-    drive = CrankDrive(prediction.crank_speed)
+    drive = ConstantSpeed(prediction.crank_speed)
     starts = prediction.orbit, plus(prediction.orbit, prediction.vector[0])
     without, with_vector = (
         at_stations(engine, engine.simulate(drive, start, time, step).displacement)

@@ -22,7 +22,7 @@ from _moist_linkage import EVENLY_WET
 from matplotlib.figure import Figure
 
 from flexmech import (
-    CrankDrive,
+    ConstantSpeed,
     ExudynEngine,
     Mechanism,
     ReferenceEngine,
@@ -114,7 +114,9 @@ def main(
         mechanism = running(name)
         for speed in speeds:
             engines = [ReferenceEngine(mechanism, elements), ExudynEngine(mechanism, elements)]
-            request = ResponseRequest(CrankDrive(speed), revolutions=revolutions, samples=samples)
+            request = ResponseRequest(
+                ConstantSpeed(speed), revolutions=revolutions, samples=samples
+            )
             answer = answers[name, speed] = RunningAnswer(response(engines, request))
             for kind, figure in answer.response.figures().items():
                 figures[f"{name}_{speed:g}_{kind}"] = figure

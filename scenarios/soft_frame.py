@@ -23,7 +23,7 @@ from _common import four_bar, output_folder, save_pictures
 from matplotlib.figure import Figure
 
 from flexmech import (
-    CrankDrive,
+    ConstantSpeed,
     FrameSpring,
     Mechanism,
     ReferenceEngine,
@@ -118,7 +118,7 @@ def on_springs(mechanism: Mechanism, frequency: float) -> Mechanism:
 def _peaks(mechanism: Mechanism, elements: int) -> tuple[float, float, float]:
     """Greatest force on the floor, shaking force and displacement of the frame."""
     engine = ReferenceEngine(mechanism, elements)
-    request = ResponseRequest(CrankDrive(SPEED), revolutions=1.0, start="periodic")
+    request = ResponseRequest(ConstantSpeed(SPEED), revolutions=1.0, start="periodic")
     data = response(engine, request).dataset.isel(engine=0)
     shaking = float(np.hypot(*data["shaking_force"].transpose("component", "time").values).max())
     return float(data["peak_floor_force"]), shaking, float(data["peak_frame_displacement"])

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexmech import (
     BeamSection,
-    CrankDrive,
+    ConstantSpeed,
     Material,
     Mechanism,
     ReferenceEngine,
@@ -139,7 +139,7 @@ def random_run(seed: int, revolutions: float = 0.1) -> RandomRun:
         start = "equilibrium"
     run_up = period * random.uniform(0.02, 0.1) if start == "rigid" and random.random() < 0.6 else 0
     request = ResponseRequest(
-        CrankDrive(speed, float(run_up), float(random.uniform(0, 2 * np.pi))),
+        ConstantSpeed(speed, float(run_up), float(random.uniform(0, 2 * np.pi))),
         revolutions,
         720,
         start,

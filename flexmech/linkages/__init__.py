@@ -12,7 +12,7 @@ from flexmech.linkages.coupler_curves.double_points import (
     focal_cubic,
     full_turn,
 )
-from flexmech.linkages.drives.drive import CrankDrive, Drive, LockedCrank
+from flexmech.linkages.drives.drive import ConstantSpeed, Drive, LockedCrank
 from flexmech.linkages.drives.shaped import ShapedDrive, check_shapeable
 from flexmech.linkages.drives.shaped_on_path import FrequenciesOnPath, PathShapedDrive
 from flexmech.linkages.drives.shapers import InputShaper, input_shaper
@@ -37,9 +37,10 @@ from flexmech.linkages.linkage_stack import LinkageStack, connections
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.motors.along_motion import states_along, yielded_along
 from flexmech.linkages.motors.drive_train import DriveTrain
+from flexmech.linkages.motors.integrated_run import known_until, solved_run
 from flexmech.linkages.motors.motor import DcMotor, Motor, TorqueMotor
 from flexmech.linkages.motors.motor_drive import MotorDrive
-from flexmech.linkages.motors.motor_run import MotorRun, Stall, solved_run
+from flexmech.linkages.motors.motor_run import MotorRun, Stall
 from flexmech.linkages.motors.settled import SettledMotion, settled_motion, speed_range
 from flexmech.linkages.motors.settled_run import SettledRun, TwistedShaft, repeated
 from flexmech.linkages.motors.shaft_equation import AddedTorque, ShaftEquation, ShaftLoad
@@ -66,9 +67,9 @@ __all__ = [
     "AddedTorque",
     "AttachmentPoint",
     "Clamp",
+    "ConstantSpeed",
     "CouplerCurve",
     "CouplerPoint",
-    "CrankDrive",
     "CrankRockerProportions",
     "DcMotor",
     "DoublePoint",
@@ -136,6 +137,7 @@ __all__ = [
     "full_turn",
     "input_shaper",
     "inverse_dynamics",
+    "known_until",
     "linkage_positions",
     "lumped_elements",
     "moving_points",

@@ -10,7 +10,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 
 from flexmech.errors import InputError
 from flexmech.linkages import (
-    CrankDrive,
+    ConstantSpeed,
     Drive,
     InputShaper,
     LawDrive,
@@ -173,7 +173,7 @@ class DriveTable(base.Table):
     def _unshaped(self, folder: Path) -> Drive | MotorDrive:
         start = self.start_angle or 0.0
         if self.speed is not None:
-            return CrankDrive(self.speed, self.run_up_time or 0.0, start)
+            return ConstantSpeed(self.speed, self.run_up_time or 0.0, start)
         if self.law is not None:
             assert self.travel is not None
             time, dwell = self.time, self.dwell or 0.0

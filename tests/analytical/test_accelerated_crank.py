@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from flexmech import (
-    CrankDrive,
+    ConstantSpeed,
     InputError,
     KinematicsRequest,
     Mechanism,
@@ -25,7 +25,7 @@ from flexmech.arrays import FloatArray
 from flexmech.linkages import AttachmentPoint, Load, RigidMotion
 from tests.strategies import arm
 
-DRIVE = CrankDrive(20.0, start_angle=0.4, run_up_time=0.5)
+DRIVE = ConstantSpeed(20.0, start_angle=0.4, run_up_time=0.5)
 TIMES = np.array([0.11, 0.25, 0.4])
 # Of differences in time, of fourth order.
 STEP = 1e-4

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmech import CrankDrive, Mechanism, ReferenceEngine
+from flexmech import ConstantSpeed, Mechanism, ReferenceEngine
 from flexmech.time_domain import DrivenLinkage, Trajectory, linear_run
 from flexmech.time_domain.integrators import stretch_march
 from tests.cross_engine.joined_linkages import QuickReturn
@@ -23,7 +23,7 @@ def damped(mechanism: Mechanism) -> Mechanism:
 
 @pytest.fixture(scope="module")
 def linkage(aluminium: Mechanism) -> DrivenLinkage:
-    return DrivenLinkage(ReferenceEngine(damped(aluminium), 2), CrankDrive(20.0), stretches=True)
+    return DrivenLinkage(ReferenceEngine(damped(aluminium), 2), ConstantSpeed(20.0), stretches=True)
 
 
 def run(linkage: DrivenLinkage, turns: float, steps: int) -> Trajectory:
@@ -65,7 +65,7 @@ def test_both_ways_of_solving_a_step_agree(
 def test_energies_balance_where_a_link_slides_on_a_moving_one() -> None:
     """The forces between the point and its guide do work at the shaft."""
     engine = ReferenceEngine(damped(strips(QuickReturn())), 2, "euler")
-    linkage = DrivenLinkage(engine, CrankDrive(10.0), stretches=True)
+    linkage = DrivenLinkage(engine, ConstantSpeed(10.0), stretches=True)
     found = run(linkage, 0.05, 2000)
     assert np.ptp(found.energy.drive_work) > 0.01 * found.energy.kinetic.max()
     assert found.energy_error < 1e-5

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmech import CrankDrive, ReferenceEngine, ResponseRequest, load_mechanism, response
+from flexmech import ConstantSpeed, ReferenceEngine, ResponseRequest, load_mechanism, response
 from flexmech.analyses.comparison.fit import Fit, fitted
 from flexmech.analyses.comparison.over_time import TimeProblem
 from flexmech.analyses.comparison.parameters import fitted_names
@@ -34,7 +34,7 @@ DRAWS, HELD = 25, 22
 def problem(name: str) -> TimeProblem:
     """The middle of the rod over four turns, without noise."""
     engine = ReferenceEngine(load_mechanism(DATA / f"{name}.toml"), 3)
-    run = response(engine, ResponseRequest(CrankDrive(SPEED), revolutions=2.0)).dataset
+    run = response(engine, ResponseRequest(ConstantSpeed(SPEED), revolutions=2.0)).dataset
     return TimeProblem(
         engine=engine,
         record=run["deflection"].sel(link="rod").values[0],

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmech import BeamSection, CrankDrive, Material, Mechanism, ReferenceEngine, RotatingArm
+from flexmech import BeamSection, ConstantSpeed, Material, Mechanism, ReferenceEngine, RotatingArm
 from flexmech.choices import Prestress
 from flexmech.linkages import AttachmentPoint, Load
 from flexmech.mechanism import AttachedBody
@@ -25,7 +25,7 @@ def test_strain_energy_of_a_bent_arm(prestress: Prestress) -> None:
     """``F^2 L^3 / (6 EI)`` of a force across the tip, to which the links are bent or come."""
     load = Load("tip", AttachmentPoint("arm", LENGTH), ((0.0, FORCE),), axes="link")
     mechanism = Mechanism(RotatingArm(LENGTH), {"arm": SECTION}, loads=(load,))
-    linkage = DrivenLinkage(ReferenceEngine(mechanism, 2, "euler"), CrankDrive(0.05), prestress)
+    linkage = DrivenLinkage(ReferenceEngine(mechanism, 2, "euler"), ConstantSpeed(0.05), prestress)
     still = linkage.equations(np.zeros(1), frozen=True).quasi_static()[0]
     energy = linear_run(linkage, still, 0 * still, np.array([0.0, 0.01]), 1e-3).energy
     wanted = FORCE**2 * LENGTH**3 / (6 * SECTION.bending_stiffness)
@@ -36,7 +36,7 @@ def test_a_bowed_link_loses_what_its_damping_takes() -> None:
     """Damping of the bowed shape changes along the turn."""
     damped = SECTION.with_damping_time(2e-4)
     mechanism = Mechanism(RotatingArm(0.4), {"arm": damped}, gravity=(0.0, -9.81))
-    linkage = DrivenLinkage(ReferenceEngine(mechanism, 2, "euler"), CrankDrive(10.0))
+    linkage = DrivenLinkage(ReferenceEngine(mechanism, 2, "euler"), ConstantSpeed(10.0))
     start, time = linkage.unstressed(), np.array([0.0, 0.05])
     found = linear_run(linkage, start, 0 * start, time, 0.05 / 400)
     assert found.energy.dissipated[-1] > 1e-4 * found.energy.kinetic.max()
@@ -49,7 +49,7 @@ def test_energies_balance_where_a_body_is_off_the_axis_of_its_link(rigid: tuple[
     body = AttachedBody("coupler", 0.1, 0.1, 2e-4, (0.02, 0.05))
     mechanism = replace(strips(Ternary(FOUR_BAR, rigid=rigid)), bodies=(body,))
     engine = ReferenceEngine(mechanism, 2, "euler", component_modes=False)
-    linkage = DrivenLinkage(engine, CrankDrive(20.0, run_up_time=0.05), "none")
+    linkage = DrivenLinkage(engine, ConstantSpeed(20.0, run_up_time=0.05), "none")
     start = linkage.equations(np.zeros(1), frozen=True).quasi_static()[0]
     found = linear_run(linkage, start, 0 * start, np.array([0.0, 0.04]), 0.04 / 800)
     assert np.ptp(found.energy.drive_work) > 0.1 * found.energy.kinetic.max()

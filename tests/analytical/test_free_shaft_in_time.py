@@ -11,7 +11,7 @@ from scipy.optimize import minimize_scalar
 
 from flexmech import (
     BeamSection,
-    CrankDrive,
+    ConstantSpeed,
     ExudynEngine,
     InputError,
     Material,
@@ -35,7 +35,7 @@ SPEED = 30.0
 
 def run(engine: type[Engine], shaft_inertia: float, **asked: Any) -> Response:
     mechanism = load_mechanism("models/aluminium_fourbar.toml")
-    request = ResponseRequest(CrankDrive(20.0), revolutions=0.05, step=1e-4, **asked)
+    request = ResponseRequest(ConstantSpeed(20.0), revolutions=0.05, step=1e-4, **asked)
     heavy = replace(mechanism, shaft_inertia=shaft_inertia)
     return response(engine(heavy, 2, component_modes=False), request)
 
@@ -69,8 +69,8 @@ def bent_arm(engine: Engine) -> Trajectory:
     bent[moves] = np.linalg.solve(link.stiffness[np.ix_(moves, moves)], tip[moves])
     start, samples = LinkState([bent], [0 * bent]), np.arange(0, 0.1, 2e-4)
     if isinstance(engine, ExudynEngine):
-        return engine.simulate(CrankDrive(SPEED), start, samples, 1e-5)
-    linkage = DrivenLinkage(engine, CrankDrive(SPEED), stretches=can_stretch(engine))
+        return engine.simulate(ConstantSpeed(SPEED), start, samples, 1e-5)
+    linkage = DrivenLinkage(engine, ConstantSpeed(SPEED), stretches=can_stretch(engine))
     return linear_run(linkage, *linkage.coordinates(start), samples, 1e-5)
 
 
@@ -122,7 +122,7 @@ def test_a_turn_of_the_linkage_without_vibration_obeys_hills_equation(
     """Of a flexible crank and of a rigid one, whose pins pull at it."""
     mechanism = replace(load_mechanism(f"models/{model}.toml"), shaft_inertia=1e-2)
     engine = ReferenceEngine(mechanism, 4, "euler", component_modes=False, shaft="free")
-    linkage = DrivenLinkage(engine, CrankDrive(speed), "axial")
+    linkage = DrivenLinkage(engine, ConstantSpeed(speed), "axial")
     assert linkage.shaft is not None
     interval = 1e-3 / speed
     time = 0.4 / speed + interval * np.arange(-2, 3)
@@ -147,13 +147,13 @@ def test_a_turn_of_the_linkage_without_vibration_obeys_hills_equation(
 
 def test_what_a_free_shaft_cannot_do() -> None:
     with pytest.raises(InputError, match="a periodic start needs a prescribed shaft"):
-        ResponseRequest(CrankDrive(20.0), start="periodic", shaft="free")
+        ResponseRequest(ConstantSpeed(20.0), start="periodic", shaft="free")
     engine = ExudynEngine(load_mechanism("models/aluminium_fourbar.toml"), 2, shaft="free")
     with pytest.raises(InputError, match="a periodic start needs a prescribed shaft"):
-        response(engine, ResponseRequest(CrankDrive(20.0), start="periodic"))
+        response(engine, ResponseRequest(ConstantSpeed(20.0), start="periodic"))
     with pytest.raises(InputError, match="shaft must be"):
-        ResponseRequest(CrankDrive(20.0), shaft="loose")  # type: ignore[arg-type]
+        ResponseRequest(ConstantSpeed(20.0), shaft="loose")  # type: ignore[arg-type]
     linear = ReferenceEngine(engine.mechanism, 2)
-    without = ResponseRequest(CrankDrive(20.0), prestress="none", shaft="free")
+    without = ResponseRequest(ConstantSpeed(20.0), prestress="none", shaft="free")
     with pytest.raises(InputError, match="a free shaft needs the tension of the links"):
         response(linear, without)

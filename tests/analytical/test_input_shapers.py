@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from flexmech import InputError, InputShaper, LawDrive, ShapedDrive, TableDrive, input_shaper
 from flexmech.arrays import FloatArray
 from flexmech.choices import SHAPERS, ShaperName
-from flexmech.linkages import CrankDrive, Drive, FrequenciesOnPath, PathShapedDrive
+from flexmech.linkages import ConstantSpeed, Drive, FrequenciesOnPath, PathShapedDrive
 
 RATIOS = np.linspace(0.6, 1.4, 41)
 
@@ -94,7 +94,7 @@ def test_convolved_shapers_leave_the_product() -> None:
         (lambda: InputShaper((0.0, 0.1), (0.5, 0.6)), "add up to 1"),
         (lambda: InputShaper((0.1, 0.2), (0.5, 0.5)), "from 0 s"),
         (lambda: InputShaper((0.0,), (0.5, 0.5)), "each impulse"),
-        (lambda: ShapedDrive(CrankDrive(3.0), input_shaper("zv", 5.0)), "law that stops"),
+        (lambda: ShapedDrive(ConstantSpeed(3.0), input_shaper("zv", 5.0)), "law that stops"),
         (lambda: FrequenciesOnPath((0.0, 1.0), (3.0, 4.0)), "six or more"),
     ],
 )
@@ -150,7 +150,7 @@ def test_stretched_laws_keep_travel_and_dwell() -> None:
         dwells = (each.run_time(1.0) - each.law_time for each in (law, longer))
         assert next(dwells) == pytest.approx(next(dwells))
     with pytest.raises(InputError, match="law that stops"):
-        CrankDrive(3.0).stretched(2.0)
+        ConstantSpeed(3.0).stretched(2.0)
 
 
 def test_a_blow_is_a_jump_of_the_speed() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flexmech import (
-    CrankDrive,
+    ConstantSpeed,
     Drive,
     InputError,
     LawDrive,
@@ -63,7 +63,7 @@ def test_closed_forms_of_the_cycloid() -> None:
 
 def test_closed_form_of_the_run_up() -> None:
     """Simo & Vu-Quoc 1986, and the constant speed after it."""
-    drive, total = CrankDrive(20.0, run_up_time=0.5, start_angle=0.3), 0.5
+    drive, total = ConstantSpeed(20.0, run_up_time=0.5, start_angle=0.3), 0.5
     time = np.linspace(0.0, 0.9, 1801)
     inside = np.minimum(time, total)
     rising = inside**2 / (2 * total)
@@ -77,7 +77,7 @@ def test_closed_form_of_the_run_up() -> None:
 
 def test_a_constant_speed_is_the_line_to_the_last_digit() -> None:
     time = np.linspace(0.0, 3.0, 301)
-    drive = CrankDrive(-17.3, start_angle=0.2)
+    drive = ConstantSpeed(-17.3, start_angle=0.2)
     assert drive.is_constant
     np.testing.assert_array_equal(drive.crank_angle(time), 0.2 - 17.3 * time)
     np.testing.assert_array_equal(drive.crank_speed(time), -17.3)
@@ -88,7 +88,7 @@ DRIVES: dict[str, Drive] = {
     **{kind: law(kind, dwell=0.05, moves=3) for kind in LAWS},
     "back": law("modified sine", dwell=0.02, moves=4, forth_and_back=True),
     "without dwell": law("trapezoid", moves=2),
-    "run-up": CrankDrive(20.0, 0.1, 0.3),
+    "run-up": ConstantSpeed(20.0, 0.1, 0.3),
     "table": TableDrive(
         tuple(np.linspace(0.0, 0.2, 41)),
         tuple(np.linspace(0.0, 3.0, 41) + np.sin(np.linspace(0.0, 2 * np.pi, 41))),

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 
 from flexmech.analyses import natural_frequencies, solve_modes, strain_energy_damping
 from flexmech.linear_system import Engine
-from flexmech.linkages import CrankDrive, RotatingArm
+from flexmech.linkages import ConstantSpeed, RotatingArm
 from flexmech.materials import Material
 from flexmech.mechanism import Mechanism
 from flexmech.multibody import ExudynEngine
@@ -250,7 +250,7 @@ def test_free_decay_has_the_logarithmic_decrement() -> None:
     frequency = float(natural_frequencies(engine, 0.0, speed, modes=1)[0])
     ratio = float(strain_energy_damping(engine, 0.0, speed, modes=1)[0])
     damped = ReferenceEngine(with_times(mechanism, frequency), 4)
-    linkage = DrivenLinkage(damped, CrankDrive(speed), modes=1)
+    linkage = DrivenLinkage(damped, ConstantSpeed(speed), modes=1)
     start = linkage.equations(np.zeros(1))
     shape = scipy.linalg.eigh(start.stiffness[0], start.mass[0])[1][:, 0]
     step = 1 / (200 * frequency)

@@ -28,7 +28,7 @@ from flexmech import (
     motor_run,
 )
 from flexmech.arrays import FloatArray
-from flexmech.linkages import AttachmentPoint, Motor, TurnSeries, continuous_angles
+from flexmech.linkages import AttachmentPoint, Motor, TurnSeries, continuous_angles, known_until
 from flexmech.modelfile import mechanism_from_toml
 
 # Validation V16: crank .1 m, rod .3 m, masses .2, .2, slider .4 kg, slender bars.
@@ -320,9 +320,9 @@ def test_pieces_are_consistent() -> None:
 def test_a_run_goes_on_as_a_longer_one() -> None:
     motor = TorqueMotor((0.0, 20.0), (2.0, 0.0), inertia=1e-3)
     run, longer = (run_of(FOUR_BAR, motor, time=time) for time in (0.1, 0.3))
-    further = run.known_until(0.3)
+    further = known_until(run, 0.3)
     assert further.duration == run.duration == 0.1
-    assert further.known_until(0.2) is further
+    assert known_until(further, 0.2) is further
     time = np.linspace(0.0, 0.3, 301)
     for name in ("crank_angle", "crank_speed"):
         known, expected = (getattr(each, name)(time) for each in (further, longer))

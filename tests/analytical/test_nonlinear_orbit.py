@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 from flexmech import ComputationError, InputError, ReferenceEngine
 from flexmech.linear_system import StressedLinks
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.time_domain import DrivenLinkage, nonlinear_orbit, periodic_turn
 from flexmech.time_domain.periodic_motion.orbit_equations import at_angles, derivatives
 from flexmech.verification.methods.frequencies import unit_arm
@@ -60,7 +60,7 @@ def test_orbit_of_linear_links_is_that_of_the_linear_equations(aluminium, time):
     orbit = nonlinear_orbit(engine, 40.0, samples=96)
     assert orbit.residual < 1e-9
     assert orbit.passes <= 3  # GMRES solves a step to 1e-4
-    linkage = DrivenLinkage(engine.unreduced(), CrankDrive(40.0), "none")
+    linkage = DrivenLinkage(engine.unreduced(), ConstantSpeed(40.0), "none")
     gaps = []
     for steps in (1920, 3840):
         turn = periodic_turn(linkage, steps)

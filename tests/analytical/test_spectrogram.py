@@ -14,7 +14,7 @@ from flexmech.analyses.response.spectra import (
     spectrogram,
     window_duration,
 )
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.time_domain import DrivenLinkage, LinkState, linear_run, periodic_turn
 
 RATE = 2000.0
@@ -99,7 +99,7 @@ def test_short_signals_have_no_spectrogram():
 
 def free_vibration(engine, speed, steps):
     """Deflection of an undamped run less that of the periodic motion: what vibrates freely."""
-    drive = CrankDrive(speed)
+    drive = ConstantSpeed(speed)
     time = drive.revolution_time / 2880 * np.arange(2881)
     step = drive.revolution_time / steps
     reference = ReferenceEngine(engine.mechanism)

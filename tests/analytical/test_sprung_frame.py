@@ -75,7 +75,7 @@ def test_an_unbalanced_arm_shakes_its_frame_as_a_rotor_does(models: Path) -> Non
     springs = tuple(flexmech.FrameSpring((x, 0.0), stiffness) for x in (-0.1, 0.1))
     frame = flexmech.SprungFrame(1.5, 1e9, (0.0, 0.0), springs)
     engine = flexmech.ReferenceEngine(on_springs(arm, frame), elements=4)
-    linkage = DrivenLinkage(engine, flexmech.CrankDrive(speed), "none")
+    linkage = DrivenLinkage(engine, flexmech.ConstantSpeed(speed), "none")
     start = linkage.drive.crank_angle(0.0)
     state = periodic_state(linkage, 2000)
     (link,) = arm.link_masses_in_order
@@ -94,7 +94,7 @@ def test_the_work_of_the_drive_is_the_energy_with_that_of_the_frame(
     """What is left is the error of the time step: of second order in it."""
     mechanism = replace(on_springs(fourbar, sprung((2e4, 4e4))), gravity=gravity)
     engine = flexmech.ReferenceEngine(mechanism, elements=4)
-    linkage = DrivenLinkage(engine, flexmech.CrankDrive(20.0), "none")
+    linkage = DrivenLinkage(engine, flexmech.ConstantSpeed(20.0), "none")
     time = np.linspace(0.0, 0.3, 301)
     nothing = np.zeros(linkage.size)
     errors = [

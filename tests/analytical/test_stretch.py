@@ -12,7 +12,7 @@ from flexmech import ReferenceEngine, load_mechanism
 from flexmech.analyses.response.plan import lowest_axial_frequency
 from flexmech.dynamical_systems import LowPass, parabolic_work, step_operators
 from flexmech.dynamical_systems.lobatto import MARCH_ON, WEIGHTS
-from flexmech.linkages import CrankDrive, JointSpring
+from flexmech.linkages import ConstantSpeed, JointSpring
 from flexmech.time_domain import DrivenLinkage, linear_run, static_balance, step_lag
 from flexmech.time_domain.integrators import stretch_march as march_module
 from flexmech.time_domain.integrators.linear_march import StepTable
@@ -22,7 +22,7 @@ from flexmech.time_domain.integrators.stage_operators import stage_operators
 
 @pytest.fixture(scope="module")
 def linkage(aluminium):
-    return DrivenLinkage(ReferenceEngine(aluminium), CrankDrive(20.0), stretches=True)
+    return DrivenLinkage(ReferenceEngine(aluminium), ConstantSpeed(20.0), stretches=True)
 
 
 def part_of_a_turn(linkage, steps=2880, turns=0.1):
@@ -125,7 +125,7 @@ def test_both_ways_of_solving_a_step_agree(linkage, monkeypatch):
         assert np.abs(first - second).max() < 1e-6 * np.abs(second).max()
 
 
-RUN_UP = CrankDrive(20.0, run_up_time=0.1)
+RUN_UP = ConstantSpeed(20.0, run_up_time=0.1)
 TIMES = np.array([0.05, 0.0999, 0.1001, 0.13, 0.2, 0.41])
 
 
@@ -240,7 +240,7 @@ def test_a_rigid_link_that_is_welded_at_both_ends_turns_once(tmp_path, models):
     path.write_text(drawn.replace("[joints.A]", '[joints.B]\nkind = "weld"\n\n[joints.A]'))
     engine, lowest = ReferenceEngine(load_mechanism(path), 3, "euler"), []
     for each in (engine, engine.unreduced()):
-        equations = DrivenLinkage(each, CrankDrive(3.0), stretches=True).equations(np.zeros(1))
+        equations = DrivenLinkage(each, ConstantSpeed(3.0), stretches=True).equations(np.zeros(1))
         values = scipy.linalg.eigh(equations.stiffness[0], equations.mass[0], eigvals_only=True)
         lowest.append(values[:3])
     assert lowest[0] == pytest.approx(lowest[1], rel=1e-4)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmech import CrankDrive, LinkPoint, ReferenceEngine, load_mechanism
+from flexmech import ConstantSpeed, LinkPoint, ReferenceEngine, load_mechanism
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.dynamical_systems import HalfSinePulse, VibrationState, harmonic_response
@@ -55,7 +55,7 @@ def test_an_impact_is_answered_at_all_orders_as_predicted(prestress: Prestress) 
     own = np.arange(len(ORDERS))
     response = response.reshape(len(ORDERS), len(ORDERS), -1)[own, own]
     predicted = (response * PULSE.spectrum(entering)).sum(axis=0)
-    linkage = DrivenLinkage(struck, CrankDrive(SPEED), prestress, modes=6, with_energy=False)
+    linkage = DrivenLinkage(struck, ConstantSpeed(SPEED), prestress, modes=6, with_energy=False)
     coarse, fine = (spectrum(linkage, steps)[1 : len(output) + 1] for steps in (800, 1600))
     largest = np.abs(predicted).max()
     assert 0.01 < np.abs(coarse - fine).max() / largest < 0.06
@@ -64,7 +64,7 @@ def test_an_impact_is_answered_at_all_orders_as_predicted(prestress: Prestress) 
 
 def test_linear_links_answer_in_proportion_to_the_force() -> None:
     struck = engine()
-    linkage = DrivenLinkage(struck, CrankDrive(SPEED), "axial", modes=3, with_energy=False)
+    linkage = DrivenLinkage(struck, ConstantSpeed(SPEED), "axial", modes=3, with_energy=False)
     twin, once, twice = (run(linkage, 500, *pulses) for pulses in ((), (PULSE,), (PULSE, PULSE)))
     np.testing.assert_allclose(twice - twin, 2 * (once - twin), atol=1e-9 * np.abs(once).max())
     assert np.abs(once - twin).max() > 1e-7
@@ -74,7 +74,7 @@ def test_two_points_of_a_linkage_that_hardly_turns_answer_each_other_alike() -> 
     """Maxwell and Betti: what a pulse at one point moves at another it moves there from this."""
     model = load_mechanism("models/aluminium_fourbar.toml")
     linkage = DrivenLinkage(
-        ReferenceEngine(model, 2), CrankDrive(1e-3), "none", modes=3, with_energy=False
+        ReferenceEngine(model, 2), ConstantSpeed(1e-3), "none", modes=3, with_energy=False
     )
     points, nothing = (LinkPoint("coupler", 0.5), LinkPoint("rocker", 0.3)), np.zeros(linkage.size)
     still, pulse = VibrationState(nothing, nothing, nothing), HalfSinePulse(0.01, 0.005, 0.001)
@@ -88,7 +88,7 @@ def test_two_points_of_a_linkage_that_hardly_turns_answer_each_other_alike() -> 
 
 def test_steps_meet_where_one_block_ends_and_the_next_begins() -> None:
     """What follows a pulse statically does so from the first instant of a block on."""
-    linkage = DrivenLinkage(engine(), CrankDrive(SPEED), with_energy=False)
+    linkage = DrivenLinkage(engine(), ConstantSpeed(SPEED), with_energy=False)
     load = [np.zeros(link.size) for link in linkage.links]
     load[1] = displacement_row(linkage.links[1], 0.4, "axial")
     time, nothing = 1e-4 * np.arange(7.0), np.zeros(linkage.size)

@@ -21,7 +21,7 @@ from flexmech import (
     example_model,
     load_mechanism,
 )
-from flexmech.linkages import CrankDrive, inverse_dynamics
+from flexmech.linkages import ConstantSpeed, inverse_dynamics
 from flexmech.time_domain import DrivenLinkage, linear_run, periodic_state
 from flexmech.time_domain.equations_of_motion import stress_history as stress_module
 from flexmech.time_domain.periodic_motion.shooting import turn_map
@@ -48,7 +48,7 @@ def damped(mechanism, time):
 
 def run(mechanism, level="equilibrium", steps=1440, turns=1.0, speed=20.0, **kwargs):
     engine = ReferenceEngine(mechanism)
-    linkage = DrivenLinkage(engine, CrankDrive(speed), level, **kwargs)
+    linkage = DrivenLinkage(engine, ConstantSpeed(speed), level, **kwargs)
     period = linkage.drive.revolution_time
     time = period / 360 * np.arange(round(360 * turns) + 1)
     return engine, linear_run(linkage, *quasi_static_start(linkage), time, period / steps)
@@ -76,7 +76,7 @@ def test_work_of_the_shaft_is_energy(mechanisms, name, level):
 
 def test_damping_takes_what_the_shaft_gives_over_a_periodic_turn(aluminium):
     mechanism = damped(aluminium, 1e-4)
-    linkage = DrivenLinkage(ReferenceEngine(mechanism), CrankDrive(20.0), "axial")
+    linkage = DrivenLinkage(ReferenceEngine(mechanism), ConstantSpeed(20.0), "axial")
     start = periodic_state(linkage, 2880)
     period = linkage.drive.revolution_time
     time = np.array([0.0, period / 2, period])
@@ -88,7 +88,7 @@ def test_damping_takes_what_the_shaft_gives_over_a_periodic_turn(aluminium):
 
 
 def test_damping_matrix_is_the_rate_of_the_mass_and_a_skew_part(aluminium):
-    linkage = DrivenLinkage(ReferenceEngine(aluminium), CrankDrive(20.0), "none")
+    linkage = DrivenLinkage(ReferenceEngine(aluminium), ConstantSpeed(20.0), "none")
     h, time = 1e-6, np.linspace(0.0, 0.3, 7)
     now, before, after = (linkage.equations(time + d) for d in (0.0, -h, h))
     rest = now.damping - (after.mass - before.mass) / (2 * h)
@@ -125,7 +125,7 @@ def test_rotating_arm_under_gravity_answers_as_in_closed_form(unit_arm):
     mechanism = replace(damped(unit_arm(100.0), 0.05), gravity=(0.0, -0.01))
     speed = 0.8
     engine = ReferenceEngine(mechanism, component_modes=False)
-    linkage = DrivenLinkage(engine, CrankDrive(speed), "none")
+    linkage = DrivenLinkage(engine, ConstantSpeed(speed), "none")
     quarter = linkage.drive.revolution_time / 4
     equations = linkage.equations(np.array([0.0, quarter, 2 * quarter]))
     mean = (equations.force[0] + equations.force[2]) / 2
@@ -142,7 +142,7 @@ def test_rotating_arm_under_gravity_answers_as_in_closed_form(unit_arm):
 
 def test_floquet_multipliers_of_a_constant_system_are_exponentials(unit_arm):
     mechanism = damped(unit_arm(100.0), 0.02)
-    linkage = DrivenLinkage(ReferenceEngine(mechanism), CrankDrive(2.0), "axial", modes=2)
+    linkage = DrivenLinkage(ReferenceEngine(mechanism), ConstantSpeed(2.0), "axial", modes=2)
     e, n = linkage.equations(np.zeros(1)), linkage.size
     lower = -np.linalg.solve(e.mass[0], np.hstack([e.stiffness[0], e.damping[0]]))
     first_order = np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), lower])
@@ -160,7 +160,7 @@ def test_floquet_multipliers_of_a_constant_system_are_exponentials(unit_arm):
 def test_periodic_motion_is_where_a_damped_run_ends(aluminium, level):
     mechanism = damped(aluminium, 1e-4)
     engine = ReferenceEngine(mechanism)
-    linkage = DrivenLinkage(engine, CrankDrive(20.0), level)
+    linkage = DrivenLinkage(engine, ConstantSpeed(20.0), level)
     period = linkage.drive.revolution_time
     last = period * np.arange(12.0, 13.0001, 0.05)
     nothing = np.zeros(linkage.size)
@@ -174,7 +174,7 @@ def test_reduction_keeps_the_response(aluminium):
     """Component modes against all coordinates, in the model without axial coupling."""
     engine, reduced = run(aluminium, "axial")
     full_engine = engine.unreduced()
-    linkage = DrivenLinkage(full_engine, CrankDrive(20.0), "axial")
+    linkage = DrivenLinkage(full_engine, ConstantSpeed(20.0), "axial")
     period = linkage.drive.revolution_time
     full = linear_run(linkage, *quasi_static_start(linkage), reduced.time, period / 1440)
     exact = middle(engine, full)
@@ -189,7 +189,7 @@ def test_reduction_keeps_the_stiffness_of_bowed_bell_cranks(engine):
     full = engine(load_mechanism(example_model("watt_six_bar")), elements=8)
     first = []
     for one in (full, full.unreduced()):
-        equations = DrivenLinkage(one, CrankDrive(12.0), with_energy=False).equations(
+        equations = DrivenLinkage(one, ConstantSpeed(12.0), with_energy=False).equations(
             np.array([0.05, 0.3]), frozen=True
         )
         pairs = zip(equations.stiffness, equations.mass, strict=True)
@@ -215,9 +215,9 @@ def test_run_up_meets_constant_speed(aluminium):
     Up to the interpolation of the stress between 120 positions of a turn, 2e-6.
     """
     engine = ReferenceEngine(aluminium)
-    rising = DrivenLinkage(engine, CrankDrive(20.0, run_up_time=0.5), "equilibrium")
+    rising = DrivenLinkage(engine, ConstantSpeed(20.0, run_up_time=0.5), "equilibrium")
     angle = float(rising.drive.crank_angle(0.5))
-    steady = DrivenLinkage(engine, CrankDrive(20.0, start_angle=angle), "equilibrium")
+    steady = DrivenLinkage(engine, ConstantSpeed(20.0, start_angle=angle), "equilibrium")
     first, second = rising.equations(np.array([0.5])), steady.equations(np.zeros(1))
     for name in ("mass", "damping", "stiffness", "force"):
         a, b = getattr(first, name), getattr(second, name)
@@ -230,14 +230,14 @@ def test_undamped_resonance_has_no_periodic_motion(unit_arm):
     engine = ReferenceEngine(mechanism, element="euler")
 
     def smallest(speed):
-        linkage = DrivenLinkage(engine, CrankDrive(speed), "none", modes=1)
+        linkage = DrivenLinkage(engine, ConstantSpeed(speed), "none", modes=1)
         gap = np.eye(2 * linkage.size) - turn_map(linkage, 400)[0]
         return np.abs(np.linalg.eigvals(gap)).min()
 
     critical = minimize_scalar(smallest, bounds=(2.3, 2.6), method="bounded")
     assert critical.x == pytest.approx(3.51602 / np.sqrt(2), rel=1e-3)
-    near = DrivenLinkage(engine, CrankDrive(critical.x), "none", modes=1)
-    far = DrivenLinkage(engine, CrankDrive(1.2), "none", modes=1)
+    near = DrivenLinkage(engine, ConstantSpeed(critical.x), "none", modes=1)
+    far = DrivenLinkage(engine, ConstantSpeed(1.2), "none", modes=1)
     size = [np.abs(periodic_state(each, 400).position).max() for each in (near, far)]
     assert size[0] > 1e2 * size[1]
 
@@ -247,12 +247,12 @@ def test_linkages_that_lock_are_refused():
     section = BeamSection(1e6, 1.0, 1e5, 0.1, 1e-9, 0.002)
     mechanism = Mechanism(rocker, dict.fromkeys(("crank", "coupler", "rocker"), section))
     with pytest.raises(InputError, match="crank angle"):
-        DrivenLinkage(ReferenceEngine(mechanism, elements=2), CrankDrive(5.0), "none")
+        DrivenLinkage(ReferenceEngine(mechanism, elements=2), ConstantSpeed(5.0), "none")
 
 
 def test_periodic_motion_needs_a_constant_speed(aluminium):
     linkage = DrivenLinkage(
-        ReferenceEngine(aluminium, elements=2), CrankDrive(5.0, run_up_time=1.0), "none"
+        ReferenceEngine(aluminium, elements=2), ConstantSpeed(5.0, run_up_time=1.0), "none"
     )
     with pytest.raises(InputError, match="run-up"):
         periodic_state(linkage, 100)
@@ -260,7 +260,7 @@ def test_periodic_motion_needs_a_constant_speed(aluminium):
 
 def test_divergence_names_time_and_crank_angle(unit_arm):
     """Beyond its natural frequency an arm without tension stiffness flies off."""
-    linkage = DrivenLinkage(ReferenceEngine(unit_arm(100.0)), CrankDrive(20.0), "none")
+    linkage = DrivenLinkage(ReferenceEngine(unit_arm(100.0)), ConstantSpeed(20.0), "none")
     start = np.full(linkage.size, 1e-3)
     with pytest.raises(ComputationError, match=r"time .* s, crank angle .* deg"):
         linear_run(linkage, start, 0 * start, np.linspace(0, 60, 100), 0.01)

@@ -12,11 +12,11 @@ import pytest
 
 from flexmech import ExudynEngine, ReferenceEngine
 from flexmech.analyses.response.measurements import deflections
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.threads import one_thread
 from flexmech.time_domain import DrivenLinkage, LinkState, linear_run, periodic_turn
 
-DRIVE = CrankDrive(20.0)
+DRIVE = ConstantSpeed(20.0)
 TURN = DRIVE.revolution_time
 STEPS = 2880
 STRETCHING_STEPS = 800

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexmech import CrankDrive, ExudynEngine, Mechanism, RotatingArm
+from flexmech import ConstantSpeed, ExudynEngine, Mechanism, RotatingArm
 from flexmech.mechanism import AttachedBody
 from flexmech.time_domain import LinkState
 from tests.cross_engine.test_composite_sections import section
@@ -26,6 +26,6 @@ def test_a_run_keeps_its_energy_with_a_body_on_an_eccentric_arm(
         bodies=(AttachedBody("arm", 0.2, 0.3, 1e-4, offset),),
     )
     engine = ExudynEngine(arm, 2, "geometrically-exact")
-    drive, time = CrankDrive(20.0, run_up_time=0.05), np.linspace(0.0, 0.1, 21)
+    drive, time = ConstantSpeed(20.0, run_up_time=0.05), np.linspace(0.0, 0.1, 21)
     run = engine.simulate(drive, LinkState.rigid(engine.links), time, 1e-4)
     assert run.energy_error < 1e-4

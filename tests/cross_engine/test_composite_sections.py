@@ -30,7 +30,7 @@ from flexmech.analyses import solve_frequencies, solve_modes
 from flexmech.analyses.response.measurements import deflections
 from flexmech.beams.theories import Timoshenko
 from flexmech.linear_system import DeadMoments, inertia_loads
-from flexmech.linkages import CrankDrive, inverse_dynamics
+from flexmech.linkages import ConstantSpeed, inverse_dynamics
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.linearize import static_equilibrium
 from flexmech.sections import DampingTimes
@@ -357,7 +357,7 @@ def test_runs_of_both_engines_agree():
     Over more periods of vibration the meshes' own frequencies, a few thousandths apart before
     the extrapolation, run out of phase.
     """
-    drive, step = CrankDrive(20.0, run_up_time=0.05), 1e-4
+    drive, step = ConstantSpeed(20.0, run_up_time=0.05), 1e-4
     time = np.linspace(0.0, 0.05, 101)
     mechanism = fourbar(UNSYMMETRIC, stiffness=2e6)
     exact, linear = deflected(reference(mechanism, 6), drive, time, step)
@@ -377,7 +377,7 @@ def test_runs_of_both_engines_agree():
 def test_energy_is_balanced(times, integrator):
     """With weight and masses: the balance closes in second order of the step."""
     mechanism, errors = damped(laden((0.3, -0.2), stiffness=2e6), *times), []
-    engine, drive = exudyn(mechanism, 3), CrankDrive(30.0)
+    engine, drive = exudyn(mechanism, 3), ConstantSpeed(30.0)
     for step in (2e-4, 1e-4):
         time = np.linspace(0.0, 0.1, 11)
         start = LinkState.rigid(engine.links)
@@ -391,7 +391,7 @@ def test_stiff_links_have_the_forces_of_rigid_ones(integrator):
     """Joint forces and torque through arms, with the centres of mass off the pins' axis."""
     mechanism = damped(laden(stiffness=2e9), 2e-6, 2e-6, 2e-6)
     engine = ExudynEngine(mechanism, 3)
-    drive = CrankDrive(-8.0, run_up_time=0.2, start_angle=1.0)
+    drive = ConstantSpeed(-8.0, run_up_time=0.2, start_angle=1.0)
     motion = mechanism.linkage.motion(drive.crank_angle(np.zeros(1)))
     loads = inertia_loads(engine.links, motion, mechanism.gravity)
     dead = DeadMoments.of(engine.links, motion, mechanism.gravity, loads)
@@ -427,7 +427,7 @@ def test_small_vibration_is_that_of_the_linear_model():
     mode *= 1e-6 / mode[link.end[1]]
     time = np.linspace(0.0, 6 * np.pi / frequency, 31)
     start = LinkState([mode], [np.zeros(link.size)])
-    run = engine.simulate(CrankDrive(1e-4), start, time, time[-1] / 1200)
+    run = engine.simulate(ConstantSpeed(1e-4), start, time, time[-1] / 1200)
     expected = mode * np.cos(frequency * time)[:, None]
     scale = np.abs(expected).max(axis=0)[-3:]
     assert np.all(np.abs(run.displacement[0] - expected).max(axis=0)[-3:] < 4e-3 * scale)
@@ -441,7 +441,7 @@ def test_start_and_joints_are_kept(integrator):
     start.displacement[2][3:6] = 1e-4, -2e-4, 0.01
     start.rate[2][3:6] = 0.3, 0.1, 0.2
     start.displacement[2][-1], start.rate[2][-1] = 0.02, -0.4
-    drive = CrankDrive(-15.0, start_angle=4.0)
+    drive = ConstantSpeed(-15.0, start_angle=4.0)
     time = np.linspace(0.0, 0.2, 41)
     run = engine.simulate(drive, start, time, 2e-4, integrator=integrator)
     for kept, given_ in ((run.displacement, start.displacement), (run.rate, start.rate)):

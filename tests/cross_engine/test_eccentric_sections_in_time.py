@@ -14,7 +14,7 @@ import pytest
 import scipy.linalg
 
 from flexmech import (
-    CrankDrive,
+    ConstantSpeed,
     ExudynEngine,
     FourBar,
     Mechanism,
@@ -34,7 +34,7 @@ from tests.cross_engine.test_composite_sections import UNSYMMETRIC, fourbar
 from tests.cross_engine.test_two_drawings import heavy_strip
 
 SPEED, OFF = 6.0, 1.9e-3
-DRIVE = CrankDrive(SPEED)
+DRIVE = ConstantSpeed(SPEED)
 TIME = np.linspace(0.0, DRIVE.revolution_time / 4, 51)
 
 
@@ -72,7 +72,7 @@ def test_arms_turn_as_they_do_in_the_other_engine(axes: tuple[float, float]) -> 
 
 def small_motions(engine: Engine, speed: float) -> FloatArray:
     """Three frequencies of a run about where it could rest."""
-    linkage = DrivenLinkage(engine, CrankDrive(speed), stretches=True)
+    linkage = DrivenLinkage(engine, ConstantSpeed(speed), stretches=True)
     assert linkage.stretch is not None
     rest, now = static_balance(linkage, np.zeros(linkage.size)), linkage.equations(np.zeros(1))
     _, tangent = linkage.stretch.static_force(linkage.stretch.pin_rotations(now.motion), rest)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from flexmech import (
     BeamSection,
-    CrankDrive,
+    ConstantSpeed,
     ExudynEngine,
     Material,
     Mechanism,
@@ -271,7 +271,7 @@ def test_the_equilibrium_is_one(name: str, kind: str, degrees: float) -> None:
 )
 def test_a_run_accounts_for_all_energy(name: str, kind: str) -> None:
     """What loads give and dampers take is the rest of the balance."""
-    mechanism, drive = MECHANISMS[name], CrankDrive(20.0)
+    mechanism, drive = MECHANISMS[name], ConstantSpeed(20.0)
     engine = ExudynEngine(mechanism, 3, kind)
     time = np.linspace(0.0, 0.03, 16)
     start = LinkState.rigid(engine.links)
@@ -286,7 +286,7 @@ def test_a_run_accounts_for_all_energy(name: str, kind: str) -> None:
 
 @pytest.mark.parametrize("name", thorough_but("springs", "sprung joints"))
 def test_sensors_and_scripts_have_connectors(name: str, tmp_path: Path) -> None:
-    mechanism, drive = MECHANISMS[name], CrankDrive(20.0)
+    mechanism, drive = MECHANISMS[name], ConstantSpeed(20.0)
     engine = ExudynEngine(mechanism, 3, "ancf")
     start = LinkState.rigid(engine.links)
     system = engine.running_system(drive, start, 1e-4, 40, stride=2)

@@ -25,7 +25,7 @@ CASES = {
 def made(name: str, kind: str) -> tuple[Any, Any]:
     mechanism = strips(name, 4e-3, CASES[name])
     engine = flexmech.ExudynEngine(mechanism, 3, kind)
-    start, drive = LinkState.rigid(engine.links), flexmech.CrankDrive(20.0)
+    start, drive = LinkState.rigid(engine.links), flexmech.ConstantSpeed(20.0)
     return engine, engine.running_system(drive, start, 1e-4, 60, stride=2)
 
 
@@ -36,7 +36,7 @@ def test_sensors_measure_what_the_engine_does(name: str, kind: str) -> None:
     assert system.mbs.SolveDynamic(system.settings)
     time = system.step * np.arange(system.steps + 1)
     start = LinkState.rigid(engine.links)
-    run = engine.simulate(flexmech.CrankDrive(20.0), start, time, system.step)
+    run = engine.simulate(flexmech.ConstantSpeed(20.0), start, time, system.step)
     topology = engine.mechanism.linkage.topology
     size = np.abs(run.joint_force).max()
     for number, (joint, of) in enumerate(

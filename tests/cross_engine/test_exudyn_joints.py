@@ -10,7 +10,7 @@ import pytest
 import scipy.linalg
 from numpy.typing import NDArray
 
-from flexmech import BeamSection, CrankDrive, ExudynEngine, FourBar, Material, Mechanism
+from flexmech import BeamSection, ConstantSpeed, ExudynEngine, FourBar, Material, Mechanism
 from flexmech.linear_system import DeadMoments, inertia_loads
 from flexmech.linkages import Linkage, RigidMotion
 from flexmech.linkages.motion import direction, normal
@@ -152,7 +152,7 @@ def test_a_run_keeps_its_energy_and_its_joints(
     name: str, bodies: bool, kind: str, integrator: Any
 ) -> None:
     mechanism = strips(name, 4e-3, bodies)
-    engine, drive = ExudynEngine(mechanism, 3, kind), CrankDrive(20.0)
+    engine, drive = ExudynEngine(mechanism, 3, kind), ConstantSpeed(20.0)
     time = np.linspace(0.0, 0.02, 21)
     run = engine.simulate(drive, LinkState.rigid(engine.links), time, 2e-5, integrator=integrator)
     assert run.energy_error < 1e-6
@@ -170,7 +170,7 @@ def test_forces_of_joints_balance_inertia(kind: str) -> None:
     linkage = SliderCrank()
     steel = BeamSection.rectangle(Material(2e16, 7800.0), 10e-3, 20e-3)
     mechanism = Mechanism(linkage, dict.fromkeys(linkage.topology.link_names, steel))
-    engine, drive = ExudynEngine(mechanism, 2, kind), CrankDrive(20.0)
+    engine, drive = ExudynEngine(mechanism, 2, kind), ConstantSpeed(20.0)
     time = np.linspace(0.0, 0.05, 6)
     run = engine.simulate(
         drive, LinkState.rigid(engine.links), time, 1e-4, integrator="generalized-alpha"

@@ -41,7 +41,7 @@ ALL = {
 
 def request(**options: Any) -> flexmech.ResponseRequest:
     given = {"revolutions": 0.02, "step": np.pi / 10 / 720, **options}
-    return flexmech.ResponseRequest(flexmech.CrankDrive(20.0), **given)
+    return flexmech.ResponseRequest(flexmech.ConstantSpeed(20.0), **given)
 
 
 def system(
@@ -149,7 +149,7 @@ def test_sensors_measure_what_the_engine_does(model: str, element: str) -> None:
     made = system(mechanism, 3, element)
     assert made.mbs.SolveDynamic(made.settings)
     engine = flexmech.ExudynEngine(mechanism, 3, element)
-    drive, time = flexmech.CrankDrive(20.0), made.step * np.arange(made.steps + 1)
+    drive, time = flexmech.ConstantSpeed(20.0), made.step * np.arange(made.steps + 1)
     run = engine.simulate(drive, LinkState.rigid(engine.links), time, made.step)
     deflection = flexmech.analyses.deflections(engine, run)
     topology = mechanism.linkage.topology

@@ -12,7 +12,7 @@ from flexmech.analyses.response.compute import response
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
-from flexmech.linkages import CrankDrive, FourBar, RotatingArm
+from flexmech.linkages import ConstantSpeed, FourBar, RotatingArm
 from flexmech.materials import Laminate, Layer, Material, Ply
 from flexmech.mechanism import Mechanism
 from flexmech.multibody import ExudynEngine
@@ -155,7 +155,7 @@ def test_bent_links_run_alike() -> None:
 
     Modes of straight links would leave a hundredth between the engines.
     """
-    request = ResponseRequest(CrankDrive(20.0), revolutions=0.08, start="equilibrium")
+    request = ResponseRequest(ConstantSpeed(20.0), revolutions=0.08, start="equilibrium")
     reference, exudyn = (
         response(engine(four_bar(0.8), elements=6), request).dataset
         for engine in (ReferenceEngine, ExudynEngine)

@@ -8,7 +8,7 @@ import pytest
 
 from flexmech import (
     BeamSection,
-    CrankDrive,
+    ConstantSpeed,
     ExudynEngine,
     Material,
     Mechanism,
@@ -39,7 +39,7 @@ def test_a_four_bar_with_a_flywheel() -> None:
 
     Half the step leaves a quarter of the one, twice the elements a quarter of the other.
     """
-    request = ResponseRequest(CrankDrive(20.0), revolutions=0.25, step=2.5e-5, shaft="free")
+    request = ResponseRequest(ConstantSpeed(20.0), revolutions=0.25, step=2.5e-5, shaft="free")
     run = both("aluminium_fourbar", 1e-2, 4, request)
     agreement = run.agreement()
     assert agreement is not None
@@ -54,7 +54,7 @@ def test_a_four_bar_with_a_flywheel() -> None:
 def test_loads_and_springs_are_in_the_torque() -> None:
     """Where the shaft hardly turns, what is linear in its rotation is all."""
     request = ResponseRequest(
-        CrankDrive(5.0), 0.05, start="equilibrium", step=2e-4, modes=2, shaft="free"
+        ConstantSpeed(5.0), 0.05, start="equilibrium", step=2e-4, modes=2, shaft="free"
     )
     run = both("carton_pusher", 1.0, 2, request)
     agreement = run.agreement()
@@ -72,7 +72,9 @@ def test_a_slider_crank_whose_rod_bows_by_a_twentieth_of_its_length(start: str) 
 
     Equations that were linear in its rotation had it off by 3.3 %, and its speed by 6.7 %.
     """
-    request = ResponseRequest(CrankDrive(6.0), 0.5, start=start, step=2e-3, modes=2, shaft="free")
+    request = ResponseRequest(
+        ConstantSpeed(6.0), 0.5, start=start, step=2e-3, modes=2, shaft="free"
+    )
     run = both("slider_crank_free_shaft", 0.0, 8, request)
     agreement, peak = run.agreement(), run.dataset["peak_shaft_rotation"]
     assert agreement is not None
@@ -89,5 +91,5 @@ def test_an_arm_on_a_hub_swings_under_its_weight() -> None:
     arm = RotatingArm(0.3, hub_radius=0.05)
     mechanism = Mechanism(arm, {"arm": section}, gravity=(0.0, -9.81), shaft_inertia=2e-3)
     engines = [ReferenceEngine(mechanism, 2, "euler"), ExudynEngine(mechanism, 2, "ancf")]
-    request = ResponseRequest(CrankDrive(20.0), 0.25, step=2e-4, modes=2, shaft="free")
+    request = ResponseRequest(ConstantSpeed(20.0), 0.25, step=2e-4, modes=2, shaft="free")
     assert apart(response(engines, request), "shaft_rotation") < 1e-2

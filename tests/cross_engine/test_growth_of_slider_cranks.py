@@ -17,7 +17,7 @@ import pytest
 
 from flexmech import (
     BeamSection,
-    CrankDrive,
+    ConstantSpeed,
     ExudynEngine,
     Material,
     Mechanism,
@@ -103,7 +103,7 @@ def plus(first: LinkState, second: LinkState, factor: float) -> LinkState:
 def rates(mechanism: Mechanism, speed: float) -> tuple[float, float]:
     """Growth rates in 1/s: of the Floquet exponent, and of the nonlinear simulation."""
     floquet_state = importlib.import_module("_floquet_state").floquet_state
-    engine, drive = ExudynEngine(mechanism, ELEMENTS, "ancf"), CrankDrive(speed)
+    engine, drive = ExudynEngine(mechanism, ELEMENTS, "ancf"), ConstantSpeed(speed)
     with one_thread():
         orbit = nonlinear_orbit(engine, speed, SAMPLES)
         angle = 2 * np.pi / SAMPLES * np.arange(SAMPLES)

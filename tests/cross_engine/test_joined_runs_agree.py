@@ -21,7 +21,7 @@ def run(name: str, speed: float, step: float) -> list[pd.DataFrame]:
     """Both responses over a tenth of a turn; their energy balances are checked."""
     mechanism = flexmech.load_mechanism(MODELS / f"{name}.toml")
     request = flexmech.ResponseRequest(
-        flexmech.CrankDrive(speed), 0.1, step=step, start="equilibrium"
+        flexmech.ConstantSpeed(speed), 0.1, step=step, start="equilibrium"
     )
     tables = []
     for engine in (

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmech import CrankDrive, ExudynEngine, Mechanism, RotatingArm
+from flexmech import ConstantSpeed, ExudynEngine, Mechanism, RotatingArm
 from flexmech.arrays import FloatArray
 from flexmech.mechanism import AttachedBody
 from flexmech.multibody.running.model import RunningModel
@@ -21,7 +21,7 @@ TORN = 1e-5
 
 def check_closing(mechanism: Mechanism, kind: str) -> None:
     """Newton's method squares a gap with each step; a wrong derivative leaves most of it."""
-    engine, drive = ExudynEngine(mechanism, 2, kind), CrankDrive(20.0, start_angle=0.7)
+    engine, drive = ExudynEngine(mechanism, 2, kind), ConstantSpeed(20.0, start_angle=0.7)
     model = RunningModel(mechanism, 2, kind, drive, engine.links)
     whole, _ = Simulation(model, 1e-4, 1, "trapezoidal").set_start(LinkState.rigid(engine.links))
     torn = whole + TORN * np.random.default_rng(1).uniform(-1.0, 1.0, len(whole))

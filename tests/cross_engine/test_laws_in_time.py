@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from flexmech import (
-    CrankDrive,
+    ConstantSpeed,
     Drive,
     ExudynEngine,
     LawDrive,
@@ -41,7 +41,7 @@ DRIVES: dict[str, Drive] = {
     "backwards": LawDrive("cycloid", -1.5, 0.15, 0.05),
     "forth and back": LawDrive("trapezoid", 1.0, 0.08, 0.02, moves=2, forth_and_back=True),
     "table at rest": TableDrive(tuple(TIMES), tuple(RISE.crank_angle(TIMES)), ends="rest"),
-    "run-up": CrankDrive(20.0, 0.1),
+    "run-up": ConstantSpeed(20.0, 0.1),
 }
 
 
@@ -124,7 +124,7 @@ class TestTableOfConstantSpeed:
 
     def test_is_the_run_at_that_speed(self) -> None:
         engine = ReferenceEngine(FOUR_BAR, 4)
-        drives = self.TABLE, CrankDrive(self.SPEED, start_angle=0.2)
+        drives = self.TABLE, ConstantSpeed(self.SPEED, start_angle=0.2)
         found, wanted = (self.run(drive, engine).dataset for drive in drives)
         for name in ("deflection", "driving_torque", "joint_force"):
             scale = 1e-9 * float(abs(wanted[name]).max())
@@ -136,7 +136,7 @@ class TestTableOfConstantSpeed:
         monkeypatch.setattr(PositionTable, "_packed", PositionTable._solved_at)
         table = TableDrive(self.TABLE.times, self.TABLE.angles)
         assert not table.is_constant
-        engine, steady = ReferenceEngine(FOUR_BAR, 4), CrankDrive(self.SPEED, start_angle=0.2)
+        engine, steady = ReferenceEngine(FOUR_BAR, 4), ConstantSpeed(self.SPEED, start_angle=0.2)
         runs = []
         for drive in (table, steady):
             linkage = DrivenLinkage(engine, drive, "equilibrium", stretches=True)

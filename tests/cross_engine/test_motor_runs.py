@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 from flexmech import (
-    CrankDrive,
+    ConstantSpeed,
     DcMotor,
     ExudynEngine,
     InputError,
@@ -208,4 +208,4 @@ def test_what_a_motor_run_cannot_be_is_refused() -> None:
         ResponseRequest(MotorDrive(CURVE, time=0.1), run_up_time=1.0)
     # A speed in place of the motor of the model is a run as ever.
     moved = replace(MECHANISM, drive=MotorDrive(CURVE))
-    assert isinstance(ResponseRequest(20.0).of(moved).drive, CrankDrive)
+    assert isinstance(ResponseRequest(20.0).of(moved).drive, ConstantSpeed)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flexmech import (
-    CrankDrive,
+    ConstantSpeed,
     ExudynEngine,
     ReferenceEngine,
     ResponseRequest,
@@ -36,7 +36,7 @@ MODELS = Path(__file__).parents[2] / "models"
 def test_a_run_is_that_of_exudyn(shaft: str, torque: str, tmp_path: Path) -> None:
     """Lines that turn linearly left deflections 2e-2 off, joint forces on a free shaft 0.2."""
     mechanism = replace(GUIDED.mechanism(tmp_path, welded=False), shaft_inertia=2e-3)
-    request = ResponseRequest(CrankDrive(6.0), revolutions=0.03)
+    request = ResponseRequest(ConstantSpeed(6.0), revolutions=0.03)
     found, expected = (
         response(make(mechanism, 3, component_modes=False, shaft=shaft), request).dataset
         for make in (ReferenceEngine, ExudynEngine)
@@ -49,7 +49,7 @@ def test_a_run_is_that_of_exudyn(shaft: str, torque: str, tmp_path: Path) -> Non
 
 def test_two_drawings_have_one_response_at_low_speed(tmp_path: Path) -> None:
     """In component modes they were 1e-2 of the deflection apart at 3 rad/s."""
-    request = ResponseRequest(CrankDrive(3.0), revolutions=0.01)
+    request = ResponseRequest(ConstantSpeed(3.0), revolutions=0.01)
     body, weld = (
         response(ReferenceEngine(GUIDED.mechanism(tmp_path, welded=w), 3), request).dataset
         for w in (False, True)
@@ -63,7 +63,7 @@ def test_two_drawings_have_one_response_at_low_speed(tmp_path: Path) -> None:
 def test_joint_forces_balance_the_links_displaced_as_they_are() -> None:
     """At the places of the rigid motion the ram's force was 7e-3 of its peak off."""
     mechanism = load_mechanism(MODELS / "carton_pusher.toml")
-    request = ResponseRequest(CrankDrive(5.0), revolutions=0.01)
+    request = ResponseRequest(ConstantSpeed(5.0), revolutions=0.01)
     found, expected = (
         response(make(mechanism, 4, component_modes=False), request).dataset["joint_force"]
         for make in (ReferenceEngine, ExudynEngine)
@@ -76,7 +76,7 @@ def test_joint_forces_balance_the_links_displaced_as_they_are() -> None:
 def test_strains_are_distances_from_the_displaced_lines() -> None:
     """To the third order; the linear part is a matrix, whose rate it has too."""
     engine = ReferenceEngine(strips("rigid guide"), 3, "euler", component_modes=False)
-    linkage, speed = DrivenLinkage(engine, CrankDrive(20.0), stretches=True), 20.0
+    linkage, speed = DrivenLinkage(engine, ConstantSpeed(20.0), stretches=True), 20.0
     assert linkage.stretch is not None
     guides, topology = linkage.stretch.guides, engine.topology
     [slider] = topology.sliders

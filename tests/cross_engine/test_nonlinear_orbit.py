@@ -11,7 +11,7 @@ import scipy.linalg
 from flexmech import ExudynEngine, ReferenceEngine, load_mechanism
 from flexmech.analyses.frequencies.formulation import RunningStates
 from flexmech.linear_system import LinkFrames, RotationTerms, inertia_loads
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.multibody.link_parts import turn_vectors
 from flexmech.time_domain import DrivenLinkage, LinkState, nonlinear_orbit, simulated_orbit
 
@@ -59,7 +59,7 @@ def test_the_simulation_stays_on_the_orbit(mechanisms, name):
 
     The quasi-static equilibrium is a tenth of the displacement away.
     """
-    engine, drive = ExudynEngine(mechanisms[name], elements=4), CrankDrive(20.0)
+    engine, drive = ExudynEngine(mechanisms[name], elements=4), ConstantSpeed(20.0)
     orbit = nonlinear_orbit(engine, 20.0, samples=96)
     assert orbit.distance > 0.05
     start = LinkState([q[0] for q in orbit.displacement], [r[0] for r in orbit.rate])
@@ -93,7 +93,7 @@ def test_stiff_links_at_low_speed(models, speed):
 @pytest.mark.thorough
 def test_the_simulated_orbit_comes_to_it_with_its_step(aluminium):
     """Free vibrations that a step slows down shift what shooting finds by 5e-3 at 1440 steps."""
-    engine, drive = ExudynEngine(aluminium, elements=6), CrankDrive(20.0)
+    engine, drive = ExudynEngine(aluminium, elements=6), ConstantSpeed(20.0)
     orbit = nonlinear_orbit(engine, 20.0, samples=96)
     exact, time = (
         at_stations(engine, orbit.displacement),

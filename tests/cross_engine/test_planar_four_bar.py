@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flexmech import (
-    CrankDrive,
+    ConstantSpeed,
     ExudynEngine,
     Mechanism,
     ReferenceEngine,
@@ -74,7 +74,7 @@ def compared(result, other, names):
 
 @pytest.mark.thorough
 def test_the_running_response_is_the_same(both):
-    request = ResponseRequest(CrankDrive(20.0), revolutions=1)
+    request = ResponseRequest(ConstantSpeed(20.0), revolutions=1)
     results = [response(ReferenceEngine(mechanism, 4), request) for mechanism in both]
     compared(*results, ["deflection", "strain", "driving_torque", "joint_force"])
 

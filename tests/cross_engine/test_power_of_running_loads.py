@@ -9,7 +9,7 @@ import pytest
 
 from flexmech import (
     BeamSection,
-    CrankDrive,
+    ConstantSpeed,
     ExudynEngine,
     Load,
     Material,
@@ -31,7 +31,7 @@ def energy_error(kind: str, linkage: Linkage = ARM, **acting: Any) -> float:
     """Of a soft arm that runs up within a fraction of a turn."""
     section = BeamSection.rectangle(Material(69e9, 2700.0), 2e-3, 25e-3)
     engine = ExudynEngine(Mechanism(linkage, {"arm": section}, **acting), 4, kind)
-    drive, time = CrankDrive(20.0, run_up_time=0.05), np.linspace(0.0, 0.1, 21)
+    drive, time = ConstantSpeed(20.0, run_up_time=0.05), np.linspace(0.0, 0.1, 21)
     return engine.simulate(drive, LinkState.rigid(engine.links), time, 1e-4).energy_error
 
 

@@ -11,7 +11,7 @@ import pytest
 from flexmech import ExudynEngine, ReferenceEngine, moving_frequencies
 from flexmech.analyses.response.measurements import bending_strains, deflections
 from flexmech.dynamical_systems import VibrationState
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.time_domain import (
     DrivenLinkage,
     LinkState,
@@ -36,7 +36,7 @@ def simulated(aluminium):
 
     @cache
     def turn(speed, steps, elements):
-        drive = CrankDrive(speed)
+        drive = ConstantSpeed(speed)
         engine = ExudynEngine(aluminium, elements=elements)
         step = drive.revolution_time / steps
         return engine, engine.simulate(drive, LinkState.rigid(engine.links), one_turn(drive), step)
@@ -49,7 +49,7 @@ def both(aluminium, simulated):
     """Deflections (N, links) of Exudyn and of the linear reference."""
 
     def pair(speed, steps, elements=8, level="equilibrium"):
-        drive = CrankDrive(speed)
+        drive = ConstantSpeed(speed)
         time, step = one_turn(drive), drive.revolution_time / steps
         reference = ReferenceEngine(aluminium, elements=elements)
         linkage = DrivenLinkage(reference, drive, level)
@@ -103,7 +103,7 @@ def test_linearization_about_the_equilibrium_closes_most_of_it(both):
 def test_periodic_orbit_is_nearly_that_of_the_simulation(mechanisms, name):
     """Started on the linear periodic orbit, the simulation comes back to it."""
     mechanism = mechanisms[name]
-    drive = CrankDrive(10.0)
+    drive = ConstantSpeed(10.0)
     time, step = one_turn(drive), drive.revolution_time / 2880
     engine = ExudynEngine(mechanism)
     linkage = DrivenLinkage(engine, drive, "equilibrium", with_energy=False)
@@ -119,7 +119,7 @@ def test_periodic_orbit_is_nearly_that_of_the_simulation(mechanisms, name):
 @pytest.mark.thorough
 def test_direct_periodic_solution_is_where_a_damped_simulation_settles(aluminium):
     mechanism = damped(aluminium, 3e-4)
-    drive = CrankDrive(20.0)
+    drive = ConstantSpeed(20.0)
     steps, turns = 1440, 4
     time = (turns - 1) * drive.revolution_time + one_turn(drive)
     engine = ExudynEngine(mechanism)
@@ -141,7 +141,7 @@ def test_direct_periodic_solution_is_where_a_damped_simulation_settles(aluminium
 
 def test_simulated_orbit_closes(aluminium):
     mechanism = damped(aluminium, 1e-4)
-    drive = CrankDrive(20.0)
+    drive = ConstantSpeed(20.0)
     time, step = one_turn(drive), drive.revolution_time / 1440
     engine = ExudynEngine(mechanism)
     linkage = DrivenLinkage(engine, drive, "equilibrium", with_energy=False)
@@ -152,7 +152,7 @@ def test_simulated_orbit_closes(aluminium):
 
 
 def test_strain_gauges_of_both_engines_read_alike(aluminium, simulated):
-    drive = CrankDrive(5.0)
+    drive = ConstantSpeed(5.0)
     time, step = one_turn(drive), drive.revolution_time / 2880
     exudyn, run = simulated(5.0, 2880, 8)
     reference = ReferenceEngine(aluminium)

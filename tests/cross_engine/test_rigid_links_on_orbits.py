@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmech import CrankDrive, ExudynEngine, Mechanism, ReferenceEngine, load_mechanism
+from flexmech import ConstantSpeed, ExudynEngine, Mechanism, ReferenceEngine, load_mechanism
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine
 from flexmech.time_domain import LinkState, nonlinear_orbit
@@ -84,7 +84,7 @@ def test_a_rigid_coupler_is_the_same_drawn_from_either_end(
 def test_a_run_stays_on_the_orbit(rigid: str, tmp_path: Path) -> None:
     """Exudyn's own motion left that of linear ties by 1e-3 and 2e-4 of the displacement."""
     engine = ExudynEngine(four_bar(tmp_path, rigid, turned=False), 3, component_modes=False)
-    orbit, drive = nonlinear_orbit(engine, SPEED, samples=96), CrankDrive(SPEED)
+    orbit, drive = nonlinear_orbit(engine, SPEED, samples=96), ConstantSpeed(SPEED)
     start = LinkState([q[0] for q in orbit.displacement], [rate[0] for rate in orbit.rate])
     time = drive.revolution_time / 96 * np.arange(13.0)
     run = engine.simulate(drive, start, time, drive.revolution_time / 4000)

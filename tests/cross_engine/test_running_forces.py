@@ -25,7 +25,7 @@ from flexmech.analyses.response.compute import response
 from flexmech.analyses.response.measurements import deflections
 from flexmech.analyses.response.plan import lowest_axial_frequency
 from flexmech.analyses.response.request import ResponseRequest
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.time_domain import DrivenLinkage, LinkState, UnbalancedStepError, linear_run
 from tests.random_mechanisms import random_case
 
@@ -63,7 +63,7 @@ def half_the_axial(engine):
 
 def both(mechanism, speed, turns, steps, elements=8, *, banded=True):
     """Deflections, joint forces and torque of the reference and of Exudyn, and their peaks."""
-    drive = CrankDrive(speed)
+    drive = ConstantSpeed(speed)
     step, time = drive.revolution_time / steps, drive.revolution_time / 720
     time = time * np.arange(round(720 * turns) + 1)
     reference, exudyn = (engine(mechanism, elements) for engine in (ReferenceEngine, ExudynEngine))
@@ -112,7 +112,7 @@ def test_forces_of_a_rigid_start(slender):
 
 def test_a_tangent_at_the_bowed_equilibrium_is_not_enough(slender):
     """Straight links would be stretched by the square of the bow: that is what this mends."""
-    drive = CrankDrive(19.23)
+    drive = ConstantSpeed(19.23)
     exudyn = slender[1][1]
     linkage = DrivenLinkage(ReferenceEngine(slender_crank_rocker()), drive, "equilibrium")
     nothing = np.zeros(linkage.size)
@@ -141,7 +141,7 @@ def test_more_random_mechanisms(seed):
     """
     case = random_case(seed, damped=True)
     engines = [ReferenceEngine(case.mechanism), ExudynEngine(case.mechanism)]
-    run = response(engines, ResponseRequest(CrankDrive(case.crank_speed), 1.0, 360))
+    run = response(engines, ResponseRequest(ConstantSpeed(case.crank_speed), 1.0, 360))
     lengths = [link.length for link in case.mechanism.linkage.topology.links]
     bow = np.abs(run.dataset["deflection"]).max(["engine", "time"]).values / lengths
     told = run.dataset["step_error_of_deflection"].sum("engine").values
@@ -157,7 +157,7 @@ def test_peaks_in_the_band_converge_with_the_step(aluminium):
 
     Without a band it was 6.3, 5.7 and 6.8 N.
     """
-    engine, drive = ReferenceEngine(aluminium), CrankDrive(20.0)
+    engine, drive = ReferenceEngine(aluminium), ConstantSpeed(20.0)
     linkage = DrivenLinkage(engine, drive, stretches=True)
     nothing, time = np.zeros(linkage.size), drive.revolution_time * np.array([0.0, 0.15])
 
@@ -180,7 +180,7 @@ def test_other_starts(aluminium, start):
         sections={k: s.with_damping_time(1e-4) for k, s in aluminium.sections.items()},
     )
     engines = [ReferenceEngine(mechanism, 4), ExudynEngine(mechanism, 4)]
-    request = ResponseRequest(CrankDrive(20.0), 0.05, 720, start=start, step=1e-4)
+    request = ResponseRequest(ConstantSpeed(20.0), 0.05, 720, start=start, step=1e-4)
     run = response(engines, request)
     assert float(run.agreement().max()) < 1e-2
     assert float(run.force_agreement()["peak_joint_force"].max()) < 2e-2
@@ -195,7 +195,7 @@ def test_runs_on_the_periodic_motion_begin_without_ringing():
     """
     case = random_case(6316)
     engines = [ReferenceEngine(case.mechanism, 4), ExudynEngine(case.mechanism, 4)]
-    request = ResponseRequest(CrankDrive(2 * case.crank_speed), 0.01, 360, "periodic", step=2e-4)
+    request = ResponseRequest(ConstantSpeed(2 * case.crank_speed), 0.01, 360, "periodic", step=2e-4)
     run = response(engines, request)
     simulated = run.dataset.sel(engine="exudyn")
     assert float(simulated["peak_strain"].sel(link="rocker")) < 2e-6
@@ -208,7 +208,7 @@ def test_runs_on_the_periodic_motion_begin_without_ringing():
 def test_exudyns_step_is_halved_where_newtons_method_finds_no_end():
     """Links that bow by 8 % of their length; it was refused, with advice on the step."""
     case = random_case(6335, damped=True)
-    drive = CrankDrive(3 * case.crank_speed)
+    drive = ConstantSpeed(3 * case.crank_speed)
     engine = ExudynEngine(case.mechanism, 4)
     with pytest.raises(UnbalancedStepError, match="step smaller"):
         response(engine, ResponseRequest(drive, 0.06, 360, "periodic", step=7e-5))

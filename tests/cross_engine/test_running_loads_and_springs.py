@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from flexmech import (
-    CrankDrive,
+    ConstantSpeed,
     ExudynEngine,
     InputError,
     Mechanism,
@@ -66,7 +66,7 @@ def four_bar() -> Mechanism:
 def test_both_engines_run_alike_and_account_for_all_energy() -> None:
     """The reference's equations are linear in the displacement, here up to 4e-3 of a link."""
     mechanism = four_bar()
-    request = ResponseRequest(CrankDrive(SPEED), 0.06, step=7e-5, start="equilibrium")
+    request = ResponseRequest(ConstantSpeed(SPEED), 0.06, step=7e-5, start="equilibrium")
     first, second = (
         response(engine, request).dataset
         for engine in (ReferenceEngine(mechanism, 4, "euler"), ExudynEngine(mechanism, 4, "ancf"))
@@ -89,7 +89,7 @@ def test_both_engines_run_alike_and_account_for_all_energy() -> None:
 def test_joint_forces_of_a_chain_of_followers() -> None:
     """The rocker of two beams follows the coupler at B; the second beam hangs on the first."""
     mechanism = load_mechanism(Path(__file__).parents[2] / "models" / "carton_pusher.toml")
-    request = ResponseRequest(CrankDrive(6.0), 0.02, step=1e-4, start="equilibrium", modes=2)
+    request = ResponseRequest(ConstantSpeed(6.0), 0.02, step=1e-4, start="equilibrium", modes=2)
     first, second = (
         response(engine, request)
         for engine in (ReferenceEngine(mechanism, 3, "euler"), ExudynEngine(mechanism, 3, "ancf"))
@@ -112,7 +112,7 @@ def test_a_force_in_axes_of_its_link(engine: type[Engine]) -> None:
     load = Load("tip", AttachmentPoint("arm", length), ((0.0, force),), axes="link")
     section = strips(SliderCrank()).sections["crank"]
     mechanism = Mechanism(RotatingArm(length), {"arm": section}, loads=(load,))
-    request = ResponseRequest(CrankDrive(0.05), 0.02, step=5e-3, start="equilibrium")
+    request = ResponseRequest(ConstantSpeed(0.05), 0.02, step=5e-3, start="equilibrium")
     found = response(engine(mechanism, 4), request).dataset
     deflection = found["deflection"].values.ravel()
     wanted = force * length**3 / (3 * section.bending_stiffness)
@@ -126,7 +126,7 @@ def test_a_force_in_axes_of_its_link(engine: type[Engine]) -> None:
 def test_a_force_that_turns_with_a_bent_section_does_its_work() -> None:
     """The power of the turned force balances the energies; of the force as drawn it does not."""
     load = Load("across", AttachmentPoint("coupler", 0.14), ((0.0, -10.0),), axes="link")
-    request = ResponseRequest(CrankDrive(SPEED), 0.03, step=2e-4, start="rigid", modes=2)
+    request = ResponseRequest(ConstantSpeed(SPEED), 0.03, step=2e-4, start="rigid", modes=2)
     engine = ReferenceEngine(strips(FOUR_BAR, loads=(load,)), 2, "euler")
     found = response(engine, request).dataset
     assert float(abs(found["deflection"]).max()) > 1e-3
@@ -137,7 +137,7 @@ def test_a_torque_on_a_welded_link_is_in_the_joint_forces() -> None:
     """Slow and hardly bent, the joints bear what they bear between rigid links."""
     load = Load("torque", AttachmentPoint("beyond", 0.12), ((0.0, 0.0),), (0.1,))
     mechanism = strips(Ternary(FOUR_BAR), loads=(load,))
-    request = ResponseRequest(CrankDrive(0.5), 0.01, step=5e-3, start="equilibrium", modes=2)
+    request = ResponseRequest(ConstantSpeed(0.5), 0.01, step=5e-3, start="equilibrium", modes=2)
     found = response(ReferenceEngine(mechanism, 2, "euler"), request).dataset
     force, rigid = found["joint_force"].values[0], found["rigid_joint_force"].values
     assert force == pytest.approx(rigid, abs=1e-2 * np.abs(rigid).max())
@@ -149,7 +149,7 @@ def test_joint_forces_hold_a_load_where_it_has_moved_to() -> None:
     mechanism = strips(Ternary(FOUR_BAR), loads=(Load("tip", tip, (load,)),))
     mechanism = replace(mechanism, gravity=(0.0, 0.0))
     engine = ReferenceEngine(mechanism, 2, "euler", component_modes=False)
-    linkage = DrivenLinkage(engine, CrankDrive(0.01), "equilibrium")
+    linkage = DrivenLinkage(engine, ConstantSpeed(0.01), "equilibrium")
     still = linkage.equations(np.zeros(1), frozen=True).quasi_static()[0]
     found = linear_run(linkage, still, 0 * still, np.array([0.0, 0.01]), 0.005)
     motion, number = linkage.motion(np.zeros(1)), engine.topology.index("beyond")
@@ -176,7 +176,7 @@ def test_the_equilibrium_at_the_start_counts_loads_over_time(engine: type[Engine
     length, row = 0.3, (0.02, 0.05)
     tip = AttachmentPoint("arm", length)
     section = strips(SliderCrank()).sections["crank"]
-    request = ResponseRequest(CrankDrive(5.0), 0.02, step=2e-4, start="equilibrium", modes=2)
+    request = ResponseRequest(ConstantSpeed(5.0), 0.02, step=2e-4, start="equilibrium", modes=2)
     tables: list[dict[str, Any]] = [
         {"force": (row,), "torque": (0.01,)},
         {"force": (row, row), "torque": (0.01, 0.01), "over": "time", "at": (0.0, 1.0)},
@@ -202,7 +202,7 @@ def test_a_slow_run_tends_to_the_equilibria_at_its_angles() -> None:
     engine = ReferenceEngine(mechanism, 3, "euler", component_modes=False)
     gaps = []
     for speed in (1.0, 0.25):
-        drive = CrankDrive(speed)
+        drive = ConstantSpeed(speed)
         request = ResponseRequest(drive, 0.2, step=2e-3 / speed, start="equilibrium", modes=2)
         found = response(engine, request).dataset
         motion = drive.motion(mechanism.linkage, found["time"].values)
@@ -216,7 +216,7 @@ def test_a_slow_run_tends_to_the_equilibria_at_its_angles() -> None:
 
 def test_tables_of_loads_are_not_smoothed_by_the_interpolation_of_steps() -> None:
     """A step between positions is that of the equations themselves, kinks of loads included."""
-    linkage = DrivenLinkage(ReferenceEngine(four_bar(), 3, "euler"), CrankDrive(SPEED), "none")
+    linkage = DrivenLinkage(ReferenceEngine(four_bar(), 3, "euler"), ConstantSpeed(SPEED), "none")
     time = np.linspace(0.28, 0.52, 41) / SPEED
     table = StepTable(linkage, 1e-4)
     assert linkage.connectors.is_interpolated
@@ -230,7 +230,7 @@ def test_condensed_coordinates_answer_loads_over_time_at_every_instant() -> None
     point, rows = AttachmentPoint("coupler", 0.1), ((-100.0, 50.0), (200.0, 0.0))
     load = Load("push", point, rows, (0.0, 0.0), over="time", at=(0.0, 0.02))
     engine = ReferenceEngine(strips(FOUR_BAR, loads=(load,)), 4, "euler")
-    linkage = DrivenLinkage(engine, CrankDrive(SPEED))
+    linkage = DrivenLinkage(engine, ConstantSpeed(SPEED))
     time, nothing = 0.01 + 1e-4 * np.arange(70.0), np.zeros(linkage.size)
     still = VibrationState(nothing, nothing, nothing)
     assert linkage.is_condensed
@@ -243,19 +243,19 @@ def test_condensed_coordinates_answer_loads_over_time_at_every_instant() -> None
 def test_a_spring_that_is_wound_up_counts_turns() -> None:
     spring = JointSpring("A", 2.0, 0.01, -0.6)
     engine = ReferenceEngine(strips(SliderCrank(), joint_springs=(spring,)), 2, "euler")
-    linkage = DrivenLinkage(engine, CrankDrive(SPEED), "none")
+    linkage = DrivenLinkage(engine, ConstantSpeed(SPEED), "none")
     turn = linkage.drive.revolution_time
     time = 0.01 + np.array([0.0, turn])
     force = linkage.connectors.force(linkage.motion(time), time)
     assert np.abs(force[1] - force[0]).max() > 0.9 * 2.0 * 2 * np.pi
     with pytest.raises(InputError, match="wound up further with every turn"):
-        response(engine, ResponseRequest(CrankDrive(SPEED), 0.1, start="periodic"))
+        response(engine, ResponseRequest(ConstantSpeed(SPEED), 0.1, start="periodic"))
 
 
 def test_no_motion_is_periodic_under_a_load_over_time() -> None:
     engine = ReferenceEngine(strips(Ternary(FOUR_BAR), loads=(PUSH,)), 2, "euler")
     with pytest.raises(InputError, match="under a load over time no motion repeats itself"):
-        response(engine, ResponseRequest(CrankDrive(SPEED), 0.1, start="periodic"))
+        response(engine, ResponseRequest(ConstantSpeed(SPEED), 0.1, start="periodic"))
 
 
 @pytest.mark.parametrize("prestress", ["none", "axial", "equilibrium"])
@@ -265,7 +265,7 @@ def test_a_periodic_motion_under_a_table_repeats_itself(prestress: Prestress) ->
     spring = Spring("hold", AttachmentPoint(GROUND, 0.2, 0.3), tip, 0.3, 0.1, 0.05)
     section = strips(SliderCrank()).sections["crank"]
     mechanism = Mechanism(RotatingArm(0.3), {"arm": section}, loads=(load,), springs=(spring,))
-    linkage = DrivenLinkage(ReferenceEngine(mechanism, 2, "euler"), CrankDrive(20.0), prestress)
+    linkage = DrivenLinkage(ReferenceEngine(mechanism, 2, "euler"), ConstantSpeed(20.0), prestress)
     start, turn = periodic_state(linkage, 1440), linkage.drive.revolution_time
     run = linear_run(linkage, start.position, start.velocity, np.array([0.0, turn]), turn / 1440)
     first, last = run.displacement[0]
@@ -280,7 +280,7 @@ def test_a_joint_spring_keeps_its_energy_where_a_link_turns_past_half_a_turn() -
     The motion was right, and the energy balance of Exudyn's run off by 7 % and more.
     """
     mechanism = strips(FOUR_BAR, joint_springs=(JointSpring("A", 0.05),))
-    request = ResponseRequest(CrankDrive(SPEED, 0.0, 3.1), 0.02, step=2e-4, start="equilibrium")
+    request = ResponseRequest(ConstantSpeed(SPEED, 0.0, 3.1), 0.02, step=2e-4, start="equilibrium")
     first, second = (
         response(engine, request).dataset
         for engine in (ReferenceEngine(mechanism, 3, "euler"), ExudynEngine(mechanism, 3, "ancf"))

@@ -18,7 +18,7 @@ from flexmech import (
     RotatingArm,
 )
 from flexmech.linear_system import DeadMoments, inertia_loads
-from flexmech.linkages import CrankDrive, inverse_dynamics
+from flexmech.linkages import ConstantSpeed, inverse_dynamics
 from flexmech.multibody.linearize import linearized, static_equilibrium
 from flexmech.multibody.running import simulation
 from flexmech.multibody.static_model import simulation_settings
@@ -128,7 +128,7 @@ def test_dissipation_is_that_of_exudyn_s_damping_matrix(element):
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize(("name", "limit"), [("aluminium", 2e-5), ("steel", 3e-5)])
 def test_energy_is_balanced(mechanisms, name, limit, integrator):
-    engine, drive = ExudynEngine(mechanisms[name], 4), CrankDrive(20.0)
+    engine, drive = ExudynEngine(mechanisms[name], 4), ConstantSpeed(20.0)
     time = np.linspace(0.0, drive.revolution_time, 101)
     run = simulate(engine, drive, time, STEP, integrator=integrator)
     assert 1e-7 < run.energy_error < limit
@@ -136,7 +136,7 @@ def test_energy_is_balanced(mechanisms, name, limit, integrator):
 
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_energy_is_balanced_with_weight_masses_and_damping(laden, element):
-    engine, drive = ExudynEngine(laden, 4, element), CrankDrive(10.0, start_angle=0.5)
+    engine, drive = ExudynEngine(laden, 4, element), ConstantSpeed(10.0, start_angle=0.5)
     run = simulate(engine, drive, np.linspace(0.0, 0.3, 101), 2e-4)
     assert run.energy_error < 4e-6
     assert run.energy.dissipated[-1] > 10 * run.energy_error * run.energy.kinetic.max()
@@ -180,20 +180,20 @@ def assert_forces_of_rigid_links(mechanism, element, drive, integrator="trapezoi
     "element", [pytest.param("ancf", marks=pytest.mark.thorough), "geometrically-exact"]
 )
 def test_stiff_links_have_the_forces_of_rigid_ones(laden, element, integrator):
-    drive = CrankDrive(-8.0, run_up_time=0.5, start_angle=1.0)
+    drive = ConstantSpeed(-8.0, run_up_time=0.5, start_angle=1.0)
     assert_forces_of_rigid_links(laden, element, drive, integrator)
 
 
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_torque_of_a_hub_has_the_lever_of_the_clamp_force(element):
     mechanism = stiffened(arm(element).mechanism, 1e3)
-    assert_forces_of_rigid_links(mechanism, element, CrankDrive(5.0, run_up_time=0.5))
+    assert_forces_of_rigid_links(mechanism, element, ConstantSpeed(5.0, run_up_time=0.5))
 
 
 def test_a_six_bar_runs_with_three_links_on_a_pin(aluminium):
     section = aluminium.sections["crank"]
     mechanism = Mechanism(LEFT, dict.fromkeys(LEFT.topology.link_names, section))
-    assert_forces_of_rigid_links(mechanism, "ancf", CrankDrive(10.0, run_up_time=0.3))
+    assert_forces_of_rigid_links(mechanism, "ancf", ConstantSpeed(10.0, run_up_time=0.3))
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
@@ -204,7 +204,7 @@ def test_forces_at_time_zero_are_those_that_follow(aluminium, integrator):
     bend = np.sin(np.pi * np.linspace(0, 1, 5))
     start.displacement[1][1::4] = 1e-3 * bend
     run = simulate(
-        engine, CrankDrive(20.0), step * np.arange(3.0), step, start, integrator=integrator
+        engine, ConstantSpeed(20.0), step * np.arange(3.0), step, start, integrator=integrator
     )
     scale = np.abs(run.joint_force).max()
     assert scale > 0.1
@@ -233,7 +233,7 @@ def test_small_vibration_is_that_of_the_linear_model(element, integrator):
     start = LinkState([mode], [np.zeros(link.size)])
     period = 2 * np.pi / frequency
     time = np.linspace(0.0, 3 * period, 61)
-    run = simulate(engine, CrankDrive(1e-4), time, period / 400, start, integrator=integrator)
+    run = simulate(engine, ConstantSpeed(1e-4), time, period / 400, start, integrator=integrator)
     expected = 1e-5 * np.cos(frequency * time)
     tip = run.displacement[0][:, link.end[1]]
     # Phase lag of the rule: (2 pi / 400)^2 / 12 of the angle, 4e-4 after three periods.
@@ -245,7 +245,7 @@ def test_small_vibration_is_that_of_the_linear_model(element, integrator):
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_second_order_in_the_step(aluminium, integrator):
-    engine, drive = ExudynEngine(aluminium, 2), CrankDrive(20.0, run_up_time=0.1)
+    engine, drive = ExudynEngine(aluminium, 2), ConstantSpeed(20.0, run_up_time=0.1)
     time = np.linspace(0.0, 0.16, 81)
     coarse, fine, finest = (
         middle_deflection(engine, simulate(engine, drive, time, h, integrator=integrator))
@@ -256,7 +256,7 @@ def test_second_order_in_the_step(aluminium, integrator):
 
 
 def test_both_integrators_agree(aluminium):
-    engine, drive = ExudynEngine(aluminium, 4), CrankDrive(20.0, run_up_time=0.1)
+    engine, drive = ExudynEngine(aluminium, 4), ConstantSpeed(20.0, run_up_time=0.1)
     time = np.linspace(0.0, 0.2, 101)
     first, second = (
         middle_deflection(engine, simulate(engine, drive, time, 2e-4, integrator=name))
@@ -267,7 +267,7 @@ def test_both_integrators_agree(aluminium):
 
 def test_coupler_at_20_rad_per_s_bends_as_published(aluminium):
     """Peak of the first revolution from rigid velocities, converged in mesh and step."""
-    engine, drive = ExudynEngine(aluminium, 8), CrankDrive(20.0)
+    engine, drive = ExudynEngine(aluminium, 8), ConstantSpeed(20.0)
     time = np.linspace(0.0, drive.revolution_time, 721)
     peak = np.abs(middle_deflection(engine, simulate(engine, drive, time, 2e-4))).max()
     assert peak == pytest.approx(1.2247e-3, rel=2e-3)
@@ -285,7 +285,7 @@ def test_spin_up_of_a_long_arm():
     )
     engine = ExudynEngine(Mechanism(RotatingArm(10.0), {"arm": section}), 6)
     time = np.linspace(0.0, 7.0, 701)
-    run = simulate(engine, CrankDrive(6.0, run_up_time=15.0), time, 5e-3)
+    run = simulate(engine, ConstantSpeed(6.0, run_up_time=15.0), time, 5e-3)
     tip = run.displacement[0][:, engine.links[0].end[1]]
     assert tip.min() == pytest.approx(-0.574, abs=1e-3)
     assert time[tip.argmin()] == pytest.approx(6.76, abs=0.02)
@@ -297,7 +297,7 @@ def test_spin_up_of_a_long_arm():
 def test_clamp_and_pivots_stay_in_place(element, run_up_time, integrator):
     """Without the clamp being put back the trapezoidal rule would lose 3e-4 rad here."""
     engine = arm(element)
-    drive = CrankDrive(12.0, run_up_time, start_angle=2.0)
+    drive = ConstantSpeed(12.0, run_up_time, start_angle=2.0)
     run = simulate(engine, drive, np.linspace(0.0, 1.0, 51), 5e-3, integrator=integrator)
     link = engine.links[0]
     held = np.concatenate([link.start, link.start_rotation])
@@ -310,7 +310,7 @@ def test_clamp_and_pivots_stay_in_place(element, run_up_time, integrator):
 
 
 def test_blocks_leave_no_trace(aluminium, monkeypatch):
-    engine, drive = ExudynEngine(aluminium, 2), CrankDrive(20.0)
+    engine, drive = ExudynEngine(aluminium, 2), ConstantSpeed(20.0)
     time = np.linspace(0.0, 0.05, 23)
     whole = simulate(engine, drive, time, 5e-4)
     monkeypatch.setattr(simulation, "BLOCK_STEPS", 7)
@@ -327,7 +327,7 @@ def test_first_row_is_the_start(laden):
     start = LinkState.rigid(engine.links)
     start.displacement[2][4:8] = 1e-4
     start.rate[2][4:8] = 0.3
-    run = simulate(engine, CrankDrive(-15.0, start_angle=4.0), np.array([0.0]), 1e-5, start)
+    run = simulate(engine, ConstantSpeed(-15.0, start_angle=4.0), np.array([0.0]), 1e-5, start)
     for kept, given in ((run.displacement, start.displacement), (run.rate, start.rate)):
         for one, other in zip(kept, given, strict=True):
             np.testing.assert_allclose(one[0], other, rtol=0, atol=1e-13)
@@ -341,7 +341,7 @@ def test_progress_is_told_and_output_is_quiet(aluminium, capsys):
         sys.stdout.write("told\n")
 
     engine = ExudynEngine(aluminium, 2)
-    simulate(engine, CrankDrive(20.0), np.array([0.0, 0.0501]), 2e-4, progress=progress)
+    simulate(engine, ConstantSpeed(20.0), np.array([0.0, 0.0501]), 2e-4, progress=progress)
     assert calls == [(0, 251), (100, 251), (200, 251)]
     assert capsys.readouterr().out == "told\n" * 3
 
@@ -353,7 +353,7 @@ def test_a_step_that_does_not_converge_is_named(aluminium):
     with pytest.raises(
         ComputationError, match=r"0\.01 s, crank angle .* deg: Newton.*smaller than 0\.01"
     ):
-        simulate(ExudynEngine(aluminium, 2), CrankDrive(3000.0), np.array([0.0, 1.0]), 0.01)
+        simulate(ExudynEngine(aluminium, 2), ConstantSpeed(3000.0), np.array([0.0, 1.0]), 0.01)
 
 
 def test_values_that_are_not_finite_are_named(aluminium):
@@ -361,7 +361,7 @@ def test_values_that_are_not_finite_are_named(aluminium):
     start = LinkState.rigid(engine.links)
     start.rate[1][4] = np.nan
     with pytest.raises(ComputationError, match=r"crank angle .* deg: the values are not finite"):
-        simulate(engine, CrankDrive(20.0), np.array([0.0, 1.0]), 1e-3, start)
+        simulate(engine, ConstantSpeed(20.0), np.array([0.0, 1.0]), 1e-3, start)
 
 
 def test_an_interrupt_comes_through(aluminium):
@@ -371,7 +371,7 @@ def test_an_interrupt_comes_through(aluminium):
 
     engine = ExudynEngine(aluminium, 2)
     with pytest.raises(KeyboardInterrupt):
-        simulate(engine, CrankDrive(20.0), np.array([0.0, 1.0]), 1e-3, progress=interrupt)
+        simulate(engine, ConstantSpeed(20.0), np.array([0.0, 1.0]), 1e-3, progress=interrupt)
 
 
 @pytest.mark.parametrize(
@@ -387,7 +387,7 @@ def test_an_interrupt_comes_through(aluminium):
 )
 def test_what_cannot_be_is_refused(aluminium, time, step, options, message):
     with pytest.raises(InputError, match=message):
-        simulate(ExudynEngine(aluminium, 2), CrankDrive(20.0), np.array(time), step, **options)
+        simulate(ExudynEngine(aluminium, 2), ConstantSpeed(20.0), np.array(time), step, **options)
 
 
 def test_a_start_that_tears_a_pin_is_refused(aluminium):
@@ -395,4 +395,4 @@ def test_a_start_that_tears_a_pin_is_refused(aluminium):
     start = LinkState.rigid(engine.links)
     start.displacement[1][:2] = 1e-3
     with pytest.raises(InputError, match=r"joint holds by 0\.00141 m"):
-        simulate(engine, CrankDrive(20.0), np.array([0.0, 1.0]), 1e-3, start)
+        simulate(engine, ConstantSpeed(20.0), np.array([0.0, 1.0]), 1e-3, start)

@@ -17,7 +17,7 @@ PEAKS = ("peak_frame_displacement", "peak_frame_rotation", "peak_floor_force")
 def both(file: Path, speed: float, start: str) -> flexmech.Response:
     mechanism = flexmech.load_mechanism(file)
     engines = [flexmech.ReferenceEngine(mechanism), flexmech.ExudynEngine(mechanism)]
-    request = flexmech.ResponseRequest(flexmech.CrankDrive(speed), revolutions=1.0, start=start)
+    request = flexmech.ResponseRequest(flexmech.ConstantSpeed(speed), revolutions=1.0, start=start)
     return flexmech.response(engines, request)
 
 

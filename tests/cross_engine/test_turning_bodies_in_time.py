@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmech import CrankDrive, ExudynEngine, ReferenceEngine
+from flexmech import ConstantSpeed, ExudynEngine, ReferenceEngine
 from flexmech.analyses.response.compute import response
 from flexmech.analyses.response.measurements import deflections
 from flexmech.analyses.response.request import ResponseRequest
@@ -23,7 +23,7 @@ BENDS = 0.1
 
 def gap(name: str, elements: int = 8, steps: int = 3000) -> float:
     """Of deflections from a start without vibration, over the peak of each link that bends."""
-    mechanism, drive = strips(name), CrankDrive(SPEED)
+    mechanism, drive = strips(name), ConstantSpeed(SPEED)
     length = TURNS * drive.revolution_time
     time, step = np.linspace(0.0, length, 101), length / steps
     exudyn = ExudynEngine(mechanism, elements=elements)
@@ -56,7 +56,7 @@ def test_a_body_runs_as_a_rigid_link_welded_in_its_place(
     make: type[Engine], tmp_path: Path
 ) -> None:
     """The two drawings were 2e-3 of the peak apart."""
-    request = ResponseRequest(CrankDrive(10.0), revolutions=0.2, step=1e-4)
+    request = ResponseRequest(ConstantSpeed(10.0), revolutions=0.2, step=1e-4)
     body, weld = (
         response([make(m, 6)], request).dataset["deflection"].values[0, :, 0]
         for m in arm([Body(0.02, 2e-5, (0.02, 0.06))]).both(tmp_path)

@@ -30,7 +30,7 @@ from flexmech.analyses.hammer.locked_linkage import LockedLinkage
 from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.linear_system import Engine, LinkPoint
-from flexmech.linkages import CrankDrive, JointSpring
+from flexmech.linkages import ConstantSpeed, JointSpring
 from flexmech.linkages.motion import direction
 from flexmech.materials import Material
 from flexmech.mechanism import AttachedBody
@@ -240,7 +240,7 @@ def test_both_deflect_alike_in_a_speed_sweep(
 def test_both_have_the_same_response(make: type[Engine], tmp_path: Path) -> None:
     """With bars of other stiffness or damping the reference's are 1e-5 apart."""
     drawing = four_bar(Body(0.087, 8.6e-5, (0.0366, 0.037)), at=0.32, thickness=2.0)
-    request = ResponseRequest(CrankDrive(6.0), revolutions=0.1)
+    request = ResponseRequest(ConstantSpeed(6.0), revolutions=0.1)
     body, weld = (response(make(m, 3), request).dataset for m in drawing.both(tmp_path))
     expected = body["deflection"]
     found = weld["deflection"].sel(link=expected["link"])
@@ -274,7 +274,7 @@ GUIDED = Drawing(
 
 def test_both_have_the_same_response_where_a_link_guides_another(tmp_path: Path) -> None:
     """A body without the stiffness by its own weight and inertia was 1e-2 off."""
-    request = ResponseRequest(CrankDrive(6.0), revolutions=0.05)
+    request = ResponseRequest(ConstantSpeed(6.0), revolutions=0.05)
     body, weld = (
         response(ReferenceEngine(m, 2, component_modes=False), request).dataset["deflection"]
         for m in GUIDED.both(tmp_path)
@@ -345,7 +345,7 @@ def test_a_run_with_a_body_stays_on_its_orbit(tmp_path: Path) -> None:
     """Exudyn's own motion of a body that turns; the orbit of arms of small turns is 1e-4 off."""
     drawing = four_bar(Body(0.1, 1e-4, (0.01, 0.05)), thickness=2.5)
     engine = ExudynEngine(drawing.mechanism(tmp_path, welded=False), 2, component_modes=False)
-    orbit, drive = nonlinear_orbit(engine, 5.0, samples=96), CrankDrive(5.0)
+    orbit, drive = nonlinear_orbit(engine, 5.0, samples=96), ConstantSpeed(5.0)
     start = LinkState([q[0] for q in orbit.displacement], [rate[0] for rate in orbit.rate])
     time = drive.revolution_time / 96 * np.arange(13.0)
     run = engine.simulate(drive, start, time, drive.revolution_time / 4000)

@@ -12,7 +12,7 @@ import scipy.linalg
 from typer.testing import CliRunner
 
 from flexmech import (
-    CrankDrive,
+    ConstantSpeed,
     ExudynEngine,
     InputError,
     ReferenceEngine,
@@ -201,7 +201,7 @@ def test_distributed_mass_stands_beside_it() -> None:
 
 def test_what_lumped_masses_are_not_for_is_refused() -> None:
     with pytest.raises(InputError, match="lumped masses are for natural frequencies"):
-        response(LUMPED, ResponseRequest(CrankDrive(SPEED), revolutions=0.1))
+        response(LUMPED, ResponseRequest(ConstantSpeed(SPEED), revolutions=0.1))
     with pytest.raises(InputError, match="mass of the exudyn engine must be one of distributed"):
         ExudynEngine(STEEL, mass="lumped")
     with pytest.raises(InputError, match="9 were asked for, the model has 8"):

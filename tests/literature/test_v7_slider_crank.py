@@ -46,7 +46,7 @@ def test_the_complete_second_order_strain() -> None:
     mechanism = flexmech.load_mechanism(Path(__file__).parents[2] / "models" / "slider_crank.toml")
     turns = END_TIME * CRANK_SPEED / (2 * np.pi)
     request = flexmech.ResponseRequest(
-        flexmech.CrankDrive(CRANK_SPEED), turns, samples=8000, start="equilibrium", step=4e-6
+        flexmech.ConstantSpeed(CRANK_SPEED), turns, samples=8000, start="equilibrium", step=4e-6
     )
     table = flexmech.response(flexmech.ReferenceEngine(mechanism, 12, "euler"), request).tables()
     of_time, of_rod = (

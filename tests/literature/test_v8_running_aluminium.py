@@ -12,7 +12,7 @@ import pytest
 from flexmech import ExudynEngine, ReferenceEngine
 from flexmech.analyses.response.compute import response
 from flexmech.analyses.response.request import ResponseRequest
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.verification.methods.running import stored_deflection
 
 pytestmark = pytest.mark.thorough
@@ -20,7 +20,7 @@ pytestmark = pytest.mark.thorough
 
 @pytest.fixture(scope="module")
 def running(aluminium):
-    request = ResponseRequest(CrankDrive(20.0), revolutions=1, samples=360)
+    request = ResponseRequest(ConstantSpeed(20.0), revolutions=1, samples=360)
     return response([ReferenceEngine(aluminium), ExudynEngine(aluminium)], request)
 
 

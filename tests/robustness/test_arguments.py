@@ -70,7 +70,7 @@ POINTS = {"O": (0.0, 0.0), "A": (0.1, 0.0), "B": (0.3, 0.2), "C": (0.3, 0.0)}
 LINKS = tuple(flexmech.PlanarLink(two, tuple(two)) for two in ("OA", "AB", "CB"))
 QUANTITY = flexmech.MeasuredQuantity("f", "Hz", np.array([44.0, 45.0, 46.0]))
 BALANCE = flexmech.BalanceRequest(5.0, elastic=False)
-RUN = flexmech.ResponseRequest(flexmech.CrankDrive(5.0), 0.02, 60, step=1e-3, prestress="axial")
+RUN = flexmech.ResponseRequest(flexmech.ConstantSpeed(5.0), 0.02, 60, step=1e-3, prestress="axial")
 POINT = flexmech.CouplerPoint(0.1, 0.1)
 RIGHT: dict[str, tuple[Callable[..., object], dict[str, object]]] = {
     "section": (flexmech.BeamSection, {k: getattr(SECTION, k) for k in SECTION.__match_args__[:8]}),
@@ -117,7 +117,7 @@ RIGHT: dict[str, tuple[Callable[..., object], dict[str, object]]] = {
             **{"linkage": MECHANISM.linkage, "sections": dict(MECHANISM.sections)},
             **{"joint_masses": {"A": 0.1}, "link_masses": (), "gravity": (0.0, 0.0)},
             **{"operating_speeds": (1.0,), "loads": (), "springs": (), "bodies": ()},
-            "drive": flexmech.CrankDrive(5.0),
+            "drive": flexmech.ConstantSpeed(5.0),
         },
     ),
     "engine": (

@@ -37,7 +37,9 @@ def damping_time() -> float:
 @cache
 def history(turns: float = 3.0) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Time, crank angle and coupler strain of a run with 180 samples a turn."""
-    request = flexmech.ResponseRequest(flexmech.CrankDrive(SPEED), revolutions=turns, samples=180)
+    request = flexmech.ResponseRequest(
+        flexmech.ConstantSpeed(SPEED), revolutions=turns, samples=180
+    )
     data = flexmech.response(damped(), request).dataset.isel(engine=0)
     strain = data["strain"].sel(link="coupler").values
     return data["time"].values, data["crank_angle"].values, strain

@@ -20,7 +20,7 @@ from flexmech.analyses.response.result import Response
 from flexmech.analyses.response.words import check_lines, load_lines, peak_table
 from flexmech.cli import app
 from flexmech.errors import ComputationError
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.modelfile import load_mechanism
 from flexmech.reference import ReferenceEngine
 
@@ -45,7 +45,7 @@ def names(folder: Path) -> list[str]:
 def short_response() -> Response:
     """A fifth of a turn with one engine; too short for a spectrogram."""
     engine = ReferenceEngine(load_mechanism(ALUMINIUM), elements=2)
-    return response(engine, ResponseRequest(CrankDrive(20.0), revolutions=0.2, samples=120))
+    return response(engine, ResponseRequest(ConstantSpeed(20.0), revolutions=0.2, samples=120))
 
 
 @pytest.fixture(scope="module")

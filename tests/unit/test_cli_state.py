@@ -17,7 +17,7 @@ from flexmech.cli.options import asked_environment
 from flexmech.cli.reading import from_options
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Exposure, HygrothermalState
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.modelfile import load_mechanism
 from flexmech.reference import ReferenceEngine
 from tests.unit.figure_checks import HALF_WIDTH_PANEL, check_layout
@@ -266,4 +266,4 @@ def test_response_refuses_to_start_a_bent_link_straight(model: Path, tmp_path: P
 def test_response_in_what_is_no_environment_is_refused(model: Path) -> None:
     engine = ReferenceEngine(load_mechanism(model), 2)
     with pytest.raises(InputError, match="an environment is needed, got 'wet'"):
-        response(engine, ResponseRequest(CrankDrive(10.0)), environment="wet")  # type: ignore[arg-type]
+        response(engine, ResponseRequest(ConstantSpeed(10.0)), environment="wet")  # type: ignore[arg-type]

@@ -70,7 +70,7 @@ def test_a_hammer_finds_the_loss_of_the_first_mode_at_each_angle():
 
 def test_a_run_counts_the_loss_at_the_first_frequency_and_says_so():
     engine = lossy()
-    request = flexmech.ResponseRequest(flexmech.CrankDrive(20.0), revolutions=0.25)
+    request = flexmech.ResponseRequest(flexmech.ConstantSpeed(20.0), revolutions=0.25)
     result = flexmech.response(engine, request)
     turn = np.radians(np.arange(0.0, 360.0, 5.0))
     level = engine.prestress_at_rest
@@ -140,7 +140,7 @@ def test_a_hammer_on_the_running_linkage_counts_the_loss():
 
 def test_an_exported_system_counts_the_loss():
     engine = flexmech.ExudynEngine(lossy().mechanism, 1)
-    request = flexmech.ResponseRequest(flexmech.CrankDrive(20.0), 0.01, step=1e-4)
+    request = flexmech.ResponseRequest(flexmech.ConstantSpeed(20.0), 0.01, step=1e-4)
     system = flexmech.exudyn_system(engine, request)
     assert "states no damping_frequency" in "".join(system.remarks)
     assert re.search(r"bendingDamping=[1-9]", system.script)

@@ -149,13 +149,13 @@ def test_a_report_reads_its_speeds_in_the_unit_that_is_given(mechanism: flexmech
 
 
 def test_a_drive_is_in_rad_per_s_and_takes_no_unit():
-    drive = flexmech.CrankDrive(20.0, run_up_time=0.1)
+    drive = flexmech.ConstantSpeed(20.0, run_up_time=0.1)
     assert flexmech.ResponseRequest(drive).drive is drive
     for beside in ({"speed_unit": "rpm"}, {"run_up_time": 0.1}):
-        with pytest.raises(InputError, match="a CrankDrive is in rad/s and has its own run-up"):
+        with pytest.raises(InputError, match="a ConstantSpeed is in rad/s and has its own run-up"):
             flexmech.ResponseRequest(drive, **beside)
     typed = flexmech.ResponseRequest(300.0, speed_unit="rpm", run_up_time=0.1)
-    assert typed.drive == flexmech.CrankDrive(to_si(300.0, "rpm", ANGULAR_SPEED), 0.1)
+    assert typed.drive == flexmech.ConstantSpeed(to_si(300.0, "rpm", ANGULAR_SPEED), 0.1)
     assert replace(typed, revolutions=1.0).drive == typed.drive
     with pytest.raises(InputError, match="the request has its own; give it there"):
         flexmech.response(ALUMINIUM and with_speeds("1 rad/s"), typed, speed_unit="rpm")

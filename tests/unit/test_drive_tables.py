@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from flexmech import CrankDrive, InputError, LawDrive, Mechanism, TableDrive, load_mechanism
+from flexmech import ConstantSpeed, InputError, LawDrive, Mechanism, TableDrive, load_mechanism
 from flexmech.cli import app
 from flexmech.linkages import LockedCrank
 from flexmech.modelfile import mechanism_from_toml, template
@@ -56,7 +56,7 @@ def stated(keys: str, folder: Path) -> Mechanism:
 
 CAM = TableDrive(tuple(TIMES.tolist()), tuple(np.radians(ANGLES).tolist()))
 DRIVES = {
-    'speed = "-20 rad/s"\nrun_up_time = "0.2 s"\nstart_angle = "0.5 rad"': CrankDrive(
+    'speed = "-20 rad/s"\nrun_up_time = "0.2 s"\nstart_angle = "0.5 rad"': ConstantSpeed(
         -20.0, 0.2, 0.5
     ),
     LAW: LawDrive("cycloid", np.radians(120.0), 0.15),

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 import flexmech
 from flexmech import (
-    CrankDrive,
+    ConstantSpeed,
     InputError,
     Kinematics,
     KinematicsRequest,
@@ -125,7 +125,7 @@ class TestKinematics:
         assert power_line() in panel.answer
 
     def test_a_constant_speed_is_one_of_its_cases(self) -> None:
-        found = kinematics(fourbar(drive=CrankDrive(20.0))).dataset
+        found = kinematics(fourbar(drive=ConstantSpeed(20.0))).dataset
         wanted = kinematics(fourbar(), 20.0).dataset
         np.testing.assert_array_equal(found["driving_torque"], wanted["driving_torque"])
 

@@ -5,7 +5,7 @@ import pytest
 
 from flexmech import (
     ComputationError,
-    CrankDrive,
+    ConstantSpeed,
     InputError,
     ReferenceEngine,
     ResponseRequest,
@@ -44,7 +44,7 @@ def test_overdamped_high_modes_do_not_hide_the_low_ones(unit_arm):
 def test_overdamped_links_run_in_time(unit_arm):
     """What plans the run are the frequencies without damping; 12 rad/s is the first of them."""
     engine, natural = (ReferenceEngine(damped(unit_arm(12), tau), 4, "euler") for tau in (0.5, 0.0))
-    request = ResponseRequest(CrankDrive(1.0), 0.2, step=1e-2, start="equilibrium", modes=3)
+    request = ResponseRequest(ConstantSpeed(1.0), 0.2, step=1e-2, start="equilibrium", modes=3)
     found = response(engine, request)
     assert any("without damping" in str(part) for part in found.summary().parts)
     top = solve_frequencies(natural.linear_system(0.0), 3)[0, -1]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from flexmech import CrankDrive, HygrothermalState, ResponseRequest
+from flexmech import ConstantSpeed, HygrothermalState, ResponseRequest
 from flexmech.analyses import moving_frequencies, natural_frequencies
 from flexmech.analyses.response.compute import response
 from flexmech.analyses.speed_sweep.compute import speed_sweep
@@ -171,7 +171,8 @@ def test_modes_asked_for_choose_the_element_of_every_analysis() -> None:
         made = moving_frequencies(ReferenceEngine(mechanism, 2), [0.0], [0.0], modes=modes)
         assert made.dataset["element"].item() == wanted
         run = response(
-            ReferenceEngine(mechanism, 2), ResponseRequest(CrankDrive(5.0), 0.02, 64, modes=modes)
+            ReferenceEngine(mechanism, 2),
+            ResponseRequest(ConstantSpeed(5.0), 0.02, 64, modes=modes),
         )
         assert run.dataset["element"].item() == wanted
         swept = speed_sweep(ReferenceEngine(mechanism, 2), [5.0], modes=modes)

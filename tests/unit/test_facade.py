@@ -102,7 +102,7 @@ def examples() -> list[Any]:
         ply,
         *flexmech.published_constituents().values(),
         flexmech.PointMass("crank", 0.1, 0.2),
-        flexmech.CrankDrive(20.0),
+        flexmech.ConstantSpeed(20.0),
         engine,
         flexmech.ExudynEngine(metal, 2),
         flexmech.HygrothermalState(60.0, 0.04),
@@ -136,7 +136,7 @@ def test_mechanisms_and_results_show_themselves_in_a_notebook() -> None:
 
 WRONG = [
     (lambda: flexmech.FourBar("0.1", 0.2, 0.3, 0.3), "ground|length"),
-    (lambda: flexmech.CrankDrive("300 rpm"), "rad/s"),
+    (lambda: flexmech.ConstantSpeed("300 rpm"), "rad/s"),
     (lambda: flexmech.ReferenceEngine("model.toml"), "load_mechanism"),
     (lambda: flexmech.moving_frequencies("model.toml", [0.0], [0.0]), "ReferenceEngine"),
     (lambda: flexmech.natural_frequencies(flexmech.FourBar, 0.0), "ReferenceEngine"),

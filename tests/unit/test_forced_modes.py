@@ -10,7 +10,7 @@ import pytest
 import flexmech
 from flexmech.analyses.damping_ratios import with_damping_ratio, with_damping_times
 from flexmech.linear_system import Engine
-from flexmech.linkages import GROUND, AttachmentPoint, CrankDrive, Spring
+from flexmech.linkages import GROUND, AttachmentPoint, ConstantSpeed, Spring
 from flexmech.materials import Material
 from flexmech.sections import BeamSection
 from flexmech.time_domain import (
@@ -34,7 +34,7 @@ def damped(engine: type[Engine], model: str = "aluminium_fourbar") -> Engine:
 )
 def test_motion_from_a_state_is_that_of_the_full_equations(kind, speed):
     """Any motion is the periodic one and a free one: 2e-3 of it is left to the higher modes."""
-    engine, drive = damped(kind), CrankDrive(speed)
+    engine, drive = damped(kind), ConstantSpeed(speed)
     linkage = DrivenLinkage(engine, drive, "equilibrium")
     time = np.linspace(0.0, 1.5 * drive.revolution_time, 301)
     run = linear_run(linkage, linkage.unstressed(), np.zeros(linkage.size), time, 5e-5)
@@ -93,7 +93,7 @@ def test_a_rotating_arm_bends_under_its_own_weight_as_the_full_equations_say():
     """The weight turns once a turn in the arm's frame; nothing else excites bending."""
     arm = damped(flexmech.ReferenceEngine, "rotating_arm")
     engine = arm.with_(mechanism=replace(arm.mechanism, gravity=(0.0, -9.81)))
-    turn = periodic_turn(DrivenLinkage(engine, CrankDrive(10.0), "axial"), 720)[0]
+    turn = periodic_turn(DrivenLinkage(engine, ConstantSpeed(10.0), "axial"), 720)[0]
     row = engine.links[0].shape[-1, 1]
     found, _ = (
         forced_modes(engine, 10.0, [[row]], "axial")
@@ -124,7 +124,7 @@ def test_a_sprung_arm_moves_as_the_full_equations_say():
     strip = BeamSection.rectangle(Material(68.9e9, 2923.0), 1.5e-3, 25.4e-3)
     arm = flexmech.Mechanism(flexmech.RotatingArm(0.3), {"arm": strip}, springs=(spring,))
     engine = with_damping_ratio(flexmech.ReferenceEngine(arm, 3, "euler"), 0.02)
-    turn = periodic_turn(DrivenLinkage(engine, CrankDrive(10.0), "equilibrium"), 720)[0]
+    turn = periodic_turn(DrivenLinkage(engine, ConstantSpeed(10.0), "equilibrium"), 720)[0]
     row = engine.links[0].shape[-1, 1]
     motion = forced_modes(engine, 10.0, [[row]], "equilibrium").with_damping([1.0])
     found = motion.readings(np.arange(720) / 720)[0]

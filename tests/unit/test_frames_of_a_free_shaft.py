@@ -13,7 +13,7 @@ import pytest
 
 from flexmech import (
     BeamSection,
-    CrankDrive,
+    ConstantSpeed,
     Material,
     Mechanism,
     ReferenceEngine,
@@ -48,7 +48,7 @@ def test_small_turns() -> None:
     """The displacements are the turn times the linkage's own fields, and their rates follow."""
     mechanism = with_shaft("aluminium_fourbar")
     engine = ReferenceEngine(mechanism, 2, "euler", component_modes=False, shaft="free")
-    linkage = DrivenLinkage(engine, CrankDrive(SPEED), "axial")
+    linkage = DrivenLinkage(engine, ConstantSpeed(SPEED), "axial")
     shaft, step = linkage.shaft, 1e-6
     assert shaft is not None
     assert not shaft.is_natural
@@ -72,7 +72,7 @@ def test_small_turns() -> None:
 def test_far_turns() -> None:
     """Nodes move on arcs, and sections have the sine of their angle as coordinate."""
     engine = ReferenceEngine(with_shaft("slider_crank_free_shaft"), 2, "euler", shaft="free")
-    drive, linkage, step = CrankDrive(SPEED), engine.mechanism.linkage, 1e-6
+    drive, linkage, step = ConstantSpeed(SPEED), engine.mechanism.linkage, 1e-6
     shaft = DrivenLinkage(engine, drive, stretches=True).shaft
     assert shaft is not None
     assert shaft.is_natural
@@ -112,7 +112,7 @@ def test_far_turns() -> None:
 def test_rotation_of_a_shaft_that_turns_far() -> None:
     """Its coordinates are the cosine less one and the sine of the angle."""
     engine = ReferenceEngine(with_shaft("slider_crank_free_shaft"), 2, "euler", shaft="free")
-    linkage = DrivenLinkage(engine, CrankDrive(SPEED), stretches=True)
+    linkage = DrivenLinkage(engine, ConstantSpeed(SPEED), stretches=True)
     shaft, angle, rate = linkage.shaft, 0.8, 3.0
     assert shaft is not None
     natural = np.array([np.cos(angle) - 1, np.sin(angle)])
@@ -130,7 +130,7 @@ def test_rotation_of_a_shaft_that_turns_far() -> None:
 
 def test_the_torque_of_a_run_up_turns_the_arm_and_the_shaft() -> None:
     """Second moments of both times the acceleration, less the torque of a load over time."""
-    length, inertia, drive = 0.3, 2e-3, CrankDrive(SPEED, run_up_time=0.1)
+    length, inertia, drive = 0.3, 2e-3, ConstantSpeed(SPEED, run_up_time=0.1)
     load = Load(
         "table",
         AttachmentPoint("arm", length),
@@ -157,7 +157,7 @@ def test_a_load_over_time_that_never_changes_is_a_constant_load() -> None:
         load = Load("push", AttachmentPoint("coupler", 0.1), **table)
         mechanism = replace(with_shaft("aluminium_fourbar"), loads=(load,))
         engine = ReferenceEngine(mechanism, 2, "euler", component_modes=False, shaft="free")
-        linkage = DrivenLinkage(engine, CrankDrive(SPEED), "none")
+        linkage = DrivenLinkage(engine, ConstantSpeed(SPEED), "none")
         nothing = np.zeros(linkage.size)
         runs.append(linear_run(linkage, nothing, nothing, np.linspace(0.0, 0.01, 3), 1e-4))
     constant, over_time = (run.shaft for run in runs)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmech import CrankDrive, ReferenceEngine
+from flexmech import ConstantSpeed, ReferenceEngine
 from flexmech.dynamical_systems import VibrationState
 from flexmech.linear_system import LinkDamping, RotationTerms, StressedLinks
 from flexmech.time_domain import DrivenLinkage
@@ -18,7 +18,7 @@ from tests.cross_engine.test_exudyn_joints import LINKAGES, strips
 def test_coordinates_of_a_state_are_those_that_made_it(name: str) -> None:
     """Slides too, which no link has among its coordinates, and rigid links, which are bars."""
     engine = ReferenceEngine(strips(name), 6, "euler", component_modes=False)
-    drive, time = CrankDrive(20.0), 0.03
+    drive, time = ConstantSpeed(20.0), 0.03
     linkage = DrivenLinkage(engine, drive, "none", stretches=True)
     linear = DrivenLinkage(engine, drive, "none")
     random = np.random.default_rng(0)
@@ -39,7 +39,7 @@ def test_coordinates_of_a_state_are_those_that_made_it(name: str) -> None:
 def test_forces_on_guides_are_in_the_equations_in_time(prestress: str) -> None:
     """The same stiffness as that of the frozen system, at any position of the turn."""
     engine = ReferenceEngine(strips("rigid guide", 3e-3), 4, "euler", component_modes=False)
-    linkage = DrivenLinkage(engine, CrankDrive(20.0), prestress)
+    linkage = DrivenLinkage(engine, ConstantSpeed(20.0), prestress)
     angle = 2 * np.pi * 40 / 120  # where the stress is sampled
     equations = linkage.equations(np.array([angle / 20.0]))
     motion = engine.mechanism.linkage.motion(np.array([angle]), 20.0)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from flexmech import (
-    CrankDrive,
+    ConstantSpeed,
     ReferenceEngine,
     ResponseRequest,
     kinematics,
@@ -34,7 +34,7 @@ def test_tables_and_datasets_say_of_which_link_on_which() -> None:
     assert found == SIDES
     assert re.search(r"A +pin +crank +rod", str(result.summary()))
     run = response(
-        ReferenceEngine(mechanism, 2), ResponseRequest(CrankDrive(10.0), revolutions=0.02)
+        ReferenceEngine(mechanism, 2), ResponseRequest(ConstantSpeed(10.0), revolutions=0.02)
     )
     assert "joint forces: O2 of the shaft on the crank, A of the crank on the rod" in str(
         run.summary()

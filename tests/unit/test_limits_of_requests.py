@@ -22,7 +22,7 @@ from flexmech.measured_data import MeasuredQuantity
 from flexmech.units import RATIO
 
 POINT = flexmech.LinkPoint("coupler", 0.5)
-DRIVE = flexmech.CrankDrive(2 * np.pi)
+DRIVE = flexmech.ConstantSpeed(2 * np.pi)
 
 
 def orders_of_a_diagram(count):

@@ -9,9 +9,9 @@ import pytest
 
 from flexmech.errors import InputError
 from flexmech.linkages import (
+    ConstantSpeed,
     CouplerCurve,
     CouplerPoint,
-    CrankDrive,
     FourBar,
     RotatingArm,
     double_points,
@@ -89,7 +89,7 @@ def test_arrays_without_missing_values(wrong):
         (lambda: FourBar("0.1", 0.1, 0.1, 0.1), "length of the ground must be a number of m"),
         (lambda: FourBar("100 mm", 0.1, 0.1, 0.1), "got '100 mm'; .* units are for model files"),
         (lambda: RotatingArm(0.3, "0"), "hub_radius must be a number of m, got '0'"),
-        (lambda: CrankDrive("20"), "crank speed must be a number of rad/s"),
+        (lambda: ConstantSpeed("20"), "crank speed must be a number of rad/s"),
         (lambda: CouplerPoint(0.1, 45), r"angle .* full turn .*give np.radians\(45\)"),
         (lambda: CouplerCurve(RotatingArm(1.0), CouplerPoint(0.1, 0.0)), "must be a FourBar"),
         (lambda: synthesize_crank_rocker("20", 2.0), "deviation must be a number of rad"),
@@ -157,7 +157,7 @@ def test_every_object_shows_itself_in_one_short_line():
         synthesize_crank_rocker(0.3, 2.0),
         synthesize_crank_rocker([0.3, 0.3], 2.0),
         transmission_design(ALUMINIUM_LINKAGE),
-        CrankDrive(20.0),
+        ConstantSpeed(20.0),
         PointMass("crank", 0.1, 1.0),
         section,
         section.damping,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flexmech import CrankDrive, ReferenceEngine, ResponseRequest, load_mechanism, response
+from flexmech import ConstantSpeed, ReferenceEngine, ResponseRequest, load_mechanism, response
 from flexmech.analyses.response.measurements import peaks_between
 
 
@@ -32,7 +32,7 @@ def test_of_fewer_than_three_samples_it_is_the_greatest(count: int) -> None:
 @pytest.mark.thorough
 def test_peaks_do_not_depend_on_the_samples() -> None:
     engine = ReferenceEngine(load_mechanism("models/aluminium_fourbar.toml"), 4)
-    drive, peaks = CrankDrive(20.0), []
+    drive, peaks = ConstantSpeed(20.0), []
     # Steps divide the samples. Each of them resolves the axial vibration that the strain shows.
     for samples in (8, 720):
         request = ResponseRequest(drive, 0.5, samples, step=5e-5)

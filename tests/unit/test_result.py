@@ -19,7 +19,7 @@ from flexmech.analyses import (
 )
 from flexmech.analyses.speed_sweep.compute import speed_sweep
 from flexmech.errors import InputError
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.reference import ReferenceEngine
 from tests.strategies import fourbar
 from tests.unit.plot_data import frequency_dataset
@@ -231,7 +231,7 @@ def test_a_senseless_request_is_refused(wrong: dict[str, object], message: str) 
 )
 def test_a_senseless_count_of_a_run_is_refused(wrong: dict[str, object], message: str) -> None:
     with pytest.raises(InputError, match=message):
-        ResponseRequest(CrankDrive(20.0), **wrong)  # type: ignore[arg-type]
+        ResponseRequest(ConstantSpeed(20.0), **wrong)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("orders", [0, "24", 2.5, True])

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexmech import CrankDrive, LinkPoint, Mechanism, ReferenceEngine, RotatingArm
+from flexmech import ConstantSpeed, LinkPoint, Mechanism, ReferenceEngine, RotatingArm
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.dynamical_systems import VibrationState
 from flexmech.linear_system import is_constant_turn, point_rows, whole
@@ -101,7 +101,7 @@ def test_springs_are_in_the_static_answer_beyond_the_moving_modes() -> None:
 def test_the_second_turn_of_a_simulation_closes_where_it_only_adds_a_constant() -> None:
     """To the motion of the linear equations: their map tells the start of the periodic one."""
     engine = ReferenceEngine(strips(FOUR_BAR), 2, "euler")
-    linkage, steps = DrivenLinkage(engine, CrankDrive(20.0)), 720
+    linkage, steps = DrivenLinkage(engine, ConstantSpeed(20.0)), 720
     (monodromy, forced), n = turn_map(linkage, steps), linkage.size
     equations = linkage.equations(np.zeros(1))
     added = 0.05 * np.linalg.solve(np.eye(2 * n) - monodromy, forced)
@@ -124,7 +124,7 @@ def test_the_second_turn_of_a_simulation_closes_where_it_only_adds_a_constant() 
 def test_rates_of_a_slide_are_found_back_from_the_state_that_they_made() -> None:
     """The turning of the frames moves the ends of the links besides, at which nothing slides."""
     engine = ReferenceEngine(strips(QuickReturn()), 2, "euler", component_modes=False)
-    linkage = DrivenLinkage(engine, CrankDrive(20.0), "none")
+    linkage = DrivenLinkage(engine, ConstantSpeed(20.0), "none")
     position, velocity = np.random.default_rng(0).normal(size=(2, linkage.size)) * [[1e-3], [1e-2]]
     vibration = VibrationState(position[None], velocity[None], 0 * position[None])
     state = linkage.link_state(linkage.equations(np.zeros(1)), vibration)

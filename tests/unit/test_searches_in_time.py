@@ -9,7 +9,7 @@ import pytest
 
 from flexmech import ReferenceEngine
 from flexmech.errors import ComputationError
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.time_domain import DrivenLinkage, LinkState, simulated_orbit, static_balance
 from flexmech.time_domain.integrators import stretch_march
 from flexmech.time_domain.integrators.stage_operators import stage_operators
@@ -22,7 +22,7 @@ STEP = 1e-4
 @pytest.fixture(scope="module")
 def stretching(aluminium):
     engine = ReferenceEngine(aluminium, elements=2)
-    return DrivenLinkage(engine, CrankDrive(20.0), stretches=True)
+    return DrivenLinkage(engine, ConstantSpeed(20.0), stretches=True)
 
 
 def test_a_step_takes_more_passes_where_they_gain_little(stretching, monkeypatch):
@@ -63,7 +63,7 @@ def test_a_step_takes_more_passes_where_they_gain_little(stretching, monkeypatch
 def test_newtons_method_goes_to_round_off_and_holds_a_link_at_rest(unit_arm, monkeypatch):
     """In its own frame an arm that turns evenly rests, once it is stretched."""
     engine = ReferenceEngine(unit_arm(100.0), elements=2)
-    linkage = DrivenLinkage(engine, CrankDrive(1.0), "none", stretches=True)
+    linkage = DrivenLinkage(engine, ConstantSpeed(1.0), "none", stretches=True)
     rest = static_balance(linkage, np.zeros(linkage.size))
     time = np.array([STEP, 2 * STEP])
     rows = stage_operators(linkage.equations(time), linkage.stretch, 2 * STEP)
@@ -86,7 +86,7 @@ def test_newtons_method_of_a_bow_goes_to_round_off(stretching, monkeypatch):
 
 @pytest.fixture(scope="module")
 def linear(aluminium):
-    return DrivenLinkage(ReferenceEngine(aluminium, elements=2), CrankDrive(20.0), "none")
+    return DrivenLinkage(ReferenceEngine(aluminium, elements=2), ConstantSpeed(20.0), "none")
 
 
 def orbit(linkage, closures):
@@ -164,7 +164,7 @@ def test_an_arm_at_its_critical_speed_is_refused(unit_arm, steps):
     engine = ReferenceEngine(unit_arm(70.0), elements=2)
 
     def linkage(speed):
-        return DrivenLinkage(engine, CrankDrive(speed), "none", modes=1)
+        return DrivenLinkage(engine, ConstantSpeed(speed), "none", modes=1)
 
     def off(speed):
         """Angle by which a turn misses a whole number of periods of the slowest vibration."""

@@ -88,7 +88,9 @@ def test_other_commands_refuse_it_in_one_line(
 @pytest.fixture(scope="module")
 def found(file: Path) -> flexmech.Response:
     engine = flexmech.ReferenceEngine(flexmech.load_mechanism(file), elements=4)
-    request = flexmech.ResponseRequest(flexmech.CrankDrive(20.0), revolutions=1.0, start="periodic")
+    request = flexmech.ResponseRequest(
+        flexmech.ConstantSpeed(20.0), revolutions=1.0, start="periodic"
+    )
     return flexmech.response(engine, request)
 
 
@@ -141,7 +143,7 @@ def test_dampers_of_the_frame_damp_its_modes(file: Path) -> None:
 def test_a_frame_carries_velocities_and_accelerations(models: Path) -> None:
     """Central differences of positions as the frame moves along a known path."""
     linkage = flexmech.load_mechanism(models / "aluminium_fourbar.toml").linkage
-    drive, step = flexmech.CrankDrive(20.0, run_up_time=0.2), 1e-5
+    drive, step = flexmech.ConstantSpeed(20.0, run_up_time=0.2), 1e-5
     time = 0.1 + step * np.arange(-1.0, 2.0)
     rates = np.array([3.0, 5.0, 7.0])
     place = 0.01 * np.sin(np.outer(time, rates))

@@ -116,7 +116,7 @@ def test_a_stiffer_link_is_found_from_the_strain_of_a_run(model, element, speed,
     mechanism = flexmech.load_mechanism(flexmech.example_model(model))
     engine = flexmech.ReferenceEngine(mechanism, element=element)
     true = engine.with_(mechanism=stiffened(mechanism, 1.1, "coupler"))
-    request = flexmech.ResponseRequest(flexmech.CrankDrive(speed), revolutions=2)
+    request = flexmech.ResponseRequest(flexmech.ConstantSpeed(speed), revolutions=2)
     data = flexmech.response(true, request).dataset.isel(engine=0)
     strain = data["strain"].sel(link="coupler").values
     noise = 0.02 * strain.std() * np.random.default_rng(3).standard_normal(len(strain))

@@ -31,7 +31,7 @@ SIZE_OF_REST = 0.4
 def turns() -> flexmech.Response:
     """A turn and a half, at a number of samples that frames cannot divide."""
     engine = flexmech.ReferenceEngine(flexmech.load_mechanism(STEEL), 2)
-    drive = flexmech.CrankDrive(20.0)
+    drive = flexmech.ConstantSpeed(20.0)
     request = flexmech.ResponseRequest(drive, 1.5, samples=500, modes=1, step=5e-4)
     return flexmech.response(engine, request)
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from flexmech.errors import ComputationError
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.time_domain.integrators import runs
 from flexmech.time_domain.integrators.position_table import PositionTable
 from flexmech.time_domain.periodic_motion import forced_modes, nonlinear_orbit, orbit_newton
@@ -32,7 +32,7 @@ def interpolated(fastest, harmonic, *, connected=False):
 
     speeds = 2 * np.pi * np.stack([np.ones(361), np.full(361, fastest)], axis=1)
     linkage = SimpleNamespace(
-        drive=CrankDrive(2 * np.pi),
+        drive=ConstantSpeed(2 * np.pi),
         connectors=SimpleNamespace(any=connected, is_interpolated=True),
         motion=lambda time: SimpleNamespace(angular_velocity=speeds),
     )
@@ -58,7 +58,7 @@ def test_the_weight_of_an_arm_has_positions_enough():
 
 
 def test_displacements_beyond_any_linkage_diverge():
-    linkage = SimpleNamespace(prestress="none", drive=CrankDrive(1.0))
+    linkage = SimpleNamespace(prestress="none", drive=ConstantSpeed(1.0))
     for size, refused in ((1e5, False), (1e7, True)):
         history = SimpleNamespace(position=np.array([[0.0], [size]]))
         if refused:
@@ -73,9 +73,9 @@ def test_shafts_run_away_beyond_a_quarter_of_a_turn():
         shaft = SimpleNamespace(rotation=np.array([0.0, angle]))
         if refused:
             with pytest.raises(ComputationError, match="behind its prescribed"):
-                ShaftMotion.refuse_runaway(shaft, CrankDrive(1.0), np.arange(2.0))
+                ShaftMotion.refuse_runaway(shaft, ConstantSpeed(1.0), np.arange(2.0))
         else:
-            ShaftMotion.refuse_runaway(shaft, CrankDrive(1.0), np.arange(2.0))
+            ShaftMotion.refuse_runaway(shaft, ConstantSpeed(1.0), np.arange(2.0))
 
 
 # --- moving modes -------------------------------------------------------------------------------

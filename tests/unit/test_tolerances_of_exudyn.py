@@ -7,7 +7,7 @@ import pytest
 
 from flexmech import BeamSection, ExudynEngine, InputError, Mechanism, RotatingArm
 from flexmech.linear_system import DeadMoments, inertia_loads
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.multibody import items, static_model
 from flexmech.multibody.linearize import static_equilibrium
 from flexmech.time_domain import LinkState, UnbalancedStepError
@@ -18,7 +18,7 @@ from flexmech.time_domain import LinkState, UnbalancedStepError
 def run(mechanism, speed, step, steps):
     engine = ExudynEngine(mechanism, 2)
     time = step * np.linspace(0.0, steps, 11)
-    return engine.simulate(CrankDrive(speed), LinkState.rigid(engine.links), time, step)
+    return engine.simulate(ConstantSpeed(speed), LinkState.rigid(engine.links), time, step)
 
 
 def test_steps_are_in_balance_to_the_sixth_digit_of_joint_forces(aluminium, monkeypatch):
@@ -45,7 +45,7 @@ def test_generalized_alpha_damps_what_rings_along_a_link_but_no_bending():
     own[0::4], own[2::4] = 1e-6 * x, 1e-6
     own[1::4], own[3::4] = 1e-6 * (3 - x) * x**2 / 2, 1e-6 * (2 - x) * x * 3 / 2
     time = 0.1 * np.arange(121)
-    found = engine.simulate(CrankDrive(1e-9), start, time, 0.1, integrator="generalized-alpha")
+    found = engine.simulate(ConstantSpeed(1e-9), start, time, 0.1, integrator="generalized-alpha")
     along, across = np.abs(found.displacement[0][100:, link.end]).max(axis=0)
     assert 0.05e-6 < along < 0.4e-6
     assert across > 0.95e-6
@@ -57,7 +57,7 @@ def test_starts_may_tear_joints_apart_by_a_millionth_of_the_links(aluminium):
         engine = ExudynEngine(aluminium, 2)
         start = LinkState.rigid(engine.links)
         start.displacement[1][1] += gap * length
-        arguments = CrankDrive(1.0), start, np.array([0.0, 1e-4]), 1e-4
+        arguments = ConstantSpeed(1.0), start, np.array([0.0, 1e-4]), 1e-4
         if refused:
             with pytest.raises(InputError, match="displaces link ends"):
                 engine.simulate(*arguments)

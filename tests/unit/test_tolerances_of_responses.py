@@ -15,7 +15,7 @@ from flexmech.analyses.response.dataset import _frames
 from flexmech.analyses.speed_sweep import compute as sweep
 from flexmech.analyses.stability.words import shaft_lines
 from flexmech.errors import ComputationError
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 
 # --- samples and bands --------------------------------------------------------------------------
 
@@ -39,7 +39,7 @@ def test_forces_count_below_what_rings_along_the_links(monkeypatch):
         duration=1.0,
         sample_interval=1e-3,
         sample_time=lambda refinement: None,
-        drive=CrankDrive(20.0),
+        drive=ConstantSpeed(20.0),
     )
     # Far above what bends, and below what rings so fast that the step decides on it.
     assert 5 * 400 < plan.planned([None], request).band < 0.75 * 8000
@@ -156,7 +156,7 @@ def test_forces_that_are_round_off_of_none_have_no_error(monkeypatch):
 
 def test_a_start_is_differentiated_over_a_part_of_a_turn():
     """Displacements are known to ten digits, and change by some harmonics of the crank."""
-    drive = CrankDrive(2 * np.pi)
+    drive = ConstantSpeed(2 * np.pi)
     time = start._start_times(drive)
     for harmonic in (1, 5):
         position = np.sin(2 * np.pi * harmonic * time + 1.0) + 1e-10 * np.array([1, -1, 1])
@@ -166,7 +166,7 @@ def test_a_start_is_differentiated_over_a_part_of_a_turn():
 
 def test_a_periodic_start_is_found_in_steps_of_a_quarter_of_a_degree():
     """The trapezoidal rule lowers a frequency f by (pi f h)^2 / 3 of itself."""
-    request = SimpleNamespace(drive=CrankDrive(20.0))
+    request = SimpleNamespace(drive=ConstantSpeed(20.0))
     lag = (np.pi * 12 / start._steps_of_a_turn(request, 1.0)) ** 2 / 3
     assert 1e-5 < lag < 1e-3
     assert start._steps_of_a_turn(request, 1e-5) == pytest.approx(2 * np.pi / 20 / 1e-5, rel=1e-4)
@@ -176,7 +176,7 @@ def test_steady_motion_is_found_in_steps_of_half_a_degree(monkeypatch):
     steps = []
     monkeypatch.setattr(sweep, "periodic_turn", lambda linkage, count: steps.append(count))
     monkeypatch.setattr(sweep, "_greatest", lambda *of: None)
-    linkage = SimpleNamespace(drive=CrankDrive(2 * np.pi))
+    linkage = SimpleNamespace(drive=ConstantSpeed(2 * np.pi))
     for highest in (1.0, 100.0):
         sweep.periodic_peaks(linkage, highest)
     # Peaks between steps are missed by (pi k / n)^2 / 2, of the tenth harmonic a thousandth.
@@ -201,7 +201,7 @@ def test_quasi_static_peaks_of_five_harmonics_are_known_to_a_thousandth(monkeypa
             return SimpleNamespace(quasi_static=lambda: wave)
 
         linkage = SimpleNamespace(
-            drive=CrankDrive(2 * np.pi),
+            drive=ConstantSpeed(2 * np.pi),
             quasi_static_equations=equations,
             link_motion=lambda equations, at_rest: [(at_rest, None, None)],
             bases=[np.eye(1)],

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 
-from flexmech import CrankDrive, FourBar, Mechanism, ReferenceEngine, natural_frequencies
+from flexmech import ConstantSpeed, FourBar, Mechanism, ReferenceEngine, natural_frequencies
 from flexmech.dynamical_systems import VibrationState
 from flexmech.materials import Material
 from flexmech.sections import BeamSection
@@ -41,7 +41,7 @@ def eccentric(
 
 def at_rest(engine: ReferenceEngine, speed: float = 8.0) -> np.ndarray:
     """Displacements of all links of a run in balance."""
-    linkage = DrivenLinkage(engine, CrankDrive(speed), stretches=True)
+    linkage = DrivenLinkage(engine, ConstantSpeed(speed), stretches=True)
     z = static_balance(linkage, np.zeros(linkage.size))
     nothing = np.zeros((1, linkage.size))
     state = linkage.link_state(
@@ -52,7 +52,7 @@ def at_rest(engine: ReferenceEngine, speed: float = 8.0) -> np.ndarray:
 
 def test_bars_of_all_sections_hardly_lift_the_neutral_axis() -> None:
     engine = eccentric(69e9, 36e-3, 6e-3, 8, gravity=0.0)
-    linkage = DrivenLinkage(engine, CrankDrive(1e-3), stretches=True)
+    linkage = DrivenLinkage(engine, ConstantSpeed(1e-3), stretches=True)
     equations = linkage.equations(np.zeros(1), frozen=True)
     squares = scipy.linalg.eigvalsh(equations.stiffness[0], equations.mass[0])[:4]
     expected = natural_frequencies(engine, np.zeros(1), modes=4)[0]
@@ -106,7 +106,7 @@ def test_balances_are_found_to_ten_digits_or_to_the_end_of_progress(
 def test_both_coordinates_of_a_rotation_have_mass() -> None:
     """The rotation of a rigid coupler to which a link is welded, and the difference of its ends."""
     engine = ReferenceEngine(strips("rigid ternary coupler"), 4, "euler", component_modes=False)
-    linkage = DrivenLinkage(engine, CrankDrive(10.0), stretches=True)
+    linkage = DrivenLinkage(engine, ConstantSpeed(10.0), stretches=True)
     coupler = linkage.unreduced[engine.topology.index("coupler")]
     values = scipy.linalg.eigvalsh(np.asarray(coupler.mass))
     assert values[0] > 1e-3 * values[-1]
@@ -126,7 +126,7 @@ def frequencies(name: str, *, component_modes: bool) -> tuple[np.ndarray, Driven
     """Natural frequencies in rad/s of a run's equations about its equilibrium, at one instant."""
     engine = ReferenceEngine(strips(name, 1e-3), 24, "euler", component_modes=component_modes)
     linkage = DrivenLinkage(
-        engine, CrankDrive(4.0), "equilibrium", modes=4, detail=reduced_links.DETAIL
+        engine, ConstantSpeed(4.0), "equilibrium", modes=4, detail=reduced_links.DETAIL
     )
     equations = linkage.equations(np.array([0.1]))
     squares = scipy.linalg.eigvals(equations.stiffness[0], equations.mass[0]).real
@@ -169,7 +169,7 @@ class PoorTangents(stretch_march.StretchForces):
 
 def test_newtons_method_in_time_ends_at_nine_digits(aluminium) -> None:
     linkage = DrivenLinkage(
-        ReferenceEngine(aluminium, elements=2), CrankDrive(20.0), stretches=True
+        ReferenceEngine(aluminium, elements=2), ConstantSpeed(20.0), stretches=True
     )
     step = 0.012
     rows = stage_operators(linkage.equations(np.array([0.01, 0.016])), linkage.stretch, step)

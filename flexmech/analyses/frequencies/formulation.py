@@ -14,7 +14,7 @@ import scipy
 from flexmech.arrays import FloatArray
 from flexmech.choices import MODES, MOST_MODES, PRESTRESS_LEVELS, MapPrestress, Prestress
 from flexmech.linear_system import Engine, LinearSystem, RotationTerms, StressedLinks, has_dampers
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.time_domain import DrivenLinkage, simulated_orbit, simulator
 from flexmech.validation import check_choice, check_count
 
@@ -63,7 +63,7 @@ class RunningStates:
             If no periodic motion is found.
         """
         engine = engine.with_(shaft="prescribed")
-        simulating, drive = simulator(engine), CrankDrive(crank_speed)
+        simulating, drive = simulator(engine), ConstantSpeed(crank_speed)
         turn = drive.revolution_time
         time = turn / SAMPLES_PER_TURN * np.arange(SAMPLES_PER_TURN + 1, dtype=float)
         linkage = DrivenLinkage(engine, drive, "equilibrium", with_energy=False)

@@ -26,7 +26,7 @@ from flexmech.dynamical_systems import ON_A_STEP
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment
 from flexmech.linear_system import Engine
-from flexmech.linkages import Drive, MotorDrive, MotorRun, SettledRun
+from flexmech.linkages import Drive, MotorDrive, MotorRun, SettledRun, known_until
 from flexmech.mechanism import Mechanism
 from flexmech.threads import one_thread
 from flexmech.time_domain import LinkState
@@ -104,7 +104,7 @@ def response(
             request = replace(request, speed=turn)
             plan = replace(plan, time=request.sample_time(plan.refinement))
         elif isinstance(request.drive, MotorRun):
-            known = request.drive.known_until(plan.until(request.step))
+            known = known_until(request.drive, plan.until(request.step))
             request = replace(request, speed=known)
         runs = [run_engine(engine, request, plan, report) for engine in chosen]
         dataset = build_dataset(runs, request, plan)

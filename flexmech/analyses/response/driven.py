@@ -13,7 +13,7 @@ from flexmech.analyses.response.measurements import deflections, peaks_between
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.residual import LEAST_SAMPLES, StandingModes, envelope, rests
 from flexmech.linear_system import Engine
-from flexmech.linkages import CrankDrive, MotorRun, TableDrive
+from flexmech.linkages import ConstantSpeed, MotorRun, TableDrive
 from flexmech.time_domain import Trajectory
 
 
@@ -59,7 +59,7 @@ def drive_attributes(request: ResponseRequest) -> dict[str, str | float]:
         ``drive`` and ``crank_speed_at_end`` of a law or a table alone.
     """
     drive = request.drive
-    if isinstance(drive, CrankDrive) or drive.is_constant:
+    if isinstance(drive, ConstantSpeed) or drive.is_constant:
         return {"crank_speed": drive.speed}
     told: dict[str, str | float] = {"crank_speed": drive.greatest_speed, "drive": drive.words}
     if isinstance(drive, TableDrive):

@@ -13,7 +13,7 @@ from flexmech.analyses.shaking import checked_point
 from flexmech.arrays import FloatArray
 from flexmech.crank_values import MOST_MOVE_TIMES
 from flexmech.errors import InputError
-from flexmech.linkages import CrankDrive, Drive, MotorDrive, MotorRun, check_shapeable
+from flexmech.linkages import ConstantSpeed, Drive, MotorDrive, MotorRun, check_shapeable
 from flexmech.mechanism import Mechanism, motor_run, settled_run
 from flexmech.validation import (
     POSITIVE,
@@ -132,7 +132,7 @@ class ResponseRequest:
     speed_unit : str, optional
         Unit of the speed, such as ``"rpm"``, in which results speak of it. Left out: rad/s.
     run_up_time : float
-        Duration in s of a smooth run-up to the speed, see :class:`flexmech.CrankDrive`.
+        Duration in s of a smooth run-up to the speed, see :class:`flexmech.ConstantSpeed`.
     moment_point : tuple of float, optional
         About which the shaking moment is taken, in ground axes in m; the shaft's axis if left out.
     shaping : Shaping, optional
@@ -269,7 +269,7 @@ class ResponseRequest:
                 "how a motor turns the crank follows from the linkage; take the request of a "
                 "mechanism, as request.of(mechanism)"
             )
-        return CrankDrive(one_rad_per_s(self.speed, self.speed_unit, "speed"), self.run_up_time)
+        return ConstantSpeed(one_rad_per_s(self.speed, self.speed_unit, "speed"), self.run_up_time)
 
     def of(self, mechanism: Mechanism) -> ResponseRequest:
         """The request with a mechanism's own drive or speed, where none is asked for.

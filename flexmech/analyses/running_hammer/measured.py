@@ -17,7 +17,7 @@ from flexmech.arrays import ComplexArray, FloatArray, LabelledProgress, StepProg
 from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linear_system import Engine
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.modal_testing import HarmonicEstimate, estimate_harmonics, with_noise
 from flexmech.time_domain import (
     DrivenLinkage,
@@ -246,7 +246,7 @@ def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: 
     ComputationError
         If there is no periodic motion.
     """
-    drive = CrankDrive(request.speed)
+    drive = ConstantSpeed(request.speed)
     if engine.simulates:
         return _simulated(engine, request, plan, drive)
     count = max(_LEAST_MODES, modes)
@@ -271,7 +271,7 @@ def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: 
 
 
 def _simulated(
-    engine: Engine, request: RunningHammerRequest, plan: RunPlan, drive: CrankDrive
+    engine: Engine, request: RunningHammerRequest, plan: RunPlan, drive: ConstantSpeed
 ) -> ImpactRun:
     # Where the runs begin.
     if engine.connectors.any:
@@ -292,7 +292,7 @@ def _simulated(
 
 
 def _settled(
-    engine: Engine, request: RunningHammerRequest, plan: RunPlan, drive: CrankDrive
+    engine: Engine, request: RunningHammerRequest, plan: RunPlan, drive: ConstantSpeed
 ) -> LinkState:
     """State at crank angle zero after as many turns as an impact takes to decay.
 

@@ -30,7 +30,7 @@ from flexmech.choices import MOST_MODES, PRESTRESS_LEVELS, Prestress
 from flexmech.dynamical_systems import VibrationState
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.mechanism import Mechanism
 from flexmech.threads import one_thread
 from flexmech.time_domain import DrivenLinkage, periodic_turn
@@ -180,7 +180,7 @@ def vibrating_linkage(
     ComputationError
         If there is no equilibrium.
     """
-    drive = CrankDrive(speed)
+    drive = ConstantSpeed(speed)
     engine.require_prescribed_shaft("a speed sweep")
     return DrivenLinkage(engine, drive, prestress, modes=modes, detail=detail, with_energy=False)
 

@@ -40,7 +40,7 @@ class Drive(abc.ABC):
 
     Examples
     --------
-    >>> drive = flexmech.CrankDrive(20.0)
+    >>> drive = flexmech.ConstantSpeed(20.0)
     >>> isinstance(drive, flexmech.Drive), float(drive.crank_angle(0.1))
     (True, 2.0)
     """
@@ -194,7 +194,7 @@ class Drive(abc.ABC):
 
 
 @dataclass(frozen=True)
-class CrankDrive(Drive):
+class ConstantSpeed(Drive):
     """Constant speed after an optional cycloidal run-up.
 
     During the run-up of duration ``T`` the speed is
@@ -217,7 +217,7 @@ class CrankDrive(Drive):
 
     Examples
     --------
-    >>> drive = flexmech.CrankDrive(speed=20.0, run_up_time=0.5)
+    >>> drive = flexmech.ConstantSpeed(speed=20.0, run_up_time=0.5)
     >>> drive.crank_speed([0.0, 0.25, 0.5]).round(9)
     array([ 0., 10., 20.])
     """

@@ -17,7 +17,7 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linear_system import Engine
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.threads import one_thread
 from flexmech.time_domain.periodic_motion.orbit_equations import OrbitEquations, at_angles
 from flexmech.time_domain.periodic_motion.orbit_newton import NewtonRun, newton
@@ -112,7 +112,7 @@ def nonlinear_orbit(engine: Engine, crank_speed: float, samples: int = 128) -> N
     >>> round(orbit.distance, 2)
     0.09
     """
-    CrankDrive(crank_speed)  # refuses what is no speed
+    ConstantSpeed(crank_speed)  # refuses what is no speed
     check_count(samples, "samples")
     with one_thread():
         return _orbit(engine, float(crank_speed), samples)

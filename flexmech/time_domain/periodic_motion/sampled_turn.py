@@ -25,7 +25,7 @@ from flexmech.linear_system import (
     inverse_mass_root,
     is_constant_turn,
 )
-from flexmech.linkages import CrankDrive, RigidMotion
+from flexmech.linkages import ConstantSpeed, RigidMotion
 from flexmech.time_domain.equations_of_motion.reduced_links import ReducedLinks, prestressed_links
 
 # Times the frequency up to which component modes are kept for the natural frequencies alone: the
@@ -132,7 +132,7 @@ class SampledTurn:
         reduced = (
             prestressed_links(
                 engine,
-                CrankDrive(fastest or speed),
+                ConstantSpeed(fastest or speed),
                 prestress,
                 modes + engine.rigid_modes,
                 DETAIL,

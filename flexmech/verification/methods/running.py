@@ -15,7 +15,7 @@ from flexmech.analyses.response.request import ResponseRequest
 from flexmech.arrays import FloatArray
 from flexmech.choices import EngineName
 from flexmech.linear_system import Engine
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import ConstantSpeed
 from flexmech.mechanism import Mechanism
 from flexmech.multibody import ExudynEngine
 from flexmech.reference import ReferenceEngine
@@ -26,7 +26,7 @@ from flexmech.verification.methods.stored_tables import stored_table
 
 # A degree of the crank each.
 SAMPLES = 360
-SPIN_UP = CrankDrive(6.0, run_up_time=15.0)
+SPIN_UP = ConstantSpeed(6.0, run_up_time=15.0)
 """Drive of Simo & Vu-Quoc 1986: to 6 rad/s within 15 s."""
 # In s: a step of 5 ms, a three-hundredth of the arm's slowest vibration; the speed is steady from
 # 15 s on.
@@ -80,7 +80,7 @@ def running_deflection(
     ndarray, shape (n,)
         In mm.
     """
-    request = ResponseRequest(CrankDrive(crank_speed), revolutions=1, samples=SAMPLES)
+    request = ResponseRequest(ConstantSpeed(crank_speed), revolutions=1, samples=SAMPLES)
     run = response(engine_of_name(engine, example(model), elements), request)
     curve = np.asarray(run.dataset["deflection"].isel(engine=0).sel(link="coupler"))
     # A sample is a degree.
@@ -93,7 +93,7 @@ def _damped(model: str, damping_time: float) -> Mechanism:
     return replace(mechanism, sections={k: s.with_damping_time(damping_time) for k, s in sections})
 
 
-def _turn(drive: CrankDrive) -> FloatArray:
+def _turn(drive: ConstantSpeed) -> FloatArray:
     return np.asarray(drive.revolution_time / SAMPLES * np.arange(SAMPLES + 1))
 
 
@@ -127,7 +127,7 @@ def steady_deflection(
     ndarray, shape (n_links, n)
         In mm.
     """
-    drive = CrankDrive(crank_speed)
+    drive = ConstantSpeed(crank_speed)
     engine = ExudynEngine(_damped(model, damping_time))
     time = (turns - 1) * drive.revolution_time + _turn(drive)
     run = engine.simulate(drive, LinkState.rigid(engine.links), time, drive.revolution_time / steps)
@@ -163,7 +163,7 @@ def periodic_deflection(
     ndarray, shape (n_links, n)
         In mm.
     """
-    drive = CrankDrive(crank_speed)
+    drive = ConstantSpeed(crank_speed)
     engine = ReferenceEngine(_damped(model, damping_time))
     linkage = DrivenLinkage(engine, drive, "equilibrium")
     start = periodic_state(linkage, steps)
@@ -282,7 +282,7 @@ def running_rod_peak(*, engine: EngineName, elements: int, step: float) -> Float
     chosen = engine_of_name(engine, example("slider_crank"), elements, element=SLENDER[engine])
     turns = END_TIME * CRANK_SPEED / (2 * np.pi)
     request = ResponseRequest(
-        CrankDrive(CRANK_SPEED), turns, samples=1000, start="equilibrium", step=step
+        ConstantSpeed(CRANK_SPEED), turns, samples=1000, start="equilibrium", step=step
     )
     found = response(chosen, request).dataset["deflection"].isel(engine=0).sel(link="rod")
     return np.array([float(np.abs(found).max())])

@@ -1,0 +1,223 @@
+"""The rigid linkage under a motor: its crank angle is the one unknown.
+
+With the inertia J of the linkage reduced to the crank, which depends on the crank angle::
+
+    (J(theta) + J_shaft) theta'' + h(theta, theta', t) = torque on the crank
+
+where h contains J'(theta) theta'^2 / 2 and what weight, springs and loads need (Uicker, Pennock &
+Shigley, *Theory of Machines and Mechanisms*, 4th ed. 2011, ch. 16, the equivalent inertia). The
+equations are integrated by an explicit Runge-Kutta method of eighth order (Hairer, Norsett &
+Wanner, *Solving Ordinary Differential Equations I*, 1993, DOP853) between the corners of the motor.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+
+from flexmech.arrays import FloatArray
+from flexmech.errors import ComputationError, InputError
+from flexmech.linkages.motors.motor_drive import MotorDrive
+from flexmech.linkages.motors.motor_run import MOST_PIECES, MotorRun, Stall, second_rates
+from flexmech.linkages.motors.shaft_equation import ShaftEquation
+
+_TOLERANCE = 1e-11
+# How far a run is known beyond its end, of its time, so that its end is no corner.
+_BEYOND = 0.02
+# Turns after which a motor that does not settle is left alone, and the part by which the time of
+# a turn still changes where it has settled.
+_MOST_TURNS, _REPEATS = 200, 1e-3
+# In s: a turn that takes longer is none.
+_LONGEST_TURN = 1e3
+# A motor that does not start is shown for so long, in s.
+_STANDING = 0.1
+
+
+class _Found(Protocol):
+    """What an integration of SciPy gives."""
+
+    t: FloatArray
+    y: FloatArray
+    t_events: Any
+    success: bool
+    message: str
+
+
+def solved_run(
+    equation: ShaftEquation, drive: MotorDrive, revolutions: float | None = None
+) -> MotorRun:
+    """Motion of a shaft under a motor.
+
+    Parameters
+    ----------
+    equation : ShaftEquation
+    drive : MotorDrive
+    revolutions : float, optional
+        Turns after which the run ends where the drive states no time; until it settles if left
+        out.
+
+    Returns
+    -------
+    MotorRun
+
+    Raises
+    ------
+    InputError
+        If nothing has any inertia, or the run is too long.
+    ComputationError
+        If the integration fails; names the time and the crank angle.
+    """
+    equation.check_inertia()
+    start = equation.start(drive.start_angle)
+    if not equation.starts(drive.start_angle):
+        return _standing(equation, drive, start)
+    return _Integration(equation, drive, np.zeros(1), start[:, None]).run(revolutions)
+
+
+def known_until(run: MotorRun, time: float) -> MotorRun:
+    """The same run, whose motion is known until a time at least, or to a stall before.
+
+    The forces of elastic links are filtered, which looks ahead.
+
+    Parameters
+    ----------
+    run : MotorRun
+    time : float
+        In s.
+
+    Returns
+    -------
+    MotorRun
+        Of the same duration.
+
+    Raises
+    ------
+    ComputationError
+        If the integration fails; names the time and the crank angle.
+    """
+    if run.stall is not None or time <= run.time[-1]:
+        return run
+    further = _Integration(run.equation, run.drive, run.time, run.values)
+    further.follow(time)
+    return further.result(run.duration)
+
+
+def _standing(equation: ShaftEquation, drive: MotorDrive, start: FloatArray) -> MotorRun:
+    """A motor that cannot move the linkage from where it stands."""
+    time = np.array([0.0, drive.time or _STANDING])
+    stall = _stall(equation, 0.0, start)
+    values = np.column_stack([start, start])
+    still = np.zeros_like(values)
+    return MotorRun(drive, equation, time, values, still, still, float(time[1]), stall)
+
+
+def _stall(equation: ShaftEquation, time: float, values: FloatArray) -> Stall:
+    angle = float(values[0])
+    given = equation.train.standing_torque
+    return Stall(time, angle, given, float(equation.load.needed(angle, 0.0, time)))
+
+
+class _Integration:
+    """Integration until the end, a stall or the settled motion.
+
+    Parameters
+    ----------
+    equation : ShaftEquation
+    drive : MotorDrive
+    time : ndarray, shape (m,)
+        Until which the motion is known, in s; of a start from rest zero.
+    values : ndarray, shape (n, m)
+        At these times.
+    """
+
+    def __init__(
+        self, equation: ShaftEquation, drive: MotorDrive, time: FloatArray, values: FloatArray
+    ) -> None:
+        self._equation, self._drive, self._way = equation, drive, equation.train.way
+        # Of a coupling the rotor stalls; the crank may stand still as it swings against it.
+        self._speed = 3 if equation.train.is_coupled else 1
+        self._time, self._values = [time], [values]
+
+    def run(self, revolutions: float | None) -> MotorRun:
+        """The run; see :func:`solved_run`."""
+        duration = self._until_end(revolutions)
+        if duration is not None:
+            # A stall beyond the end is none.
+            self.follow(duration * (1 + _BEYOND))
+        return self.result(duration)
+
+    def follow(self, until: float) -> None:
+        """Integrate on until a time in s; a stall before it ends the motion."""
+        self._advance(until, np.inf)
+
+    def result(self, duration: float | None) -> MotorRun:
+        """The run of a duration in s, or until the stall where there is none."""
+        time, values = np.concatenate(self._time), np.concatenate(self._values, axis=1)
+        if len(time) > MOST_PIECES:
+            raise InputError(
+                f"the run of {time[-1]:.4g} s has more than {MOST_PIECES} pieces; ask for a "
+                "shorter time or fewer revolutions"
+            )
+        stall = None
+        if duration is None:
+            duration = float(time[-1])
+            stall = _stall(self._equation, duration, values[:, -1])
+        rates = self._equation.rates(time, values)
+        second = second_rates(self._equation, time, values, rates)
+        return MotorRun(self._drive, self._equation, time, values, rates, second, duration, stall)
+
+    def _until_end(self, revolutions: float | None) -> float | None:
+        """Integrate; returns the duration, or None of a motor that stalls."""
+        if (time := self._drive.time) is not None:
+            return time if self._advance(time, np.inf) else None
+        if revolutions is not None:
+            return float(self._time[-1][-1]) if self._advance(np.inf, revolutions) else None
+        last, spent = np.inf, 0.0
+        for _ in range(_MOST_TURNS):
+            if not self._advance(np.inf, 1.0):
+                return None
+            now = float(self._time[-1][-1])
+            turn, spent = now - spent, now
+            if abs(turn - last) <= _REPEATS * turn:
+                break
+            last = turn
+        return spent
+
+    def _advance(self, until: float, turns: float) -> bool:
+        """Integrate on until a time or by some turns; returns whether the crank still turns."""
+        from scipy.integrate import solve_ivp
+
+        equation, way = self._equation, self._way
+        begin, start = float(self._time[-1][-1]), self._values[-1][:, -1]
+        goal = start[0] + way * 2 * np.pi * turns
+
+        def standstill(time: float, values: FloatArray) -> float:
+            return float(way * values[self._speed])
+
+        def turned(time: float, values: FloatArray) -> float:
+            return float(way * (values[0] - goal)) if np.isfinite(turns) else -1.0
+
+        standstill.terminal, standstill.direction = True, -1.0  # type: ignore[attr-defined]
+        turned.terminal, turned.direction = True, 1.0  # type: ignore[attr-defined]
+        span = (begin, until if np.isfinite(until) else begin + _LONGEST_TURN * turns)
+        found: _Found = solve_ivp(
+            equation.rates,
+            span,
+            start,
+            method="DOP853",
+            rtol=_TOLERANCE,
+            atol=equation.tolerances(_TOLERANCE),
+            events=(standstill, turned),
+        )
+        if not found.success:
+            at = np.degrees(float(found.y[0, -1]))
+            raise ComputationError(
+                f"the motion under the motor cannot be followed beyond {found.t[-1]:.6g} s, crank "
+                f"angle {at:.6g} deg: {found.message}; check the motor's inductance and the "
+                "coupling, whose times may be far shorter than the run"
+            )
+        self._time.append(found.t[1:])
+        self._values.append(found.y[:, 1:])
+        # A crank that creeps stands.
+        return bool(np.isfinite(until) or len(found.t_events[1])) and not len(found.t_events[0])
