@@ -210,8 +210,15 @@ def motor_lines(data: xr.Dataset) -> list[str]:
             for _, own in data.groupby("engine", squeeze=False)
             for own in [own.isel(engine=0)]
         )
-        lines.append(f"last turn of the run, with elastic links: mean speed {texts}")
+        which = "only turn of the run, from rest" if _is_one_turn(data) else "last turn of the run"
+        lines.append(f"{which}, with elastic links: mean speed {texts}")
     return lines
+
+
+def _is_one_turn(data: xr.Dataset) -> bool:
+    """Whether the last turn of a run is its first, from rest."""
+    turned = abs(float(data["crank_angle"][-1] - data["crank_angle"][0]))
+    return "elastic_settled_speed" not in data.attrs and turned <= 2 * np.pi * (1 + _A_TURN)
 
 
 def motor_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
