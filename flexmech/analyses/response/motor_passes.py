@@ -244,12 +244,9 @@ class MotorPasses:
         if motor.coupling_stiffness is None:
             return None
         start = float(begin[2] - begin[0]), float(begin[3] - begin[1])
-        numbers = motor.inertia_at_crank, motor.coupling_stiffness, motor.coupling_damping
-        none = np.zeros_like(known.time)
-        bare = RotorCoupling(*numbers, start, none, none)
-        twist, rate = known.rotor - known.rotation, known.rotor_rate - known.rate
-        lag = bare.carried(known.across - known.rotation, known.turning - known.rate)
-        return replace(bare, torque=bare.carried(twist, rate), lag=lag)
+        torque = motor.coupling_torque(known.rotor - known.rotation, known.rotor_rate - known.rate)
+        lag = motor.coupling_torque(known.across - known.rotation, known.turning - known.rate)
+        return RotorCoupling(motor, start, torque, lag)
 
     def _against_rigid(self, found: Trajectory, nominal: MotorRun) -> Trajectory:
         if nominal is self.run or found.shaft is None:

@@ -114,8 +114,7 @@ class DriveTrain:
         if motor.coupling_stiffness is None:
             return torque, given.rates
         rotor, turning = states[:2]
-        carried = motor.coupling_stiffness * (rotor - angle)
-        carried = np.asarray(carried + motor.coupling_damping * (turning - speed))
+        carried = motor.coupling_torque(rotor - angle, turning - speed)
         accelerated = (torque - carried) / motor.inertia_at_crank
         return carried, np.concatenate([np.stack([turning, accelerated]), given.rates])
 

@@ -89,6 +89,21 @@ class Motor(abc.ABC):
         """Of the rotor, reduced to the crank, in kg m^2."""
         return self.inertia * self.gear_ratio**2
 
+    def coupling_torque(self, twist: FloatArray, rate: FloatArray) -> FloatArray:
+        """Torque of the coupling on the crank in N m by its twist in rad and the rate of that.
+
+        Parameters
+        ----------
+        twist, rate : ndarray, shape (...)
+            Of the rotor against the crank, in rad and rad/s.
+
+        Returns
+        -------
+        ndarray, shape (...)
+        """
+        assert self.coupling_stiffness is not None
+        return np.asarray(self.coupling_stiffness * twist + self.coupling_damping * rate)
+
     @property
     def has_current(self) -> bool:
         """Whether the current is a state."""

@@ -43,18 +43,19 @@ class DrivenRotor:
         What the coupling takes off the shaft is among these already.
         """
         _, damping, stiffness, *_ = self.given.at(time)
-        own = self.coupling
+        motor, held = self.coupling.motor, self.coupling.stiffness
+        damped = motor.coupling_damping
         return SystemMatrices(
-            self._bordered(matrices.mass, 0.0, np.full(len(time), own.inertia)),
-            self._bordered(matrices.damping, own.damping, own.damping + damping),
-            self._bordered(matrices.stiffness, own.stiffness, own.stiffness + stiffness),
+            self._bordered(matrices.mass, 0.0, np.full(len(time), motor.inertia_at_crank)),
+            self._bordered(matrices.damping, damped, damped + damping),
+            self._bordered(matrices.stiffness, held, held + stiffness),
         )
 
     def force(self, time: FloatArray, force: FloatArray) -> FloatArray:
         """Forces (m, n + 1) on all coordinates, of those (m, n) on the ones without the rotor."""
         motor = np.interp(time, self.given.time, self.given.torque) + self.given.pull(time)
         lag = np.interp(time, self.given.time, self.coupling.lag)
-        turned = self.coupling.inertia * self.drive.crank_acceleration(time)
+        turned = self.coupling.motor.inertia_at_crank * self.drive.crank_acceleration(time)
         return np.column_stack([force, motor - lag - turned])
 
     def started(self, state: VibrationState) -> VibrationState:

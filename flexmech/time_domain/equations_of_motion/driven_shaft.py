@@ -255,7 +255,8 @@ class DrivenShaft:
         self.given.record(block.time, across, turning, shaft.rotation, shaft.rate, *rotor)
         if self.given.coupling is None:
             return self.given.beside(block.time, across, turning)
-        return self.given.coupling.carried(rotor[0] - shaft.rotation, rotor[1] - shaft.rate)
+        twist = rotor[0] - shaft.rotation, rotor[1] - shaft.rate
+        return self.given.coupling.motor.coupling_torque(*twist)
 
     def turned_back(self, run: Trajectory) -> Trajectory:
         """A run in the frames of the rigid linkage at the angle that the shaft has.

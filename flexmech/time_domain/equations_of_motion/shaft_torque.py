@@ -15,18 +15,17 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from flexmech.arrays import FloatArray
+from flexmech.linkages import Motor
 
 
 @dataclass(frozen=True)
 class RotorCoupling:
-    """A coupling to the crank's shaft, and the rotor behind it, told at the crank.
+    """A coupling to the crank's shaft along a known motion.
 
     Parameters
     ----------
-    inertia : float
-        Of the rotor in kg m^2.
-    stiffness, damping : float
-        Of the coupling in N m/rad and N m s/rad.
+    motor : Motor
+        Whose coupling it is.
     start : tuple of float
         Twist at time zero in rad, and its rate in rad/s.
     torque : ndarray, shape (m,)
@@ -35,16 +34,16 @@ class RotorCoupling:
         What the coupling's torque by the coordinate of the shaft has less than by its rotation.
     """
 
-    inertia: float
-    stiffness: float
-    damping: float
+    motor: Motor
     start: tuple[float, float]
     torque: FloatArray
     lag: FloatArray
 
-    def carried(self, twist: FloatArray, rate: FloatArray) -> FloatArray:
-        """Torque on the crank in N m by the twist in rad and its rate; (...)."""
-        return np.asarray(self.stiffness * twist + self.damping * rate)
+    @property
+    def stiffness(self) -> float:
+        """Of the coupling in N m/rad."""
+        assert self.motor.coupling_stiffness is not None
+        return self.motor.coupling_stiffness
 
 
 @dataclass(frozen=True)
@@ -101,7 +100,7 @@ class ShaftTorque:
             _, damping, stiffness, *_ = self.at(time)
             return damping, stiffness
         even = np.ones_like(time)
-        return self.coupling.damping * even, self.coupling.stiffness * even
+        return self.coupling.motor.coupling_damping * even, self.coupling.stiffness * even
 
     def beside(self, time: FloatArray, across: FloatArray, turning: FloatArray) -> FloatArray:
         """The torque of the motor (m,) where the coordinate and its rate have some values.
