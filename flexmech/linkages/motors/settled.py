@@ -136,21 +136,15 @@ def settled_motion(equation: ShaftEquation, near: FloatArray) -> SettledMotion |
     unknown = turn.unknowns(near)
     scale = np.maximum(np.abs(unknown), 1e-3 * abs(float(near[1])))
     for _ in range(_PASSES):
-        end = turn.end(unknown)
-        if end is None:
+        # The turn, and beside it one for each unknown that begins a little farther.
+        beside = np.column_stack([np.zeros_like(scale), np.diag(_DIFFERENCE * scale)])
+        ends = turn.ends(unknown[:, None] + beside)
+        if ends is None:
             return None
-        gap = end - unknown
+        gap = ends[:, 0] - unknown
         if np.all(np.abs(gap) <= _CONVERGED * scale):
             return turn.motion(unknown)
-        columns = []
-        for number, size in enumerate(scale):
-            moved = unknown.copy()
-            moved[number] += _DIFFERENCE * size
-            changed = turn.end(moved)
-            if changed is None:
-                return None
-            columns.append((changed - end) / (_DIFFERENCE * size))
-        slope = np.column_stack(columns) - np.eye(len(unknown))
+        slope = (ends[:, 1:] - ends[:, :1]) / (_DIFFERENCE * scale) - np.eye(len(unknown))
         try:
             change = np.linalg.solve(slope, -gap)
         except np.linalg.LinAlgError:
@@ -189,41 +183,44 @@ class _Turn:
         return values
 
     def _rates(self, angle: float, own: FloatArray) -> FloatArray:
-        """By the crank angle: of the unknowns, and of the time, which comes last."""
+        """By the crank angle: of the unknowns (n - 1, k), and of the time, which comes last."""
         rates = self._equation.rates(0.0, self.values(angle, own[:-1]))
         rates = rates.copy()
         if self._equation.train.is_coupled:
             rates[2] -= rates[0]
-        speed = own[0] if self._way * own[0] > 0 else np.nan
-        return np.asarray(np.append(rates[1:], 1.0) / speed)
+        speed = np.where(self._way * own[0] > 0, own[0], np.nan)
+        return np.concatenate([rates[1:], np.ones((1, own.shape[1]))]) / speed
 
-    def _solved(self, unknown: FloatArray, angles: FloatArray | None) -> FloatArray | None:
+    def _solved(self, unknowns: FloatArray, angles: FloatArray | None) -> FloatArray | None:
+        """Unknowns (n - 1, k) of turns beside each other, and the time, at angles; (n, k, m)."""
         from scipy.integrate import solve_ivp
 
-        start = np.append(unknown, 0.0)
-        floor = 0.1 * _TOLERANCE * np.append(np.maximum(np.abs(unknown), 1e-6), 1e-3)
+        start = np.concatenate([unknowns, np.zeros((1, unknowns.shape[1]))])
+        floor = np.maximum(np.abs(start), 1e-6)
+        floor[-1] = 1e-3
         with np.errstate(invalid="ignore", divide="ignore"):
             found = solve_ivp(
-                self._rates,
+                lambda angle, own: self._rates(angle, own.reshape(start.shape)).ravel(),
                 (self._angle, self._angle + self._way * 2 * np.pi),
-                start,
+                start.ravel(),
                 method="DOP853",
                 rtol=_TOLERANCE,
-                atol=floor,
+                atol=0.1 * _TOLERANCE * floor.ravel(),
                 t_eval=angles,
             )
         ended = found.success and np.isfinite(found.y).all()
-        return np.asarray(found.y) if ended else None
+        return np.asarray(found.y.reshape(*start.shape, -1)) if ended else None
 
-    def end(self, unknown: FloatArray) -> FloatArray | None:
-        """The unknowns a turn later; None where the crank stands before."""
-        found = self._solved(unknown, None)
-        return None if found is None else found[:-1, -1]
+    def ends(self, unknowns: FloatArray) -> FloatArray | None:
+        """Unknowns (n - 1, k) a turn later; None where the crank stands before."""
+        found = self._solved(unknowns, None)
+        return None if found is None else found[:-1, :, -1]
 
     def motion(self, unknown: FloatArray) -> SettledMotion | None:
         """The turn from these unknowns."""
         angle = self._angle + self._way * np.linspace(0.0, 2 * np.pi, _ANGLES)
-        found = self._solved(unknown, angle)
-        if found is None:
+        solved = self._solved(unknown[:, None], angle)
+        if solved is None:
             return None
+        found = solved[:, 0]
         return SettledMotion(self._equation, found[-1], self.values(angle, found[:-1]))
