@@ -7,6 +7,7 @@ import xarray as xr
 
 from flexmech.analyses.datasets import DEGREES, Columns
 from flexmech.analyses.digits import Quantity, rounded
+from flexmech.analyses.remarks import speed_unit
 from flexmech.arrays import FloatArray
 from flexmech.linkages import DcMotor, MotorOutput, MotorRun, SettledRun, speed_range
 from flexmech.units import from_si
@@ -261,7 +262,7 @@ def _peaks(data: xr.Dataset, name: str) -> str:
 
 
 def _speed(data: xr.Dataset, value: float) -> str:
-    unit = str(data.attrs.get("speed_unit", "rad/s"))
+    unit = speed_unit(data)
     return f"{from_si(value, unit):.5g} {unit}"
 
 

@@ -18,7 +18,6 @@ Resistance = Annotated[float, base.QuantityField(units.RESISTANCE, POSITIVE)]
 Inductance = Annotated[float, base.QuantityField(units.INDUCTANCE, POSITIVE)]
 TorqueConstant = Annotated[float, base.QuantityField(units.TORQUE_CONSTANT, POSITIVE)]
 Voltage = Annotated[float, base.QuantityField(units.VOLTAGE)]
-Target = Annotated[float, base.QuantityField(units.ANGULAR_SPEED)]
 Coupling = Annotated[float, base.QuantityField(units.TORSIONAL_STIFFNESS, POSITIVE)]
 Ratio = Annotated[float, base.QuantityField(units.RATIO, POSITIVE)]
 
@@ -107,7 +106,7 @@ class SpeedControlTable(base.Table):
         description="In V s/rad or V/rpm of a DC motor, or N m s/rad of the motor's torque"
     )
     ki: str | None = base.optional("In V/rad of a DC motor, or N m/rad; none if left out")
-    target: Target = Field(description="Crank speed; negative turns backwards")
+    target: base.WrittenSpeed = Field(description="Crank speed; negative turns backwards")
 
     def control(self, motor: Motor) -> SpeedControl:
         """The control that is stated.
@@ -124,9 +123,8 @@ class SpeedControlTable(base.Table):
         """
         gain, integral = motor.gain_dimensions
         kp = _quantity(self.kp, gain, "kp")
-        return SpeedControl(
-            kp, 0.0 if self.ki is None else _quantity(self.ki, integral, "ki"), self.target
-        )
+        ki = 0.0 if self.ki is None else _quantity(self.ki, integral, "ki")
+        return SpeedControl(kp, ki, self.target.value, self.target.unit)
 
 
 def _quantity(value: object, dimension: Dimension, key: str) -> float:

@@ -16,7 +16,6 @@ from flexmech.plots.style import MID_GREY, Look, line_handle
 PRESCRIBED: Look = {"color": "0.15", "lw": 1.2}
 ENVELOPE: Look = {"color": MID_GREY, "lw": 0.9}
 STOP: Look = {"color": MID_GREY, "lw": 0.9, "ls": ":"}
-SPEED_UNITS_OF_CRANK: reading.Units = ((1.0, "rad/s"),)
 _ACCELERATION: reading.Units = ((1.0, "rad/s²"),)
 
 
@@ -41,7 +40,7 @@ def plot_law(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     runs = "engine" in dataset.dims
     of_crank = (
         ("crank_angle", ROTATION_UNITS, "Angle"),
-        ("crank_speed_over_time", SPEED_UNITS_OF_CRANK, "Speed"),
+        ("crank_speed_over_time", reading.crank_speed_units(dataset), "Speed"),
         ("crank_acceleration", _ACCELERATION, "Acceleration"),
     )
     time = dataset["time"].values

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flexmech.plots import reading, scales
-from flexmech.plots.law import PRESCRIBED, SPEED_UNITS_OF_CRANK
+from flexmech.plots.law import PRESCRIBED
 from flexmech.plots.layout import AxesLike, sheet
 from flexmech.plots.response import draw_engines, engine_lines
 from flexmech.plots.style import MID_GREY, Look, line_handle
@@ -79,12 +79,12 @@ def _draw_speed(axes: Axes, dataset: xr.Dataset, *, runs: bool) -> None:
         factor = draw_engines(
             axes,
             speed + dataset["crank_speed_fluctuation"],
-            SPEED_UNITS_OF_CRANK,
+            reading.crank_speed_units(dataset),
             "Crank\nspeed",
         )
         axes.plot(dataset["time"].values, factor * speed.values, **PRESCRIBED, zorder=1.5)
     else:
-        factor = _draw(axes, speed, SPEED_UNITS_OF_CRANK, "Crank\nspeed")
+        factor = _draw(axes, speed, reading.crank_speed_units(dataset), "Crank\nspeed")
     if "settled_crank_speed" in dataset:
         settled = dataset["settled_crank_speed"].values
         for value in (settled.min(), settled.max()):

@@ -80,6 +80,12 @@ def speed_unit(dataset: xr.Dataset) -> str:
     return str(dataset.attrs.get("speed_unit", ANGULAR_SPEED.unit))
 
 
+def crank_speed_units(dataset: xr.Dataset) -> Units:
+    """That unit alone, for crank speeds over time."""
+    unit = speed_unit(dataset)
+    return ((from_si(1.0, unit), unit),)
+
+
 def speed_text(dataset: xr.Dataset, speed: float | None = None) -> str:
     """A crank speed in rad/s, by default that of the whole dataset, in the user's unit."""
     value = dataset.attrs["crank_speed"] if speed is None else speed

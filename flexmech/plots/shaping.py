@@ -8,7 +8,6 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
 from flexmech.plots import reading, scales
-from flexmech.plots.law import SPEED_UNITS_OF_CRANK
 from flexmech.plots.layout import AxesLike, sheet, tiles
 from flexmech.plots.style import MID_GREY, POINT_SIZE, Look, line_handle, series_style
 
@@ -51,7 +50,7 @@ def plot_shaped(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
             scales.zero_line(axes)
             link = links[number - 1]
             parts = [first[f"{prefix}{name}"] for prefix, *_ in looks]
-            units = reading.LENGTH_UNITS if number else SPEED_UNITS_OF_CRANK
+            units = reading.LENGTH_UNITS if number else reading.crank_speed_units(dataset)
             if number:
                 parts = [part.sel(link=link) for part in parts]
             both = np.concatenate([part.values for part in parts])

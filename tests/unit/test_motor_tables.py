@@ -11,9 +11,11 @@ from typer.testing import CliRunner
 
 from flexmech import (
     DcMotor,
+    InputError,
     Kinematics,
     KinematicsRequest,
     MotorDrive,
+    ResponseRequest,
     SpeedControl,
     TorqueMotor,
     kinematics,
@@ -50,6 +52,18 @@ STATED = {
 
 def model(keys: str) -> str:
     return f"{BASE}\n[drive]\n{keys}\n"
+
+
+def test_a_target_is_told_in_its_own_unit() -> None:
+    keys = f"motor = {{ {DC} }}\n{CONTROL.replace('10 rad/s', '190 rpm')}"
+    drive = mechanism_from_toml(model(keys)).drive
+    assert isinstance(drive, MotorDrive)
+    assert drive.words.endswith("speed control to 190 rpm")
+    assert ResponseRequest(drive).shown_unit == "rpm"
+    assert KinematicsRequest(drive=drive).shown_unit(fourbar()) == "rpm"
+    assert "190 rpm" in str(drive.to_table())
+    with pytest.raises(InputError, match="speed_unit: .*mm"):
+        SpeedControl(0.5, 2.0, 10.0, "mm")
 
 
 @pytest.mark.parametrize("keys", STATED, ids=range(len(STATED)))

@@ -128,7 +128,9 @@ class KinematicsRequest:
 
     def shown_unit(self, mechanism: Mechanism) -> str:
         """Unit in which the result for a mechanism speaks of crank speeds."""
-        own = RAD_S if self.crank_speed is not None or self.drive else mechanism.speed_unit
+        if self.drive is not None:
+            return self.drive.speed_unit
+        own = RAD_S if self.crank_speed is not None else mechanism.speed_unit
         return self.speed_unit or own
 
     def lumped_of(self, mechanism: Mechanism) -> tuple[int, ...] | None:

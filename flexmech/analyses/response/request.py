@@ -290,6 +290,8 @@ class ResponseRequest:
     @property
     def shown_unit(self) -> str:
         """Unit in which results speak of crank speeds."""
+        if isinstance(self.speed, (Drive, MotorDrive)):
+            return self.speed.speed_unit
         return self.speed_unit or RAD_S
 
     @property

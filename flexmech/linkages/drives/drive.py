@@ -68,6 +68,11 @@ class Drive(abc.ABC):
         return self.law.end
 
     @property
+    def speed_unit(self) -> str:
+        """Unit in which results speak of crank speeds."""
+        return ANGULAR_SPEED.unit
+
+    @property
     def is_constant(self) -> bool:
         """Whether the crank turns at its final speed, or stands, from the start."""
         return not self.law.pieces

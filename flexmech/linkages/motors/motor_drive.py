@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from flexmech.linkages.motors.motor import Motor
 from flexmech.linkages.motors.speed_control import DrivenBy, SpeedControl
 from flexmech.model_text import TomlTable, quantity
+from flexmech.unit_registry import from_si
 from flexmech.units import ANGLE, ANGULAR_SPEED, TIME
 from flexmech.validation import POSITIVE, check_number
 
@@ -66,7 +67,14 @@ class MotorDrive:
         """Motor and control, for titles."""
         if self.control is None:
             return self.motor.words
-        return f"{self.motor.words}, speed control to {self.control.target:.6g} rad/s"
+        unit = self.control.speed_unit
+        target = f"{from_si(self.control.target, unit):.6g} {unit}"
+        return f"{self.motor.words}, speed control to {target}"
+
+    @property
+    def speed_unit(self) -> str:
+        """Unit in which results speak of crank speeds: that of the target, else rad/s."""
+        return ANGULAR_SPEED.unit if self.control is None else self.control.speed_unit
 
     def to_table(self) -> TomlTable:
         """Table ``[drive]`` of a model file."""
@@ -76,7 +84,9 @@ class MotorDrive:
             table["speed_control"] = {
                 "kp": quantity(self.control.kp, gain),
                 "ki": quantity(self.control.ki, integral),
-                "target": quantity(self.control.target, ANGULAR_SPEED),
+                "target": quantity(
+                    self.control.target, ANGULAR_SPEED, self.speed_unit, always=True
+                ),
             }
         if self.time is not None:
             table["time"] = quantity(self.time, TIME)

@@ -112,6 +112,11 @@ class MotorRun(Drive):
         """The motor, for titles."""
         return self.drive.words
 
+    @property
+    def speed_unit(self) -> str:
+        """Unit in which results speak of crank speeds: that of the motor's control."""
+        return self.drive.speed_unit
+
     def to_table(self) -> TomlTable:
         """Table ``[drive]`` of a model file: that of the motor."""
         return self.drive.to_table()

@@ -6,13 +6,15 @@ saturated command (back-calculation; Astrom & Hagglund, *Advanced PID Control*, 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
+from flexmech.errors import InputError
 from flexmech.linkages.motors.motor import Motor
+from flexmech.units import ANGULAR_SPEED, to_si
 from flexmech.validation import NOT_NEGATIVE, POSITIVE, check_instance, check_number
 
 
@@ -30,11 +32,13 @@ class SpeedControl:
         torque curve.
     target : float
         Crank speed in rad/s; negative turns backwards.
+    speed_unit : str
+        Unit in which the target was written, and results speak of it.
 
     Raises
     ------
     InputError
-        If kp is not positive, ki is negative, or the target is no speed.
+        If kp is not positive, ki is negative, the target is no speed, or the unit is none of one.
 
     Examples
     --------
@@ -45,11 +49,16 @@ class SpeedControl:
     kp: float
     ki: float
     target: float
+    speed_unit: str = field(default=ANGULAR_SPEED.unit, compare=False)
 
     def __post_init__(self) -> None:
         check_number(self.kp, "kp", "", POSITIVE)
         check_number(self.ki, "ki", "", NOT_NEGATIVE)
         check_number(self.target, "target", "rad/s")
+        try:
+            to_si(1.0, self.speed_unit, ANGULAR_SPEED)
+        except InputError as error:
+            raise error.within("speed_unit") from error
 
     @property
     def has_integral(self) -> bool:

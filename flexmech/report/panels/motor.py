@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses import Kinematics, Response
-from flexmech.plots.reading import names_of
+from flexmech.plots.reading import crank_speed_units, names_of
 from flexmech.report.panel import (
     FRAME_HEIGHT,
     GREY,
@@ -47,12 +47,13 @@ def motor_panel(results: Results) -> Panel | None:
 
 def _plot(data: xr.Dataset, number: int) -> Plot:
     time, traces = data["time"].values, list[Trace]()
-    axes = [YAxis("crank (rad/s)")]
-    speed = data["crank_speed_over_time"]
+    [(factor, unit)] = crank_speed_units(data)
+    axes = [YAxis(f"crank ({unit})")]
+    speed = factor * data["crank_speed_over_time"]
     traces.append(Trace("rigid links", time, speed.values, GREY, axis=0))
     engines = names_of(data, "engine") if "engine" in data["motor_torque"].dims else []
     for colour, engine in enumerate(engines):
-        own = (speed + data["crank_speed_fluctuation"]).sel(engine=engine)
+        own = (speed + factor * data["crank_speed_fluctuation"]).sel(engine=engine)
         traces.append(Trace(f"elastic links, {engine}", time, own.values, colour, axis=0))
     for name, label in _GIVEN.items():
         if name not in data:
