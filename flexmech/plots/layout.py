@@ -217,7 +217,9 @@ def sheet(layout: Layout, *, ax: AxesLike | None = None, fewer: str = "") -> Ite
         if ax is None:
             figure = new_figure(layout.height)
             yield Sheet(figure, layout.make(figure))
-            figure.align_ylabels()
+            if any(axes.get_ylabel() for axes in figure.axes):
+                # Alignment measures the numbers of all panels for each of them.
+                figure.align_ylabels()
         else:
             panels = _given(ax, layout.count, fewer)
             yield Sheet(panels[0].figure.figure, panels, is_new=False)
