@@ -10,6 +10,7 @@ import gc
 from typing import TYPE_CHECKING
 
 from flexmech.cli.stopping import answer_signals, ignore_signals
+from flexmech.cli.without_dask import leave_out_dask
 
 if TYPE_CHECKING:
     from typer import Typer
@@ -31,6 +32,7 @@ def main() -> None:
     answer_signals()
     # Nearly all that a command makes lives to its end: searches for what does not cost a tenth.
     gc.set_threshold(50_000)
+    leave_out_dask()
     from flexmech.cli.application import run
 
     try:

@@ -325,12 +325,10 @@ class ClosedJoints:
 
     def _least_change(self, position: Any) -> Any:
         """Least change of the coordinates by which each gap grows by one, (size, gaps)."""
-        gradient = []
-        for each in self.gaps:
-            rows = np.zeros((len(each.gap(position, 0.0)), len(position)))
-            each.add_rows(position, rows)
-            gradient.append(rows)
-        gradient = np.concatenate(gradient)
+        rows = [np.zeros((len(each.gap(position, 0.0)), len(position))) for each in self.gaps]
+        for each, own in zip(self.gaps, rows, strict=True):
+            each.add_rows(position, own)
+        gradient = np.concatenate(rows)
         return np.linalg.solve(gradient @ gradient.T, gradient).T
 
     def after_step(self, mbs: Any, t: float) -> bool:

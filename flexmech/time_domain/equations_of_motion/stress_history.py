@@ -300,7 +300,9 @@ class StressHistory:
         for size, basis in zip(self._sizes, self._bases, strict=True):
             own = slice(first, first + len(basis))
             path = scipy.interpolate.CubicSpline(where, place[:, own])
-            power = scipy.interpolate.CubicSpline(where, np.sum(force[:, own] * path(where, 1), axis=1))
+            power = scipy.interpolate.CubicSpline(
+                where, np.sum(force[:, own] * path(where, 1), axis=1)
+            )
             energy = power.antiderivative()(where) + force[0, own] @ place[0, own] / 2
             values[:, start + size * size + size] += energy
             start += sum(self._widths(size))
