@@ -30,8 +30,8 @@ def __getattr__(name: str) -> Typer:
 def main() -> None:
     """Entry point of the console script ``flexmech``; exits with 0, 1, 2, 130 or 143."""
     answer_signals()
-    # Nearly all that a command makes lives to its end, its modules above all: searches for what does
-    # not cost a tenth. Small commands make a million objects.
+    # Nearly all that a command makes lives to its end, its modules above all: searches for what
+    # does not cost a tenth. Small commands make a million objects.
     gc.set_threshold(1_000_000)
     gc.callbacks.append(_search_more_often)
     leave_out_dask()

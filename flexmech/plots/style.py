@@ -47,6 +47,8 @@ STYLE, NARROW_STYLE = (
 # An inch: of what is drawn as pixels in a file of lines and letters, such as a spectrogram, as
 # journals ask for it.
 FINE_DOTS = 300
+# What a user may have set for figures without a layout of their own.
+NO_LAYOUT: dict[str, Any] = {"figure.autolayout": False, "figure.constrained_layout.use": False}
 # Without the time of writing: the same result gives the same file.
 UNDATED: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
 
@@ -129,7 +131,8 @@ def _write_png(figure: Figure, target: Path | BytesIO, dpi: float) -> None:
     try:
         if layout is not None:
             layout.execute(figure)
-        figure.set_layout_engine(None)
+        with mpl.rc_context(NO_LAYOUT):
+            figure.set_layout_engine(None)
         figure.savefig(target, format="png", dpi=dpi)
     finally:
         figure.set_layout_engine(layout)
