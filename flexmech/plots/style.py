@@ -47,8 +47,6 @@ STYLE, NARROW_STYLE = (
 # An inch: of what is drawn as pixels in a file of lines and letters, such as a spectrogram, as
 # journals ask for it.
 FINE_DOTS = 300
-# What a user may have set for figures without a layout of their own.
-NO_LAYOUT: dict[str, Any] = {"figure.autolayout": False, "figure.constrained_layout.use": False}
 # Without the time of writing: the same result gives the same file.
 UNDATED: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
 
@@ -131,7 +129,8 @@ def _write_png(figure: Figure, target: Path | BytesIO, dpi: float) -> None:
     try:
         if layout is not None:
             layout.execute(figure)
-        with mpl.rc_context(NO_LAYOUT):
+        # What a user may have set for figures without a layout of their own.
+        with mpl.rc_context({"figure.autolayout": False, "figure.constrained_layout.use": False}):
             figure.set_layout_engine(None)
         figure.savefig(target, format="png", dpi=dpi)
     finally:

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -293,11 +292,14 @@ class ClosedJoints:
     def correct_coordinates(self, position: Any, t: float) -> None:
         """Correct the system's coordinates, in place; the hub's angle comes last.
 
-        What a correction leaves is of the square of the gap, in m and rad; of gaps below 1e-9 it is
-        a hundredth or so, which the next step corrects.
+        What a correction leaves is of the square of the gap, in m and rad; of gaps
+        below 1e-9 it is a hundredth or so, which the next step corrects.
         """
         turn = self.shaft.hub_angle(position, t)
         position[-1] = turn
+        # The answer to gaps, and the hub's angle at which it was found: to seek it
+        # takes three times as long as to see how far the joints are open.
+        kept = vars(self).setdefault("_kept", {})
         for _ in range(3):
             # Floats of Python are twice as fast here as those of an array.
             values = position.tolist()
@@ -306,26 +308,19 @@ class ClosedJoints:
             if greatest < 1e-15:
                 break
             small = greatest < 1e-9
-            if not small or abs(turn - self._kept.get("turn", math.inf)) > 0.01:
-                self._kept.update(turn=turn, answer=self._least_change(values))
-            position -= self._kept["answer"] @ gap
+            if not small or abs(turn - kept.get("turn", math.inf)) > 0.01:
+                kept.update(turn=turn, answer=self._least_change(values))
+            position -= kept["answer"] @ gap
             if small:
                 break
         if self.axis is not None:
             position[-3:-1] = self.axis.place(position)
             position[-1] = turn + self.axis.angle(position)
 
-    @cached_property
-    def _kept(self) -> dict[str, Any]:
-        """Answer to gaps, and the hub's angle at which it was found: it changes with the posture.
-
-        To seek it takes three times as long as to see how far the joints are open.
-        """
-        return {}
-
     def _least_change(self, position: Any) -> Any:
-        """Least change of the coordinates by which each gap grows by one, (size, gaps)."""
-        rows = [np.zeros((len(each.gap(position, 0.0)), len(position))) for each in self.gaps]
+        """Least change of coordinates that makes each gap grow by one, (size, gaps)."""
+        size = len(position)
+        rows = [np.zeros((len(each.gap(position, 0.0)), size)) for each in self.gaps]
         for each, own in zip(self.gaps, rows, strict=True):
             each.add_rows(position, own)
         gradient = np.concatenate(rows)
