@@ -325,7 +325,6 @@ def unit_factor(text: str, unit: str, dimension: Dimension) -> Decimal:
     InputError
         If the unit is unknown or of another dimension.
     """
-    # The SI unit itself needs no pint, whose first import takes longer than small analyses.
     if unit == dimension.unit:
         return Decimal(1)
     found, wanted = base_units(unit), base_units(dimension.unit)

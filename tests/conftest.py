@@ -55,6 +55,7 @@ def rough_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     That takes most of the time of one. The tests of the plots and of the users' scripts draw.
     """
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     save = Figure.savefig
 
@@ -66,6 +67,7 @@ def rough_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
         save(figure, path, dpi=30, **options)
 
     monkeypatch.setattr(Figure, "savefig", roughly)
+    monkeypatch.setattr(ConstrainedLayoutEngine, "execute", lambda layout, figure: None)
 
 
 MODELS = Path(__file__).parents[1] / "models"

@@ -10,6 +10,7 @@ import gc
 from typing import TYPE_CHECKING
 
 from flexmech.cli.stopping import answer_signals, ignore_signals
+from flexmech.cli.without_dask import leave_out_dask
 
 if TYPE_CHECKING:
     from typer import Typer
@@ -29,8 +30,11 @@ def __getattr__(name: str) -> Typer:
 def main() -> None:
     """Entry point of the console script ``flexmech``; exits with 0, 1, 2, 130 or 143."""
     answer_signals()
-    # Nearly all that a command makes lives to its end: searches for what does not cost a tenth.
-    gc.set_threshold(50_000)
+    # Nearly all that a command makes lives to its end, its modules above all: searches for what
+    # does not cost a tenth. Small commands make a million objects.
+    gc.set_threshold(1_000_000)
+    gc.callbacks.append(_search_more_often)
+    leave_out_dask()
     from flexmech.cli.application import run
 
     try:
@@ -38,3 +42,13 @@ def main() -> None:
     finally:
         ignore_signals()
         gc.freeze()  # the process gives back its memory without a last search
+
+
+def _search_more_often(phase: str, info: dict[str, int]) -> None:
+    """Have searches for garbage follow each other sooner once a command has made a million objects.
+
+    Python calls it at both ends of every search.
+    """
+    if phase == "stop" and info["generation"] == 0:
+        gc.callbacks.remove(_search_more_often)
+        gc.set_threshold(50_000)

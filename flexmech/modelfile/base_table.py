@@ -214,7 +214,7 @@ Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
 class Table(BaseModel):
     """A table that refuses unknown keys and names the nearest known one."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
     @model_validator(mode="wrap")
     @classmethod

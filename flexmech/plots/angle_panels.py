@@ -150,7 +150,7 @@ def mode_panels(
     with sheet(layout, ax=ax, fewer=ONE_MODE) as drawn:
         label_angles(drawn, degrees(dataset["crank_angle"]), y_label)
         for axes, mode in zip(drawn.panels, dataset["mode"].values, strict=True):
-            axes.set_title(mode_label([mode]))
+            drawn.title(axes, mode_label([mode]))
         yield drawn
 
 

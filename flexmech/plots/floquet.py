@@ -127,7 +127,7 @@ def plot_floquet_harmonics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -
             )
             axes.set_xlim(*cell_edges(speed)[[0, -1]])
             axes.set_yticks(order[:: 2 if len(order) > 3 else 1])
-            axes.set_title(f"Branch {branch + 1}", loc="left")
+            drawn.title(axes, f"Branch {branch + 1}", loc="left")
         drawn.label_x(f"Crank speed ({speed_unit(dataset)})")
         drawn.label_y("Harmonic of the crank")
         drawn.colour_bar(cells, "Part of the mean square")

@@ -71,7 +71,7 @@ def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
         angle_panels.label_angles(drawn, angles, "Frequency (Hz)")
         between = points_between(dataset)
         for axes, group in zip(drawn.panels, groups, strict=True):
-            axes.set_title(reading.mode_label(dataset["mode"].values[group].tolist()))
+            drawn.title(axes, reading.mode_label(dataset["mode"].values[group].tolist()))
             scales.scale_y(axes, frequency[..., group], least_part=scales.FREQUENCY_BAND)
             _mark_veering(axes, angles, veering[..., group])
             of_group = [_of_modes(each, group) for each in between]
@@ -264,7 +264,7 @@ def _draw_damping(dataset: xr.Dataset, name: str, title: str, ax: AxesLike | Non
         for speed, (axes, text) in enumerate(
             zip(drawn.panels, reading.speed_texts(dataset), strict=True)
         ):
-            axes.set_title(text)
+            drawn.title(axes, text)
             scales.scale_y(axes, percent, least_part=LEAST_BAND)
             for mode in range(n_modes):
                 one = slice(mode, mode + 1)

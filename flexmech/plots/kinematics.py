@@ -100,7 +100,7 @@ def plot_joint_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
         title = f"Joint forces {reading.conditions(dataset)}"
         drawn.header([*handles, *_lumped_handle(dataset)], title, of=dataset)
         for axes, joint in zip(drawn.panels, joints, strict=True):
-            axes.set_title(reading.joint_title(dataset, joint))
+            drawn.title(axes, reading.joint_title(dataset, joint))
             scales.zero_line(axes)
             own = reading.values_of(
                 dataset["joint_force"].sel(joint=joint), "crank_angle", "component"

@@ -168,6 +168,11 @@ class Sheet:
             title="\n".join(lines) or None,
         )
 
+    def title(self, axes: Axes, text: str, **options: Any) -> None:
+        """Head a panel that has no axis on top; options are those of ``set_title``."""
+        # Matplotlib would measure the numbers of its axes several times to find room for a title.
+        axes.set_title(text, y=1.0 if self.is_new else None, **options)
+
     def colour_bar(self, colours: ScalarMappable, label: str, **options: Any) -> None:
         """Put the scale of colours beside the panels; options are those of ``colorbar``."""
         look = {"pad": 0.02, "aspect": 30} | options
@@ -217,7 +222,9 @@ def sheet(layout: Layout, *, ax: AxesLike | None = None, fewer: str = "") -> Ite
         if ax is None:
             figure = new_figure(layout.height)
             yield Sheet(figure, layout.make(figure))
-            figure.align_ylabels()
+            if any(axes.get_ylabel() for axes in figure.axes):
+                # Alignment measures the numbers of all panels for each of them.
+                figure.align_ylabels()
         else:
             panels = _given(ax, layout.count, fewer)
             yield Sheet(panels[0].figure.figure, panels, is_new=False)

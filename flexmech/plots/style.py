@@ -118,8 +118,24 @@ class _NotebookFigure(Figure):
 def figure_png(figure: Figure) -> bytes:
     """Picture of a figure as the content of a PNG file."""
     picture = BytesIO()
-    figure.savefig(picture, format="png", dpi=figure.dpi)
+    _write_png(figure, picture, figure.dpi)
     return picture.getvalue()
+
+
+def _write_png(figure: Figure, target: Path | BytesIO, dpi: float) -> None:
+    """Lay out a figure and draw it: ``savefig`` draws one that has its layout to come twice."""
+    layout, resolution = figure.get_layout_engine(), figure.dpi
+    figure.dpi = dpi
+    try:
+        if layout is not None:
+            layout.execute(figure)
+        # What a user may have set for figures without a layout of their own.
+        with mpl.rc_context({"figure.autolayout": False, "figure.constrained_layout.use": False}):
+            figure.set_layout_engine(None)
+        figure.savefig(target, format="png", dpi=dpi)
+    finally:
+        figure.set_layout_engine(layout)
+        figure.dpi = resolution
 
 
 def figure_html(figure: Figure) -> str:
@@ -150,7 +166,7 @@ def save_figure(figure: Figure, path: Path, *, dpi: int) -> None:
     kind = path.suffix.removeprefix(".")
     with publication_style():
         if kind == "png":
-            figure.savefig(path, dpi=dpi)
+            _write_png(figure, path, dpi)
         else:
             figure.savefig(path, dpi=max(dpi, FINE_DOTS), metadata=UNDATED[kind])
 

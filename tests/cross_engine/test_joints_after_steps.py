@@ -71,3 +71,28 @@ def test_a_torn_arm_closes_on_its_turned_hub(kind: str) -> None:
     section = strips("L-arm").sections["leg"]
     bodies = (AttachedBody("arm", 0.2, 0.02, 3e-6, (0.01, 0.015)),)
     check_closing(Mechanism(arm, {"arm": section}, bodies=bodies), kind)
+
+
+def test_small_gaps_are_closed_by_the_answer_of_a_posture_nearby() -> None:
+    """It leaves a hundredth of them, and a greater gap asks for the answer of its own posture."""
+    mechanism, kind, turned, small = strips("rigid coupler"), KINDS[0], 0.009, 1e-10
+    engine = ExudynEngine(mechanism, 2, kind)
+
+    def posture(angle: float) -> tuple[RunningModel, FloatArray]:
+        drive = CrankDrive(20.0, start_angle=angle)
+        model = RunningModel(mechanism, 2, kind, drive, engine.links)
+        simulation = Simulation(model, 1e-4, 1, "trapezoidal")
+        return model, simulation.set_start(LinkState.rigid(engine.links))[0]
+
+    (model, whole), (other, nearby) = posture(0.7), posture(0.7 + turned)
+    random = np.random.default_rng(1).uniform(-1.0, 1.0, len(whole))
+
+    def left(size: float) -> float:
+        closed = nearby + size * random
+        model.joints.correct_coordinates(closed, turned / 20.0)
+        return other.greatest_gap(other.assembly.arms.to_axis(closed[:-3]))
+
+    model.joints.correct_coordinates(whole + TORN * random, 0.0)
+    assert 1e-4 * small < left(small) < 0.05 * small
+    assert left(TORN) < 1e-12
+    assert left(small) < 1e-5 * small

@@ -73,7 +73,7 @@ def subjects() -> Iterator[Subject]:
 
 
 def methods(label: str, owner: type) -> Iterator[Subject]:
-    for name, member in vars(owner).items():
+    for name, member in list(vars(owner).items()):
         value = getattr(member, "__func__", member)  # of a class method
         if isinstance(value, property):
             value = value.fget

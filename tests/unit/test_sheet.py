@@ -7,6 +7,7 @@ from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
@@ -439,6 +440,20 @@ def test_figures_show_themselves_in_a_notebook() -> None:
         # 180 mm at 150 dots per inch.
         assert abs(picture.width - 180 / 25.4 * 150) < 1
     assert plots.figure_html(figure).startswith('<img src="data:image/png;base64,iVBOR')
+
+
+def test_a_saved_figure_is_as_matplotlib_saves_it_and_stays_as_it_was(tmp_path: Path) -> None:
+    """Whatever layout the user has set for figures of his own."""
+    figure, other = (plots.plot_stability(stability_dataset()) for _ in range(2))
+    layout, resolution = figure.get_layout_engine(), figure.dpi
+    with plots.publication_style():
+        other.savefig(tmp_path / "by_matplotlib.png", dpi=70)
+    with mpl.rc_context({"figure.constrained_layout.use": True}):
+        plots.save_figure(figure, tmp_path / "saved.png", dpi=70)
+    saved, expected = (tmp_path / name for name in ("saved.png", "by_matplotlib.png"))
+    assert saved.read_bytes() == expected.read_bytes()
+    assert figure.get_layout_engine() is layout
+    assert figure.dpi == resolution
 
 
 def test_padding_of_a_section_is_left_out() -> None:

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from flexmech import units
 from flexmech.errors import InputError
 from flexmech.quantity_lists import Quantities, parse_quantities
+from flexmech.unit_registry import COMMON_UNITS, base_units, base_units_by_pint
 from flexmech.units import Dimension, from_si, parse_number, parse_quantity
 
 ALL = [value for value in vars(units).values() if isinstance(value, Dimension)]
@@ -66,6 +67,11 @@ def test_three_hundred_rpm_in_rad_per_second() -> None:
 def test_every_example_is_understood(dimension: Dimension) -> None:
     for example in dimension.examples:
         assert math.isfinite(parse_quantity(example, dimension))
+
+
+@pytest.mark.parametrize("unit", COMMON_UNITS)
+def test_common_units_are_what_pint_finds(unit: str) -> None:
+    assert base_units(unit) == base_units_by_pint(unit)
 
 
 def test_a_default_unit_serves_bare_numbers_alone() -> None:

@@ -17,6 +17,7 @@ from flexmech.analyses.frequencies.reduction import (
 )
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.choices import MOST_ELEMENTS
+from flexmech.linear_system import Engine, StressedLinks
 
 # Every 30 deg of a turn: each costs a solution on a finer mesh and one without component modes.
 CHECK_ANGLES = 12
@@ -43,7 +44,14 @@ def check_angle_indices(crank_angles: FloatArray, full_turn: bool) -> IntArray:
     return chosen[chosen < count]
 
 
-def mesh_error(systems: Systems, crank_angles: FloatArray, crank_speed: float) -> ModeErrors:
+def mesh_error(
+    systems: Systems,
+    crank_angles: FloatArray,
+    crank_speed: float,
+    *,
+    compared: Engine | None = None,
+    stressed: StressedLinks | None = None,
+) -> ModeErrors:
     """Estimated error of the lowest modes by the mesh, from the distance to a finer one.
 
     No order of convergence is assumed. Bending converges in fourth order of the element length,
@@ -63,20 +71,22 @@ def mesh_error(systems: Systems, crank_angles: FloatArray, crank_speed: float) -
         As in the map. Running states are left out: the mesh acts as about the equilibrium.
     crank_angles : ndarray, shape (A,)
     crank_speed : float
+    compared : Engine, optional
+        :func:`on_compared_mesh`, where it is at hand.
+    stressed : StressedLinks, optional
+        Of the engine itself in these positions, about the quasi-static state; sought if left out.
 
     Returns
     -------
     ModeErrors
     """
-    elements = systems.engine.elements
-    compared = _compared_mesh(elements)
-    meshed = [_on_mesh(systems, mesh) for mesh in (elements, compared)]
-    count = systems.formulation.modes
+    compared = on_compared_mesh(systems.engine) if compared is None else compared
+    meshed = [_quasi_static(systems, engine) for engine in (systems.engine, compared)]
     here, there = (
-        np.concatenate([solve_eigenvalues(s, count) for s in m.batches(crank_angles, crank_speed)])
-        for m in meshed
+        _eigenvalues(mesh, crank_angles, crank_speed, known)
+        for mesh, known in zip(meshed, (stressed, None), strict=True)
     )
-    share = share_of_error(elements, compared)
+    share = share_of_error(systems.engine.elements, compared.elements)
     error = _apart(here, there, share)
     if not systems.engine.component_modes or systems.engine.turns_as_one_body:
         return error
@@ -135,7 +145,7 @@ def lumping_error(systems: Systems, crank_angles: FloatArray, crank_speed: float
         Relative to the frequencies of the lumped masses.
     """
     engine, count = systems.engine, systems.formulation.modes
-    whole = engine.with_(mass="distributed", elements=_compared_mesh(engine.elements))
+    whole = on_compared_mesh(engine).with_(mass="distributed")
     exact = converged_modes(replace(systems, engine=whole), crank_angles, crank_speed).modes
     lumped = np.concatenate(
         [solve_eigenvalues(s, count) for s in systems.batches(crank_angles, crank_speed)]
@@ -158,13 +168,13 @@ def damping_error(systems: Systems, crank_angles: FloatArray, crank_speed: float
     ndarray, shape (A, m)
         Of the damping ratio.
     """
-    elements = systems.engine.elements
-    compared = _compared_mesh(elements)
+    meshed = [systems.engine, on_compared_mesh(systems.engine)]
     here, there = (
-        _strain_energy_damping(_on_mesh(systems, mesh), crank_angles, crank_speed)
-        for mesh in (elements, compared)
+        _strain_energy_damping(_quasi_static(systems, engine), crank_angles, crank_speed)
+        for engine in meshed
     )
-    return np.asarray(np.abs(here - there) / share_of_error(elements, compared))
+    share = share_of_error(*(engine.elements for engine in meshed))
+    return np.asarray(np.abs(here - there) / share)
 
 
 def _strain_energy_damping(
@@ -206,14 +216,29 @@ def _compared_mesh(elements: int) -> int:
     return 2 * elements if 2 * elements <= MOST_ELEMENTS else elements // 2
 
 
-def _on_mesh(systems: Systems, elements: int) -> Systems:
-    """The systems about the quasi-static state on another mesh."""
-    engine = systems.engine
+def on_compared_mesh(engine: Engine) -> Engine:
+    """The engine on the mesh that its own is compared with; serves all speeds."""
+    return engine.with_(elements=_compared_mesh(engine.elements))
+
+
+def _quasi_static(systems: Systems, engine: Engine) -> Systems:
+    """The systems of an engine on this or another mesh about the quasi-static state."""
     return replace(
         systems,
-        # The same mesh shares its links.
-        engine=engine if elements == engine.elements else engine.with_(elements=elements),
+        engine=engine,
         formulation=systems.formulation.quasi_static,
         running=None,
         detail=max(DETAIL, systems.detail),
     )
+
+
+def _eigenvalues(
+    systems: Systems, crank_angles: FloatArray, crank_speed: float, stressed: StressedLinks | None
+) -> NDArray[np.complex128]:
+    """Lowest eigenvalues (A, m), of links whose stress in all positions may be known."""
+    if stressed is None:
+        found = systems.batches(crank_angles, crank_speed)
+    else:
+        found = iter([systems.at(crank_angles, crank_speed, stressed)])
+    count = systems.formulation.modes
+    return np.concatenate([solve_eigenvalues(system, count) for system in found])

@@ -19,6 +19,7 @@ from flexmech.analyses.frequencies.discretisation import (
     damping_error,
     lumping_error,
     mesh_error,
+    on_compared_mesh,
 )
 from flexmech.analyses.frequencies.eigenproblem import solve_modes
 from flexmech.analyses.frequencies.extremes import extremes_between, known_error
@@ -123,14 +124,25 @@ def _checked_speeds(engine: Engine, request: FrequencyRequest) -> list[_CheckedS
     """Reductions and errors at each speed."""
     asked, checks = _answered_by(engine, request), []
     angles = request.crank_angles[check_angle_indices(request.crank_angles, request.full_turn)]
+    compared = on_compared_mesh(engine)
     for speed in asked.crank_speeds.tolist():
-        checked = converged_modes(systems_at(engine, asked, speed), angles, speed, SPARE_MODES)
+        systems = systems_at(engine, asked, speed)
+        stressed = systems.stressed(angles, speed)
+        checked = converged_modes(systems, angles, speed, SPARE_MODES, stressed)
+        own = checked.systems.engine
+        error = mesh_error(
+            checked.systems,
+            angles,
+            speed,
+            compared=compared if own is engine else on_compared_mesh(own),
+            stressed=stressed if systems.running is None else None,
+        )
         checks.append(
             _CheckedSpeed(
                 checked.systems,
                 checked.system.displacements(checked.modes.vectors),
                 checked.reduction_error,
-                mesh_error(checked.systems, angles, speed),
+                error,
             )
         )
     return checks

@@ -276,7 +276,7 @@ def plot_mode_shapes(
         for mode, axes in enumerate(drawn.panels):
             sketch.frame(axes, limits)
             heading = f"{mode_label(dataset['mode'].values[[mode]].tolist())}\n{texts[mode]}"
-            axes.set_title(heading, loc="center", fontsize=8, linespacing=1.3)
+            drawn.title(axes, heading, loc="center", fontsize=8, linespacing=1.3)
             sketch.draw(axes)
             for number, links in enumerate(deflected[:, mode]):
                 line = series_line(number) | {"lw": widths[number], "zorder": 2 + 0.1 * number}

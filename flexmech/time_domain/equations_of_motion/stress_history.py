@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PPoly
+import scipy
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
@@ -96,8 +96,8 @@ class StressHistory:
             basis.T @ link.damping @ basis for link, basis in zip(links, bases, strict=True)
         ]
         self._guide_stiffness: FloatArray | None = None
-        self._turn: CubicSpline | None = None
-        self._rise: PPoly | None = None
+        self._turn: scipy.interpolate.CubicSpline | None = None
+        self._rise: scipy.interpolate.PPoly | None = None
         if prestress == "none" and not engine.mechanism.is_free_strained:
             self._shapes = [
                 StressShapes.straight(basis.T @ link.stiffness @ basis, damping)
@@ -129,7 +129,7 @@ class StressHistory:
             turn = share[: len(angles)]
             # The last position of a turn is the first.
             turn[-1] = turn[0]
-            self._turn = CubicSpline(angles, turn, bc_type="periodic")
+            self._turn = scipy.interpolate.CubicSpline(angles, turn, bc_type="periodic")
             share = share[len(angles) :]
         if rises:
             self._rise = _joined(rises, share)
@@ -299,8 +299,10 @@ class StressHistory:
         start, first = 0, 0
         for size, basis in zip(self._sizes, self._bases, strict=True):
             own = slice(first, first + len(basis))
-            path = CubicSpline(where, place[:, own])
-            power = CubicSpline(where, np.sum(force[:, own] * path(where, 1), axis=1))
+            path = scipy.interpolate.CubicSpline(where, place[:, own])
+            power = scipy.interpolate.CubicSpline(
+                where, np.sum(force[:, own] * path(where, 1), axis=1)
+            )
             energy = power.antiderivative()(where) + force[0, own] @ place[0, own] / 2
             values[:, start + size * size + size] += energy
             start += sum(self._widths(size))
@@ -324,15 +326,15 @@ def _sampled_times(drive: Drive) -> list[FloatArray]:
     return found
 
 
-def _joined(times: Sequence[FloatArray], values: FloatArray) -> PPoly:
+def _joined(times: Sequence[FloatArray], values: FloatArray) -> scipy.interpolate.PPoly:
     """Cubic splines through values at times, of which each part begins where the last one ends."""
     splines, first = [], 0
     for time in times:
-        splines.append(CubicSpline(time, values[first : first + len(time)]))
+        splines.append(scipy.interpolate.CubicSpline(time, values[first : first + len(time)]))
         first += len(time) - 1
     places = [spline.x[:-1] for spline in splines]
     coefficients = np.concatenate([spline.c for spline in splines], axis=1)
-    return PPoly(coefficients, np.concatenate([*places, splines[-1].x[-1:]]))
+    return scipy.interpolate.PPoly(coefficients, np.concatenate([*places, splines[-1].x[-1:]]))
 
 
 def _low_rank_factors(values: FloatArray, scale: FloatArray) -> tuple[FloatArray, FloatArray]:
