@@ -79,7 +79,7 @@ def test_small_gaps_are_closed_by_the_answer_of_a_posture_nearby() -> None:
     engine = ExudynEngine(mechanism, 2, kind)
 
     def posture(angle: float) -> tuple[RunningModel, FloatArray]:
-        drive = CrankDrive(20.0, start_angle=angle)
+        drive = ConstantSpeed(20.0, start_angle=angle)
         model = RunningModel(mechanism, 2, kind, drive, engine.links)
         simulation = Simulation(model, 1e-4, 1, "trapezoidal")
         return model, simulation.set_start(LinkState.rigid(engine.links))[0]

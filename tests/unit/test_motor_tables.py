@@ -62,7 +62,7 @@ def test_a_target_is_told_in_its_own_unit() -> None:
     assert ResponseRequest(drive).shown_unit == "rpm"
     assert KinematicsRequest(drive=drive).shown_unit(fourbar()) == "rpm"
     assert "190 rpm" in str(drive.to_table())
-    with pytest.raises(InputError, match="speed_unit: .*mm"):
+    with pytest.raises(InputError, match=r"speed_unit: .*mm"):
         SpeedControl(0.5, 2.0, 10.0, "mm")
 
 
