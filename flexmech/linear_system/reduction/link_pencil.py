@@ -76,14 +76,28 @@ class LinkPencil:
                 found.append(as_given(own, z))
         return every
 
-    def projected(self, z: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-        """Mass, damping and stiffness (B, m, m) by the amplitudes of shapes (B, size, m)."""
+    def projected(
+        self, z: NDArray[Any], forces: Sequence[Shapes]
+    ) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+        """Mass, damping and stiffness by the amplitudes of shapes.
+
+        Parameters
+        ----------
+        z : ndarray, shape (B, size, m)
+            Independent coordinates.
+        forces : sequence of list of ndarray, shape (B, n_link, m)
+            What :meth:`forces` gives for them.
+
+        Returns
+        -------
+        tuple of ndarray, shape (B, m, m)
+        """
         across = [
             np.conj(np.swapaxes(q, 1, 2)) for q in self.frames.link_coordinates(self.motion, z)
         ]
         mass, damping, stiffness = (
-            np.asarray(sum(own @ force for own, force in zip(across, forces, strict=True)))
-            for forces in self.forces(z)
+            np.asarray(sum(own @ force for own, force in zip(across, of_links, strict=True)))
+            for of_links in forces
         )
         return mass, damping, stiffness
 
