@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.carried_linkage import COORDINATES, CarriedLinkage
@@ -258,7 +259,7 @@ def condense(
     mass, damping, stiffness = (
         _reordered(m, order) for m in (matrices.mass, matrices.damping, matrices.stiffness)
     )
-    flexibility = np.linalg.inv(stiffness[:, count:, count:])
+    flexibility = _inverse_by_blocks(stiffness[:, count:, count:])
     dependence = -flexibility @ stiffness[:, count:, :count]
     dual = -stiffness[:, :count, count:] @ flexibility
     if forces is not None:
@@ -289,6 +290,17 @@ def condense(
             np.swapaxes(responses, 1, 2) @ stiffness[:, count:, count:] @ responses
         )
     return SystemMatrices(condensed_part(mass), condensed_damping, left), expansion
+
+
+def _inverse_by_blocks(matrices: FloatArray) -> FloatArray:
+    """Inverse of matrices (B, n, n) in which most coordinates are uncoupled, as those of links."""
+    count, blocks = connected_components((matrices != 0).any(axis=0), directed=False)
+    inverse = np.zeros(matrices.shape)
+    for block in range(count):
+        own = np.flatnonzero(blocks == block)
+        some = slice(None), own[:, None], own
+        inverse[some] = np.linalg.inv(matrices[some])
+    return inverse
 
 
 def _reordered(matrices: FloatArray, order: IntArray) -> FloatArray:
