@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.carried_linkage import COORDINATES, CarriedLinkage
@@ -294,11 +293,16 @@ def condense(
 
 def _inverse_by_blocks(matrices: FloatArray) -> FloatArray:
     """Inverse of matrices (B, n, n) in which most coordinates are uncoupled, as those of links."""
-    count, blocks = connected_components((matrices != 0).any(axis=0), directed=False)
+    coupled = (matrices != 0).any(axis=0)
+    coupled |= coupled.T | np.eye(len(coupled), dtype=bool)
+    # What is coupled through others is so too.
+    while not np.array_equal(further := coupled @ coupled, coupled):
+        coupled = further
     inverse = np.zeros(matrices.shape)
-    for block in range(count):
-        own = np.flatnonzero(blocks == block)
-        some = slice(None), own[:, None], own
+    first = coupled.argmax(axis=1)
+    for number in np.unique(first):
+        block = np.flatnonzero(first == number)
+        some = slice(None), block[:, None], block
         inverse[some] = np.linalg.inv(matrices[some])
     return inverse
 

@@ -80,7 +80,7 @@ class SteadyLinks:
             return
         order, (*designs, count, entries) = sorted(self.numbers), self._coriolis.shape
         each = (*designs, len(total) // (designs or [1])[0])
-        counted = np.where(np.isin(order, numbers), speed[:, order], 0.0)
+        counted = speed[:, order] * [float(number in numbers) for number in order]
         whole_one = total.reshape(*each, entries)
         np.matmul(counted.reshape(*each, count), self._coriolis, out=whole_one)
 
