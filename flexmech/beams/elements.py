@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import FloatArray
 from flexmech.beams.beam_shapes import BeamFields, BeamShapes
 from flexmech.beams.theories import EulerBernoulli, Reddy, Timoshenko
 from flexmech.beams.zigzag_shapes import ZigzagBeam
@@ -125,9 +125,7 @@ class BeamElements:
         fields = np.stack([self._along[0], self._inside.deflection], axis=-4)
         return np.asarray((moment * fields).sum(axis=-2))
 
-    def geometric_stiffness(
-        self, tension: FloatArray, design: IntArray | None = None
-    ) -> FloatArray:
+    def geometric_stiffness(self, tension: FloatArray) -> FloatArray:
         """Geometric stiffness of elements whose tension varies along them.
 
         With a constant tension, of Euler-Bernoulli beams, Kumar & Chandrakar, eq. 1.58.
@@ -137,23 +135,19 @@ class BeamElements:
         Parameters
         ----------
         tension : ndarray, shape (..., e, 3)
-            Legendre coefficients in N: mean, linear and quadratic part.
-        design : ndarray of int, shape (B,), optional
-            Of each position, where elements are those of several designs.
+            Legendre coefficients in N: mean, linear and quadratic part. Of elements of several
+            designs (B, e, 3), as many positions of each, one after the other.
 
         Returns
         -------
         ndarray, shape (..., e, 2 p, 2 p)
         """
         unit = self._unit_geometric
-        if design is not None:
-            own = unit.reshape(*unit.shape[:3], -1)
-            product = tension[..., None, :] @ own[design]
-            return np.asarray(product.reshape(*tension.shape[:-1], *unit.shape[-2:]))
-        by_element = np.moveaxis(tension, -2, 0).reshape(len(unit), -1, 3)
-        matrices = by_element @ unit.reshape(len(unit), 3, -1)
-        shape = (*tension.shape[:-1], *unit.shape[2:])
-        return np.asarray(np.swapaxes(matrices, 0, 1).reshape(shape), dtype=float)
+        *designs, count, _, size, _ = unit.shape
+        each = tension.reshape(*designs, -1, count, 3)
+        matrices = np.swapaxes(each, -3, -2) @ unit.reshape(*designs, count, 3, size**2)
+        every = np.swapaxes(matrices, -3, -2)
+        return np.asarray(every.reshape(*tension.shape[:-1], size, size), dtype=float)
 
     @cached_property
     def arch(self) -> FloatArray:

@@ -11,7 +11,7 @@ from flexmech.linear_system.assembly.balanced_loads import (
     refuse_large_displacements,
     swelling_force,
 )
-from flexmech.linear_system.assembly.batches import check_elastic, checked_mechanism
+from flexmech.linear_system.assembly.batches import check_elastic, checked_mechanism, stack_batches
 from flexmech.linear_system.assembly.constant_turn import (
     all_constant,
     has_constant_tangents,
@@ -189,6 +189,7 @@ __all__ = [
     "refuse_positions",
     "rigid_link",
     "same_of_all",
+    "stack_batches",
     "stack_engines",
     "straight_forces",
     "stressed_along_turn",

@@ -202,7 +202,7 @@ class Topology:
         joints: tuple[Clamp | Pivot | Slider, ...] = (*self.clamps, *self.pivots, *self.sliders)
         return [joint.link_end for joint in joints]
 
-    @property
+    @cached_property
     def joined_ends(self) -> frozenset[LinkEnd]:
         """Link ends at a joint: all but free tips."""
         tied = [place for tie in self.ties for place in (tie.leader, tie.follower)]

@@ -323,8 +323,10 @@ class ReferenceEngine(Engine):
             tension = varying_tension(motion, number, chain, gravity)
             middle = forces.axial_force(number, (nodes[:, :-1] + nodes[:, 1:]) / 2)
             tension[..., 0] = middle + tension[..., 2] / 2
-            stiffness = chain_matrix(chain.elements.geometric_stiffness(tension, motion.design))
-            tangent.append(whole(stiffness) + whole(chain.model.stiffness)[motion.design])
+            total = whole(chain_matrix(chain.elements.geometric_stiffness(tension)))
+            own = whole(chain.model.stiffness)
+            total.reshape(len(own), -1, *own.shape[1:])[:] += own[:, None]
+            tangent.append(total)
         return StressedLinks(tangent, loads=loads)
 
     def _varying(self, motion: RigidMotion) -> list[FloatArray]:
@@ -335,9 +337,7 @@ class ReferenceEngine(Engine):
         """
         gravity = np.asarray(self.mechanism.gravity)
         return [
-            chain.elements.geometric_stiffness(
-                varying_tension(motion, number, chain, gravity), motion.design
-            )
+            chain.elements.geometric_stiffness(varying_tension(motion, number, chain, gravity))
             for number, chain in self.chains.items()
         ]
 

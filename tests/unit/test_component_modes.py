@@ -22,7 +22,7 @@ from flexmech.linear_system import (
     component_modes,
 )
 from flexmech.linear_system.assembly.reduced_system import reduced_system
-from flexmech.linear_system.assembly.system import condense
+from flexmech.linear_system.assembly.system import _inverse_by_blocks, condense
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linkages import AttachmentPoint, JointSpring, Spring
 from flexmech.mechanism import Mechanism
@@ -191,6 +191,20 @@ def test_condensed_coordinates_follow_statically() -> None:
     inverse = np.linalg.inv(still.stiffness)[:, kept[:, None], kept]
     assert np.linalg.inv(symmetric.stiffness) == pytest.approx(inverse, rel=1e-6, abs=1e-12)
     assert matrices.mass.shape == (2, len(kept), len(kept))
+
+
+def test_what_one_position_couples_is_inverted_together() -> None:
+    """Of three positions, of two links each, a spring is between the links in the last."""
+    chance = np.random.default_rng(0)
+    matrices = np.zeros((3, 5, 5))
+    matrices[:, :2, :2], matrices[:, 2:, 2:] = (
+        np.eye(n) + 0.3 * chance.random((3, n, n)) for n in (2, 3)
+    )
+    for coupling in (0.0, 0.2):
+        matrices[2, 1, 3] = coupling
+        found = _inverse_by_blocks(matrices)
+        assert found == pytest.approx(np.linalg.inv(matrices), rel=1e-12, abs=1e-14)
+    assert found[2, 1, 3] != 0
 
 
 @pytest.mark.parametrize("prestress", ["none", "equilibrium"])

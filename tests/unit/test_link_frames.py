@@ -204,6 +204,21 @@ def test_inertia_loads_do_work_like_the_distributed_forces() -> None:
         assert loads[number][0] @ q == pytest.approx(work, rel=1e-12)
 
 
+def test_matter_off_the_axis_is_pulled_outward_by_its_first_moment() -> None:
+    engine = engine_of(fourbar())
+    motion = engine.mechanism.linkage.motion(np.array([0.3, 2.0]), np.array([10.0, 20.0]))
+    off = [
+        replace(link, first_moment=np.add(link.first_moment, [[5.0], [2.0]]))
+        for link in engine.links
+    ]
+    on_axis, off_axis = (
+        inertia_loads(links, motion, (0.0, -9.81)) for links in (engine.links, off)
+    )
+    for number, (here, there) in enumerate(zip(on_axis, off_axis, strict=True)):
+        pull = 2 * motion.angular_velocity[:, number, None] ** 2
+        np.testing.assert_allclose(there - here, np.broadcast_to(pull, here.shape), rtol=1e-9)
+
+
 @settings(max_examples=15)
 @given(running_mechanisms())
 def test_element_tensions_are_the_axial_force_of_the_rigid_linkage(drawn: Running) -> None:

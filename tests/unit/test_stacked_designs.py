@@ -10,8 +10,8 @@ import pytest
 
 import flexmech
 from flexmech.analyses.designs import MOST_AT_ONCE, of_designs
-from flexmech.analyses.frequencies.formulation import Formulation
-from flexmech.analyses.frequencies.positions import _extremes, frequency_extremes
+from flexmech.analyses.frequencies.formulation import Formulation, Systems
+from flexmech.analyses.frequencies.positions import _along, _extremes, frequency_extremes
 from flexmech.arrays import IntArray
 from flexmech.beams import comparison
 from flexmech.errors import FlexmechError
@@ -19,7 +19,9 @@ from flexmech.linear_system import (
     GREAT_DETAIL,
     Engine,
     component_modes,
+    inertia_loads,
     likeness,
+    stack_batches,
     stack_engines,
 )
 from flexmech.linkages import FourBar, LinkageStack
@@ -88,6 +90,52 @@ def test_how_many_are_computed_together_changes_no_bit(models: Path) -> None:
         np.testing.assert_array_equal(
             frequencies([engine], "equilibrium", 20.0)[0], together[number]
         )
+
+
+@pytest.mark.parametrize("prestress", ["none", "axial", "equilibrium"])
+def test_nor_does_it_where_positions_are_solved_in_several_batches(
+    models: Path, prestress: str
+) -> None:
+    angles = np.linspace(0.0, 2 * np.pi, 48, endpoint=False)
+
+    def found(own: list[Engine]) -> list[object]:
+        def compute(engine: Engine, numbers: IntArray) -> list[np.ndarray]:
+            angle = np.tile(angles, len(numbers))
+            systems = Systems(engine, Formulation(prestress, True, 3), np.full(len(numbers), 20.0))
+            assert len(systems.batch_numbers(24 * len(numbers))) == 2
+            frequency, _ = _along(systems, angle, np.full(angle.shape, 20.0))
+            return [*frequency.reshape(len(numbers), len(angles), 3)]
+
+        return of_designs(own, compute)
+
+    own = engines(designs(models, count=3))
+    for number, each in enumerate(found(own)):
+        np.testing.assert_array_equal(each, found([own[number]])[0])
+        alone = flexmech.natural_frequencies(
+            own[number], angles, 20.0, modes=3, prestress=prestress
+        )
+        np.testing.assert_allclose(each, alone, rtol=1e-9)
+
+
+def test_a_batch_has_as_many_positions_of_every_design() -> None:
+    parts = stack_batches(3 * 30, 3)
+    assert len(parts) == 3
+    assert all((np.bincount(part // 30) == [len(part) // 3] * 3).all() for part in parts)
+    assert all((np.diff(part) > 0).all() for part in parts)
+    assert np.array_equal(np.sort(np.concatenate(parts)), np.arange(90))
+
+
+def test_loads_of_a_stack_are_those_of_each_design(models: Path) -> None:
+    own = engines(designs(models, count=3))
+    stack, angles = stack_engines(own), np.array([0.3, 2.0])
+    motion = stack.mechanism.linkage.motion(np.tile(angles, 3), np.full(6, 20.0))
+    together = inertia_loads(stack.links, motion, (0.0, -9.81))
+    for number, engine in enumerate(own):
+        there = engine.mechanism.linkage.motion(angles, 20.0)
+        alone = inertia_loads(engine.links, there, (0.0, -9.81))
+        for here, each in zip(together, alone, strict=True):
+            some = here[2 * number : 2 * number + 2]
+            np.testing.assert_allclose(some, each, rtol=1e-12, atol=1e-12 * np.abs(each).max())
 
 
 def test_damped_links_are_stacked(models: Path) -> None:

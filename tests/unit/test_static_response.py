@@ -86,7 +86,9 @@ def test_projected_matrices_are_those_of_the_whole_system(
     shapes = chance.normal(size=shape) + 1j * chance.normal(size=shape)
     across = np.conj(np.swapaxes(shapes, 1, 2))
     whole_ones = system.mass, system.damping, system.stiffness
-    for own, matrix in zip(pencil.projected(shapes), whole_ones, strict=True):
+    for own, matrix in zip(
+        pencil.projected(shapes, pencil.forces(shapes)), whole_ones, strict=True
+    ):
         expected = across @ matrix @ shapes
         scale = np.abs(expected).max()
         np.testing.assert_allclose(own, expected, rtol=0, atol=1e-10 * scale)

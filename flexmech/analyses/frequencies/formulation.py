@@ -5,15 +5,22 @@ They are linearized about the quasi-static equilibrium, or about states of the s
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.choices import MODES, MOST_MODES, PRESTRESS_LEVELS, MapPrestress, Prestress
-from flexmech.linear_system import Engine, LinearSystem, RotationTerms, StressedLinks, has_dampers
+from flexmech.linear_system import (
+    Engine,
+    LinearSystem,
+    RotationTerms,
+    StressedLinks,
+    has_dampers,
+    stack_batches,
+)
 from flexmech.linkages import ConstantSpeed
 from flexmech.time_domain import DrivenLinkage, simulated_orbit, simulator
 from flexmech.validation import check_choice, check_count
@@ -216,6 +223,12 @@ class Systems:
         """Displacements to linearize about, (B, n_link) each; None where there is a prestress."""
         return None if self.running is None else self.running.at(crank_angle)
 
+    def batch_numbers(self, count: int) -> Sequence[slice | IntArray]:
+        """Positions of each batch, of so many; of a stack, as many of each design."""
+        if self.engine.designs is None:
+            return self.engine.batches(count)
+        return stack_batches(count, self.engine.designs)
+
     def batches(
         self,
         crank_angle: FloatArray,
@@ -234,6 +247,6 @@ class Systems:
             What :meth:`stressed` gave in the first batch.
         """
         speed = np.broadcast_to(crank_speed, crank_angle.shape)
-        for batch in self.engine.batches(len(crank_angle)):
+        for batch in self.batch_numbers(len(crank_angle)):
             yield self.at(crank_angle[batch], speed[batch], stressed)
             stressed = None

@@ -65,7 +65,11 @@ def frequencies_along(
     """
     # By map no system is kept beside the next one, whose matrices then take its memory.
     solve = partial(solve_frequencies, count=systems.formulation.modes)
-    return np.concatenate(list(map(solve, systems.batches(crank_angles, crank_speed, stressed))))
+    found = np.empty((len(crank_angles), systems.formulation.modes))
+    parts = map(solve, systems.batches(crank_angles, crank_speed, stressed))
+    for batch, own in zip(systems.batch_numbers(len(crank_angles)), parts, strict=True):
+        found[batch] = own
+    return found
 
 
 def frequencies_at_trials(

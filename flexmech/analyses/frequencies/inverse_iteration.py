@@ -207,15 +207,21 @@ def projected_values(
         In rad/s.
     """
     value, count = eigenvalues[:, None, :], eigenvalues.shape[1]
+    by_shapes = pencil.forces(shapes)
     left = [
         value * (value * inertia + damping) + stiffness
-        for inertia, damping, stiffness in zip(*pencil.forces(shapes), strict=True)
+        for inertia, damping, stiffness in zip(*by_shapes, strict=True)
     ]
     missed = pencil.frames.independent(pencil.motion, response.displacements(left))
     size = np.linalg.norm(missed, axis=1, keepdims=True)
     # Of a shape that misses nothing the response is zero, and stays without effect.
     missed = missed / np.where(size > 0, size, 1.0)
-    mass, damping, stiffness = pencil.projected(np.concatenate([shapes, missed], axis=2))
+    # What forces the shapes ask for is known.
+    forces = [
+        [np.concatenate(pair, axis=2) for pair in zip(*own, strict=True)]
+        for own in zip(by_shapes, pencil.forces(missed), strict=True)
+    ]
+    mass, damping, stiffness = pencil.projected(np.concatenate([shapes, missed], axis=2), forces)
     none, ways = np.zeros((len(size), count)), np.arange(2 * count)
     stiffness[:, ways, ways] += np.append(none, size[:, 0] == 0, axis=1)
     at = eigenvalues[:, :, None, None]

@@ -111,7 +111,7 @@ def _along(systems: Systems, angle: FloatArray, speed: FloatArray) -> tuple[Floa
     with one_thread():
         # The stress is the same in whatever modes: it is sought once in the first batch, and in
         # the positions to check along with it.
-        first = rest[systems.engine.batches(rest.size)[0]] if rest.size else rest
+        first = rest[systems.batch_numbers(rest.size)[0]] if rest.size else rest
         known = np.union1d(first, some)
         stressed = systems.stressed(angle[known], speed[known])
         there = stressed.at(np.searchsorted(known, some))

@@ -258,7 +258,7 @@ def condense(
     mass, damping, stiffness = (
         _reordered(m, order) for m in (matrices.mass, matrices.damping, matrices.stiffness)
     )
-    flexibility = np.linalg.inv(stiffness[:, count:, count:])
+    flexibility = _inverse_by_blocks(stiffness[:, count:, count:])
     dependence = -flexibility @ stiffness[:, count:, :count]
     dual = -stiffness[:, :count, count:] @ flexibility
     if forces is not None:
@@ -289,6 +289,22 @@ def condense(
             np.swapaxes(responses, 1, 2) @ stiffness[:, count:, count:] @ responses
         )
     return SystemMatrices(condensed_part(mass), condensed_damping, left), expansion
+
+
+def _inverse_by_blocks(matrices: FloatArray) -> FloatArray:
+    """Inverse of matrices (B, n, n) in which most coordinates are uncoupled, as those of links."""
+    coupled = (matrices != 0).any(axis=0)
+    coupled |= coupled.T | np.eye(len(coupled), dtype=bool)
+    # What is coupled through others is so too.
+    while not np.array_equal(further := coupled @ coupled, coupled):
+        coupled = further
+    inverse = np.zeros(matrices.shape)
+    first = coupled.argmax(axis=1)
+    for number in np.unique(first):
+        block = np.flatnonzero(first == number)
+        some = slice(None), block[:, None], block
+        inverse[some] = np.linalg.inv(matrices[some])
+    return inverse
 
 
 def _reordered(matrices: FloatArray, order: IntArray) -> FloatArray:

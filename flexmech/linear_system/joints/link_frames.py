@@ -189,7 +189,10 @@ class LinkFrames:
                 whole(x)[design] if own else x for x, own in zip(stiffness, straight, strict=True)
             ]
         if design is not None and own_damping:
-            resisting = [(matrix[design], ends[design]) for matrix, ends in resisting]
+            resisting = [
+                (matrix[design], ends[design]) if matrix.any() else (matrix, ends)
+                for matrix, ends in resisting
+            ]
         turned: dict[int, WholeLink] = {}
         for number, angles in enumerate(turns or ()):
             if (change := self.links[number].inertia_change(angles)) is not None:
@@ -198,7 +201,12 @@ class LinkFrames:
         # One block of memory: the allocator keeps it for the next batch.
         mass, total = np.empty((2, *shape))
         damps = terms.coriolis or any(matrix.any() for matrix, _ in resisting)
-        rates = np.zeros(shape) if damps else np.broadcast_to(0.0, shape)
+        rates = np.empty(shape) if damps else np.broadcast_to(0.0, shape)
+        # Rotated bodies change the matrices of their link from position to position.
+        unturned = self._steady.numbers - turned.keys()
+        if damps:
+            counted = sorted(unturned) if terms.coriolis else []
+            self._steady.write_coriolis(rates, motion.angular_velocity, counted)
         tangents = [_tangent(links[n], motion, n, whole(x), terms) for n, x in enumerate(stiffness)]
         factors = self._steady.factors.at(motion.angle)
         self._steady.mass.write(mass, factors)
@@ -229,7 +237,8 @@ class LinkFrames:
                 place.add(rates, damping_matrix, pairs)
             turning = [p.rate for p in pairs]
             if terms.coriolis:
-                place.add(rates, 2 * speed * link.gyroscopic, pairs)
+                add = place.add_dependent if number in unturned else place.add
+                add(rates, 2 * speed * link.gyroscopic, pairs)
                 place.add_dependent_columns(rates, 2 * link.end_mass, pairs, turning)
                 if damped:
                     place.add_dependent_columns(total, damped_ends, pairs, turning)

@@ -64,6 +64,37 @@ class SteadyLinks:
     def _stiffness(self) -> SteadySum:
         return self._sum({n: whole(self._links[n].stiffness) for n in self.numbers})
 
+    def write_coriolis(self, total: FloatArray, speed: FloatArray, numbers: Sequence[int]) -> None:
+        """Write the constant part of ``N' 2 omega S N`` of some links, and zero elsewhere.
+
+        Parameters
+        ----------
+        total : ndarray, shape (B, size, size)
+            Of several designs as many positions of each, one after the other.
+        speed : ndarray, shape (B, n_links)
+            Angular velocities in rad/s.
+        numbers : sequence of int
+        """
+        if not numbers:
+            total[:] = 0.0
+            return
+        order, (*designs, count, entries) = sorted(self.numbers), self._coriolis.shape
+        each = (*designs, len(total) // (designs or [1])[0])
+        counted = speed[:, order] * [float(number in numbers) for number in order]
+        whole_one = total.reshape(*each, entries)
+        np.matmul(counted.reshape(*each, count), self._coriolis, out=whole_one)
+
+    @cached_property
+    def _coriolis(self) -> FloatArray:
+        """Constant part of ``N' 2 S N`` of each of these links, (..., k, size size)."""
+        size, found = self._ties.size, []
+        for number in sorted(self.numbers):
+            matrix = 2 * whole(self._links[number].gyroscopic)
+            found.append(np.zeros((*matrix.shape[:-2], size, size)))
+            self._places[number].add_constant(found[-1], matrix)
+        every = np.stack(found, axis=-3)
+        return every.reshape(*every.shape[:-2], size * size)
+
     def _sum(self, matrices: Mapping[int, FloatArray]) -> SteadySum:
         """Sum of ``N'XN`` over symmetric matrices (..., n, n), by link."""
         # Terms that vary have a row or a column of a leading end, and those come first.

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linear_system.links.chains import times, whole
-from flexmech.linear_system.links.link_model import LinkModel, RigidFields
+from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
 
@@ -38,20 +37,16 @@ def inertia_loads(
     across = np.sum(pull * normal(motion.angle), axis=-1)
     loads = []
     for number, link in enumerate(links):
-        fields, first_moment = link.fields, link.first_moment[..., 1, :]
-        if motion.design is not None:
-            fields = RigidFields(*(values[motion.design] for values in vars(fields).values()))
-            first_moment = first_moment[motion.design]
-        acceleration = (
-            along[:, number, None] * fields.along
-            + across[:, number, None] * fields.across
-            - motion.angular_velocity[:, number, None] ** 2 * fields.centripetal
-            + motion.angular_acceleration[:, number, None] * fields.tangential
-        )
+        turning = motion.angular_velocity[:, number] ** 2
+        change = motion.angular_acceleration[:, number]
+        factors = np.stack([-along[:, number], -across[:, number], turning, -change], axis=-1)
+        fields = link.fields
+        each = [fields.along, fields.across, fields.centripetal, fields.tangential]
+        unit = link.mass @ np.stack(each, axis=-1)
         # Matter that is elsewhere than the field says, as off the pins' axis, is pulled as well.
-        turning = motion.angular_velocity[:, number, None] ** 2
-        inertia = acceleration @ link.mass
-        if motion.design is not None:
-            inertia = times(whole(link.mass), acceleration[..., None])[..., 0]
-        loads.append(turning * first_moment - inertia)
+        unit[..., 2] += link.first_moment[..., 1, :]
+        # Of several designs as many positions of each, one after the other.
+        *designs, size, count = unit.shape
+        load = factors.reshape(*designs, -1, count) @ np.swapaxes(unit, -1, -2)
+        loads.append(load.reshape(-1, size))
     return loads

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.link_place import DependentRows
 from flexmech.linear_system.links.chains import LinkMatrix, as_given, as_real, times, whole
@@ -69,61 +69,83 @@ class LinkPencil:
         dependent = self.frames.dependent_rows(self.motion)
         shapes = self.frames.link_coordinates(self.motion, columns)
         for number, (link, q) in enumerate(zip(self.frames.links, shapes, strict=True)):
-            rate, change = self._of_dependent_ends(number, dependent[number], columns)
-            for found, own in zip(
-                every, self._on_link(number, link, (q, rate, change)), strict=True
-            ):
+            ends = self._dependent_ends(dependent[number], columns)
+            for found, own in zip(every, self._on_link(number, link, q, ends), strict=True):
                 found.append(as_given(own, z))
         return every
 
-    def projected(self, z: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-        """Mass, damping and stiffness (B, m, m) by the amplitudes of shapes (B, size, m)."""
+    def projected(
+        self, z: NDArray[Any], forces: Sequence[Shapes]
+    ) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+        """Mass, damping and stiffness by the amplitudes of shapes.
+
+        Parameters
+        ----------
+        z : ndarray, shape (B, size, m)
+            Independent coordinates.
+        forces : sequence of list of ndarray, shape (B, n_link, m)
+            What :meth:`forces` gives for them.
+
+        Returns
+        -------
+        tuple of ndarray, shape (B, m, m)
+        """
         across = [
             np.conj(np.swapaxes(q, 1, 2)) for q in self.frames.link_coordinates(self.motion, z)
         ]
         mass, damping, stiffness = (
-            np.asarray(sum(own @ force for own, force in zip(across, forces, strict=True)))
-            for forces in self.forces(z)
+            np.asarray(sum(own @ force for own, force in zip(across, of_links, strict=True)))
+            for of_links in forces
         )
         return mass, damping, stiffness
 
-    def _of_dependent_ends(
-        self, link: int, dependent: Sequence[DependentRows], z: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """``N' z`` and ``N'' z`` of a link, as far as they count."""
-        size = self.frames.links[link].size
-        rate, change = np.zeros((2, len(z), size, z.shape[2]))
-        for tie in dependent:
-            rate[:, tie.rows] = tie.rate @ z[:, tie.columns]
-            if self.terms.centripetal or self.terms.tangential:
-                change[:, tie.rows] = tie.acceleration(self.terms) @ z[:, tie.columns]
-        return rate, change
+    def _dependent_ends(
+        self, dependent: Sequence[DependentRows], z: FloatArray
+    ) -> tuple[IntArray, FloatArray, FloatArray]:
+        """Rows (k,) of a link's dependent ends, and ``N' z`` and ``N'' z`` in them, (B, k, m).
+
+        In all other rows they are zero; ``N''`` has the terms that are counted.
+        """
+        rows = [np.zeros(0, dtype=np.intp)] + [tie.rows for tie in dependent]
+        none = np.zeros((len(z), 0, z.shape[2]))
+        rate = [none] + [tie.rate @ z[:, tie.columns] for tie in dependent]
+        change = [np.zeros_like(own) for own in rate]
+        if self.terms.centripetal or self.terms.tangential:
+            change[1:] = [tie.acceleration(self.terms) @ z[:, tie.columns] for tie in dependent]
+        return np.concatenate(rows), np.concatenate(rate, axis=1), np.concatenate(change, axis=1)
 
     def _on_link(
-        self, number: int, link: LinkModel, shapes: tuple[FloatArray, FloatArray, FloatArray]
+        self,
+        number: int,
+        link: LinkModel,
+        q: FloatArray,
+        ends: tuple[IntArray, FloatArray, FloatArray],
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Forces on a link by its coordinates, their rates by its ends, and those of these."""
-        terms, (q, rate, change) = self.terms, shapes
-        inertia = times(whole(link.mass), q)
+        terms, (rows, rate, change) = self.terms, ends
+        mass, gyroscopic = whole(link.mass), whole(link.gyroscopic)
+        inertia = times(mass, q)
         by_rate, by_place = np.zeros_like(q), times(self._tangent(number, link), q)
         damping = self._damping(number, link)
         if damping.any():
             by_rate += times(damping, q)
             if terms.coriolis:
-                by_place += times(damping, rate)
+                by_place += times(damping[..., rows], rate)
         speed = self.motion.angular_velocity[:, number, None, None]
-        gyroscopic = whole(link.gyroscopic)
         if terms.coriolis or terms.tangential:
             momentum = times(gyroscopic, q)
         if terms.coriolis:
-            by_rate += 2 * speed * momentum + 2 * times(whole(link.mass), rate)
+            by_rate += 2 * (speed * momentum)
+            if len(rows):
+                by_rate += times(2 * mass[..., rows], rate)
         if terms.centripetal:
             by_place -= speed**2 * times(whole(link.centrifugal_mass), q)
-            by_place += 2 * speed * times(gyroscopic, rate)
+            if len(rows):
+                by_place += times(2 * gyroscopic[..., rows], speed * rate)
         if terms.tangential:
             by_place += self.motion.angular_acceleration[:, number, None, None] * momentum
-        if terms.centripetal or terms.tangential:
-            by_place += times(whole(link.mass), change)
+        if (terms.centripetal or terms.tangential) and len(rows):
+            by_place += times(mass[..., rows], change)
         return inertia, by_rate, by_place
 
     def _tangent(self, number: int, link: LinkModel) -> FloatArray:
