@@ -28,7 +28,15 @@ from flexmech import (
     motor_run,
 )
 from flexmech.arrays import FloatArray
-from flexmech.linkages import AttachmentPoint, Motor, TurnSeries, continuous_angles, known_until
+from flexmech.linkages import (
+    AttachmentPoint,
+    DriveTrain,
+    Motor,
+    TurnSeries,
+    continuous_angles,
+    known_until,
+    states_along,
+)
 from flexmech.modelfile import mechanism_from_toml
 
 # Validation V16: crank .1 m, rod .3 m, masses .2, .2, slider .4 kg, slender bars.
@@ -154,6 +162,17 @@ def test_dc_motor_on_an_arm_is_a_linear_system() -> None:
     rate = constant**2 / (1.2 * inertia)
     wanted = 12.0 / constant * (1 - np.exp(-rate * time))
     np.testing.assert_allclose(quick.crank_speed(time), wanted, rtol=1e-9, atol=1e-10)
+
+
+@pytest.mark.parametrize("control", [None, SpeedControl(kp=50.0, ki=0.0, target=400.0)])
+def test_current_along_a_known_motion(control: SpeedControl | None) -> None:
+    """At constant speed it settles by itself; a control that is at its limit gives the voltage."""
+    motor = DcMotor(1.2, 0.06, 24.0, inductance=1e-3, gear_ratio=10.0)
+    train, time = DriveTrain(MotorDrive(motor, control).driven_by), np.linspace(0.0, 0.01, 101)
+    found = states_along(train, time, 12.0 * time, np.full_like(time, 12.0), np.zeros(1))[0]
+    settled = (24.0 - 0.06 * 120.0) / 1.2
+    expected = settled * (1 - np.exp(-1.2 / 1e-3 * time))
+    np.testing.assert_allclose(found, expected, atol=1e-7 * settled)
 
 
 def test_speed_control_is_a_linear_system_until_it_saturates() -> None:
