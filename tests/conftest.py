@@ -55,7 +55,8 @@ def rough_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     That takes most of the time of one. The tests of the plots and of the users' scripts draw.
     """
     from matplotlib.figure import Figure
-    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    from flexmech.plots import style
 
     save = Figure.savefig
 
@@ -67,7 +68,11 @@ def rough_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
         save(figure, path, dpi=30, **options)
 
     monkeypatch.setattr(Figure, "savefig", roughly)
-    monkeypatch.setattr(ConstrainedLayoutEngine, "execute", lambda layout, figure: None)
+
+    def written(figure: Figure, path: Path, dpi: int) -> None:
+        roughly(figure, path, dpi=dpi)
+
+    monkeypatch.setattr(style, "_write_png", written)
 
 
 MODELS = Path(__file__).parents[1] / "models"

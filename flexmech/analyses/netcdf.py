@@ -6,14 +6,11 @@ import os
 from collections.abc import Hashable, Iterator, Mapping
 from contextlib import contextmanager
 from datetime import UTC, datetime
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-import h5netcdf
 import h5py
 import xarray as xr
-from xarray.backends import H5NetCDFStore
 
 from flexmech.errors import FlexmechError, InputError, one_line
 
@@ -71,12 +68,8 @@ def netcdf_bytes(dataset: xr.Dataset, attributes: Mapping[str, str]) -> bytes:
         if variable.dtype.kind == "f" and name in written.coords:
             # Coordinates are never missing.
             encoding[name] = {**encoding.get(name, {}), "_FillValue": None}
-    # In memory: HDF5 brings the whole program down where a disk is full. Through the store, as
-    # ``to_netcdf`` imports dask's cluster, where it is installed, to ask for the scheduler.
-    content = BytesIO()
-    with h5netcdf.File(content, "w") as file:
-        written.dump_to_store(H5NetCDFStore(file), encoding=encoding)
-    return content.getvalue()
+    # In memory: HDF5 brings the whole program down where a disk is full.
+    return bytes(written.to_netcdf(engine="h5netcdf", encoding=encoding))
 
 
 def read_netcdf(path: Path) -> xr.Dataset:

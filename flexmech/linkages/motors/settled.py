@@ -1,14 +1,15 @@
 """The settled motion under a motor, which repeats itself from turn to turn: found directly.
 
-The crank angle is the independent variable: after a turn of it all other unknowns are as before
-(shooting; Nayfeh & Balachandran, *Applied Nonlinear Dynamics*, 1995, sect. 5.2).
+The crank angle is the independent variable: after a turn of it all other unknowns are as before.
+That is a boundary value problem, solved by collocation of fourth order (Kierzenka & Shampine, "A
+BVP solver based on residual control and the MATLAB PSE", *ACM Trans. Math. Softw.* 27, 2001).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,11 +21,13 @@ from flexmech.linkages.motors.speed_control import MotorOutput
 
 # Angles of a turn at which the motion is told.
 _ANGLES = 721
-_TOLERANCE = 1e-11
+# Of the residual between the nodes, relative: mean speeds are within 1e-10 of those by steps of
+# 1e-11.
+_TOLERANCE = 1e-7
+# Work alone.
+_MOST_NODES = 10_000
 # Over the speed near which it is sought: a motor whose torque does not fall knows no bound.
 _FAST = 1e3
-# Newton's method by differences gains some five digits a pass, once it is near.
-_PASSES, _DIFFERENCE, _CONVERGED = 40, 1e-6, 1e-9
 
 
 class TurningShaft(Protocol):
@@ -133,29 +136,10 @@ def settled_motion(equation: ShaftEquation, near: FloatArray) -> SettledMotion |
     if equation.load.over_time:
         return None
     turn = _Turn(equation, float(near[0]), float(np.sign(near[1])))
-    unknown = turn.unknowns(near)
-    scale = np.maximum(np.abs(unknown), 1e-3 * abs(float(near[1])))
-    for _ in range(_PASSES):
-        # The turn, and beside it one for each unknown that begins a little farther.
-        beside = np.column_stack([np.zeros_like(scale), np.diag(_DIFFERENCE * scale)])
-        ends = turn.ends(unknown[:, None] + beside)
-        if ends is None:
-            return None
-        gap = ends[:, 0] - unknown
-        if np.all(np.abs(gap) <= _CONVERGED * scale):
-            return turn.motion(unknown)
-        slope = (ends[:, 1:] - ends[:, :1]) / (_DIFFERENCE * scale) - np.eye(len(unknown))
-        try:
-            change = np.linalg.solve(slope, -gap)
-        except np.linalg.LinAlgError:
-            # Neutral: no turn differs from the next at any speed, or all do alike.
-            return None
-        # At a far lower speed the slope is another one: no farther than to its double at once.
-        way = abs(change[0]) / abs(unknown[0])
-        unknown = unknown + change / max(1.0, way)
-        if abs(unknown[0]) > _FAST * abs(float(near[1])):
-            return None
-    return None
+    found = turn.repeated(turn.unknowns(near))
+    if found is None or np.abs(found[0]).max() > _FAST * abs(float(near[1])):
+        return None
+    return SettledMotion(equation, found[-1], turn.values(turn.angles, found[:-1]))
 
 
 class _Turn:
@@ -182,45 +166,48 @@ class _Turn:
             values[2] += angle
         return values
 
-    def _rates(self, angle: float, own: FloatArray) -> FloatArray:
-        """By the crank angle: of the unknowns (n - 1, k), and of the time, which comes last."""
+    def repeated(self, unknown: FloatArray) -> FloatArray | None:
+        """Unknowns that end a turn as they began it, and the time, at the angles.
+
+        Parameters
+        ----------
+        unknown : ndarray, shape (n - 1,)
+            Near them.
+
+        Returns
+        -------
+        ndarray, shape (n, m), or None
+            None where there are none near: the crank stands, or at no speed does one turn end as
+            it began.
+        """
+        from scipy.integrate import solve_bvp
+
+        turned = np.linspace(0.0, 2 * np.pi, _ANGLES)
+        start = np.append(unknown, 0.0)[:, None] * np.ones(_ANGLES)
+        start[-1] = turned / abs(unknown[0])
+        with np.errstate(all="ignore"):
+            found: Any = solve_bvp(
+                self._rates,
+                lambda first, last: np.append(last[:-1] - first[:-1], first[-1]),
+                turned,
+                start,
+                tol=_TOLERANCE,
+                max_nodes=_MOST_NODES,
+            )
+        if found.status or not np.all(self._way * found.y[0] > 0):
+            return None
+        return np.asarray(found.sol(turned))
+
+    @property
+    def angles(self) -> FloatArray:
+        """Crank angles of the turn in rad, (m,)."""
+        return np.asarray(self._angle + self._way * np.linspace(0.0, 2 * np.pi, _ANGLES))
+
+    def _rates(self, turned: FloatArray, own: FloatArray) -> FloatArray:
+        """By the angle turned through (k,): of the unknowns (n - 1, k), and last of the time."""
+        angle = self._angle + self._way * turned
         rates = self._equation.rates(0.0, self.values(angle, own[:-1]))
-        rates = rates.copy()
         if self._equation.train.is_coupled:
             rates[2] -= rates[0]
-        speed = np.where(self._way * own[0] > 0, own[0], np.nan)
-        return np.concatenate([rates[1:], np.ones((1, own.shape[1]))]) / speed
-
-    def _solved(self, unknowns: FloatArray, angles: FloatArray | None) -> FloatArray | None:
-        """Unknowns (n - 1, k) of turns beside each other, and the time, at angles; (n, k, m)."""
-        from scipy.integrate import solve_ivp
-
-        start = np.concatenate([unknowns, np.zeros((1, unknowns.shape[1]))])
-        floor = np.maximum(np.abs(start), 1e-6)
-        floor[-1] = 1e-3
-        with np.errstate(invalid="ignore", divide="ignore"):
-            found = solve_ivp(
-                lambda angle, own: self._rates(angle, own.reshape(start.shape)).ravel(),
-                (self._angle, self._angle + self._way * 2 * np.pi),
-                start.ravel(),
-                method="DOP853",
-                rtol=_TOLERANCE,
-                atol=0.1 * _TOLERANCE * floor.ravel(),
-                t_eval=angles,
-            )
-        ended = found.success and np.isfinite(found.y).all()
-        return np.asarray(found.y.reshape(*start.shape, -1)) if ended else None
-
-    def ends(self, unknowns: FloatArray) -> FloatArray | None:
-        """Unknowns (n - 1, k) a turn later; None where the crank stands before."""
-        found = self._solved(unknowns, None)
-        return None if found is None else found[:-1, :, -1]
-
-    def motion(self, unknown: FloatArray) -> SettledMotion | None:
-        """The turn from these unknowns."""
-        angle = self._angle + self._way * np.linspace(0.0, 2 * np.pi, _ANGLES)
-        solved = self._solved(unknown[:, None], angle)
-        if solved is None:
-            return None
-        found = solved[:, 0]
-        return SettledMotion(self._equation, found[-1], self.values(angle, found[:-1]))
+        by_time = np.concatenate([rates[1:], np.ones((1, own.shape[1]))])
+        return np.asarray(self._way * by_time / own[0])
