@@ -21,13 +21,15 @@ from flexmech.linkages.motors.speed_control import MotorOutput
 
 # Angles of a turn at which the motion is told.
 _ANGLES = 721
-# Of the residual between the nodes, relative: mean speeds are within 1e-10 of those by steps of
+# Of the residual between the nodes, relative: mean speeds are within 1e-9 of those by steps of
 # 1e-11.
 _TOLERANCE = 1e-7
 # Work alone.
 _MOST_NODES = 10_000
 # Over the speed near which it is sought: a motor whose torque does not fall knows no bound.
 _FAST = 1e3
+# Of the speed from which it is sought.
+_DOUBLINGS = 6
 
 
 class TurningShaft(Protocol):
@@ -135,15 +137,19 @@ def settled_motion(equation: ShaftEquation, near: FloatArray) -> SettledMotion |
     """
     if equation.load.over_time:
         return None
-    turn = _Turn(equation, float(near[0]), float(np.sign(near[1])))
-    found = turn.repeated(turn.unknowns(near))
-    if found is None or np.abs(found[0]).max() > _FAST * abs(float(near[1])):
-        return None
-    return SettledMotion(equation, found[-1], turn.values(turn.angles, found[:-1]))
+    turn, bound = _Turn(equation, float(near[0]), float(np.sign(near[1]))), abs(_FAST * near[1])
+    start = turn.unknowns(near)
+    for _ in range(_DOUBLINGS):
+        found = turn.repeated(start)
+        if found is not None and np.abs(found[0]).max() <= bound:
+            return SettledMotion(equation, found[-1], turn.values(turn.angles, found[:-1]))
+        # Near a start from rest a slow turn would stand before it ends.
+        start[0] *= 2.0
+    return None
 
 
 class _Turn:
-    """A turn of the crank from an angle, as a map of the other unknowns.
+    """A turn of the crank from an angle, with the other unknowns over it.
 
     These are the crank's speed, the twist of a coupling with its rotor's speed, and the states of
     the motor.
