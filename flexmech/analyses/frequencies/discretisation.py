@@ -17,7 +17,7 @@ from flexmech.analyses.frequencies.reduction import (
 )
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.choices import MOST_ELEMENTS
-from flexmech.linear_system import Engine, StressedLinks
+from flexmech.linear_system import Engine
 
 # Every 30 deg of a turn: each costs a solution on a finer mesh and one without component modes.
 CHECK_ANGLES = 12
@@ -50,7 +50,6 @@ def mesh_error(
     crank_speed: float,
     *,
     compared: Engine | None = None,
-    stressed: StressedLinks | None = None,
 ) -> ModeErrors:
     """Estimated error of the lowest modes by the mesh, from the distance to a finer one.
 
@@ -73,8 +72,6 @@ def mesh_error(
     crank_speed : float
     compared : Engine, optional
         :func:`on_compared_mesh`, where it is at hand.
-    stressed : StressedLinks, optional
-        Of the engine itself in these positions, about the quasi-static state; sought if left out.
 
     Returns
     -------
@@ -82,9 +79,10 @@ def mesh_error(
     """
     compared = on_compared_mesh(systems.engine) if compared is None else compared
     meshed = [_quasi_static(systems, engine) for engine in (systems.engine, compared)]
+    count = systems.formulation.modes
     here, there = (
-        _eigenvalues(mesh, crank_angles, crank_speed, known)
-        for mesh, known in zip(meshed, (stressed, None), strict=True)
+        np.concatenate([solve_eigenvalues(s, count) for s in m.batches(crank_angles, crank_speed)])
+        for m in meshed
     )
     share = share_of_error(systems.engine.elements, compared.elements)
     error = _apart(here, there, share)
@@ -230,15 +228,3 @@ def _quasi_static(systems: Systems, engine: Engine) -> Systems:
         running=None,
         detail=max(DETAIL, systems.detail),
     )
-
-
-def _eigenvalues(
-    systems: Systems, crank_angles: FloatArray, crank_speed: float, stressed: StressedLinks | None
-) -> NDArray[np.complex128]:
-    """Lowest eigenvalues (A, m), of links whose stress in all positions may be known."""
-    if stressed is None:
-        found = systems.batches(crank_angles, crank_speed)
-    else:
-        found = iter([systems.at(crank_angles, crank_speed, stressed)])
-    count = systems.formulation.modes
-    return np.concatenate([solve_eigenvalues(system, count) for system in found])

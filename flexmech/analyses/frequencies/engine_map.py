@@ -126,16 +126,13 @@ def _checked_speeds(engine: Engine, request: FrequencyRequest) -> list[_CheckedS
     angles = request.crank_angles[check_angle_indices(request.crank_angles, request.full_turn)]
     compared = on_compared_mesh(engine)
     for speed in asked.crank_speeds.tolist():
-        systems = systems_at(engine, asked, speed)
-        stressed = systems.stressed(angles, speed)
-        checked = converged_modes(systems, angles, speed, SPARE_MODES, stressed)
+        checked = converged_modes(systems_at(engine, asked, speed), angles, speed, SPARE_MODES)
         own = checked.systems.engine
         error = mesh_error(
             checked.systems,
             angles,
             speed,
             compared=compared if own is engine else on_compared_mesh(own),
-            stressed=stressed if systems.running is None else None,
         )
         checks.append(
             _CheckedSpeed(
