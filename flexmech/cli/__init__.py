@@ -10,7 +10,6 @@ import gc
 from typing import TYPE_CHECKING
 
 from flexmech.cli.stopping import answer_signals, ignore_signals
-from flexmech.cli.without_dask import leave_out_dask
 
 if TYPE_CHECKING:
     from typer import Typer
@@ -34,7 +33,6 @@ def main() -> None:
     # does not cost a tenth. Small commands make a million objects.
     gc.set_threshold(1_000_000)
     gc.callbacks.append(_search_more_often)
-    leave_out_dask()
     from flexmech.cli.application import run
 
     try:

@@ -14,7 +14,6 @@ from flexmech.choices import EngineName
 from flexmech.cli import options
 from flexmech.cli.deliver import deliver, typed_path
 from flexmech.cli.reading import Together
-from flexmech.cli.without_dask import admit_dask
 
 Samples = Annotated[int | None, Option(min=1)]
 StudyPath = Annotated[Path, Argument(help="Study file.", metavar="STUDY", parser=typed_path)]
@@ -49,8 +48,6 @@ def asked_campaign(
     """
 
     def run(kind: type[Any], compute: Callable[..., Any], file: Path) -> None:
-        if cluster is not None:
-            admit_dask()
         study = studies.load_study(file).with_(seed, engine)
         folder = studies.folder_of_designs(output.folder, resume=resume, force=force)
         with studies.workers(workers, cluster) as executor:

@@ -112,19 +112,6 @@ def test_help_imports_nothing_heavy() -> None:
     assert shown.stdout.strip() == "[]"
 
 
-def test_commands_do_without_dask_but_on_a_cluster() -> None:
-    program = (
-        "import sys, importlib.util as u; from flexmech.cli import without_dask as w; "
-        "w.leave_out_dask(); import xarray; xarray.Dataset({'x': ('n', [1.0, 2.0])}).mean(); "
-        "print(u.find_spec('dask'), *(n for n in sys.modules if n.startswith('dask.'))); "
-        "w.admit_dask(); w.admit_dask(); import dask; print(dask.__name__)"
-    )
-    shown = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=ROOT
-    )
-    assert shown.stdout.split() == ["None", "dask"]
-
-
 def test_python_m_flexmech_is_flexmech() -> None:
     shown = subprocess.run(
         [sys.executable, "-m", "flexmech", "check", "nothing.toml"],
