@@ -197,15 +197,18 @@ def moved_into(folder: Path) -> Iterator[Path]:
 @contextmanager
 def _workplace(folder: Path) -> Iterator[Path]:
     """A temporary folder, locked as long as this program lives, so that others let it stand."""
-    with uninterrupted(), _locked(folder):
-        _remove_left(folder)
-        temporary = Path(tempfile.mkdtemp(dir=folder, prefix=PREFIX))
-        lock = _lock(temporary, wait=True)
+    temporary, lock = None, None
     try:
+        # A signal that comes meanwhile is raised at the end of this, with the folder made.
+        with uninterrupted(), _locked(folder):
+            _remove_left(folder)
+            temporary = Path(tempfile.mkdtemp(dir=folder, prefix=PREFIX))
+            lock = _lock(temporary, wait=True)
         yield temporary
     finally:
         with uninterrupted():
-            shutil.rmtree(temporary, ignore_errors=True)
+            if temporary is not None:
+                shutil.rmtree(temporary, ignore_errors=True)
             if lock is not None:
                 os.close(lock)
 

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import csv
 import errno
+import signal
+import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +22,7 @@ from flexmech.analyses import (
 )
 from flexmech.analyses.speed_sweep.compute import speed_sweep
 from flexmech.errors import InputError
+from flexmech.files import moved_into
 from flexmech.linkages import ConstantSpeed
 from flexmech.reference import ReferenceEngine
 from tests.strategies import fourbar
@@ -101,6 +105,23 @@ def test_a_full_disk_leaves_the_old_files_as_they_were(
         result.save(tmp_path)
     assert [p.name for p in tmp_path.iterdir()] == ["frequencies.csv"]
     assert (tmp_path / "frequencies.csv").read_text() == "old"
+
+
+def test_a_signal_as_the_temporary_folder_is_made_leaves_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It waits until the folder is there, and is raised before anything is written."""
+    make = tempfile.mkdtemp
+
+    def interrupted(**options: Any) -> str:
+        made = make(**options)
+        signal.raise_signal(signal.SIGINT)
+        return made
+
+    monkeypatch.setattr(tempfile, "mkdtemp", interrupted)
+    with pytest.raises(KeyboardInterrupt), moved_into(tmp_path):
+        pass
+    assert not list(tmp_path.iterdir())
 
 
 def test_what_is_no_result_is_not_loaded(tmp_path: Path) -> None:
