@@ -7,10 +7,9 @@ import xarray as xr
 
 from flexmech.analyses.datasets import DEGREES, Columns
 from flexmech.analyses.digits import Quantity, rounded
-from flexmech.analyses.remarks import speed_unit
+from flexmech.analyses.remarks import speed_with_unit
 from flexmech.arrays import FloatArray
 from flexmech.linkages import DcMotor, MotorOutput, MotorRun, SettledRun, speed_range
-from flexmech.units import from_si
 
 # Relative error of the rigid linkage's motion under a motor: below all digits that are printed.
 _TOLD = 1e-6
@@ -155,21 +154,21 @@ def motor_answer(data: xr.Dataset) -> tuple[str, ...]:
             rounded(100 * told[name], 0.0, 3)
             for name in ("elastic_settled_fluctuation", "settled_fluctuation")
         )
-        speed = _speed(data, told["elastic_settled_speed"])
+        speed = speed_with_unit(data, told["elastic_settled_speed"])
         return (
             f"Settled, the motor turns the linkage at {speed}, which fluctuates by {part} % of it "
             f"over the turn; with rigid links by {rigid} %.",
         )
     if "settled_speed" in told:
         part = rounded(100 * told["settled_fluctuation"], 0.0, 3)
-        speed = _speed(data, told["settled_speed"])
+        speed = speed_with_unit(data, told["settled_speed"])
         return (
             f"Settled, the motor turns the rigid linkage at {speed}, which fluctuates by {part} % "
             "of it over the turn.",
         )
     end = abs(float(data["motor_speed"].isel(time=-1).max())) / told["gear_ratio"]
     return (
-        f"The motor has brought the crank to {_speed(data, end)} after "
+        f"The motor has brought the crank to {speed_with_unit(data, end)} after "
         f"{told['run_duration']:.4g} s, and settles at no speed.",
     )
 
@@ -196,9 +195,9 @@ def motor_lines(data: xr.Dataset) -> list[str]:
                 continue
             lines.append(
                 f"settled motion of {what}, found directly: mean speed "
-                f"{_speed(data, told[f'{name}_speed'])}, coefficient of fluctuation (greatest less "
-                f"least over mean) {rounded(told[f'{name}_fluctuation'], 0.0, 5)}, mean power of "
-                f"the motor {_power(told[f'{name}_power'])} W"
+                f"{speed_with_unit(data, told[f'{name}_speed'])}, coefficient of fluctuation "
+                f"(greatest less least over mean) {rounded(told[f'{name}_fluctuation'], 0.0, 5)}, "
+                f"mean power of the motor {_power(told[f'{name}_power'])} W"
             )
     elif "stall_angle" not in told:
         lines.append(
@@ -206,7 +205,7 @@ def motor_lines(data: xr.Dataset) -> list[str]:
         )
     if "last_turn_speed" in data and bool(np.isfinite(data["last_turn_speed"]).all()):
         texts = ", ".join(
-            f"{_speed(data, float(own['last_turn_speed']))}, coefficient of fluctuation "
+            f"{speed_with_unit(data, own['last_turn_speed'])}, coefficient of fluctuation "
             f"{float(own['last_turn_fluctuation']):.4g} ({own['engine'].item()})"
             for _, own in data.groupby("engine", squeeze=False)
             for own in [own.isel(engine=0)]
@@ -259,11 +258,6 @@ def _peaks(data: xr.Dataset, name: str) -> str:
         f"{rounded(float(own), 0.0, 5)} ({engine})"
         for own, engine in zip(sizes.values, data["engine"].values, strict=True)
     )
-
-
-def _speed(data: xr.Dataset, value: float) -> str:
-    unit = speed_unit(data)
-    return f"{from_si(value, unit):.5g} {unit}"
 
 
 def _power(value: float) -> str:

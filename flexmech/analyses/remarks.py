@@ -125,6 +125,12 @@ def speed_text(speed: SupportsFloat, unit: str) -> str:
     return f"{from_si(float(speed), unit):.6g}"
 
 
+def speed_with_unit(dataset: xr.Dataset, speed: SupportsFloat) -> str:
+    """A crank speed in rad/s, to five digits in the unit in which a result speaks of speeds."""
+    unit = speed_unit(dataset)
+    return f"{from_si(float(speed), unit):.5g} {unit}"
+
+
 def crank_speed_text(attributes: Mapping[Any, Any]) -> str:
     """Crank speed of a result, in the unit in which it speaks of speeds."""
     unit = str(attributes["speed_unit"])

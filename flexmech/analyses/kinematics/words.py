@@ -10,11 +10,10 @@ import xarray as xr
 from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.digits import MOST_DIGITS, Quantity, percent, rounded
 from flexmech.analyses.motor import motor_answer, motor_lines, motor_numbers
-from flexmech.analyses.remarks import drive_words, speed_unit
+from flexmech.analyses.remarks import drive_words, speed_with_unit
 from flexmech.analyses.shaking import harmonics_line, point_text
 from flexmech.analyses.summary import Row, Summary, Table
 from flexmech.arrays import ROUND_OFF
-from flexmech.units import from_si
 
 TRANSMISSION = {
     "transmission_angle": "transmission angle",
@@ -287,9 +286,8 @@ def _law_lines(data: xr.Dataset) -> list[str]:
     speed, acceleration = (
         float(abs(data[name]).max()) for name in ("crank_speed_over_time", "crank_acceleration")
     )
-    unit = speed_unit(data)
     lines = [
-        f"crank: speed up to {from_si(speed, unit):.5g} {unit}, acceleration up to "
+        f"crank: speed up to {speed_with_unit(data, speed)}, acceleration up to "
         f"{acceleration:.5g} rad/s²"
     ]
     if "shaft_inertia_torque" in data:

@@ -8,7 +8,7 @@ import xarray as xr
 from flexmech.analyses.datasets import Columns, columns_along
 from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.motor import motor_attributes, motor_columns, settled_variables
-from flexmech.analyses.remarks import speed_unit
+from flexmech.analyses.remarks import speed_with_unit
 from flexmech.analyses.response.agreement import best_known, errors_of, quantities_of
 from flexmech.analyses.response.measurements import deflections, peaks_between
 from flexmech.analyses.response.request import ResponseRequest
@@ -16,7 +16,6 @@ from flexmech.analyses.response.residual import LEAST_SAMPLES, StandingModes, en
 from flexmech.linear_system import Engine
 from flexmech.linkages import ConstantSpeed, MotorRun, TableDrive
 from flexmech.time_domain import Trajectory
-from flexmech.units import from_si
 
 
 def law_variables(engine: Engine, request: ResponseRequest) -> xr.Dataset:
@@ -243,10 +242,9 @@ def driven_lines(data: xr.Dataset) -> list[str]:
         f"{rounded(float(one), 0.0, 5)} W ({name})"
         for one, name in zip(data["peak_driving_power"].values, engines, strict=True)
     )
-    unit = speed_unit(data)
     lines = [
         f"drive: {data.attrs.get('drive', 'run-up')}; crank speed up to "
-        f"{from_si(speed, unit):.5g} {unit}, its acceleration up to {acceleration:.5g} rad/s²",
+        f"{speed_with_unit(data, speed)}, its acceleration up to {acceleration:.5g} rad/s²",
         f"peak driving power: {powers}",
     ]
     if note := data.attrs.get("drive_note"):

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from flexmech.linkages.motors.motor import Motor
 from flexmech.linkages.motors.speed_control import DrivenBy, SpeedControl
 from flexmech.model_text import TomlTable, quantity
-from flexmech.unit_registry import from_si
-from flexmech.units import ANGLE, ANGULAR_SPEED, TIME
+from flexmech.units import ANGLE, ANGULAR_SPEED, TIME, from_si
 from flexmech.validation import POSITIVE, check_number
 
 

@@ -19,8 +19,8 @@ from flexmech.linkages.motors.drive_train import DriveTrain
 from flexmech.linkages.motors.shaft_equation import ShaftEquation
 from flexmech.linkages.motors.speed_control import MotorOutput
 
-# Angles of a turn at which the motion is told.
-_ANGLES = 721
+# Angles turned through at which the motion is told.
+_TURN: FloatArray = np.linspace(0.0, 2 * np.pi, 721)
 # Of the residual between the nodes, relative: mean speeds are within 1e-9 of those by steps of
 # 1e-11.
 _TOLERANCE = 1e-7
@@ -188,26 +188,25 @@ class _Turn:
         """
         from scipy.integrate import solve_bvp
 
-        turned = np.linspace(0.0, 2 * np.pi, _ANGLES)
-        start = np.append(unknown, 0.0)[:, None] * np.ones(_ANGLES)
-        start[-1] = turned / abs(unknown[0])
+        start = np.append(unknown, 0.0)[:, None] * np.ones(len(_TURN))
+        start[-1] = _TURN / abs(unknown[0])
         with np.errstate(all="ignore"):
             found: Any = solve_bvp(
                 self._rates,
                 lambda first, last: np.append(last[:-1] - first[:-1], first[-1]),
-                turned,
+                _TURN,
                 start,
                 tol=_TOLERANCE,
                 max_nodes=_MOST_NODES,
             )
         if found.status or not np.all(self._way * found.y[0] > 0):
             return None
-        return np.asarray(found.sol(turned))
+        return np.asarray(found.sol(_TURN))
 
     @property
     def angles(self) -> FloatArray:
         """Crank angles of the turn in rad, (m,)."""
-        return np.asarray(self._angle + self._way * np.linspace(0.0, 2 * np.pi, _ANGLES))
+        return np.asarray(self._angle + self._way * _TURN)
 
     def _rates(self, turned: FloatArray, own: FloatArray) -> FloatArray:
         """By the angle turned through (k,): of the unknowns (n - 1, k), and last of the time."""
