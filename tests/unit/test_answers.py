@@ -8,11 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import flexmech
 from flexmech.analyses import CampbellDiagram, Response
 from flexmech.analyses.campbell.answer import band_at, critical_ranges
-from flexmech.analyses.trust import trust_line, worth_a_warning
+from flexmech.analyses.trust import EngineDifference, trust_line
 from flexmech.report import Results
 from flexmech.report.answers import cards
 
@@ -150,9 +151,31 @@ def test_a_card_without_a_result_names_the_command(response: Response):
 
 
 def test_only_differences_that_matter_are_warned_of():
-    assert not worth_a_warning(1.8e-5, agree=False)
-    assert not worth_a_warning(0.5, agree=True)
-    assert worth_a_warning(0.02, agree=False)
-    assert worth_a_warning(math.nan, agree=False)
+    assert not EngineDifference(1.8e-5, 1e-6).worth_a_warning
+    assert not EngineDifference(0.5, 0.6).worth_a_warning
+    assert EngineDifference(0.02, 0.01).worth_a_warning
+    assert EngineDifference(math.nan, math.nan).worth_a_warning
     names = ["reference", "exudyn"]
-    assert trust_line(names, 1e-6, 1.8e-5, agree=False).startswith("numbers are known to 0.0018 %")
+    small = EngineDifference(1.8e-5, 1e-6)
+    assert trust_line(names, 1e-6, small).startswith("numbers are known to 0.0018 %")
+
+
+def test_a_difference_that_errors_explain_hides_none_that_they_do_not(response: Response):
+    """A coupler that hardly bends may differ by 2 %, within its error, and the torque by less."""
+    data = xr.concat([response.dataset] * 2, "engine", data_vars="minimal")
+    data = data.assign_coords(engine=["reference", "exudyn"]).copy(deep=True)
+    for name in data:
+        if "_error_of_" in str(name):
+            data[name][:] = 1e-5
+    data["deflection"][0] *= 1.02
+    data["step_error_of_deflection"][:] = 0.03
+    data["peak_driving_torque"][0] *= 1.0004
+    said = Response(data).summary()
+    assert said.trust.endswith(
+        "reference and exudyn differ by 0.04 % in the peak driving torque, more than their errors "
+        "of 0.004 % explain"
+    )
+    assert not said.warnings
+    data["peak_driving_torque"][0] *= 1.05
+    (warned,) = Response(data).summary().warnings
+    assert warned.startswith("engines: peaks of these joint forces differ by ")

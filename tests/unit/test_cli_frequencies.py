@@ -185,6 +185,23 @@ def test_the_last_line_says_how_far_the_engines_differ(tmp_path: Path) -> None:
     )
 
 
+def test_engines_agree_where_errors_explain_every_mode_alone() -> None:
+    """The greatest difference is within its error; a smaller one of another mode is not."""
+    dataset = frequency_dataset()
+    dataset["discretisation_error"][:], dataset["reduction_error"][:] = 1e-6, 0.0
+    dataset["discretisation_error"].loc[{"mode": 4}] = 0.05
+    dataset["frequency"][1] = dataset["frequency"][0]
+    dataset["frequency"][1, 2, 27, 3] *= 1.06
+    dataset["frequency"][1, 1, 9, 1] *= 1.02
+    said = MovingFrequencies(dataset).summary()
+    assert said.trust.startswith("reference and exudyn differ by 2 %, more than their errors of ")
+    line = (
+        "engines: reference and exudyn differ by 2.00e-02 of the frequency, at 10 rad/s, 45 deg, "
+    )
+    assert said.details[-1].startswith(f"{line}mode 2, which is beyond their estimated errors")
+    assert said.warnings[0] == said.details[-1]
+
+
 def test_the_last_line_says_why_a_tolerance_is_not_reached() -> None:
     dataset = frequency_dataset()
     dataset["frequency"][1] = dataset["frequency"][0] * (1 + 1.5e-3)

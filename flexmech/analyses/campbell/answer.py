@@ -12,7 +12,7 @@ from flexmech.analyses.campbell.crossings import ray
 from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.remarks import speed_text, speed_unit
 from flexmech.analyses.summary import Table
-from flexmech.analyses.trust import trust_line
+from flexmech.analyses.trust import EngineDifference, trust_line
 from flexmech.arrays import FloatArray
 from flexmech.plots.reading import merged
 from flexmech.units import from_si
@@ -169,28 +169,37 @@ def engines_apart(dataset: xr.Dataset) -> float:
     return float(np.nanmax(apart)) if np.isfinite(apart).any() else math.nan
 
 
-def engines_agree(dataset: xr.Dataset) -> bool:
-    """Whether two engines differ by no more than their errors together, in every branch."""
-    if dataset.sizes["engine"] < 2:
-        return True
+def engine_difference(dataset: xr.Dataset) -> EngineDifference | None:
+    """That of the branches of two engines which their errors explain least.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of the diagram.
+
+    Returns
+    -------
+    EngineDifference or None
+        None where there are no two engines' frequencies to compare.
+    """
+    apart, allowed = [], []
     for branch in range(dataset.sizes["branch"]):
         own = dataset.isel(branch=[branch])
-        mesh = own["discretisation_error"].max(
-            [d for d in own["discretisation_error"].dims if d != "engine"]
-        )
-        allowed = float((mesh + own["fit_error"]).sum())
-        apart = engines_apart(own)
-        if math.isfinite(apart) and apart > allowed:
-            return False
-    return True
+        difference = engines_apart(own)
+        if not math.isfinite(difference):
+            continue
+        mesh = own["discretisation_error"]
+        error = mesh.max([name for name in mesh.dims if name != "engine"]) + own["fit_error"]
+        apart.append(difference)
+        allowed.append(float(error.sum()))
+    return EngineDifference.least_explained(apart, allowed) if apart else None
 
 
 def trust(dataset: xr.Dataset) -> str:
     """How far frequencies and critical speeds are known."""
     names = [str(name) for name in dataset["engine"].values]
     error = float(dataset["discretisation_error"].max()) + float(dataset["fit_error"].max())
-    apart = engines_apart(dataset)
-    return trust_line(names, error, apart, agree=engines_agree(dataset))
+    return trust_line(names, error, engine_difference(dataset))
 
 
 def critical_ranges(dataset: xr.Dataset) -> list[CriticalRange]:

@@ -17,7 +17,6 @@ from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.requests import fewer_modes_lines
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
-from flexmech.analyses.trust import worth_a_warning
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -138,7 +137,8 @@ class CampbellDiagram(Result):
     def summary(self) -> Summary:
         """Whether operating speeds are clear of the orders, which to avoid, and the errors."""
         data = self.dataset
-        agree = answers.engines_agree(data)
+        difference = answers.engine_difference(data)
+        agree = difference is None or difference.agree
         details: tuple[Table | str, ...] = (
             *words.operating_lines(data),
             *fewer_modes_lines(data.attrs),
@@ -149,7 +149,7 @@ class CampbellDiagram(Result):
             *str(data.attrs.get("environment_lines", "")).splitlines(),
             words.verdict(data),
         )
-        warned = worth_a_warning(answers.engines_apart(data), agree=agree)
+        warned = difference is not None and difference.worth_a_warning
         shown = data.isel(engine=[0]) if agree else data
         met = (data["critical_gap"] == 0).any()
         return Summary(

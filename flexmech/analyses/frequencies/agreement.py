@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +12,8 @@ from flexmech.analyses.beam_theory import theory_reason
 from flexmech.analyses.frequencies.extremes import error_of_model
 from flexmech.analyses.frequencies.words import MOST_DECIMALS
 from flexmech.analyses.remarks import speed_text, speed_unit
+from flexmech.analyses.trust import EngineDifference, least_explained
+from flexmech.arrays import FloatArray
 
 DIMS = ("engine", "crank_speed", "crank_angle", "mode")
 
@@ -54,20 +55,31 @@ def engine_agreement(dataset: xr.Dataset) -> EngineAgreement | None:
     names = [str(name) for name in dataset["engine"].values]
     if len(names) < 2:
         return None
+    difference = _differences(dataset)
+    return _at(dataset, difference, int(difference.argmax()))
+
+
+def _differences(dataset: xr.Dataset) -> FloatArray:
+    """``|f_b / f_a - 1|`` of the first two engines, shape (speeds, angles, modes)."""
     first, second = (dataset["frequency"].isel(engine=i).values for i in (0, 1))
-    difference = np.abs(second / first - 1)
-    speed, angle, mode = np.unravel_index(int(difference.argmax()), difference.shape)
+    return np.asarray(np.abs(second / first - 1))
+
+
+def _at(dataset: xr.Dataset, difference: FloatArray, place: int) -> EngineAgreement:
+    """One of the differences, by its place among all of them."""
+    speed, angle, mode = np.unravel_index(place, difference.shape)
+    first, second = (str(name) for name in dataset["engine"].values[:2])
     return EngineAgreement(
-        engines=(names[0], names[1]),
-        relative_difference=float(difference.max()),
+        engines=(first, second),
+        relative_difference=float(difference.flat[place]),
         crank_speed=float(dataset["crank_speed"][speed]),
         crank_angle=float(dataset["crank_angle"][angle]),
         mode=int(dataset["mode"][mode]),
     )
 
 
-def engines_agree(dataset: xr.Dataset) -> bool:
-    """Whether two engines differ by no more than their errors where they differ most.
+def engine_difference(dataset: xr.Dataset) -> EngineDifference | None:
+    """That of two engines' frequencies which their errors explain least.
 
     Parameters
     ----------
@@ -76,24 +88,28 @@ def engines_agree(dataset: xr.Dataset) -> bool:
 
     Returns
     -------
-    bool
-        True with a single engine.
+    EngineDifference or None
+        None with a single engine.
     """
-    found = engine_agreement(dataset)
-    if found is None:
-        return True
-    error = error_of_model(dataset).sel(crank_speed=found.crank_speed, mode=found.mode)
-    errors = [float(error.sel(engine=name)) for name in found.engines]
-    return found.relative_difference <= _together(errors)
+    if dataset.sizes["engine"] < 2:
+        return None
+    difference, allowed = _differences(dataset).ravel(), _allowed(dataset).ravel()
+    return EngineDifference.least_explained(difference, allowed)
 
 
-def _together(errors: Iterable[float]) -> float:
-    """What errors explain together: of those that are no small parts the product counts too."""
-    return math.prod(1 + each for each in errors) - 1 + 10.0**-MOST_DECIMALS
+def _allowed(dataset: xr.Dataset) -> FloatArray:
+    """What the errors of two engines explain together, shape (speeds, angles, modes).
+
+    Of errors that are no small parts the product counts too.
+    """
+    error = error_of_model(dataset).transpose("engine", "crank_speed", "mode").values[:2]
+    together = np.prod(1 + error, axis=0) - 1 + 10.0**-MOST_DECIMALS
+    shape = dataset["frequency"].isel(engine=0).shape
+    return np.broadcast_to(together[:, None], shape)
 
 
 def verdict(dataset: xr.Dataset, effect: xr.DataArray | None) -> str:
-    """How far the engines differ at most, and where; or that only one ran.
+    """How far the engines differ where errors explain it least; or that only one ran.
 
     Parameters
     ----------
@@ -106,26 +122,32 @@ def verdict(dataset: xr.Dataset, effect: xr.DataArray | None) -> str:
     -------
     str
     """
-    found = engine_agreement(dataset)
-    if found is None:
+    if dataset.sizes["engine"] < 2:
         engine = dataset["engine"].values[0]
         return f"engines: no comparison was made, only the {engine} engine ran"
-    unit, (first, second) = speed_unit(dataset), found.engines
+    difference, allowed = _differences(dataset), _allowed(dataset)
+    place = least_explained(difference.ravel(), allowed.ravel())
+    explained = bool(difference.flat[place] <= allowed.flat[place])
+    found, unit = _at(dataset, difference, place), speed_unit(dataset)
+    first, second = found.engines
+    at_most = "at most " if place == difference.argmax() else ""
     return (
-        f"engines: {first} and {second} differ by at most {found.relative_difference:.2e} of "
+        f"engines: {first} and {second} differ by {at_most}{found.relative_difference:.2e} of "
         f"the frequency, at {speed_text(found.crank_speed, unit)} {unit}, "
         f"{np.degrees(found.crank_angle):.6g} deg, mode {found.mode}"
-        f"{_judged(found, dataset, effect)}"
+        f"{_judged(found, explained, dataset, effect)}"
     )
 
 
-def _judged(found: EngineAgreement, dataset: xr.Dataset, effect: xr.DataArray | None) -> str:
+def _judged(
+    found: EngineAgreement, explained: bool, dataset: xr.Dataset, effect: xr.DataArray | None
+) -> str:
     """Whether errors explain how far the engines differ; if not, which one to trust."""
     place = {"crank_speed": found.crank_speed, "mode": found.mode}
     error = error_of_model(dataset).sel(place)
     errors = {name: float(error.sel(engine=name)) for name in found.engines}
     said = " and ".join(f"{errors[name]:.1e} of {name}" for name in found.engines)
-    if found.relative_difference <= _together(errors.values()):
+    if explained:
         beyond = _beyond_tolerance(found.relative_difference, errors, dataset)
         return f", within their estimated errors ({said}){beyond}"
     if reason := theory_reason(dataset.attrs):

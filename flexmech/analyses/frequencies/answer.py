@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_reason
 from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.frequencies import damping
-from flexmech.analyses.frequencies.agreement import engine_agreement, engines_agree, verdict
+from flexmech.analyses.frequencies.agreement import engine_difference, verdict
 from flexmech.analyses.frequencies.changes import change_by_state, speed_change
 from flexmech.analyses.frequencies.extremes import error_of_model, known_error
 from flexmech.analyses.remarks import speed_text, speed_unit
-from flexmech.analyses.trust import trust_line, worth_a_warning
+from flexmech.analyses.trust import trust_line
 
 # Modes and speeds that have a place in the sentences: the table lists all of them.
 _MOST_MODES = 3
@@ -133,11 +131,8 @@ def trust(dataset: xr.Dataset) -> str:
     str
     """
     names = [str(name) for name in dataset["engine"].values]
-    found = engine_agreement(dataset)
-    apart = math.nan if found is None else found.relative_difference
     error = float(error_of_model(dataset).max())
-    line = trust_line(names, error, apart, agree=engines_agree(dataset))
-    return line + damping.trust(dataset)
+    return trust_line(names, error, engine_difference(dataset)) + damping.trust(dataset)
 
 
 def disagreement(dataset: xr.Dataset, effect: xr.DataArray | None) -> tuple[str, ...]:
@@ -156,8 +151,7 @@ def disagreement(dataset: xr.Dataset, effect: xr.DataArray | None) -> tuple[str,
         One, or none.
     """
     explained = effect is not None or theory_reason(dataset.attrs)
-    found = engine_agreement(dataset)
-    apart = 0.0 if found is None else found.relative_difference
-    if explained or not worth_a_warning(apart, agree=engines_agree(dataset)):
+    found = engine_difference(dataset)
+    if explained or found is None or not found.worth_a_warning:
         return ()
     return (verdict(dataset, effect),)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_reason
 from flexmech.analyses.digits import Quantity
+from flexmech.analyses.trust import least_explained
 
 CAUSES = ("step", "reduction", "mesh")
 # Names of :meth:`Response.agreement` and :meth:`Response.force_agreement`, and of the errors of
@@ -110,8 +113,13 @@ def within_errors(gaps: xr.Dataset, dataset: xr.Dataset) -> xr.Dataset:
     xarray.Dataset
         Of bool, by the names and the dimensions of the differences.
     """
-    allowed = errors_of(dataset).isel(engine=slice(2)).sum("engine")
+    allowed = errors_together(dataset)
     return xr.Dataset({name: gaps[name] <= allowed[name] for name in gaps})
+
+
+def errors_together(dataset: xr.Dataset) -> xr.Dataset:
+    """:func:`errors_of` both engines together, which explain a difference of them."""
+    return errors_of(dataset).isel(engine=slice(2)).sum("engine")
 
 
 def representative(agreement: xr.DataArray | None, dataset: xr.Dataset) -> tuple[str, str] | None:
@@ -124,22 +132,36 @@ def representative(agreement: xr.DataArray | None, dataset: xr.Dataset) -> tuple
     return str(worst.idxmin("engine").item()), "both"
 
 
-def agreement_line(agreement: xr.DataArray | None, dataset: xr.Dataset) -> str:
+class JudgedLine(NamedTuple):
+    """A line on how far two engines differ, and whether their errors explain that.
+
+    Parameters
+    ----------
+    said : str
+    explained : bool
+    """
+
+    said: str
+    explained: bool
+
+
+def agreement_line(agreement: xr.DataArray | None, dataset: xr.Dataset) -> JudgedLine:
     """Say how far the engines differ at most, link by link; or that there is no comparison.
 
     Where that is more than their errors, also which one to trust.
     """
     engines = dataset["engine"].values
     if agreement is None:
-        return f"engines: no comparison was made, only the {engines[0]} engine ran"
-    return (
+        alone = f"engines: no comparison was made, only the {engines[0]} engine ran"
+        return JudgedLine(alone, True)
+    said = (
         f"engines: deflections of {engines[0]} and {engines[1]} differ by at most "
         f"{listed(agreement)} of the link's peak"
-        f"{_verdict(agreement, errors_of(dataset)['deflection'], dataset)}"
     )
+    return _judged(said, agreement, errors_of(dataset)["deflection"], dataset)
 
 
-def force_agreement_lines(agreement: xr.Dataset | None, dataset: xr.Dataset) -> list[str]:
+def force_agreement_lines(agreement: xr.Dataset | None, dataset: xr.Dataset) -> list[JudgedLine]:
     """Say how far the engines' forces and torque differ, and whether their errors explain it.
 
     None with a single engine.
@@ -151,17 +173,21 @@ def force_agreement_lines(agreement: xr.Dataset | None, dataset: xr.Dataset) -> 
     torque, peak = (float(agreement[name]) for name in ("driving_torque", "peak_driving_torque"))
     errors = errors_of(dataset)
 
-    def judged(force: str, torque: str) -> str:
+    def judged(said: str, force: str, torque: str) -> JudgedLine:
         gaps, own = (_side_by_side(part, force, torque) for part in (agreement, errors))
-        return _verdict(gaps, own, dataset)
+        return _judged(said, gaps, own, dataset)
 
-    return [
+    along = (
         f"engines: joint forces {band} of {first} and {second} differ by at most "
         f"{listed(agreement['joint_force'])} of the joint's peak, torque by {torque:.1e}"
-        f"{judged('joint_force', 'driving_torque')}",
+    )
+    peaks = (
         "engines: peaks of these joint forces differ by "
         f"{listed(agreement['peak_joint_force'])}, of torque by {peak:.1e}"
-        f"{judged('peak_joint_force', 'peak_driving_torque')}",
+    )
+    return [
+        judged(along, "joint_force", "driving_torque"),
+        judged(peaks, "peak_joint_force", "peak_driving_torque"),
     ]
 
 
@@ -172,11 +198,12 @@ def _side_by_side(part: xr.Dataset, force: str, torque: str) -> xr.DataArray:
     return xr.concat([values.drop_vars(said, errors="ignore") for values in both], "joint")
 
 
-def _verdict(gaps: xr.DataArray, errors: xr.DataArray, dataset: xr.Dataset) -> str:
-    """How a line on differences ends: within the errors, or why not and which engine to trust.
+def _judged(said: str, gaps: xr.DataArray, errors: xr.DataArray, dataset: xr.Dataset) -> JudgedLine:
+    """A line on differences to its end: within the errors, or why not and which engine to trust.
 
     Parameters
     ----------
+    said : str
     gaps : xarray.DataArray
         Over links, or joints and torque.
     errors : xarray.DataArray
@@ -187,18 +214,13 @@ def _verdict(gaps: xr.DataArray, errors: xr.DataArray, dataset: xr.Dataset) -> s
     errors = errors.sel({of: gaps[of]}).isel(engine=slice(2))
     allowed = errors.sum("engine")
     if bool((gaps <= allowed).all()):
-        return ", within their estimated errors"
-    if reason := theory_reason(dataset.attrs):
-        return reason
-    if large := _large_bow(dataset):
-        return large
-    # Where the difference is least explained.
-    worst = {of: (gaps - allowed).idxmax(of).item()}
+        return JudgedLine(f"{said}, within their estimated errors", True)
+    if reason := theory_reason(dataset.attrs) or _large_bow(dataset):
+        return JudgedLine(f"{said}{reason}", False)
+    worst = {of: gaps[of].values[least_explained(gaps.values, allowed.values)]}
     estimated = errors.sel(worst)
-    return (
-        f", which is beyond their estimated errors (of {worst[of]}: {listed(estimated)})"
-        f"{_unexplained(estimated, dataset)}"
-    )
+    why = f", which is beyond their estimated errors (of {worst[of]}: {listed(estimated)})"
+    return JudgedLine(f"{said}{why}{_unexplained(estimated, dataset)}", False)
 
 
 def _unexplained(estimated: xr.DataArray, dataset: xr.Dataset) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import xarray as xr
 
 from flexmech.analyses.datasets import DEGREES
@@ -12,10 +13,11 @@ from flexmech.analyses.response.agreement import (
     agreement_line,
     best_known,
     errors_of,
+    errors_together,
+    force_agreement_lines,
     quantities_of,
-    within_errors,
 )
-from flexmech.analyses.trust import trust_line, worth_a_warning
+from flexmech.analyses.trust import EngineDifference, trust_line
 
 # Variables with a peak, the unit in which it is told, and what a number is multiplied by.
 _PEAKS = {
@@ -160,46 +162,52 @@ def trust(dataset: xr.Dataset, agreement: xr.DataArray | None, forces: xr.Datase
     names = [str(name) for name in dataset["engine"].values]
     known = [one.error / one.value for one in numbers(dataset) if one.value]
     error = max((each for each in known if math.isfinite(each)), default=math.nan)
-    agree = engines_agree(dataset, agreement, forces)
-    apart = math.nan if agree else _apart(agreement, forces)
-    return trust_line(names, error, apart, agree=agree)
+    found = engine_difference(dataset, agreement, forces)
+    # Differences of the peaks that errors explain are among their errors.
+    return trust_line(names, error, None if found is None or found.agree else found)
 
 
-def _apart(agreement: xr.DataArray | None, forces: xr.Dataset | None) -> float:
-    """Greatest relative difference of two engines in deflections, and in peaks of the loads."""
-    if agreement is None or forces is None:
-        return math.nan
-    peaks = (float(forces[f"peak_{name}"].max()) for name in ("joint_force", "driving_torque"))
-    return max(float(agreement.max()), *peaks)
-
-
-def engines_agree(
+def engine_difference(
     dataset: xr.Dataset, agreement: xr.DataArray | None, forces: xr.Dataset | None
-) -> bool:
-    """Whether two engines' deflections, forces and torque differ by no more than their errors.
+) -> EngineDifference | None:
+    """That of two engines' deflections, forces and torque which their errors explain least.
 
     Parameters
     ----------
     dataset, agreement, forces
         As in :func:`trust`.
+
+    Returns
+    -------
+    EngineDifference or None
+        None with a single engine.
     """
     if agreement is None or forces is None:
-        return True
-    within = within_errors(forces.assign(deflection=agreement), dataset)
-    return all(bool(within[name].all()) for name in within)
+        return None
+    gaps, errors = forces.assign(deflection=agreement), errors_together(dataset)
+    apart, allowed, of = list[float](), list[float](), list[str]()
+    for name in gaps:
+        gap, error = xr.align(gaps[name], errors[name], join="left")
+        apart += np.ravel(gap).tolist()
+        allowed += np.ravel(error).tolist()
+        what = str(name).replace("_", " ")
+        labels = [f"{what} of {label}" for dim in gap.dims for label in gap[dim].values]
+        of += labels or [what]
+    return EngineDifference.least_explained(apart, allowed, of)
 
 
 def disagreement(
     dataset: xr.Dataset, agreement: xr.DataArray | None, forces: xr.Dataset | None
 ) -> tuple[str, ...]:
-    """What to do where the engines' deflections differ by more than their errors; or nothing.
+    """What to do where the engines differ by more than their errors, and by much; or nothing.
 
     Parameters
     ----------
     dataset, agreement, forces
         As in :func:`trust`.
     """
-    agree = engines_agree(dataset, agreement, forces)
-    if not worth_a_warning(_apart(agreement, forces), agree=agree):
+    found = engine_difference(dataset, agreement, forces)
+    if found is None or not found.worth_a_warning:
         return ()
-    return (agreement_line(agreement, dataset),)
+    lines = (agreement_line(agreement, dataset), *force_agreement_lines(forces, dataset))
+    return tuple(line.said for line in lines if not line.explained)

@@ -347,9 +347,9 @@ class Response(Result):
             *words.stress_lines(data),
             *words.shaft_lines(data),
             *words.spectrogram_lines(data),
-            *force_agreement_lines(forces, data),
+            *(line.said for line in force_agreement_lines(forces, data)),
             *data.attrs["environment_lines"].splitlines(),
-            agreement_line(agreement, data),
+            agreement_line(agreement, data).said,
         )
         return Summary(
             (

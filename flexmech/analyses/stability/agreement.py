@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -11,7 +12,7 @@ import xarray as xr
 from flexmech.analyses.beam_theory import theory_reason
 from flexmech.analyses.remarks import speed_text, speed_unit
 from flexmech.analyses.stability.words import edge_error
-from flexmech.analyses.trust import worth_a_warning
+from flexmech.analyses.trust import EngineDifference
 from flexmech.units import from_si
 
 
@@ -33,8 +34,8 @@ def verdict(dataset: xr.Dataset) -> str:
     )
 
 
-def engines_apart(dataset: xr.Dataset) -> tuple[float, bool]:
-    """Greatest relative difference of two engines' edges, and whether their errors explain it.
+def engine_difference(dataset: xr.Dataset) -> EngineDifference | None:
+    """That of two engines' edges of bands which their errors explain least.
 
     Parameters
     ----------
@@ -43,23 +44,26 @@ def engines_apart(dataset: xr.Dataset) -> tuple[float, bool]:
 
     Returns
     -------
-    apart : float
-        Not a number where there is nothing to compare.
-    agree : bool
-        False also where one engine has a band that the other has not.
+    EngineDifference or None
+        Not a number where one engine has a band that the other has not; None where there is
+        nothing to compare.
     """
     names = [str(name) for name in dataset["engine"].values]
     if len(names) < 2:
-        return float("nan"), True
+        return None
     pairs, alone = _pairs_of_bands(dataset, names)
-    worst, agree = float("nan"), not alone
+    if alone:
+        return EngineDifference(math.nan, math.nan)
+    apart, allowed = [], []
     for one, two in pairs:
         for edge in ("lower", "upper"):
             first, second = (float(band[f"band_{edge}"]) for band in (one, two))
-            allowed = edge_error(one, edge) + edge_error(two, edge)
-            worst = float(np.fmax(worst, abs(second / first - 1)))
-            agree = agree and not abs(second - first) > allowed
-    return worst, agree
+            error = edge_error(one, edge) + edge_error(two, edge)
+            # Where the range of speeds cuts a band, nothing is known of its edge.
+            if math.isfinite(error):
+                apart.append(abs(second / first - 1))
+                allowed.append(abs(error / first))
+    return EngineDifference.least_explained(apart, allowed) if apart else None
 
 
 def disagreement(dataset: xr.Dataset) -> list[str]:
@@ -70,8 +74,8 @@ def disagreement(dataset: xr.Dataset) -> list[str]:
     dataset : xarray.Dataset
         Of a map.
     """
-    apart, agree = engines_apart(dataset)
-    if theory_reason(dataset.attrs) or not worth_a_warning(apart, agree=agree):
+    found = engine_difference(dataset)
+    if theory_reason(dataset.attrs) or found is None or not found.worth_a_warning:
         return []
     return [verdict(dataset)]
 

@@ -10,7 +10,7 @@ import xarray as xr
 from flexmech.analyses.digits import Quantity
 from flexmech.analyses.remarks import speed_text, speed_unit
 from flexmech.analyses.stability import words
-from flexmech.analyses.stability.agreement import engines_apart
+from flexmech.analyses.stability.agreement import engine_difference
 from flexmech.analyses.trust import trust_line
 from flexmech.units import from_si
 
@@ -120,8 +120,7 @@ def _known(dataset: xr.Dataset) -> str:
     names = [str(name) for name in dataset["engine"].values]
     found = numbers(dataset)
     known = [abs(one.error / one.value) for one in found if math.isfinite(one.error)]
-    apart, agree = engines_apart(dataset)
-    line = trust_line(names, max(known, default=math.nan), apart, agree=agree)
+    line = trust_line(names, max(known, default=math.nan), engine_difference(dataset))
     if known:
         return line.replace("numbers are", "edges of bands are", 1)
     error = float(np.nan_to_num(dataset["step_error"].values).max())
