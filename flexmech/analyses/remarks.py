@@ -11,6 +11,7 @@ from flexmech.analyses.beam_theory import theory_warnings
 from flexmech.analyses.requests import environment_of
 from flexmech.hygrothermal import Environment, inert_links, resin_retention, swollen_links
 from flexmech.mechanism import Mechanism
+from flexmech.plots.reading import speed_unit
 from flexmech.units import from_si
 
 
@@ -113,11 +114,6 @@ def warnings_of(attributes: Mapping[Any, Any]) -> tuple[str, ...]:
     """
     chosen = str(attributes.get(CHOSEN_DAMPING, "")).splitlines()
     return (*left_out_warnings(attributes), *chosen, *theory_warnings(attributes))
-
-
-def speed_unit(dataset: xr.Dataset) -> str:
-    """Unit in which a result speaks of crank speeds."""
-    return str(dataset.attrs.get("speed_unit", "rad/s"))
 
 
 def speed_text(speed: SupportsFloat, unit: str) -> str:

@@ -76,7 +76,7 @@ def speed_label(speed: float, unit: str = ANGULAR_SPEED.unit) -> str:
 
 
 def speed_unit(dataset: xr.Dataset) -> str:
-    """Unit in which the user reads crank speeds."""
+    """Unit in which a result speaks of crank speeds."""
     return str(dataset.attrs.get("speed_unit", ANGULAR_SPEED.unit))
 
 

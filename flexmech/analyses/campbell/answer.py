@@ -10,11 +10,11 @@ import xarray as xr
 
 from flexmech.analyses.campbell.crossings import ray
 from flexmech.analyses.digits import Quantity, rounded
-from flexmech.analyses.remarks import speed_text, speed_unit
+from flexmech.analyses.remarks import speed_text
 from flexmech.analyses.summary import Table
 from flexmech.analyses.trust import EngineDifference, trust_line
 from flexmech.arrays import FloatArray
-from flexmech.plots.reading import merged
+from flexmech.plots.reading import merged, speed_unit
 from flexmech.units import from_si
 
 PARTS = ("lowest_frequency", "mean_frequency", "highest_frequency")

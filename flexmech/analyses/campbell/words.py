@@ -6,8 +6,9 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_reason
-from flexmech.analyses.remarks import speed_text, speed_unit
+from flexmech.analyses.remarks import speed_text
 from flexmech.analyses.summary import Table
+from flexmech.plots.reading import speed_unit
 from flexmech.units import from_si
 
 

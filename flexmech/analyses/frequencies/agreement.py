@@ -11,9 +11,10 @@ import xarray as xr
 from flexmech.analyses.beam_theory import theory_reason
 from flexmech.analyses.frequencies.extremes import error_of_model
 from flexmech.analyses.frequencies.words import MOST_DECIMALS
-from flexmech.analyses.remarks import speed_text, speed_unit
+from flexmech.analyses.remarks import speed_text
 from flexmech.analyses.trust import EngineDifference, least_explained
 from flexmech.arrays import FloatArray
+from flexmech.plots.reading import speed_unit
 
 DIMS = ("engine", "crank_speed", "crank_angle", "mode")
 

@@ -11,8 +11,9 @@ from flexmech.analyses.frequencies import damping
 from flexmech.analyses.frequencies.agreement import engine_difference, verdict
 from flexmech.analyses.frequencies.changes import change_by_state, speed_change
 from flexmech.analyses.frequencies.extremes import error_of_model, known_error
-from flexmech.analyses.remarks import speed_text, speed_unit
+from flexmech.analyses.remarks import speed_text
 from flexmech.analyses.trust import trust_line
+from flexmech.plots.reading import speed_unit
 
 # Modes and speeds that have a place in the sentences: the table lists all of them.
 _MOST_MODES = 3

@@ -6,7 +6,8 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.digits import Quantity, percent, rounded
-from flexmech.analyses.remarks import speed_text, speed_unit
+from flexmech.analyses.remarks import speed_text
+from flexmech.plots.reading import speed_unit
 
 # Headings of the damping of critical, by variable.
 _HEADINGS = {"damping_ratio": "damping %", "strain_energy_damping": "strain-energy damping %"}

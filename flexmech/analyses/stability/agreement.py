@@ -10,9 +10,10 @@ import scipy.optimize
 import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_reason
-from flexmech.analyses.remarks import speed_text, speed_unit
+from flexmech.analyses.remarks import speed_text
 from flexmech.analyses.stability.words import edge_error
 from flexmech.analyses.trust import EngineDifference
+from flexmech.plots.reading import speed_unit
 from flexmech.units import from_si
 
 

@@ -8,10 +8,11 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.digits import Quantity
-from flexmech.analyses.remarks import speed_text, speed_unit
+from flexmech.analyses.remarks import speed_text
 from flexmech.analyses.stability import words
 from flexmech.analyses.stability.agreement import engine_difference
 from flexmech.analyses.trust import trust_line
+from flexmech.plots.reading import speed_unit
 from flexmech.units import from_si
 
 # Digits of damping ratios and growth rates.

@@ -9,9 +9,10 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.digits import plain
-from flexmech.analyses.remarks import speed_text, speed_unit
+from flexmech.analyses.remarks import speed_text
 from flexmech.analyses.stability.dataset import NO_EQUILIBRIUM, NOT_COMPUTED, PARTS
 from flexmech.analyses.summary import Table
+from flexmech.plots.reading import speed_unit
 from flexmech.units import from_si
 
 # Bands of an engine that are told in a sentence and in a row; of more, the fastest growing.
