@@ -161,7 +161,7 @@ def new(
 ) -> None:
     """Write a commented model file to start from: of a kind of linkage, or an example.
 
-    It is named after the file; an example keeps its name.
+    It is named after the file; an example keeps its name. A study's model is written beside it.
 
     Options
     -------
@@ -190,8 +190,14 @@ def new(
     else:
         text = example_model(start).read_text(encoding="utf-8")
     write_whole(file, text)
-    following = "sweep" if start == "study" else "check"
-    typer.echo(one_line(f"wrote {file}; next: flexmech {following} {file}"))
+    written, following = str(file), "check"
+    if start == "study":
+        following, model = "sweep", file.with_name(f"{studies.EXAMPLE_OF_A_STUDY}.toml")
+        # A study runs as it is written; a model file that is there is the user's own.
+        if not model.exists():
+            write_whole(model, example_model(model.stem).read_text(encoding="utf-8"))
+            written += f" and {model}, its model"
+    typer.echo(one_line(f"wrote {written}; next: flexmech {following} {file}"))
 
 
 def schema(out: options.OptionalPath = None) -> None:

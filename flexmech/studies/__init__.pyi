@@ -21,6 +21,7 @@ from .designs.study import Correlation as Correlation
 from .designs.study import Goal as Goal
 from .designs.study import Limit as Limit
 from .designs.study import Study as Study
+from .designs.study_file import EXAMPLE_OF_A_STUDY as EXAMPLE_OF_A_STUDY
 from .designs.study_file import load_study as load_study
 from .designs.study_file import new_study as new_study
 from .designs.sweep import DesignSweep as DesignSweep

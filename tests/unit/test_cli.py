@@ -70,6 +70,18 @@ def test_new_replaces_a_file_when_forced(tmp_path: Path) -> None:
     assert file.read_text(encoding="utf-8") == named(template("four-bar"))
 
 
+def test_a_new_study_runs_as_it_is_written(tmp_path: Path) -> None:
+    file, model = tmp_path / "study.toml", tmp_path / "aluminium_fourbar.toml"
+    written = run("new", "study", str(file)).stdout
+    assert f"wrote {file} and {model}, its model; next: flexmech sweep {file}" in written
+    assert run("sweep", str(file), "--no-plots", "--out", str(tmp_path / "out")).exit_code == 0
+    # A model of the same name is the user's own.
+    model.write_text("mine")
+    again = run("new", "study", str(file), "--force").stdout
+    assert f"wrote {file}; next" in again
+    assert model.read_text() == "mine"
+
+
 def test_schema_is_printed_or_written(tmp_path: Path) -> None:
     printed = run("schema")
     assert printed.exit_code == 0

@@ -146,6 +146,10 @@ def load_study(path: str | os.PathLike[str]) -> Study:
     return study_of(tables, mechanism, shown)
 
 
+EXAMPLE_OF_A_STUDY = "aluminium_fourbar"
+"""Name of the example that a new study file varies, beside which it stands."""
+
+
 def new_study() -> str:
     """A commented study file to start from, of the aluminium four-bar.
 
