@@ -18,7 +18,7 @@ from flexmech.linkages import (
     solved_run,
 )
 from flexmech.mechanism.mechanism import Mechanism
-from flexmech.mechanism.shaft_load import ShaftLoad
+from flexmech.mechanism.shaft_load import RigidLinkageLoad
 from flexmech.validation import POSITIVE, check_instance, check_number
 
 
@@ -62,7 +62,7 @@ def motor_run(
     if revolutions is not None:
         check_number(revolutions, "revolutions", "", POSITIVE)
     train = DriveTrain(own.driven_by)
-    equation = ShaftEquation(ShaftLoad(mechanism), mechanism.shaft_inertia, train)
+    equation = ShaftEquation(RigidLinkageLoad(mechanism), mechanism.shaft_inertia, train)
     return solved_run(equation, own, revolutions)
 
 

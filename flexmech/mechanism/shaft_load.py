@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linkages import Load, assemblable
+from flexmech.linkages import Load, ShaftLoad, assemblable
 from flexmech.mechanism.mechanism import Mechanism
 
 # Of the splines. At 256 knots the error of a smooth linkage is 1e-10, with the sixth power of them.
@@ -32,7 +32,7 @@ _OWN = 5
 _DEGREES = np.radians(np.arange(360.0))
 
 
-class ShaftLoad:
+class RigidLinkageLoad(ShaftLoad):
     """Inertia, and torque without acceleration, of a mechanism's rigid linkage.
 
     Parameters
@@ -67,30 +67,10 @@ class ShaftLoad:
         """Whether a load goes over time."""
         return any(load.over == "time" for load in self._tables)
 
-    def inertia(self, angle: ArrayLike) -> FloatArray:
-        """Inertia reduced to the crank in kg m^2 at crank angles in rad; (...) -> (...)."""
-        return self.parts(angle, 0.0, 0.0)[0]
-
-    def needed(self, angle: ArrayLike, speed: ArrayLike, time: ArrayLike) -> FloatArray:
-        """Torque without acceleration in N m at crank angles, speeds and times; (...).
-
-        Parameters
-        ----------
-        angle, speed, time : array_like, shape (...)
-            In rad, rad/s and s.
-        """
-        return self.parts(angle, speed, time)[1]
-
     def parts(
         self, angle: ArrayLike, speed: ArrayLike, time: ArrayLike
     ) -> tuple[FloatArray, FloatArray]:
-        """Both of :meth:`inertia` and :meth:`needed` at crank angles, speeds and times; (...).
-
-        Parameters
-        ----------
-        angle, speed, time : array_like, shape (...)
-            In rad, rad/s and s.
-        """
+        """By the splines, and the tables of loads."""
         at, omega = np.asarray(angle, dtype=float), np.asarray(speed, dtype=float)
         turns, count = at / _TURN, len(self._pieces)
         place = (turns - np.floor(turns)) * count

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,15 +14,29 @@ from flexmech.linkages.motors.drive_train import DriveTrain
 from flexmech.linkages.motors.turn_series import TurnSeries
 
 
-class ShaftLoad(Protocol):
+class ShaftLoad(ABC):
     """What a rigid linkage asks of its shaft."""
 
     @property
+    @abstractmethod
     def over_time(self) -> bool:
         """Whether a load goes over time, so that no turn is like another."""
 
+    @abstractmethod
+    def parts(
+        self, angle: ArrayLike, speed: ArrayLike, time: ArrayLike
+    ) -> tuple[FloatArray, FloatArray]:
+        """Both of :meth:`inertia` and :meth:`needed` at crank angles, speeds and times; (...).
+
+        Parameters
+        ----------
+        angle, speed, time : array_like, shape (...)
+            In rad, rad/s and s.
+        """
+
     def inertia(self, angle: ArrayLike) -> FloatArray:
         """Inertia reduced to the crank in kg m^2 at crank angles in rad; (...) -> (...)."""
+        return self.parts(angle, 0.0, 0.0)[0]
 
     def needed(self, angle: ArrayLike, speed: ArrayLike, time: ArrayLike) -> FloatArray:
         """Torque without acceleration in N m at crank angles, speeds and times; (...).
@@ -32,21 +46,11 @@ class ShaftLoad(Protocol):
         angle, speed, time : array_like, shape (...)
             In rad, rad/s and s.
         """
-
-    def parts(
-        self, angle: ArrayLike, speed: ArrayLike, time: ArrayLike
-    ) -> tuple[FloatArray, FloatArray]:
-        """Both at once.
-
-        Parameters
-        ----------
-        angle, speed, time : array_like, shape (...)
-            In rad, rad/s and s.
-        """
+        return self.parts(angle, speed, time)[1]
 
 
 @dataclass(frozen=True, eq=False)
-class AddedTorque:
+class AddedTorque(ShaftLoad):
     """A load of the shaft, and one more torque that goes over the crank angle.
 
     Parameters
@@ -65,30 +69,10 @@ class AddedTorque:
         """As the load."""
         return self.load.over_time
 
-    def inertia(self, angle: ArrayLike) -> FloatArray:
-        """As the load."""
-        return self.load.inertia(angle)
-
-    def needed(self, angle: ArrayLike, speed: ArrayLike, time: ArrayLike) -> FloatArray:
-        """Torque without acceleration in N m at crank angles, speeds and times; (...).
-
-        Parameters
-        ----------
-        angle, speed, time : array_like, shape (...)
-            In rad, rad/s and s.
-        """
-        return self.parts(angle, speed, time)[1]
-
     def parts(
         self, angle: ArrayLike, speed: ArrayLike, time: ArrayLike
     ) -> tuple[FloatArray, FloatArray]:
-        """Both at once.
-
-        Parameters
-        ----------
-        angle, speed, time : array_like, shape (...)
-            In rad, rad/s and s.
-        """
+        """As the load, and the other torque."""
         inertia, needed = self.load.parts(angle, speed, time)
         return inertia, needed + self.torque(angle)
 
