@@ -20,12 +20,14 @@ from flexmech import (
     Mechanism,
     PointMass,
     ReferenceEngine,
+    load_mechanism,
 )
 from flexmech.analyses.response.compute import response
 from flexmech.analyses.response.measurements import deflections
 from flexmech.analyses.response.plan import lowest_axial_frequency
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.linkages import ConstantSpeed
+from flexmech.modelfile import new_file
 from flexmech.time_domain import DrivenLinkage, LinkState, UnbalancedStepError, linear_run
 from tests.random_mechanisms import random_case
 
@@ -150,6 +152,22 @@ def test_more_random_mechanisms(seed):
     agreement = run.force_agreement()
     assert float(agreement["peak_joint_force"].max()) < 2e-2
     assert float(agreement["peak_driving_torque"]) < 2e-2
+
+
+@pytest.mark.thorough
+def test_the_error_told_of_vibration_that_has_run_out_of_phase_is_a_bound(tmp_path):
+    """In four turns of an undamped press the third frequency of the rod swings 850 times.
+
+    Exudyn's extrapolated run is 5 % off there; a third of what halving its steps changes is 1.8 %.
+    """
+    sizes = {"crank": "40 mm", "rod": "160 mm", "offset": "0 mm", "mass": "0.15 kg"}
+    file = tmp_path / "press.toml"
+    file.write_text(new_file("slider-crank", "press", {**sizes, "speed": "1500 rpm"}))
+    engines = [kind(load_mechanism(file)) for kind in (ReferenceEngine, ExudynEngine)]
+    run = response(engines, ResponseRequest(ConstantSpeed(1500 * np.pi / 30)))
+    assert float(run.agreement().max()) > 0.03
+    assert run.within_errors().to_array().all()
+    assert run.dataset["step_error_of_deflection"].sel(link="rod").max() < 0.1
 
 
 def test_peaks_in_the_band_converge_with_the_step(aluminium):

@@ -71,8 +71,9 @@ def steps_of(monkeypatch, error, *, stretches=False, unbalanced=0, band=0.1):
             raise run.UnbalancedStepError("no balance")
         return Off(step, error(step))
 
-    def apart(first, finer, drive):
-        return run.RunError(abs(first[1].error - finer[1].error), {})
+    def apart(first, finer, drive, left):
+        part = 1.0 if left is None else left.part
+        return run.RunError(part * abs(first[1].error - finer[1].error), {})
 
     monkeypatch.setattr(run, "_run", taken)
     monkeypatch.setattr(run, "_difference", apart)
@@ -98,11 +99,44 @@ def test_runs_are_halved_until_one_of_two_estimates_is_below_two_hundredths(monk
     assert len(steps_of(monkeypatch, lambda step: 80 * step**2 + 1600 * step**4)[0]) == 4
 
 
-def test_of_a_history_that_steps_do_not_show_all_of_the_change_is_left():
-    changes = {"deflection": np.array([0.09, 0.12])}
-    error = run.RunError(0.03, changes).remaining(1 / 3)
-    assert error.linkage == pytest.approx(0.01)
-    assert error.of["deflection"] == pytest.approx([0.03, 0.12])
+@pytest.mark.parametrize(("stretches", "order"), [(False, 2), (True, 4)])
+def test_of_a_vibration_that_is_out_of_phase_more_than_all_of_the_change_is_left(
+    monkeypatch, stretches, order
+):
+    """Extrapolated from two runs that lag: a slow one is nearly mended, a fast one is worse."""
+    step, duration = 1e-3, 2.0
+    time, kinds = np.linspace(0.0, duration, 8001), ("deflection", "stress", "force", "torque")
+    left = run.Left.by_halving(step, duration, stretches=stretches)
+    frozen = SimpleNamespace(topology=SimpleNamespace(links=()))
+    engine = SimpleNamespace(mechanism=SimpleNamespace(linkage=frozen))
+    monkeypatch.setattr(run, "_histories", lambda engine, own, drive: own.histories)
+
+    def off(frequency):
+        """True error of the extrapolated run, told error, and a part of the change."""
+        rate = 2 * np.pi * frequency
+        curves = [
+            np.cos(rate * (1 - run.step_lag(rate * h, stretches=stretches)) * time)
+            for h in (step, step / 2)
+        ]
+        limit = curves[1] + (curves[1] - curves[0]) / (2**order - 1)
+        runs = [
+            SimpleNamespace(
+                histories=dict.fromkeys(kinds, (curve[:, None, None], np.ones(1))),
+                time=time,
+                peak_joint_force=np.ones(1),
+                peak_driving_torque=1.0,
+            )
+            for curve in curves
+        ]
+        error = run._difference((engine, runs[0]), (engine, runs[1]), None, left)
+        true = np.abs(limit - np.cos(rate * time)).max()
+        return true, float(error.of["deflection"][0]), np.abs(curves[1] - curves[0]).max()
+
+    true, told, changed = off(0.5 * left.resolved)
+    # The filter knows nothing beyond the end of the run.
+    assert true < told < 1.3 * left.part * changed
+    true, told, changed = off(4 * left.resolved)
+    assert changed < true < told == pytest.approx(left.fast * changed, rel=0.05)
 
 
 def test_steps_show_the_band_of_forces(monkeypatch):

@@ -16,6 +16,7 @@ from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.start import linear_start, simulation_start
 from flexmech.analyses.response.stresses import greatest_stresses
 from flexmech.arrays import ROUND_OFF, FloatArray, LabelledProgress, StepProgress
+from flexmech.dynamical_systems import LowPass
 from flexmech.dynamical_systems.lobatto import STAGES
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
@@ -30,6 +31,7 @@ from flexmech.time_domain import (
     is_reduced,
     linear_run,
     simulator,
+    step_lag,
     stretches_in_runs,
 )
 
@@ -52,9 +54,10 @@ _ORDER, _ORDER_WHERE_LINKS_STRETCH = 2, 4
 # fast for the steps. Where links stretch fast motion is resolved last: 0.1 to 1.2 were left of
 # deflections and 0.1 to 0.9 of joint forces, in runs of random mechanisms.
 _LEFT, _LEFT_WHERE_LINKS_STRETCH = 1 / 3, 2 / 3
-# A history that halving changes by more than this part of its peak is too fast for the steps: of
-# the change nothing is sure to have gone.
-_UNRESOLVED = 0.1
+# A vibration that has run out of phase by so much in the longer of two steps, in rad, is not
+# resolved: extrapolation from the two does not mend it. Up to twice as much, a third of what
+# halving changes is a bound.
+_OUT_OF_PHASE = 1.0
 # Forces below this part of the greatest are the round-off of none.
 _NO_FORCE = 1e-9
 
@@ -68,8 +71,8 @@ class RunError:
     Parameters
     ----------
     linkage : float
-        Of the deflections of all links, over the greatest peak among them: what a step is
-        chosen by.
+        Of the deflections of all links, over the greatest peak among them, fast or not: what a step
+        is chosen by.
     of : dict of str to ndarray
         ``deflection`` and ``peak_deflection``, ``stress`` and ``peak_stress`` of each link
         (n_links,), ``force`` and ``peak_force`` of each joint (n_joints,), ``torque`` and
@@ -84,14 +87,47 @@ class RunError:
         of = {name: factor * value for name, value in self.of.items()}
         return RunError(factor * self.linkage, of)
 
-    def remaining(self, left: float) -> RunError:
-        """What is left of these changes by a halving: a part, or all where it is not resolved."""
 
-        def of(change: FloatArray) -> FloatArray:
-            return np.where(change > _UNRESOLVED, change, left * change)
+@dataclass(frozen=True)
+class Left:
+    """What an error is, over a change of the histories.
 
-        values = {name: of(value) for name, value in self.of.items()}
-        return RunError(float(of(np.array(self.linkage))), values)
+    Parameters
+    ----------
+    part : float
+        Of the change.
+    fast : float
+        Of what the change has of vibration that is faster than ``resolved``.
+    resolved : float
+        In Hz.
+    """
+
+    part: float = 1.0
+    fast: float = 1.0
+    resolved: float = np.inf
+
+    @classmethod
+    def by_halving(cls, step: float, duration: float, *, stretches: bool) -> Left:
+        """What is left of the change by halving a step, by extrapolation from both.
+
+        A vibration that is out of phase in both runs, each by any angle, is off by up to
+        ``2^p / (2^p - 1)`` of the greatest change, with the order p of the method.
+
+        Parameters
+        ----------
+        step : float
+            The longer one, in s.
+        duration : float
+            Of the run in s, in which a vibration runs out of phase.
+        stretches : bool
+            Whether the method is that of links that stretch.
+        """
+        order = _ORDER_WHERE_LINKS_STRETCH if stretches else _ORDER
+        part = _LEFT_WHERE_LINKS_STRETCH if stretches else _LEFT
+        # The phase goes with the power p + 1 of the frequency.
+        phase = duration / step * step_lag(1.0, stretches=stretches)
+        resolved = (_OUT_OF_PHASE / phase) ** (1 / (order + 1)) / (2 * np.pi * step)
+        return cls(part, 2**order / (2**order - 1), resolved)
 
 
 @dataclass(frozen=True)
@@ -150,8 +186,8 @@ def run_engine(
         progress = partial(report, engine.name)
         return _run(engine, request, plan, step, progress, detail, passes)
 
-    def difference(first: Trajectory, second: Trajectory) -> RunError:
-        return _difference((engine, first), (engine, second), request.drive)
+    def difference(first: Trajectory, second: Trajectory, left: Left | None = None) -> RunError:
+        return _difference((engine, first), (engine, second), request.drive, left)
 
     def judged(trajectory: Trajectory, plain: Trajectory, step_error: RunError) -> EngineRun:
         reduction_error = difference(plain, plain)
@@ -167,22 +203,27 @@ def run_engine(
     interval = float(plan.time[1] - plan.time[0])
     fastest = max(_STEPS_PER_PERIOD * plan.highest, _STEPS_PER_BAND * plan.band)
     stretches = stretches_in_runs(engine, request.prestress)
+    duration = float(plan.time[-1] - plan.time[0])
+    near_enough = partial(
+        _extrapolated, engine, run, difference, duration=duration, stretches=stretches
+    )
     step = interval / np.ceil(interval * fastest)
     for _ in range(_MOST_HALVINGS):
         try:
-            return judged(*_extrapolated(engine, run, difference, step, stretches=stretches))
+            return judged(*near_enough(step))
         except UnbalancedStepError:
             step /= 2
             logger.info("%s: no balance in a step; begins with %.3g s", engine.name, step)
-    return judged(*_extrapolated(engine, run, difference, step, stretches=stretches))
+    return judged(*near_enough(step))
 
 
 def _extrapolated(
     engine: Engine,
     run: Callable[[float], Trajectory],
-    difference: Callable[[Trajectory, Trajectory], RunError],
+    difference: Callable[[Trajectory, Trajectory, Left], RunError],
     step: float,
     *,
+    duration: float,
     stretches: bool,
 ) -> tuple[Trajectory, Trajectory, RunError]:
     """The first run, extrapolated from two steps, that is near enough.
@@ -195,17 +236,17 @@ def _extrapolated(
         With the greater one of its steps.
     RunError
         Estimated: a part of what halving the step has changed, of the run or, where that is less,
-        of the extrapolated one.
+        of the extrapolated one. What is not resolved is told, and no shorter step is sought for it.
     """
     order = _ORDER_WHERE_LINKS_STRETCH if stretches else _ORDER
-    left = _LEFT_WHERE_LINKS_STRETCH if stretches else _LEFT
     coarse, before = run(step), None
     for _ in range(_MOST_HALVINGS + 1):
         fine = run(coarse.step / 2)
         found = fine.extrapolated(coarse, order)
-        errors = [difference(coarse, fine).remaining(left)]
+        left = Left.by_halving(coarse.step, duration, stretches=stretches)
+        errors = [difference(coarse, fine, left)]
         if before is not None:
-            errors.append(difference(before, found).remaining(left))
+            errors.append(difference(before, found, left))
         error = min(errors, key=lambda each: each.linkage)
         if error.linkage <= _STEP_TOLERANCE:
             return found, coarse, error
@@ -247,9 +288,16 @@ def mesh_error(
 
 
 def _difference(
-    first: tuple[Engine, Trajectory], finer: tuple[Engine, Trajectory], drive: Drive
+    first: tuple[Engine, Trajectory],
+    finer: tuple[Engine, Trajectory],
+    drive: Drive,
+    left: Left | None = None,
 ) -> RunError:
-    """Greatest differences over the peaks; round-off of what is nothing is none."""
+    """Greatest differences over the peaks, or what is left of them; none of round-off of nothing.
+
+    Peaks of histories whose fast parts are not resolved are off by as much as these.
+    """
+    left = Left() if left is None else left
     before, after = _histories(*first, drive), _histories(*finer, drive)
     engine, second = finer
     extent = sum(link.length for link in engine.mechanism.linkage.topology.links)
@@ -268,11 +316,14 @@ def _difference(
     linkage = 0.0
     for name, scale in scales.items():
         (was, reached), (now, reaches) = before[name], after[name]
-        apart = _sizes(now - was).max(axis=0)
+        change = now - was
+        fast = (left.fast - left.part) * _faster(change, second.time, left.resolved)
+        apart = _sizes(left.part * change + fast).max(axis=0)
         higher = np.maximum(np.abs(reaches - reached), _at_peaks(_sizes(was), _sizes(now)))
-        errors |= {name: apart / scale, f"peak_{name}": higher / scale}
+        peak = left.part * higher + _sizes(fast).max(axis=0)
+        errors |= {name: apart / scale, f"peak_{name}": peak / scale}
         if name == "deflection":
-            linkage = float(apart.max() / scale.max())
+            linkage = float(left.part * _sizes(change).max() / scale.max())
     return RunError(linkage, errors)
 
 
@@ -291,6 +342,16 @@ def _histories(
         moved = run.frame.displacement[:, None, :2]
         found["frame"] = moved, _sizes(moved).max(axis=0)
     return found
+
+
+def _faster(history: FloatArray, time: FloatArray, frequency: float) -> FloatArray:
+    """What histories (N, k, components) have of vibration faster than a frequency in Hz."""
+    smooth = LowPass(frequency, float(time[1] - time[0]))
+    if not smooth.half:
+        return np.zeros_like(history)
+    columns = history.reshape(len(history), -1)
+    slow = np.concatenate([smooth.add(columns), smooth.finish()])
+    return np.asarray(history - slow.reshape(history.shape))
 
 
 def _sizes(history: FloatArray) -> FloatArray:
