@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
@@ -167,15 +167,23 @@ class Result(ABC):
                 path(f"{name}.csv").write_text(text, encoding="utf-8", newline="\n")
             for name, dataset in self.datasets().items():
                 path(f"{name}.nc").write_bytes(netcdf_bytes(dataset, attributes))
-            with warnings.catch_warnings(), plots.page_width(PAGE_WIDTHS[width]):
-                # Letters of a name that the typeface lacks are shown as boxes.
-                warnings.filterwarnings("ignore", "Glyph .* missing", UserWarning)
-                for name, figure in self.figures().items() if figures else ():
-                    for each in dict.fromkeys(formats):
-                        plots.save_figure(figure, path(f"{name}.{each}"), dpi=DOTS_PER_INCH)
+            # Without pictures matplotlib is not loaded: that takes a third of a second.
+            if figures:
+                self._draw(formats, width, path)
             for name, text in self.texts().items():
                 path(name).write_text(text, encoding="utf-8", newline="\n")
         return [folder / name for name in names]
+
+    def _draw(
+        self, formats: Sequence[PictureFormat], width: PageWidth, path: Callable[[str], Path]
+    ) -> None:
+        """Write the pictures in all formats, each where the path of its name is."""
+        with warnings.catch_warnings(), plots.page_width(PAGE_WIDTHS[width]):
+            # Letters of a name that the typeface lacks are shown as boxes.
+            warnings.filterwarnings("ignore", "Glyph .* missing", UserWarning)
+            for name, figure in self.figures().items():
+                for each in dict.fromkeys(formats):
+                    plots.save_figure(figure, path(f"{name}.{each}"), dpi=DOTS_PER_INCH)
 
     def _written(self, name: str, table: pd.DataFrame) -> pd.DataFrame:
         """A table whose columns with digits of their own are texts; not a number is nothing."""

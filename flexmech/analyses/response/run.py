@@ -190,7 +190,7 @@ def run_engine(
         return _difference((engine, first), (engine, second), request.drive, left)
 
     def judged(trajectory: Trajectory, plain: Trajectory, step_error: RunError) -> EngineRun:
-        reduction_error = difference(plain, plain)
+        reduction_error = step_error * 0.0
         if not engine.simulates and is_reduced(engine):
             finer = run(plain.step, 2 * DETAIL)
             reduction_error = difference(plain, finer)

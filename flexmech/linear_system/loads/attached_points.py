@@ -97,8 +97,9 @@ class AttachedPoint:
         angle = motion.angle[:, self.link]
         if self.rigid and q is not None:
             torque = torque * np.cos(q[:, 2])
-        along = np.sum(force * direction(angle), axis=1)
-        across = np.sum(force * normal(angle), axis=1)
+        cosine, sine = np.cos(angle), np.sin(angle)
+        along = cosine * force[:, 0] + sine * force[:, 1]
+        across = cosine * force[:, 1] - sine * force[:, 0]
         return np.asarray(np.stack([along, across, torque], axis=1) @ self.rows)
 
     def virial(
@@ -152,9 +153,7 @@ class AttachedPoint:
 
     def displacement(self, motion: RigidMotion, q: FloatArray) -> FloatArray:
         """Displacement in ground axes and rotation, (B, 3), at coordinates (B, n_link)."""
-        moved, angle = q @ self.rows.T, motion.angle[:, self.link]
-        ground = moved[:, :1] * direction(angle) + moved[:, 1:2] * normal(angle)
-        return np.concatenate([ground, moved[:, 2:]], axis=1)
+        return self._in_ground_axes(motion, q)[0]
 
     def displacement_rate(self, motion: RigidMotion, q: FloatArray, rate: FloatArray) -> FloatArray:
         """Time derivative of :meth:`displacement`.
@@ -170,7 +169,7 @@ class AttachedPoint:
         -------
         ndarray, shape (B, 3)
         """
-        moved, found = self.displacement(motion, q), self.displacement(motion, rate)
+        moved, found = self._in_ground_axes(motion, q, rate)
         speed = motion.angular_velocity[:, self.link]
         found[:, 0] -= speed * moved[:, 1]
         found[:, 1] += speed * moved[:, 0]
@@ -197,6 +196,17 @@ class AttachedPoint:
             turn = q[:, 2:3]
             back = (speed + rate[:, 2:3]) * (normal(angle + q[:, 2]) - normal(angle))
             found[:, :2] += self.x * (back + speed * turn * direction(angle))
+        return found
+
+    def _in_ground_axes(self, motion: RigidMotion, *parts: FloatArray) -> list[FloatArray]:
+        """Displacement and rotation, or rates of them, (B, 3), at each of some (B, n_link)."""
+        angle = motion.angle[:, self.link]
+        cosine, sine = np.cos(angle), np.sin(angle)
+        found = []
+        for part in parts:
+            along, across, turned = (part @ self.rows.T).T
+            x, y = cosine * along - sine * across, sine * along + cosine * across
+            found.append(np.stack([x, y, turned], axis=1))
         return found
 
 

@@ -68,19 +68,17 @@ class JoinedEnd:
 
     def arm(self, position: Any) -> tuple[float, float]:
         """From the node to the point, in m."""
-        if not (self.lever[0] or self.lever[1]):
-            return 0.0, 0.0
         angle, (x, y) = self.angle(position), self.lever
         cosine, sine = math.cos(angle), math.sin(angle)
         return cosine * x - sine * y, sine * x + cosine * y
 
     def place(self, position: Any) -> tuple[float, float]:
         """Where the point is, in m."""
-        x, y = self.arm(position)
-        return (
-            position[self.first] + self.node[0] + x,
-            position[self.first + 1] + self.node[1] + y,
-        )
+        x, y = position[self.first] + self.node[0], position[self.first + 1] + self.node[1]
+        if not (self.lever[0] or self.lever[1]):
+            return x, y
+        along, across = self.arm(position)
+        return x + along, y + across
 
     def place_row(self, position: Any, row: Any, x: float, y: float) -> None:
         """Add the derivative of the place's part along a vector to a row.
@@ -272,7 +270,7 @@ class LineGap:
         return math.cos(angle), math.sin(angle), own[0] - x, own[1] - y
 
 
-@dataclass(frozen=True)
+@dataclass
 class ClosedJoints:
     """All joints of a linkage, closed after every step.
 
@@ -289,6 +287,12 @@ class ClosedJoints:
     gaps: list[PlaceGap | AngleGap | LineGap]
     axis: JoinedEnd | None = None
 
+    def __post_init__(self) -> None:
+        """Begin without an answer to gaps: the least change, as it was found last."""
+        self._answer: Any = None
+        # Angle of the hub in rad at which it was found.
+        self._answer_turn = math.inf
+
     def correct_coordinates(self, position: Any, t: float) -> None:
         """Correct the system's coordinates, in place; the hub's angle comes last.
 
@@ -297,20 +301,18 @@ class ClosedJoints:
         """
         turn = self.shaft.hub_angle(position, t)
         position[-1] = turn
-        # The answer to gaps, and the hub's angle at which it was found: to seek it
-        # takes three times as long as to see how far the joints are open.
-        kept = vars(self).setdefault("_kept", {})
         for _ in range(3):
             # Floats of Python are twice as fast here as those of an array.
             values = position.tolist()
             gap = [part for each in self.gaps for part in each.gap(values, turn)]
-            greatest = max(map(abs, gap))
+            greatest = max(max(gap), -min(gap))
             if greatest < 1e-15:
                 break
             small = greatest < 1e-9
-            if not small or abs(turn - kept.get("turn", math.inf)) > 0.01:
-                kept.update(turn=turn, answer=self._least_change(values))
-            position -= kept["answer"] @ gap
+            # To seek the answer takes longer than to see how far the joints are open.
+            if not small or abs(turn - self._answer_turn) > 0.01:
+                self._answer, self._answer_turn = self._least_change(values), turn
+            position -= self._answer.dot(gap)
             if small:
                 break
         if self.axis is not None:
@@ -319,11 +321,11 @@ class ClosedJoints:
 
     def _least_change(self, position: Any) -> Any:
         """Least change of coordinates that makes each gap grow by one, (size, gaps)."""
-        size = len(position)
-        rows = [np.zeros((len(each.gap(position, 0.0)), size)) for each in self.gaps]
-        for each, own in zip(self.gaps, rows, strict=True):
-            each.add_rows(position, own)
-        gradient = np.concatenate(rows)
+        count = sum(len(each.gap(position, 0.0)) for each in self.gaps)
+        gradient, first = np.zeros((count, len(position))), 0
+        for each in self.gaps:
+            each.add_rows(position, gradient[first:])
+            first += len(each.gap(position, 0.0))
         return np.linalg.solve(gradient @ gradient.T, gradient).T
 
     def after_step(self, mbs: Any, t: float) -> bool:

@@ -182,7 +182,8 @@ class StretchForces:
     Attributes
     ----------
     place, rate : ndarray, shape (m, p)
-        Augmented coordinates of the instants and their rates times H, set by the caller.
+        Augmented coordinates of the instants and their rates times H, set by the caller. Rates
+        count where stretching is damped.
     second : ndarray, shape (m, s)
         The last second-order tensions.
     """
@@ -191,20 +192,31 @@ class StretchForces:
         strains, slopes = stretch.weights.shape
         self._both = np.concatenate([stretch.gradient, stretch.slopes])
         self._strains_and_slopes = np.ascontiguousarray(self._both.T)
-        self._weights, self._spread = np.ascontiguousarray(stretch.weights.T), stretch.weights
-        self._half = self._weights / 2
+        self._spread = stretch.weights
         self._times = stretch.damping_time / step if stretch.is_damped else None
-        self.place, self.rate = np.zeros((2, count, stretch.size))
-        self._pulled, self._pulled_rate, self._load = np.empty((3, count, strains + slopes))
-        self._linear, self._slopes = self._pulled[:, :strains], self._pulled[:, strains:]
-        self._linear_rate = self._pulled_rate[:, :strains]
-        self._slope_rates = self._pulled_rate[:, strains:]
-        self.second, self._tension, self._tension_rate = np.empty((3, count, strains))
+        # Places and rates side by side: one product gives the strains and slopes of both.
+        kinds = 1 if self._times is None else 2
+        state = np.zeros((count, kinds, stretch.size))
+        self.place = state[:, 0]
+        self.rate = np.zeros((count, stretch.size)) if self._times is None else state[:, 1]
+        self._state = state.reshape(count * kinds, -1)
+        pulled = np.empty((count, kinds, strains + slopes))
+        self._pulled = pulled.reshape(count * kinds, -1)
+        self._linear, self._linear_rate = pulled[:, 0, :strains], pulled[:, -1, :strains]
+        self._slopes, self._slopes_and_rates = pulled[:, 0, strains:], pulled[..., strains:]
+        # Squares of slopes and, beside them, slopes times their rates: what both pull along.
+        self._squares, self._by_slope = np.empty((count, kinds, slopes)), self._slopes[:, None]
+        self._flat_squares = self._squares.reshape(count, -1)
+        along = np.ascontiguousarray(stretch.weights.T)
+        halved = [along / 2] if self._times is None else [along / 2, along * self._times]
+        self._by_squares = np.concatenate(halved)
+        self._load = np.empty((count, strains + slopes))
+        self.second, self._tension, self._damped = np.empty((3, count, strains))
         self._change, self._relaxed = np.empty((2, count * strains))
         self._changes, self._relaxations = (
             flat.reshape(count, strains) for flat in (self._change, self._relaxed)
         )
-        self._square, self._spread_tension = np.empty((2, count, slopes))
+        self._spread_tension = np.empty((count, slopes))
         self._along, self._across = self._load[:, :strains], self._load[:, strains:]
         self._force = np.empty((count, stretch.size))
 
@@ -224,12 +236,13 @@ class StretchForces:
         -------
         ndarray, shape (m, p)
         """
-        self.place.dot(self._strains_and_slopes, self._pulled)
-        np.multiply(self._slopes, self._slopes, self._square)
-        self._square.dot(self._half, self.second)
+        self._state.dot(self._strains_and_slopes, self._pulled)
+        np.multiply(self._slopes_and_rates, self._by_slope, self._squares)
+        self._flat_squares.dot(self._by_squares, self.second)
         np.add(self._linear, self.second, self._tension)
         if self._times is not None:
-            self._add_damping(self._times)
+            np.multiply(self._linear_rate, self._times, self._damped)
+            np.add(self._tension, self._damped, self._tension)
         if relaxation is not None and second is not None:
             np.subtract(self.second, second, self._changes)
             relaxation.dot(self._change, self._relaxed)
@@ -258,13 +271,3 @@ class StretchForces:
             return elastic, np.zeros_like(elastic)
         time = self._times[:, None]
         return elastic, turned @ (time * own) - gradient.T @ (time * gradient)
-
-    def _add_damping(self, times: FloatArray) -> None:
-        self.rate.dot(self._strains_and_slopes, self._pulled_rate)
-        np.multiply(self._slopes, self._slope_rates, self._square)
-        self._square.dot(self._weights, self._tension_rate)
-        np.multiply(self._tension_rate, times, self._tension_rate)
-        np.add(self.second, self._tension_rate, self.second)
-        np.add(self._tension, self._tension_rate, self._tension)
-        np.multiply(self._linear_rate, times, self._tension_rate)
-        np.add(self._tension, self._tension_rate, self._tension)

@@ -187,51 +187,53 @@ class StretchMarch:
     ) -> tuple[FloatArray, float]:
         """History of :meth:`_block`, and greatest change of positions by the last pass."""
         forces, size, width = self._forces, start.shape[1], self._stretch.size
-        turns, rates = rows.turns.turn, 2 * self._step * rows.turns.rate
-        steps, ends = len(turns), slice(self._stretch.end_count)
+        steps, ends = len(rows.force), slice(self._stretch.end_count)
+        turns = np.swapaxes(rows.turns.turn, 2, 3)
+        rates_by_ends = _rates_by_ends(rows.turns, 2 * self._step)
         # z, H z' and H^2 z'' at the start of each double step, and z at both its stages.
         known = np.empty((steps + 1, 3 + STAGES, size))
         known[0, :3] = start
-        before, after = np.empty((2, steps, STAGES, size))
+        before = np.empty((steps, STAGES, size))
         # Forces and second-order tensions at all stages, those of the step before first.
-        taken = np.empty((STAGES * (1 + steps), width + len(self._stretch.gradient)))
-        taken[:STAGES] = self._at_start(rows, start) if self._last is None else self._last
+        taken = np.empty((steps + 1, STAGES, width + len(self._stretch.gradient)))
+        taken[0] = self._at_start(rows, start) if self._last is None else self._last
         place, rate = forces.place, forces.rate
-        position, own_rate = place[:, :size], rate[:, :size]
-        predicted = np.empty((2 * STAGES, size))
-        ahead, ahead_rate = predicted[::2], predicted[1::2]
-        stages = predicted.reshape(STAGES, -1)
+        position, own_rate, dependent_rate = place[:, :size], rate[:, :size], rate[:, size:]
+        # z and H z' at the stages as the start alone makes them, and the dependent ends with these.
+        predicted, dependent = np.empty((STAGES, 2, size)), np.empty((STAGES, 2, width - size))
+        flat_predicted, stages = predicted.reshape(-1, size), predicted.reshape(STAGES, -1)
+        ahead, ahead_rate, ends_ahead = predicted[:, 0], predicted[:, 1], predicted[:, :, ends]
         resisted, by_position = np.empty((2, STAGES, size))
         balance, placed = np.zeros((2, STAGES, width))
         load, moved = np.empty((2, STAGES, width))
         flat_load, flat_moved = load.reshape(-1), moved.reshape(-1)
-        is_damped, march_on = self._stretch.is_damped, MARCH_ON[-1]
+        by_ends = np.empty((STAGES, width - size))
+        is_damped, march_on, flat_by_ends = self._stretch.is_damped, MARCH_ON[-1], by_ends.ravel()
         add, subtract, evaluate = np.add, np.subtract, forces.evaluate
-        for number, (resistance, own, compliance, relaxation, turn, turning) in enumerate(
+        for number, (resistance, own, compliance, relaxation, turn, rate_by_ends) in enumerate(
             zip(
                 rows.resistance,
                 rows.force,
                 rows.compliance,
                 rows.relaxation,
                 turns,
-                rates,
+                rates_by_ends,
                 strict=True,
             )
         ):
             now = known[number]
-            PREDICTION.dot(now[:3], predicted)
+            PREDICTION.dot(now[:3], flat_predicted)
             resistance[0].dot(stages[0], resisted[0])
             resistance[1].dot(stages[1], resisted[1])
             subtract(own, resisted, balance[:, :size])
-            placed[:, :size] = ahead
-            turn[0].dot(placed[0, ends], placed[0, size:])
-            turn[1].dot(placed[1, ends], placed[1, size:])
-            last, guess = taken[STAGES * number :][: 2 * STAGES].reshape(2, STAGES, -1)
-            EXTRAPOLATE.dot(last, guess)
-            force, second = guess[:, :width], guess[:, width:]
             if is_damped:
                 RATE_BY_POSITION.dot(ahead, by_position)
                 subtract(ahead_rate, by_position, ahead_rate)
+            np.matmul(ends_ahead, turn, dependent)
+            placed[:, :size], placed[:, size:] = ahead, dependent[:, 0]
+            guess = taken[number + 1]
+            EXTRAPOLATE.dot(taken[number], guess)
+            force, second = guess[:, :width], guess[:, width:]
             for left in range(passes, -1, -1):
                 subtract(balance, force, load)
                 compliance.dot(flat_load, flat_moved)
@@ -243,16 +245,15 @@ class StretchMarch:
                 if is_damped:
                     RATE_BY_POSITION.dot(position, by_position)
                     add(ahead_rate, by_position, own_rate)
-                    for stage in range(STAGES):
-                        turning[stage].dot(place[stage, ends], rate[stage, size:])
-                        rate[stage, size:] += turn[stage].dot(rate[stage, ends])
+                    rate_by_ends.dot(place[:, ends].ravel(), flat_by_ends)
+                    add(by_ends, dependent[:, 1], dependent_rate)
                 force = evaluate(relaxation, second)
                 second[:] = forces.second
             guess[:, :width] = force
-            after[number] = now[3:] = position
+            now[3:] = position
             march_on.dot(now, known[number + 1, :3])
-        self._last = taken[-STAGES:]
-        return _at_stages(known[:-1]), _greatest(after - before)
+        self._last = taken[-1]
+        return _at_stages(known[:-1]), _greatest(known[:-1, 3:] - before)
 
     def _at_start(self, rows: StageOperators, start: FloatArray) -> FloatArray:
         """Forces and second-order tensions at the start, (p + s,)."""
@@ -261,6 +262,28 @@ class StretchMarch:
         forces.rate[:] = self._stretch.augmented(turn, start[1][:, None])[:, 0]
         force = forces.evaluate()[0]
         return np.concatenate([force, forces.second[0]])
+
+
+def _rates_by_ends(turns: PinRotations, double: float) -> FloatArray:
+    """Rates times H of dependent ends at both stages by positions of link ends there.
+
+    Parameters
+    ----------
+    turns : PinRotations
+        Of m double steps.
+    double : float
+        H in s.
+
+    Returns
+    -------
+    ndarray, shape (m, 2 f, 2 k)
+        But for what the start alone makes of the link ends' own rates.
+    """
+    steps, _, dependent, ends = turns.turn.shape
+    by_ends = RATE_BY_POSITION[:, None, :, None] * turns.turn[:, :, :, None]
+    for stage in range(STAGES):
+        by_ends[:, stage, :, stage] += double * turns.rate[:, stage]
+    return by_ends.reshape(steps, STAGES * dependent, STAGES * ends)
 
 
 def _greatest(vectors: FloatArray) -> float:
