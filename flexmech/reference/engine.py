@@ -330,16 +330,17 @@ class ReferenceEngine(Engine):
         return StressedLinks(tangent, loads=loads)
 
     def _varying(self, motion: RigidMotion) -> list[FloatArray]:
-        """Geometric stiffness of each element, (B, e, 6, 6), by flexible link: its varying part.
+        """Geometric stiffness of each element, (e, r, r, B), by flexible link: its varying part.
 
         A corotational element has its mean tension; the varying part is that of the inertia
-        forces inside it.
+        forces inside it, by its relative coordinates.
         """
         gravity = np.asarray(self.mechanism.gravity)
-        return [
+        every = [
             chain.elements.geometric_stiffness(varying_tension(motion, number, chain, gravity))
             for number, chain in self.chains.items()
         ]
+        return self.equilibrium.by_relative_coordinates(every)
 
 
 def varying_tension(
