@@ -20,7 +20,7 @@ from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.chains import LinkMatrix, as_given, as_real, times, whole
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms
-from flexmech.linear_system.reduction.fixed_interface_modes import Flexibility, static_modes
+from flexmech.linear_system.reduction.fixed_interface_modes import static_modes
 from flexmech.linear_system.reduction.link_boundary import JoinedEnds, link_boundary
 from flexmech.linkages import RigidMotion, Topology
 
@@ -35,13 +35,13 @@ class CondensedLink:
         By the displacements of these ends.
     constraint_modes : ndarray, shape (..., n, b)
         Static displacement by a unit of each of them.
-    flexibility : Flexibility
-        Of the coordinates that no joint fixes or moves, (..., i, i).
+    flexibility : ndarray, shape (..., n, n)
+        With its joined ends held.
     """
 
     model: LinkModel
     constraint_modes: FloatArray
-    flexibility: Flexibility
+    flexibility: FloatArray
 
     @classmethod
     def of(cls, ends: JoinedEnds, link: LinkModel, stiffness: LinkMatrix) -> Self:
@@ -61,8 +61,10 @@ class CondensedLink:
         CondensedLink
         """
         boundary = link_boundary(ends, link)
-        flexibility, modes = static_modes(boundary, stiffness)
+        inner, modes = static_modes(boundary, stiffness)
         own = np.swapaxes(modes, -1, -2) @ (whole(stiffness) @ modes)
+        flexibility = np.zeros(stiffness.shape)
+        flexibility[..., inner.free[:, None], inner.free] = inner.matrix
         return cls(link.held_by(boundary.kept, own), modes, flexibility)
 
 
@@ -129,7 +131,5 @@ class StaticResponse:
         moved = []
         ends = self._frames.link_coordinates(self.motion, z)
         for link, force, end in zip(self._condensed, forces, ends, strict=True):
-            q, inner = times(link.constraint_modes, end), link.flexibility.free
-            q[:, inner] += times(link.flexibility.matrix, force[:, inner])
-            moved.append(q)
+            moved.append(times(link.constraint_modes, end) + times(link.flexibility, force))
         return moved
