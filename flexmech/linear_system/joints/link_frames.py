@@ -215,7 +215,10 @@ class LinkFrames:
             for n in self._steady.numbers
             if tangents[n].ndim == 2 or tangents[n] is self.links[n].stiffness
         }
-        self._steady.sum_of_tangents(steady).write(total, factors)
+        if steady:
+            self._steady.sum_of_tangents(steady).write(total, factors)
+        else:
+            total[:] = 0.0
         dependent: list[list[DependentRows]] | None = None
         for number, (link, tangent, (damping_matrix, damped_ends)) in enumerate(
             zip(links, tangents, resisting, strict=True)

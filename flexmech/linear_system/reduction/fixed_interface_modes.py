@@ -198,7 +198,8 @@ class FixedInterfaceModes:
     def __init__(self, link: LinkModel, which: IntArray, condensed: IntArray | None = None) -> None:
         self._link, self._which = link, which
         self._condensed = which[:0] if condensed is None else condensed
-        moves, condenses = (np.isin(np.arange(link.size), x) for x in (which, self._condensed))
+        moves, condenses = np.zeros((2, link.size), dtype=bool)
+        moves[which], condenses[self._condensed] = True, True
         self._couples = couples(link.stiffness, moves, condenses)
         batch = link.mass.shape[:-2]
         self._frequency, self._shapes = np.zeros((*batch, 0)), np.zeros((*batch, link.size, 0))
