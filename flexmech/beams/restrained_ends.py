@@ -154,14 +154,11 @@ def restrained_beam(mechanism: Mechanism, link: str) -> tuple[BeamSection, Restr
         stiffness is stated, or whose twist is stated to be free.
     """
     section, layers = mechanism.sections[link], mechanism.sections[link].layers
-    ends = {LinkEnd(link, "start"), LinkEnd(link, "end")}
-    if (
-        not isinstance(layers, LaminateSection)
-        or layers.twist == "free"
-        or not ends <= mechanism.linkage.topology.joined_ends
-    ):
+    if not isinstance(layers, LaminateSection) or layers.twist == "free":
         return section, None
-    if section.bending_stiffness != layers.bending_stiffness:
+    ends = {LinkEnd(link, "start"), LinkEnd(link, "end")}
+    between_joints = ends <= mechanism.linkage.topology.joined_ends
+    if not between_joints or section.bending_stiffness != layers.bending_stiffness:
         return section, None
     added = restrained_ends(layers, mechanism.link_mass(link).length)
     if added is None:

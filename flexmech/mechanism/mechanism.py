@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 from numpy.typing import ArrayLike
 
@@ -307,7 +308,7 @@ class Mechanism:
         """Whether a link stretches or bends without load."""
         return any(section.is_free_strained for section in self.sections.values())
 
-    @property
+    @cached_property
     def link_masses_in_order(self) -> tuple[LinkMass, ...]:
         """:meth:`link_mass` of every link of the topology."""
         return tuple(self.link_mass(name) for name in self.linkage.topology.link_names)

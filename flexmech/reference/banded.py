@@ -60,5 +60,5 @@ def solve(factors: FloatArray, right: FloatArray) -> FloatArray:
     x /= factors[:, 0]
     for j in range(size - 1, -1, -1):
         reach = min(columns - 1, size - 1 - j)
-        x[j] -= np.sum(factors[j, 1 : reach + 1] * x[j + 1 : j + 1 + reach], axis=0)
+        x[j] -= (factors[j, 1 : reach + 1] * x[j + 1 : j + 1 + reach]).sum(axis=0)
     return x

@@ -22,11 +22,15 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.elements import BeamElements
-from flexmech.reference.element_numbers import ElementNumbers, by_elements, over_positions
+from flexmech.reference.element_numbers import (
+    ElementNumbers,
+    by_elements,
+    in_positions,
+    over_positions,
+)
 from flexmech.reference.rigid_arms import RigidArms
 from flexmech.sections import damping_times
 
@@ -53,11 +57,9 @@ class LinearStrain:
         change = self.gradient * (relative - self.relative)
         return np.asarray(self.strain + change.sum(axis=1), dtype=float)
 
-    def of(self, which: NDArray[np.bool_]) -> LinearStrain:
+    def of(self, which: IntArray) -> LinearStrain:
         """Strain of some positions."""
-        return LinearStrain(
-            self.relative[..., which], self.strain[:, which], self.gradient[..., which]
-        )
+        return LinearStrain(*(in_positions(values, which) for values in vars(self).values()))
 
 
 class ElementResponse(NamedTuple):
@@ -244,10 +246,11 @@ class CorotationalElements:
         return every[every % per_node >= 2]
 
     @cached_property
-    def _angles(self) -> IntArray:
-        """Which of them are angles."""
+    def _angles(self) -> IntArray | slice:
+        """Which of them are angles: mostly all, of which a slice makes no copy."""
         shapes = self.elements.shapes
-        return np.flatnonzero(np.isin(self._own % shapes.per_node, shapes.angles))
+        angles = np.isin(self._own % shapes.per_node, shapes.angles)
+        return slice(None) if angles.all() else np.flatnonzero(angles)
 
     @cached_property
     def _arms(self) -> RigidArms:

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import DisplacedTies
+from flexmech.reference.element_numbers import in_positions
 
 
 @dataclass(frozen=True)
@@ -27,9 +27,9 @@ class Ties:
     turns: list[list[FloatArray]]
     displaced: DisplacedTies | None
 
-    def at(self, which: NDArray[np.bool_] | IntArray) -> Ties:
+    def at(self, which: IntArray) -> Ties:
         """Constraints of some positions, where they do not depend on displacements."""
-        return Ties([[turn[..., which] for turn in turns] for turns in self.turns], None)
+        return Ties([[in_positions(turn, which) for turn in turns] for turns in self.turns], None)
 
 
 @dataclass(frozen=True)

@@ -32,18 +32,19 @@ class ElementNumbers:
 
     def at(self, designs: IntArray) -> ElementNumbers:
         """Numbers of D designs (..., D) in positions (B,)."""
-        return ElementNumbers(*(values[..., designs] for values in vars(self).values()))
+        return ElementNumbers(*(in_positions(values, designs) for values in vars(self).values()))
+
+
+def in_positions(values: FloatArray, which: IntArray) -> FloatArray:
+    """Values (..., B) in some positions, which stay along memory: by an index they would not."""
+    return np.take(values, which, axis=-1)
 
 
 def by_elements(matrix: FloatArray, turns: FloatArray) -> FloatArray:
     """Matrices (e, k, k) or (e, k, k, B) of elements times columns (e, k, B)."""
     if matrix.ndim == 3:
         return np.asarray(matrix @ turns)
-    # Column by column: each step runs along memory.
-    product = matrix[:, :, 0] * turns[:, None, 0]
-    for column in range(1, turns.shape[1]):
-        product += matrix[:, :, column] * turns[:, None, column]
-    return np.asarray(product)
+    return np.asarray(np.einsum("eijb,ejb->eib", matrix, turns))
 
 
 def over_positions(matrix: FloatArray) -> FloatArray:

@@ -101,7 +101,7 @@ class ReferenceEngine(Engine):
         if self.members:
             mechanisms = [own.mechanism for own in self.members]
             parts = [restrained_beam(own, name)[0] for own in mechanisms]
-            masses = [own.link_mass(name) for own in mechanisms]
+            masses = [own.link_masses_in_order[number] for own in mechanisms]
             return stack_chains(name, parts, masses, self.elements, BEAM_SHAPES[self.element])
         mass, at = self._masses[number], self.mechanism.acting_at(name)
         section, restraint = restrained_beam(self.mechanism, name)
@@ -115,12 +115,12 @@ class ReferenceEngine(Engine):
         mechanism, links = self.mechanism, []
         if self.element not in STACKED or self.elements > MOST_WHOLE:
             return None
-        for link in mechanism.linkage.topology.links:
+        each = zip(mechanism.linkage.topology.links, mechanism.link_masses_in_order, strict=True)
+        for link, mass in each:
             if link.rigid:
                 return None
-            name = link.name
-            section, mass = mechanism.sections[name], mechanism.link_mass(name)
-            own, restraint = restrained_beam(mechanism, name)
+            section = mechanism.sections[link.name]
+            own, restraint = restrained_beam(mechanism, link.name)
             if restraint is not None or section.is_eccentric or mass.bodies:
                 return None
             if self.mass == "lumped" or not mass.mass_per_length:
@@ -169,18 +169,24 @@ class ReferenceEngine(Engine):
         return [link.readings.nodes for link in self.clamped_links]
 
     @cached_property
+    def _clamped_frames(self) -> LinkFrames:
+        """Link frames with the shaft's rotation at zero."""
+        if self.free_shaft is None:
+            return self.frames
+        return LinkFrames(self.mechanism.linkage.topology, self.clamped_links)
+
+    @cached_property
     def _rigid_joint_frames(self) -> LinkFrames:
         """Link frames with rigid joints in place of springs."""
         if self.rigid_joint_topology == self.mechanism.linkage.topology:
-            return self.equilibrium.frames
+            return self._clamped_frames
         return LinkFrames(self.rigid_joint_topology, self.clamped_links)
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
         """Solver for the quasi-static equilibrium on this mesh."""
-        frames = LinkFrames(self.mechanism.linkage.topology, self.clamped_links)
         return Equilibrium(
-            frames,
+            self._clamped_frames,
             {n: chain.elements for n, chain in self.chains.items()},
             self.mechanism.joint_springs,
             self._couplings,
@@ -330,16 +336,17 @@ class ReferenceEngine(Engine):
         return StressedLinks(tangent, loads=loads)
 
     def _varying(self, motion: RigidMotion) -> list[FloatArray]:
-        """Geometric stiffness of each element, (B, e, 6, 6), by flexible link: its varying part.
+        """Geometric stiffness of each element, (e, r, r, B), by flexible link: its varying part.
 
         A corotational element has its mean tension; the varying part is that of the inertia
-        forces inside it.
+        forces inside it, by its relative coordinates.
         """
         gravity = np.asarray(self.mechanism.gravity)
-        return [
+        every = [
             chain.elements.geometric_stiffness(varying_tension(motion, number, chain, gravity))
             for number, chain in self.chains.items()
         ]
+        return self.equilibrium.by_relative_coordinates(every)
 
 
 def varying_tension(

@@ -42,6 +42,7 @@ from flexmech.linkages import JointSpring, RigidMotion
 from flexmech.reference import banded
 from flexmech.reference.corotational import CorotationalElements
 from flexmech.reference.coupled_links import CoupledLinks
+from flexmech.reference.element_numbers import by_elements, in_positions
 from flexmech.reference.force_balance import ForceBalance
 from flexmech.reference.linkage_tangents import LinkageTangents, angle_per_unit
 from flexmech.reference.newton_state import Imbalance, Problem, State
@@ -127,9 +128,9 @@ class Equilibrium:
             Batch of shape (B,).
         loads : sequence of ndarray, shape (B, n_link)
             Forces on each link in its frame.
-        extra : sequence of ndarray, shape (B, e, 2 p, 2 p)
-            Stiffness of each element besides that of the corotational beam; a rigid
-            displacement meets none.
+        extra : sequence of ndarray, shape (e, r, r, B)
+            Stiffness of each element besides that of the corotational beam, by its relative
+            coordinates.
         dead : DeadMoments
             Of bodies and rigid links.
         near : sequence of ndarray, shape (B, n_link), optional
@@ -149,19 +150,19 @@ class Equilibrium:
         outer = self.frames.gather(motion, loads).T.copy()
         problem = Problem(
             outer,
-            self._by_relative_coordinates(extra),
+            extra,
             self._tangents.ties(motion, np.zeros_like(outer)),
             motion,
             dead,
             [load.T for load in loads] if self._tangents.ties_move else None,
         )
-        state = State.unloaded(*problem.outer.shape)
+        start = np.zeros_like(outer)
         if near is not None:
-            z = self._tangents.coordinates(motion, near)
-            state = self._newton(z, problem, FIRST_ITERATIONS)
+            start = self._tangents.coordinates(motion, near)
+        state = self._newton(start, problem, FIRST_ITERATIONS)
         left = np.flatnonzero(~state.is_stable)
-        if len(left):
-            straight = np.zeros((len(problem.outer), len(left)))
+        if near is not None and len(left):
+            straight = np.zeros((len(outer), len(left)))
             found = self._newton(straight, problem.at(left), FIRST_ITERATIONS)
             state = state.with_part(left, found)
         for steps in LOAD_STEPS[1:]:
@@ -175,6 +176,21 @@ class Equilibrium:
             self._refuse_instability(motion, state.factors)
         ties = self._balance.ties(state.z, problem)
         return [q.T for q in self._tangents.link_displacement(state.z, ties)]
+
+    def by_relative_coordinates(self, matrices: Sequence[FloatArray]) -> list[FloatArray]:
+        """Matrices of the links' elements by relative coordinates.
+
+        Parameters
+        ----------
+        matrices : sequence of ndarray, shape (B, e, 2 p, 2 p)
+            Of each flexible link, in nodal coordinates; a rigid displacement meets no force.
+
+        Returns
+        -------
+        list of ndarray, shape (e, r, r, B)
+        """
+        own = next(iter(self._links.values())).relative_part
+        return [np.ascontiguousarray(np.moveaxis(e, 0, -1)[:, own[:, None], own]) for e in matrices]
 
     def stiffness_of_rigid(
         self,
@@ -211,7 +227,7 @@ class Equilibrium:
         which = np.arange(problem.outer.shape[1])
         for part in np.arange(1, steps + 1) / steps:
             loaded = problem.at(which).loaded(float(part))
-            moved = self._newton(state.z[:, which], loaded, MAX_ITERATIONS)
+            moved = self._newton(in_positions(state.z, which), loaded, MAX_ITERATIONS)
             state = state.with_part(which, moved)
             which = which[moved.converged]
             if not len(which):
@@ -234,31 +250,30 @@ class Equilibrium:
                 # The tangent of the start has no tension yet. No position depends on another one.
                 near = ~last & (turned <= NEAR) & bool(number)
                 if near.any():
-                    some = slice(None) if (near | last).all() else np.flatnonzero(near)
-                    own = problem if isinstance(some, slice) else problem.at(some)
-                    moved = z[:, some] + np.where(near, change, 0.0)[:, some]
-                    kept = self._kept_tangent(moved, factors[..., some], turned[some], own)
+                    some = np.flatnonzero(near)
+                    moved, tangent = (in_positions(x, some) for x in (z + change, factors))
+                    kept = self._kept_tangent(moved, tangent, turned[some], problem.at(some))
                     z[:, some], last[some] = kept
                 state = state.with_part(which, State(z, imbalance.error, factors, last))
                 if last.all():
                     break
                 change[:, last | near] = 0.0
                 if 2 * np.count_nonzero(last) > len(last):
-                    rest = ~last
+                    rest = np.flatnonzero(~last)
                     which, problem, imbalance = which[rest], problem.at(rest), imbalance.at(rest)
-                    z, change = z[:, rest], change[:, rest]
+                    z, change = in_positions(z, rest), in_positions(change, rest)
                 z, imbalance = self._advance(z, change, problem, imbalance)
         return state
 
     def _kept_tangent(
         self, z: FloatArray, factors: FloatArray, turned: FloatArray, problem: Problem
     ) -> tuple[FloatArray, NDArray[np.bool_]]:
-        """Last steps with the tangent of the step to z (size, B), and converged positions.
+        """Last steps with the tangent of the step to z (size, B), and which converge.
 
-        ``turned`` (B,) is the size of that step. Near the equilibrium the residual decreases by
-        the same factor with each step, which two steps give.
+        ``turned`` (B,) is the size of that step, which was not the last one. Near the equilibrium
+        the residual decreases by the same factor with each step, which two steps give.
         """
-        last = turned <= LAST_STEP
+        last = np.zeros(len(turned), dtype=bool)
         going = ~last
         for _ in range(KEPT_STEPS):
             change = self._change(factors, self._balance.residual(z, problem))
@@ -280,7 +295,9 @@ class Equilibrium:
     def _turned(self, change: FloatArray, problem: Problem) -> FloatArray:
         """Greatest rotation in rad of a change (size, B) of the displacements, (B,)."""
         design = problem.motion.design
-        scale = self._angle_per_unit if design is None else self._angle_per_unit[:, design]
+        scale = self._angle_per_unit
+        if design is not None:
+            scale = in_positions(scale, design)
         return np.asarray(np.abs(change * scale).max(axis=0, initial=0.0), dtype=float)
 
     def response(
@@ -294,9 +311,9 @@ class Equilibrium:
         Parameters
         ----------
         displacement : sequence of ndarray, shape (B, n_link)
-        extra : sequence of ndarray, shape (B, e, 2 p, 2 p)
-            Stiffness of each element besides that of the corotational beam; a rigid
-            displacement meets none.
+        extra : sequence of ndarray, shape (e, r, r, B)
+            Stiffness of each element besides that of the corotational beam, by its relative
+            coordinates.
         design : ndarray of int, shape (B,), optional
             Of each position of several designs.
 
@@ -308,12 +325,11 @@ class Equilibrium:
             Tangent of each flexible link.
         """
         forces, nodal = [np.zeros_like(q) for q in displacement], []
-        relative_extra = self._by_relative_coordinates(extra)
-        for (number, link), more in zip(self._links.items(), relative_extra, strict=True):
+        for (number, link), more in zip(self._links.items(), extra, strict=True):
             q = displacement[number]
             relative = relative_coordinates(q.T, self._per_node)
             force, tangent, _ = link.relative_response(relative, design=design)
-            force += (more * relative[:, None]).sum(axis=2)
+            force += by_elements(more, relative)
             tangent += more
             forces[number] = node_forces(force, self._per_node).T
             nodal.append(np.moveaxis(link.of_nodes(tangent), -1, 0))
@@ -344,11 +360,6 @@ class Equilibrium:
             number: link.damping(element_ends(displacement[number], self._per_node), design)
             for number, link in self._links.items()
         }
-
-    def _by_relative_coordinates(self, extra: Sequence[FloatArray]) -> list[FloatArray]:
-        """Element matrices (B, e, 2 p, 2 p) by relative coordinates, (e, r, r, B)."""
-        own = next(iter(self._links.values())).relative_part
-        return [np.ascontiguousarray(np.moveaxis(e, 0, -1)[:, own[:, None], own]) for e in extra]
 
     def _advance(
         self, z: FloatArray, change: FloatArray, problem: Problem, before: Imbalance

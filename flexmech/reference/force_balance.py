@@ -16,6 +16,7 @@ from flexmech.linear_system import DeadMoments
 from flexmech.reference.corotational import CorotationalElements, LinearStrain
 from flexmech.reference.coupled_links import CoupledLinks
 from flexmech.reference.dependent_element import Ties
+from flexmech.reference.element_numbers import by_elements
 from flexmech.reference.linkage_tangents import LinkageTangents, TangentEntries
 from flexmech.reference.newton_state import Imbalance, Problem
 from flexmech.reference.nodal_chains import node_forces, relative_coordinates
@@ -78,7 +79,7 @@ class ForceBalance:
                 out=entries.of_link(number),
                 design=problem.motion.design,
             )
-            force += (extra * relative[:, None]).sum(axis=2)
+            force += by_elements(extra, relative)
             tangent += extra
             inner[number] = node_forces(force, self.per_node)
             strains.append(strain)
@@ -116,7 +117,7 @@ class ForceBalance:
             force = self.links[number].relative_force(
                 relative, problem.swelling, problem.motion.design
             )
-            force += (extra * relative[:, None]).sum(axis=2)
+            force += by_elements(extra, relative)
             inner[number] = node_forces(force, self.per_node)
         problem.dead.add_forces(inner, displacement)
         self.coupled.add_forces(displacement, inner, problem.swelling)

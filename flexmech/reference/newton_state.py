@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,7 @@ from flexmech.linear_system import DeadMoments
 from flexmech.linkages import RigidMotion
 from flexmech.reference.corotational import LinearStrain
 from flexmech.reference.dependent_element import Ties
+from flexmech.reference.element_numbers import in_positions
 
 
 @dataclass(frozen=True)
@@ -81,10 +83,11 @@ class Imbalance:
         """Greatest force out of balance, shape (B,)."""
         return np.asarray(np.abs(self.residual).max(axis=0, initial=0.0), dtype=float)
 
-    def at(self, which: NDArray[np.bool_]) -> Imbalance:
+    def at(self, which: IntArray) -> Imbalance:
         """Quantities of some positions."""
         strains = [strain.of(which) for strain in self.strains]
-        return Imbalance(self.residual[:, which], self.band[..., which], strains)
+        residual, band = (in_positions(values, which) for values in (self.residual, self.band))
+        return Imbalance(residual, band, strains)
 
 
 @dataclass(frozen=True)
@@ -95,7 +98,7 @@ class Problem:
     ----------
     outer : ndarray, shape (size, B)
         Forces on the linkage, where it is not displaced.
-    extra : list of ndarray, shape (e, r, r, B)
+    extra : sequence of ndarray, shape (e, r, r, B)
         Stiffness that comes with them, by each element's relative coordinates.
     ties : Ties
         Of the linkage where it is not displaced.
@@ -109,7 +112,7 @@ class Problem:
     """
 
     outer: FloatArray
-    extra: list[FloatArray]
+    extra: Sequence[FloatArray]
     ties: Ties
     motion: RigidMotion
     dead: DeadMoments
@@ -123,14 +126,14 @@ class Problem:
         dead = self.dead.scaled(part)
         return Problem(part * self.outer, extra, self.ties, self.motion, dead, loads, part)
 
-    def at(self, which: NDArray[np.bool_] | IntArray) -> Problem:
+    def at(self, which: IntArray) -> Problem:
         """Quantities of some positions."""
         return Problem(
-            self.outer[:, which],
-            [e[..., which] for e in self.extra],
+            in_positions(self.outer, which),
+            [in_positions(e, which) for e in self.extra],
             self.ties.at(which) if self.loads is None else self.ties,
             self.motion.at(which),
             self.dead.at(which),
-            self.loads and [load[:, which] for load in self.loads],
+            self.loads and [in_positions(load, which) for load in self.loads],
             self.swelling,
         )

@@ -133,12 +133,11 @@ def converged_modes(
         Within the tolerances of the unreduced matrices.
     """
     count = systems.formulation.modes
-    unreduced = replace(systems, engine=systems.engine.unreduced(), detail=DETAILS[0])
     speed = np.broadcast_to(crank_speed, crank_angle.shape)
     # The stress is the same in whatever modes, and costs more than they do.
     if stressed is None:
         stressed = systems.stressed(crank_angle, speed)
-    exact = UnreducedPositions(unreduced, crank_angle, speed, stressed)
+    exact = UnreducedPositions(systems, crank_angle, speed, stressed)
     for detail in DETAILS:
         detailed = replace(systems, detail=detail)
         system = detailed.at(crank_angle, crank_speed, stressed)
@@ -156,7 +155,12 @@ def converged_modes(
             error.frequency.max(),
             error.damping_ratio.max(),
         )
+    unreduced = _without_component_modes(systems)
     return converged_modes(unreduced, crank_angle, crank_speed, spare, stressed)
+
+
+def _without_component_modes(systems: Systems) -> Systems:
+    return replace(systems, engine=systems.engine.unreduced(), detail=DETAILS[0])
 
 
 @dataclass(frozen=True)
@@ -166,7 +170,7 @@ class UnreducedPositions:
     Parameters
     ----------
     systems : Systems
-        Of the unreduced engine.
+        Of the engine, which may reduce its links.
     crank_angle, crank_speed : ndarray, shape (B,)
     stressed : StressedLinks
         In these positions.
@@ -199,7 +203,8 @@ class UnreducedPositions:
             return None
         engine = self.systems.engine
         tangent = None if self.stressed.unstressed else self.stressed.tangent
-        return StaticResponse(engine.topology, engine.links, self._motion, tangent)
+        links = engine.fixed_interface_links
+        return StaticResponse(engine.topology, links, self._motion, tangent)
 
     @cached_property
     def moving(self) -> tuple[LinkPencil, StaticResponse] | None:
@@ -214,7 +219,7 @@ class UnreducedPositions:
             return None
         return (
             LinkPencil(engine.frames, self._motion, self.stressed, self._terms),
-            StaticResponse(engine.topology, engine.links, self._motion),
+            StaticResponse(engine.topology, engine.fixed_interface_links, self._motion),
         )
 
     @cached_property
@@ -258,7 +263,11 @@ class UnreducedPositions:
 
     def _at(self, part: slice) -> list[Pencil]:
         at = self.crank_angle[part], self.crank_speed[part], self.stressed.at(part)
-        return Pencil.of_positions(self.systems.at(*at))
+        return Pencil.of_positions(self._unreduced.at(*at))
+
+    @cached_property
+    def _unreduced(self) -> Systems:
+        return _without_component_modes(self.systems)
 
 
 def reduction_error(
@@ -327,7 +336,7 @@ def unreduced_eigenvalues(
     ndarray, shape (A, modes)
         In rad/s; of the modes asked for, in ascending order.
     """
-    unreduced = replace(systems, engine=systems.engine.unreduced(), detail=1.0)
+    unreduced = _without_component_modes(systems)
     frames, count = unreduced.engine.frames, systems.formulation.modes
     found = np.empty((len(crank_angle), count), dtype=complex)
     # One position at a time: unreduced matrices are large.

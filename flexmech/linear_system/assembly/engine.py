@@ -36,7 +36,6 @@ from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.position_errors import TooManyModesError
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linear_system.links.stressed_links import StressedLinks
-from flexmech.linear_system.loads.joint_couples import joint_couples
 from flexmech.linear_system.reduction.component_modes import ComponentModes, component_modes
 from flexmech.linkages import RigidMotion, lumped_elements
 from flexmech.linkages.motion import checked_drive
@@ -394,7 +393,7 @@ class Engine(EngineLinks):
                 couples_axially=loaded,
                 detail=detail,
                 with_damping_shapes=any(link.damping.any() for link in self.links),
-                couples=joint_couples(self.mechanism, self.connectors),
+                fixed=self.fixed_interface_links,
                 decouples_mass=True,
             )
         return self._reductions[key]

@@ -24,6 +24,11 @@ from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
 from flexmech.linear_system.loads.connectors import Connectors
 from flexmech.linear_system.loads.inertia_loads import inertia_loads
+from flexmech.linear_system.loads.joint_couples import joint_couples
+from flexmech.linear_system.reduction.fixed_interface_modes import (
+    FixedInterfaceLink,
+    fix_interfaces,
+)
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.mechanism import Mechanism, require_standing_frame
 
@@ -72,6 +77,12 @@ class EngineLinks(ElementKinds):
     def frames(self) -> LinkFrames:
         """Link frames and constraints of the unreduced links."""
         return LinkFrames(self.topology, self.links)
+
+    @cached_property
+    def fixed_interface_links(self) -> tuple[FixedInterfaceLink, ...]:
+        """Constraint modes and fixed-interface modes of the flexible links."""
+        couples = joint_couples(self.mechanism, self.connectors)
+        return fix_interfaces(self.topology, self.links, couples)
 
     @property
     @abstractmethod

@@ -215,7 +215,10 @@ class LinkFrames:
             for n in self._steady.numbers
             if tangents[n].ndim == 2 or tangents[n] is self.links[n].stiffness
         }
-        self._steady.sum_of_tangents(steady).write(total, factors)
+        if steady:
+            self._steady.sum_of_tangents(steady).write(total, factors)
+        else:
+            total[:] = 0.0
         dependent: list[list[DependentRows]] | None = None
         for number, (link, tangent, (damping_matrix, damped_ends)) in enumerate(
             zip(links, tangents, resisting, strict=True)
@@ -290,13 +293,12 @@ class LinkFrames:
         list of ndarray, shape (B, n_link, m)
         """
         result = []
-        for number, (link, dependent) in enumerate(
-            zip(self.links, self.dependent_rows(motion), strict=True)
+        for link, place, dependent in zip(
+            self.links, self._places, self.dependent_rows(motion), strict=True
         ):
-            target = self.targets[number]
-            free = target >= 0
             q = np.zeros((len(vectors), link.size, vectors.shape[2]), dtype=vectors.dtype)
-            q[:, free] = vectors[:, target[free]]
+            for own, independent in place.runs:
+                q[:, own] = vectors[:, independent]
             for tie in dependent:
                 q[:, tie.rows] = tie.turn @ vectors[:, tie.columns]
             result.append(q)
@@ -316,9 +318,9 @@ class LinkFrames:
         """
         shape = (len(displacement[0]), self.size, displacement[0].shape[2])
         z = np.zeros(shape, dtype=displacement[0].dtype)
-        for number, q in enumerate(displacement):
-            own = self.independent_coordinates(number)
-            z[:, self.targets[number][own]] = q[:, own]
+        for place, q in zip(self._places, displacement, strict=True):
+            for own, independent in place.runs:
+                z[:, independent] = q[:, own]
         if self.topology.sliders:
             first = len(self.rigid.independent_coordinates)
             z[:, :first] += self._ties.slides(motion, displacement)
@@ -374,15 +376,13 @@ class LinkFrames:
             Forces on each link in its frame.
         """
         total = np.zeros((len(motion.crank_angle), self.size, *loads[0].shape[2:]))
-        for number, (load, dependent) in enumerate(
-            zip(loads, self.dependent_rows(motion), strict=True)
+        for load, place, dependent in zip(
+            loads, self._places, self.dependent_rows(motion), strict=True
         ):
-            target = self.targets[number].copy()
             for tie in dependent:
                 total[:, tie.columns] += tie.leading(load[:, tie.rows])
-                target[tie.rows] = -1
-            free = np.flatnonzero(target >= 0)
-            total[:, target[free]] += load[:, free]
+            for own, independent in place.runs:
+                total[:, independent] += load[:, own]
         return total
 
 

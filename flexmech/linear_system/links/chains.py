@@ -267,28 +267,20 @@ def times(matrix: FloatArray, columns: NDArray[Any]) -> NDArray[Any]:
     batch, size, count = columns.shape
     if matrix.ndim == 3 and len(matrix) == batch:
         return np.asarray(matrix @ columns)
-    # All positions of a design at once.
     *designs, rows, _ = matrix.shape
     each = batch // (designs or [1])[0]
-    own = np.moveaxis(columns.reshape(*designs, each, size, count), -2, -3)
-    product = matrix @ own.reshape(*designs, size, each * count)
-    back = np.moveaxis(product.reshape(*designs, rows, each, count), -3, -2)
-    return np.ascontiguousarray(back.reshape(batch, rows, count))
+    product = matrix[..., None, :, :] @ columns.reshape(*designs, each, size, count)
+    return np.asarray(product.reshape(batch, rows, count))
 
 
 def as_real(columns: NDArray[Any]) -> FloatArray:
-    """Columns (B, n, m), and where they are complex the imaginary parts behind the real ones."""
-    if not np.iscomplexobj(columns):
-        return columns
-    return np.concatenate([columns.real, columns.imag], axis=2)
+    """Columns (B, n, m), each complex one as two: its real and its imaginary part."""
+    return np.ascontiguousarray(columns).view(float)
 
 
 def as_given(real: FloatArray, columns: NDArray[Any]) -> NDArray[Any]:
     """The other way round, as ``columns`` are."""
-    if not np.iscomplexobj(columns):
-        return real
-    half = real.shape[2] // 2
-    return real[:, :, :half] + 1j * real[:, :, half:]
+    return np.ascontiguousarray(real).view(columns.dtype)
 
 
 def with_entries(

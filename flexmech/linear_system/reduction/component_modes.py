@@ -46,8 +46,10 @@ from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.chains import LinkMatrix
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.link_stack import same_of_all
-from flexmech.linear_system.reduction.fixed_interface_modes import FixedInterfaceLink, fix_interface
-from flexmech.linear_system.reduction.link_boundary import JoinedEnds
+from flexmech.linear_system.reduction.fixed_interface_modes import (
+    FixedInterfaceLink,
+    fix_interfaces,
+)
 from flexmech.linkages import Topology
 
 # Fixed-interface modes are kept up to this multiple of the frequency of the highest
@@ -137,7 +139,7 @@ def component_modes(
     axial_modes: int | None = None,
     turning_sections: bool = True,
     with_damping_shapes: bool = False,
-    couples: Sequence[FloatArray] | None = None,
+    fixed: Sequence[FixedInterfaceLink] | None = None,
     decouples_mass: bool = False,
 ) -> ComponentModes:
     """Choose and build the component modes of every link.
@@ -167,8 +169,8 @@ def component_modes(
         turn against it.
     with_damping_shapes : bool
         Keep the static responses to damping forces, which frozen damping ratios need.
-    couples : sequence of ndarray, shape (n_link, k), optional
-        Couples of springs on the links' ends, whose attachment modes are kept.
+    fixed : sequence of FixedInterfaceLink, optional
+        What :func:`fix_interfaces` gives for the links; without springs in joints by default.
     decouples_mass : bool
         Make the constraint modes orthogonal to the other modes by the mass, so that it couples no
         end with a mode. Frozen matrices are then of simpler form; moving modes, which are sought
@@ -183,11 +185,8 @@ def component_modes(
     UnlikeDesignsError
         If links are of several designs that do not need the same number of modes.
     """
-    ends = JoinedEnds.of(topology)
-    if couples is None:
-        couples = [np.zeros((link.size, 0)) for link in links]
-    pairs = zip(links, couples, strict=True)
-    fixed = [fix_interface(ends, link, turning) for link, turning in pairs if not link.rigid]
+    if fixed is None:
+        fixed = fix_interfaces(topology, links)
     every = np.sort(np.concatenate([h.bending.lowest(modes) for h in fixed], axis=-1), axis=-1)
     usual_cutoff = BENDING_CUTOFF * every[..., min(modes, every.shape[-1]) - 1]
     bending_cutoff = detail * usual_cutoff

@@ -7,6 +7,7 @@ number of elements.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,6 +19,7 @@ from flexmech.linear_system.links.chains import ChainMatrix, LinkMatrix, couples
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.link_stack import same_of_all
 from flexmech.linear_system.reduction.link_boundary import JoinedEnds, LinkBoundary, link_boundary
+from flexmech.linkages import Topology
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,31 @@ class FixedInterfaceLink:
         return self.flexibility.free
 
 
-def fix_interface(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> FixedInterfaceLink:
+def fix_interfaces(
+    topology: Topology, links: Sequence[LinkModel], couples: Sequence[FloatArray] | None = None
+) -> tuple[FixedInterfaceLink, ...]:
+    """Constraint modes and fixed-interface modes of the flexible links of a linkage.
+
+    Parameters
+    ----------
+    topology : Topology
+    links : sequence of LinkModel
+        Unreduced, rigid ones among them.
+    couples : sequence of ndarray, shape (n_link, k), optional
+        Couples of springs on the links' ends, whose attachment modes are kept.
+
+    Returns
+    -------
+    tuple of FixedInterfaceLink
+    """
+    ends = JoinedEnds.of(topology)
+    if couples is None:
+        couples = [np.zeros((link.size, 0)) for link in links]
+    pairs = zip(links, couples, strict=True)
+    return tuple(_fix_interface(ends, *pair) for pair in pairs if not pair[0].rigid)
+
+
+def _fix_interface(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> FixedInterfaceLink:
     """Constraint modes and fixed-interface modes of a flexible link.
 
     Parameters
@@ -172,7 +198,8 @@ class FixedInterfaceModes:
     def __init__(self, link: LinkModel, which: IntArray, condensed: IntArray | None = None) -> None:
         self._link, self._which = link, which
         self._condensed = which[:0] if condensed is None else condensed
-        moves, condenses = (np.isin(np.arange(link.size), x) for x in (which, self._condensed))
+        moves, condenses = np.zeros((2, link.size), dtype=bool)
+        moves[which], condenses[self._condensed] = True, True
         self._couples = couples(link.stiffness, moves, condenses)
         batch = link.mass.shape[:-2]
         self._frequency, self._shapes = np.zeros((*batch, 0)), np.zeros((*batch, link.size, 0))

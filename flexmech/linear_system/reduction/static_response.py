@@ -20,8 +20,7 @@ from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.chains import LinkMatrix, as_given, as_real, times, whole
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms
-from flexmech.linear_system.reduction.fixed_interface_modes import Flexibility, static_modes
-from flexmech.linear_system.reduction.link_boundary import JoinedEnds, link_boundary
+from flexmech.linear_system.reduction.fixed_interface_modes import FixedInterfaceLink, static_modes
 from flexmech.linkages import RigidMotion, Topology
 
 
@@ -35,35 +34,37 @@ class CondensedLink:
         By the displacements of these ends.
     constraint_modes : ndarray, shape (..., n, b)
         Static displacement by a unit of each of them.
-    flexibility : Flexibility
-        Of the coordinates that no joint fixes or moves, (..., i, i).
+    flexibility : ndarray, shape (..., n, n)
+        With its joined ends held.
     """
 
     model: LinkModel
     constraint_modes: FloatArray
-    flexibility: Flexibility
+    flexibility: FloatArray
 
     @classmethod
-    def of(cls, ends: JoinedEnds, link: LinkModel, stiffness: LinkMatrix) -> Self:
+    def of(cls, fixed: FixedInterfaceLink, tangent: LinkMatrix | None) -> Self:
         """Condense a flexible link.
 
         Parameters
         ----------
-        ends : JoinedEnds
-            Of the linkage.
-        link : LinkModel
-            Unreduced.
-        stiffness : ndarray, shape (..., n, n)
-            Its own, those of designs (D, n, n), or tangents in positions (B, n, n).
+        fixed : FixedInterfaceLink
+            The straight link.
+        tangent : ndarray, shape (n, n) or (B, n, n), optional
+            Its tangent stiffness; that of the straight link by default.
 
         Returns
         -------
         CondensedLink
         """
-        boundary = link_boundary(ends, link)
-        flexibility, modes = static_modes(boundary, stiffness)
+        link, stiffness = fixed.link, fixed.link.stiffness
+        inner, modes = fixed.flexibility, fixed.constraint_modes
+        if tangent is not None:
+            stiffness, (inner, modes) = tangent, static_modes(fixed.boundary, tangent)
         own = np.swapaxes(modes, -1, -2) @ (whole(stiffness) @ modes)
-        return cls(link.held_by(boundary.kept, own), modes, flexibility)
+        flexibility = np.zeros(stiffness.shape)
+        flexibility[..., inner.free[:, None], inner.free] = inner.matrix
+        return cls(link.held_by(fixed.boundary.kept, own), modes, flexibility)
 
 
 @dataclass(frozen=True)
@@ -74,8 +75,7 @@ class StaticResponse:
     ----------
     topology : Topology
         Of links that are all elastic.
-    links : sequence of LinkModel
-        Unreduced.
+    links : sequence of FixedInterfaceLink
     motion : RigidMotion
         Batch of shape (B,).
     tangent : sequence of ndarray, optional
@@ -83,15 +83,14 @@ class StaticResponse:
     """
 
     topology: Topology
-    links: Sequence[LinkModel]
+    links: Sequence[FixedInterfaceLink]
     motion: RigidMotion
     tangent: Sequence[LinkMatrix] | None = None
 
     @cached_property
     def _condensed(self) -> list[CondensedLink]:
-        ends = JoinedEnds.of(self.topology)
-        stiffness = [x.stiffness for x in self.links] if self.tangent is None else self.tangent
-        return [CondensedLink.of(ends, *pair) for pair in zip(self.links, stiffness, strict=True)]
+        tangent: Sequence[LinkMatrix | None] = self.tangent or [None] * len(self.links)
+        return [CondensedLink.of(*pair) for pair in zip(self.links, tangent, strict=True)]
 
     @cached_property
     def _frames(self) -> LinkFrames:
@@ -129,7 +128,5 @@ class StaticResponse:
         moved = []
         ends = self._frames.link_coordinates(self.motion, z)
         for link, force, end in zip(self._condensed, forces, ends, strict=True):
-            q, inner = times(link.constraint_modes, end), link.flexibility.free
-            q[:, inner] += times(link.flexibility.matrix, force[:, inner])
-            moved.append(q)
+            moved.append(times(link.constraint_modes, end) + times(link.flexibility, force))
         return moved
