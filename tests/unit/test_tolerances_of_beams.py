@@ -171,7 +171,7 @@ def test_plies_at_nearly_one_angle_have_no_free_edges():
 
 
 ONE_DESIGN = SimpleNamespace(design=None)
-PROBLEM = SimpleNamespace(motion=ONE_DESIGN)
+PROBLEM = SimpleNamespace(motion=ONE_DESIGN, at=lambda positions: PROBLEM)
 
 
 def searching(**parts):
