@@ -80,6 +80,15 @@ def test_flat_curves_with_round_off_are_not_searched(monkeypatch):
     assert found_extremes(monkeypatch, flat, 0.0)[2] == 0
 
 
+def test_of_minima_that_round_off_tells_apart_the_first_is_taken(monkeypatch):
+    def alike(angle):
+        return 100 + np.cos(2 * angle) + 1e-10 * np.sin(angle)
+
+    value, angle, _ = found_extremes(monkeypatch, alike, 0.0)
+    assert np.degrees(angle) == pytest.approx(90.0, abs=0.1)
+    assert value == pytest.approx(99.0 - 1e-10, abs=1e-12)
+
+
 def test_extremes_are_sought_between_steps_of_fifteen_degrees(monkeypatch):
     for step, divided in ((15.0, True), (16.0, False)):
         angles = np.radians(np.arange(0.0, 300.0, step))

@@ -184,8 +184,8 @@ def extremes_between(
         known = brackets.value[1].copy()
         brackets.narrow(these, trial, solved(these, trial))
         gained = known - brackets.value[1]
-    lowest = brackets.lowest()
-    where, extreme = brackets.angle[1, lowest], (sign * brackets.value[1])[lowest]
+    where = brackets.angle[1, brackets.first_lowest()]
+    extreme = (sign * brackets.value[1])[brackets.lowest()]
     if full_turn:
         where = crank_angles[0] + np.mod(where - crank_angles[0], 2 * np.pi)
     (low, high), (low_angle, high_angle) = extreme.reshape(shape), where.reshape(shape)
@@ -255,6 +255,16 @@ class _Brackets:
     def lowest(self) -> IntArray:
         """Number of the lowest minimum of each curve, shape (t,)."""
         order = np.lexsort((self.value[1], self.curve))
+        return np.asarray(order[np.unique(self.curve[order], return_index=True)[1]])
+
+    def first_lowest(self) -> IntArray:
+        """The first of each curve's minima that are as low as the lowest, shape (t,).
+
+        Round-off is not to choose between two of a symmetric linkage.
+        """
+        value, least = self.value[1], self.value[1, self.lowest()][self.curve]
+        higher = value > least + LEAST_ERROR * np.abs(least)
+        order = np.lexsort((self.angle[1], higher, self.curve))
         return np.asarray(order[np.unique(self.curve[order], return_index=True)[1]])
 
     def may_be_lowest(self) -> NDArray[np.bool_]:
