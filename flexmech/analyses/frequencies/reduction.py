@@ -222,10 +222,10 @@ class UnreducedPositions:
             StaticResponse(engine.topology, engine.fixed_interface_links, self._motion),
         )
 
-    @cached_property
+    @property
     def _motion(self) -> RigidMotion:
-        linkage = self.systems.engine.mechanism.linkage
-        return linkage.motion(self.crank_angle, self.crank_speed)
+        assert self.stressed.motion is not None
+        return self.stressed.motion
 
     @property
     def _terms(self) -> RotationTerms:

@@ -325,7 +325,8 @@ class Engine(EngineLinks):
         angle, speed, _ = checked_drive(crank_angle, crank_speed, 0.0)
         if not angle.size:
             raise InputError("crank_angle is empty; give one crank angle or more")
-        motion = self.mechanism.linkage.motion(angle.ravel(), speed.ravel())
+        if stressed is None or (motion := stressed.motion) is None:
+            motion = self.mechanism.linkage.motion(angle.ravel(), speed.ravel())
         if not motion.crank_speed.any():
             terms = RotationTerms.all_or_none(False)
         if stressed is None and running is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Hashable, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -125,10 +126,10 @@ class EngineLinks(ElementKinds):
         ComputationError
             If the equilibrium does not converge or is unstable; names the crank angle.
         """
-        clamped = self.stressed_clamped_links(motion, prestress, near)
-        if self._is_straight(motion, prestress):
-            return clamped
-        return self._without_spin_softening(motion, clamped)
+        stressed = self.stressed_clamped_links(motion, prestress, near)
+        if not self._is_straight(motion, prestress):
+            stressed = self._without_spin_softening(motion, stressed)
+        return replace(stressed, motion=motion)
 
     @abstractmethod
     def stressed_clamped_links(
@@ -270,7 +271,7 @@ class EngineLinks(ElementKinds):
             If the engine does not linearize about given states.
         """
         clamped = self.running_clamped_links(motion, displacement)
-        return self._without_spin_softening(motion, clamped)
+        return replace(self._without_spin_softening(motion, clamped), motion=motion)
 
     def running_clamped_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]

@@ -11,6 +11,7 @@ import numpy as np
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.links.chains import LinkMatrix, in_positions, repeated
 from flexmech.linear_system.links.link_model import LinkModel
+from flexmech.linkages import RigidMotion
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,8 @@ class StressedLinks:
         Geometric stiffness between the rotation of a slider's guide and its slide in N/rad.
     unstressed : bool
         Whether the tangents are the links' own stiffness, those of designs as they are.
+    motion : RigidMotion, or None
+        Of the linkage in these positions, a batch of shape (B,); None where it is not kept.
     """
 
     tangent: Sequence[LinkMatrix]
@@ -47,6 +50,7 @@ class StressedLinks:
     loads: list[FloatArray] | None = None
     guide_stiffness: FloatArray | None = None
     unstressed: bool = False
+    motion: RigidMotion | None = None
 
     @classmethod
     def unloaded(cls, links: Sequence[LinkModel]) -> Self:
@@ -87,8 +91,9 @@ class StressedLinks:
         ----------
         which : slice or ndarray of int
         """
+        motion = self.motion and self.motion.at(which)
         if self.unstressed:
-            return self
+            return replace(self, motion=motion)
 
         def some(values: list[FloatArray] | None) -> list[FloatArray] | None:
             return None if values is None else [v[which] for v in values]
@@ -101,4 +106,5 @@ class StressedLinks:
             damping=self.damping and [d[which] for d in self.damping],
             loads=some(self.loads),
             guide_stiffness=None if self.guide_stiffness is None else self.guide_stiffness[which],
+            motion=motion,
         )
