@@ -106,7 +106,7 @@ def test_of_a_vibration_that_is_out_of_phase_more_than_all_of_the_change_is_left
     """Extrapolated from two runs that lag: a slow one is nearly mended, a fast one is worse."""
     step, duration = 1e-3, 2.0
     time, kinds = np.linspace(0.0, duration, 8001), ("deflection", "stress", "force", "torque")
-    left = run.Left.by_halving(step, duration, stretches=stretches)
+    left = run.Remainder.by_halving(step, duration, stretches=stretches)
     frozen = SimpleNamespace(topology=SimpleNamespace(links=()))
     engine = SimpleNamespace(mechanism=SimpleNamespace(linkage=frozen))
     monkeypatch.setattr(run, "_histories", lambda engine, own, drive: own.histories)

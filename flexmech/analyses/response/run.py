@@ -89,8 +89,8 @@ class RunError:
 
 
 @dataclass(frozen=True)
-class Left:
-    """What an error is, over a change of the histories.
+class Remainder:
+    """What is left of a change of the histories, as their error.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ class Left:
     resolved: float = np.inf
 
     @classmethod
-    def by_halving(cls, step: float, duration: float, *, stretches: bool) -> Left:
+    def by_halving(cls, step: float, duration: float, *, stretches: bool) -> Remainder:
         """What is left of the change by halving a step, by extrapolation from both.
 
         A vibration that is out of phase in both runs, each by any angle, is off by up to
@@ -186,7 +186,9 @@ def run_engine(
         progress = partial(report, engine.name)
         return _run(engine, request, plan, step, progress, detail, passes)
 
-    def difference(first: Trajectory, second: Trajectory, left: Left | None = None) -> RunError:
+    def difference(
+        first: Trajectory, second: Trajectory, left: Remainder | None = None
+    ) -> RunError:
         return _difference((engine, first), (engine, second), request.drive, left)
 
     def judged(trajectory: Trajectory, plain: Trajectory, step_error: RunError) -> EngineRun:
@@ -220,7 +222,7 @@ def run_engine(
 def _extrapolated(
     engine: Engine,
     run: Callable[[float], Trajectory],
-    difference: Callable[[Trajectory, Trajectory, Left], RunError],
+    difference: Callable[[Trajectory, Trajectory, Remainder], RunError],
     step: float,
     *,
     duration: float,
@@ -243,7 +245,7 @@ def _extrapolated(
     for _ in range(_MOST_HALVINGS + 1):
         fine = run(coarse.step / 2)
         found = fine.extrapolated(coarse, order)
-        left = Left.by_halving(coarse.step, duration, stretches=stretches)
+        left = Remainder.by_halving(coarse.step, duration, stretches=stretches)
         errors = [difference(coarse, fine, left)]
         if before is not None:
             errors.append(difference(before, found, left))
@@ -291,13 +293,13 @@ def _difference(
     first: tuple[Engine, Trajectory],
     finer: tuple[Engine, Trajectory],
     drive: Drive,
-    left: Left | None = None,
+    left: Remainder | None = None,
 ) -> RunError:
     """Greatest differences over the peaks, or what is left of them; none of round-off of nothing.
 
     Peaks of histories whose fast parts are not resolved are off by as much as these.
     """
-    left = Left() if left is None else left
+    left = Remainder() if left is None else left
     before, after = _histories(*first, drive), _histories(*finer, drive)
     engine, second = finer
     extent = sum(link.length for link in engine.mechanism.linkage.topology.links)
