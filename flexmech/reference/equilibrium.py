@@ -156,9 +156,7 @@ class Equilibrium:
             dead,
             [load.T for load in loads] if self._tangents.ties_move else None,
         )
-        start = np.zeros_like(outer)
-        if near is not None:
-            start = self._tangents.coordinates(motion, near)
+        start = np.zeros_like(outer) if near is None else self._tangents.coordinates(motion, near)
         state = self._newton(start, problem, FIRST_ITERATIONS)
         left = np.flatnonzero(~state.is_stable)
         if near is not None and len(left):

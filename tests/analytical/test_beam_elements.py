@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 import scipy.linalg
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
@@ -314,6 +314,8 @@ def turned(q: FloatArray, angle: float, length: float = 0.7) -> FloatArray:
 
 @given(deformations, numbers(-2.5, 2.5))
 def test_corotational_force_turns_with_the_element(q: FloatArray, angle: float) -> None:
+    # An element turns by less than half a turn against its link's frame.
+    assume(abs(angle + np.arctan2(q[4] - q[1], 0.7 + q[3] - q[0])) < 3.1)
     before, after = respond(q)[0], respond(turned(q, angle))[0]
     for u in (0, 3):
         expected = complex(*before[u : u + 2]) * np.exp(1j * angle)
@@ -356,7 +358,7 @@ def cantilever(
 
 def tip(elements: int, force: tuple[float, float, float]) -> FloatArray:
     solver, load, motion = cantilever(elements, force)
-    nothing = [np.zeros((1, elements, 6, 6))]
+    nothing = solver.by_relative_coordinates([np.zeros((1, elements, 6, 6))])
     dead = DeadMoments.of(solver.frames.links, motion, (0.0, 0.0), [load])
     return solver.solve(motion, [load], nothing, dead)[0][0, -3:]
 

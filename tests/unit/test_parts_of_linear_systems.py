@@ -45,7 +45,7 @@ def stressed(batch: int) -> StressedLinks:
 
 def arrays(links: StressedLinks) -> dict[str, FloatArray]:
     """By name; lists have one array."""
-    names = [field.name for field in fields(links) if field.name != "unstressed"]
+    names = [field.name for field in fields(links) if field.name not in ("unstressed", "motion")]
     values = {name: getattr(links, name) for name in names}
     return {k: v[0] if isinstance(v, list) else v for k, v in values.items()}
 
@@ -56,6 +56,14 @@ def test_some_positions_have_all_of_a_state() -> None:
     assert some.keys() == whole.keys()
     for name, values in some.items():
         np.testing.assert_array_equal(values, whole[name][1:3])
+
+
+def test_some_positions_have_their_motion() -> None:
+    angles = np.linspace(0.0, 1.0, 5)
+    whole = replace(stressed(5), motion=FOUR_BAR.motion(angles, np.ones(5)))
+    some = whole.at(slice(1, 3)).motion
+    assert some is not None
+    np.testing.assert_array_equal(some.crank_angle, angles[1:3])
 
 
 def test_a_repeated_position_has_all_of_a_state() -> None:

@@ -9,7 +9,15 @@ import pytest
 import xarray as xr
 
 from flexmech.analyses.comparison.result import _warnings
-from flexmech.analyses.response import plan, run, spectra, start, tension_at_start, words
+from flexmech.analyses.response import (
+    plan,
+    run,
+    run_errors,
+    spectra,
+    start,
+    tension_at_start,
+    words,
+)
 from flexmech.analyses.response.agreement import _large_bow
 from flexmech.analyses.response.dataset import _frames
 from flexmech.analyses.speed_sweep import compute as sweep
@@ -73,10 +81,10 @@ def steps_of(monkeypatch, error, *, stretches=False, unbalanced=0, band=0.1):
 
     def apart(first, finer, drive, left):
         part = 1.0 if left is None else left.part
-        return run.RunError(part * abs(first[1].error - finer[1].error), {})
+        return run_errors.RunError(part * abs(first[1].error - finer[1].error), {})
 
     monkeypatch.setattr(run, "_run", taken)
-    monkeypatch.setattr(run, "_difference", apart)
+    monkeypatch.setattr(run, "difference_of_runs", apart)
     own = SimpleNamespace(time=np.array([0.0, 1.0]), highest=1.0, band=band)
     engine = SimpleNamespace(name="reference", simulates=True)
     request = SimpleNamespace(step=None, prestress="none", drive=None)
@@ -106,16 +114,16 @@ def test_of_a_vibration_that_is_out_of_phase_more_than_all_of_the_change_is_left
     """Extrapolated from two runs that lag: a slow one is nearly mended, a fast one is worse."""
     step, duration = 1e-3, 2.0
     time, kinds = np.linspace(0.0, duration, 8001), ("deflection", "stress", "force", "torque")
-    left = run.Remainder.by_halving(step, duration, stretches=stretches)
+    left = run_errors.Remainder.by_halving(step, duration, stretches=stretches)
     frozen = SimpleNamespace(topology=SimpleNamespace(links=()))
     engine = SimpleNamespace(mechanism=SimpleNamespace(linkage=frozen))
-    monkeypatch.setattr(run, "_histories", lambda engine, own, drive: own.histories)
+    monkeypatch.setattr(run_errors, "_histories", lambda engine, own, drive: own.histories)
 
     def off(frequency):
         """True error of the extrapolated run, told error, and a part of the change."""
         rate = 2 * np.pi * frequency
         curves = [
-            np.cos(rate * (1 - run.step_lag(rate * h, stretches=stretches)) * time)
+            np.cos(rate * (1 - run_errors.step_lag(rate * h, stretches=stretches)) * time)
             for h in (step, step / 2)
         ]
         limit = curves[1] + (curves[1] - curves[0]) / (2**order - 1)
@@ -128,7 +136,7 @@ def test_of_a_vibration_that_is_out_of_phase_more_than_all_of_the_change_is_left
             )
             for curve in curves
         ]
-        error = run._difference((engine, runs[0]), (engine, runs[1]), None, left)
+        error = run_errors.difference_of_runs((engine, runs[0]), (engine, runs[1]), None, left)
         true = np.abs(limit - np.cos(rate * time)).max()
         return true, float(error.of["deflection"][0]), np.abs(curves[1] - curves[0]).max()
 
@@ -162,8 +170,8 @@ def test_steps_that_are_too_long_by_far_are_no_steps_to_begin_with(monkeypatch):
 
 def difference(monkeypatch, force):
     """Error of a force of so many newtons, beside one of 1 N."""
-    monkeypatch.setattr(run, "deflections", lambda engine, of: np.ones((5, 1)))
-    monkeypatch.setattr(run, "greatest_stresses", lambda engine, of, drive: np.zeros((5, 1)))
+    monkeypatch.setattr(run_errors, "deflections", lambda engine, of: np.ones((5, 1)))
+    monkeypatch.setattr(run_errors, "greatest_stresses", lambda engine, of, drive: np.zeros((5, 1)))
     own = SimpleNamespace(linkage=SimpleNamespace(topology=SimpleNamespace(links=())))
 
     def trajectory(factor):
@@ -180,7 +188,7 @@ def difference(monkeypatch, force):
 
     pair = trajectory(1.0), trajectory(-1.0)
     first, finer = ((SimpleNamespace(mechanism=own), each) for each in pair)
-    return run._difference(first, finer, None).of["force"][1]
+    return run_errors.difference_of_runs(first, finer, None).of["force"][1]
 
 
 def test_forces_that_are_round_off_of_none_have_no_error(monkeypatch):

@@ -22,7 +22,8 @@ from flexmech.analyses.response.driven import (
 from flexmech.analyses.response.measurements import peaks_between
 from flexmech.analyses.response.plan import SPECTRUM_REACH, RunPlan, oscillating, vibrating_engine
 from flexmech.analyses.response.request import ResponseRequest
-from flexmech.analyses.response.run import EngineRun, RunError
+from flexmech.analyses.response.run import EngineRun
+from flexmech.analyses.response.run_errors import RunError
 from flexmech.analyses.response.shaking import rigid_shaking, running_shaking
 from flexmech.analyses.response.spectra import (
     WHOLE_PERIODS,

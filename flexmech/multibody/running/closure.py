@@ -74,7 +74,8 @@ class JoinedEnd:
 
     def place(self, position: Any) -> tuple[float, float]:
         """Where the point is, in m."""
-        x, y = position[self.first] + self.node[0], position[self.first + 1] + self.node[1]
+        x = position[self.first] + self.node[0]
+        y = position[self.first + 1] + self.node[1]
         if not (self.lever[0] or self.lever[1]):
             return x, y
         along, across = self.arm(position)
