@@ -115,6 +115,18 @@ def difference_of_runs(
     """Greatest differences over the peaks, or what is left of them; none of round-off of nothing.
 
     Peaks of histories whose fast parts are not resolved are off by as much as these.
+
+    Parameters
+    ----------
+    first, finer : tuple of Engine and Trajectory
+        At the same samples.
+    drive : Drive
+    left : Remainder, optional
+        What is left of the differences; all by default.
+
+    Returns
+    -------
+    RunError
     """
     left = Remainder() if left is None else left
     before, after = _histories(*first, drive), _histories(*finer, drive)

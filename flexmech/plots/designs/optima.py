@@ -121,5 +121,5 @@ def plot_search(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
             own = dataset["history"].sel(goal=output).assign_attrs(dataset[output].attrs)
             axes.step(dataset["evaluations"], shown(own), where="post", **series_line(0))
             axes.set_ylabel(f"{label(dataset[output])}, {sense}")
-        drawn.label_x("designs computed")
+        drawn.label_x("Designs computed")
     return drawn.figure

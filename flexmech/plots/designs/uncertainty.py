@@ -80,7 +80,7 @@ def plot_sensitivity(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
         for axes, output in zip(drawn.panels, outputs, strict=True):
             _shares(axes, dataset.sel(output=output), looks)
             axes.set_title(output, loc="left")
-        drawn.label_x("share of the variance (-)")
+        drawn.label_x("Share of the variance (-)")
     return drawn.figure
 
 
@@ -138,7 +138,7 @@ def plot_distributions(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
             for bound in bounds(known[output]):
                 axes.axvline(bound, **limit)
             axes.set_xlabel(label(known[output]))
-        drawn.label_y("probability density")
+        drawn.label_y("Probability density")
     return drawn.figure
 
 
