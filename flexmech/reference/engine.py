@@ -100,7 +100,8 @@ class ReferenceEngine(Engine):
         """Beam elements of one flexible link."""
         if self.members:
             mechanisms = [own.mechanism for own in self.members]
-            parts = [restrained_beam(own, name)[0] for own in mechanisms]
+            # Joints restrain no ends of links that are alike.
+            parts = [own.sections[name] for own in mechanisms]
             masses = [own.link_masses_in_order[number] for own in mechanisms]
             return stack_chains(name, parts, masses, self.elements, BEAM_SHAPES[self.element])
         mass, at = self._masses[number], self.mechanism.acting_at(name)
