@@ -17,6 +17,7 @@ from flexmech.linear_system.assembly.balanced_loads import BalancedLoads, Solve,
 from flexmech.linear_system.assembly.element_kinds import ElementKinds
 from flexmech.linear_system.assembly.free_shaft import FreeShaft
 from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.links.chains import ChainMatrix
 from flexmech.linear_system.links.dead_moments import DeadMoments, without_spin_softening
 from flexmech.linear_system.links.displaced_inertia import DisplacedInertia, turns_as_one_body
 from flexmech.linear_system.links.link_model import LinkModel
@@ -79,11 +80,18 @@ class EngineLinks(ElementKinds):
         """Link frames and constraints of the unreduced links."""
         return LinkFrames(self.topology, self.links)
 
-    @cached_property
+    @property
     def fixed_interface_links(self) -> tuple[FixedInterfaceLink, ...]:
         """Constraint modes and fixed-interface modes of the flexible links."""
+        # Kept, those of many elements take a tenth of a map's memory: they are made anew.
+        many = any(isinstance(link.stiffness, ChainMatrix) for link in self.links)
+        return self._with_fixed_interfaces() if many else self._kept_fixed_interfaces
+
+    def _with_fixed_interfaces(self) -> tuple[FixedInterfaceLink, ...]:
         couples = joint_couples(self.mechanism, self.connectors)
         return fix_interfaces(self.topology, self.links, couples)
+
+    _kept_fixed_interfaces = cached_property(_with_fixed_interfaces)
 
     @property
     @abstractmethod
@@ -224,10 +232,9 @@ class EngineLinks(ElementKinds):
         connectors = self.connectors
         if displaced_inertia is None and (self.solves_connectors or not connectors.any):
             return BalancedLoads(loads, None)
-        frames = LinkFrames(self.mechanism.linkage.topology, self.clamped_links)
         return balanced_loads(
             connectors,
-            frames,
+            LinkFrames(self.mechanism.linkage.topology, self.clamped_links),
             motion,
             loads,
             solve,
@@ -245,9 +252,8 @@ class EngineLinks(ElementKinds):
                     "stretches some of these; use prestress 'equilibrium'"
                 )
             return False
-        unloaded = not motion.crank_speed.any() and not any(self.mechanism.gravity)
-        unloaded = unloaded and not self.connectors.any
-        return prestress == "none" or unloaded
+        loaded = motion.crank_speed.any() or any(self.mechanism.gravity) or self.connectors.any
+        return prestress == "none" or not loaded
 
     def running_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
