@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -254,8 +255,7 @@ class _Brackets:
 
     def lowest(self) -> IntArray:
         """Number of the lowest minimum of each curve, shape (t,)."""
-        order = np.lexsort((self.value[1], self.curve))
-        return np.asarray(order[np.unique(self.curve[order], return_index=True)[1]])
+        return self._first_of_each(self.value[1])
 
     def first_lowest(self) -> IntArray:
         """The first of each curve's minima that are as low as the lowest, shape (t,).
@@ -264,7 +264,11 @@ class _Brackets:
         """
         value, least = self.value[1], self.value[1, self.lowest()][self.curve]
         higher = value > least + LEAST_ERROR * np.abs(least)
-        order = np.lexsort((self.angle[1], higher, self.curve))
+        return self._first_of_each(self.angle[1], higher)
+
+    def _first_of_each(self, *keys: NDArray[Any]) -> IntArray:
+        """Number of each curve's first minimum, (t,), by keys (b,); the last counts most."""
+        order = np.lexsort((*keys, self.curve))
         return np.asarray(order[np.unique(self.curve[order], return_index=True)[1]])
 
     def may_be_lowest(self) -> NDArray[np.bool_]:
