@@ -27,11 +27,14 @@ import typer.testing
 from hypothesis import settings
 
 from flexmech import Mechanism, load_mechanism
+from tests.support.command import MODELS, Ended, run_command
 from flexmech.verification.methods.frequencies import unit_arm as make_unit_arm
 
 # Five minutes on two cores for the whole suite; --hypothesis-profile=thorough draws more.
-settings.register_profile("quick", max_examples=30)
-settings.register_profile("thorough", max_examples=300)
+# Draws are the same in every run; --hypothesis-profile=random draws anew.
+settings.register_profile("quick", max_examples=30, derandomize=True, deadline=None)
+settings.register_profile("thorough", max_examples=300, derandomize=True, deadline=None)
+settings.register_profile("random", max_examples=300, deadline=None)
 settings.load_profile("quick")
 
 
@@ -86,7 +89,6 @@ def rough_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(style, "_write_png", written)
 
 
-MODELS = Path(__file__).parents[1] / "models"
 SCENARIOS = MODELS.parent / "scenarios"
 
 
@@ -108,6 +110,12 @@ def expected_number() -> Callable[[str], Any]:
         return pytest.approx(number["value"], abs=number["tolerance"], rel=0)
 
     return within
+
+
+@pytest.fixture
+def command(tmp_path: Path) -> Callable[..., Ended]:
+    """Runs a command line: ``command("frequencies", "models/steel_fourbar.toml", "--no-plots")``."""
+    return functools.partial(run_command, tmp_path / "results")
 
 
 @pytest.fixture(scope="session")
