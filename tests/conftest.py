@@ -27,8 +27,8 @@ import typer.testing
 from hypothesis import settings
 
 from flexmech import Mechanism, load_mechanism
-from tests.support.command import MODELS, Ended, run_command
 from flexmech.verification.methods.frequencies import unit_arm as make_unit_arm
+from tests.support.command import MODELS, Ended, run_command
 
 # Five minutes on two cores for the whole suite; --hypothesis-profile=thorough draws more.
 # Draws are the same in every run; --hypothesis-profile=random draws anew.
@@ -114,7 +114,7 @@ def expected_number() -> Callable[[str], Any]:
 
 @pytest.fixture
 def command(tmp_path: Path) -> Callable[..., Ended]:
-    """Runs a command line: ``command("frequencies", "models/steel_fourbar.toml", "--no-plots")``."""
+    """Runs a command line: ``command("check", "models/steel_fourbar.toml", "--no-plots")``."""
     return functools.partial(run_command, tmp_path / "results")
 
 
