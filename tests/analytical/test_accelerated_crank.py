@@ -23,7 +23,7 @@ from flexmech import (
 )
 from flexmech.arrays import FloatArray
 from flexmech.linkages import AttachmentPoint, Load, RigidMotion
-from tests.strategies import arm
+from tests.support.strategies import arm
 
 DRIVE = ConstantSpeed(20.0, start_angle=0.4, run_up_time=0.5)
 TIMES = np.array([0.11, 0.25, 0.4])

@@ -23,7 +23,7 @@ from flexmech.reference import banded
 from flexmech.reference.corotational import CorotationalElements
 from flexmech.reference.equilibrium import Equilibrium
 from flexmech.sections import BeamSection
-from tests.strategies import arm, numbers
+from tests.support.strategies import arm, numbers
 
 FloatArray = NDArray[np.float64]
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(8)

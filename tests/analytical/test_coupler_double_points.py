@@ -13,7 +13,7 @@ from flexmech.errors import ComputationError
 from flexmech.linkages import CouplerCurve, CouplerPoint, FourBar, coupler_sextic, double_points
 from flexmech.linkages.coupler_curves.double_points import finite_double_points
 from scenarios._cusp_transitions import cusp_transitions
-from tests.strategies import angles, numbers, postures
+from tests.support.strategies import angles, numbers, postures
 
 few = settings(max_examples=20)
 branches = st.sampled_from(["open", "crossed"])

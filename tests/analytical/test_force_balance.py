@@ -18,7 +18,7 @@ from flexmech.analyses.balance.counterweights import Counterweight, balanced
 from flexmech.analyses.shaking import shaking_of
 from flexmech.linkages import assemblable
 from flexmech.linkages.force_balance import OneCouplerLinkage
-from tests.strategies import LINKS, fourbar, numbers, postures
+from tests.support.strategies import LINKS, fourbar, numbers, postures
 
 MODELS = Path(__file__).parents[2] / "models"
 SPEED = 20.0

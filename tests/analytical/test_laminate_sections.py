@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from flexmech.materials import Laminate, Layer, Material, Ply, PlyDamping
 from flexmech.sections import BeamSection, LaminateSection, Reduction
-from tests.strategies import numbers
+from tests.support.strategies import numbers
 
 FloatArray = NDArray[np.float64]
 STEEL = Material(200e9, 7800.0, 0.3)

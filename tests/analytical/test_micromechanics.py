@@ -23,7 +23,7 @@ from flexmech.materials import (
     published_constituents,
     woven_ply,
 )
-from tests.strategies import numbers
+from tests.support.strategies import numbers
 
 few = settings(max_examples=20)
 every_rule = pytest.mark.parametrize("rule", RULES)

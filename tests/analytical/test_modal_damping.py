@@ -22,7 +22,7 @@ from flexmech.multibody import ExudynEngine
 from flexmech.reference import ReferenceEngine
 from flexmech.sections import BeamSection, SpecificDamping
 from flexmech.time_domain import DrivenLinkage, linear_run
-from tests.strategies import Running, arm, fourbar, running_mechanisms
+from tests.support.strategies import Running, arm, fourbar, running_mechanisms
 
 FloatArray = NDArray[np.float64]
 STIFFNESS = {

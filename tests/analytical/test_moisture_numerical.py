@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from flexmech.materials.moisture import Ambient, DiffusionLayer, Diffusivity, diffuse, diffuse_bar
 from flexmech.materials.moisture.cells import side_waves
 from tests.analytical.slab_series import bar_profile, bar_uptake, slab_profile, slab_uptake
-from tests.strategies import numbers
+from tests.support.strategies import numbers
 
 few = settings(max_examples=8)
 every_face = pytest.mark.parametrize("faces", ["both", "lower", "upper"])

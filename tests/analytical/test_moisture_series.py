@@ -21,7 +21,7 @@ from tests.analytical.slab_series import (
     slab_uptake,
     time_to_saturation_shen_springer,
 )
-from tests.strategies import numbers
+from tests.support.strategies import numbers
 
 few = settings(max_examples=30)
 every_face = pytest.mark.parametrize("faces", ["both", "lower", "upper"])

@@ -22,7 +22,7 @@ from flexmech import (
     kinematics,
 )
 from flexmech.mechanism import AttachedBody
-from tests.strategies import fourbar
+from tests.support.strategies import fourbar
 
 CRANK, ROD, SPEED = 0.04, 0.16, 157.0
 # In steps of 50 degrees no angle is near an extreme.

@@ -17,7 +17,7 @@ from flexmech.linkages import FourBar
 from flexmech.mechanism import Mechanism, PointMass
 from flexmech.reference import ReferenceEngine
 from flexmech.sections import BeamSection
-from tests.strategies import LINKS, Running, fourbar, numbers, running_mechanisms, scaled
+from tests.support.strategies import LINKS, Running, fourbar, numbers, running_mechanisms, scaled
 
 FloatArray = NDArray[np.float64]
 few = settings(max_examples=25)

@@ -37,7 +37,7 @@ from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine
 from flexmech.linkages import AttachmentPoint
 from flexmech.threads import one_thread
-from tests.random_mechanisms import log_uniform
+from tests.support.random_mechanisms import log_uniform
 
 CRANK = 1e-4
 # Of the table of the force in each of its periods; between them it is linear.

@@ -14,7 +14,7 @@ import pytest
 import flexmech
 from flexmech import ExudynEngine, Load, Mechanism, ReferenceEngine, ResponseRequest, Spring
 from flexmech.linkages import GROUND, AttachmentPoint
-from tests.strategies import fourbar
+from tests.support.strategies import fourbar
 
 PUSH = (1.0, -2.0)
 SPEED = 20.0

@@ -21,7 +21,7 @@ from flexmech.mechanism import AttachedBody, Mechanism
 from flexmech.reference import ReferenceEngine
 from flexmech.reference.corotational import CorotationalElements
 from flexmech.sections import BeamSection, LaminateSection
-from tests.strategies import arm, numbers
+from tests.support.strategies import arm, numbers
 
 FloatArray = NDArray[np.float64]
 MATERIAL = Material(70e9, 2700.0, 0.3)

@@ -30,7 +30,7 @@ from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import StatedPeriodicSystem, floquet_modes
 from flexmech.linear_system import Engine
 from flexmech.linkages import Clamp, Link, LinkEnd, Pivot, Topology
-from tests.random_mechanisms import log_uniform
+from tests.support.random_mechanisms import log_uniform
 
 # Of the disk's mass: what the arm adds is of this size.
 LIGHT = 1e-7

@@ -36,7 +36,7 @@ from flexmech.multibody.linearize import static_equilibrium
 from flexmech.sections import DampingTimes
 from flexmech.threads import one_thread
 from flexmech.time_domain import DrivenLinkage, LinkState, linear_run
-from tests.strategies import fourbar as slender_fourbar
+from tests.support.strategies import fourbar as slender_fourbar
 
 LINKS = ("crank", "coupler", "rocker")
 HEIGHT = 0.25 / 8

@@ -11,7 +11,7 @@ from flexmech import (
     natural_frequencies,
 )
 from flexmech.analyses.frequencies import extremes
-from tests.random_mechanisms import random_case
+from tests.support.random_mechanisms import random_case
 
 GRID = np.radians(np.arange(0, 361, 5.0))
 SEEDS = [17, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(20))]

@@ -37,7 +37,7 @@ from flexmech.time_domain import (
     moving_modes,
     nonlinear_orbit,
 )
-from tests.random_mechanisms import log_uniform
+from tests.support.random_mechanisms import log_uniform
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 ELEMENTS, STEPS, TURNS = 3, 720, 16

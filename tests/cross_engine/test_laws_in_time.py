@@ -31,7 +31,7 @@ from flexmech.time_domain import (
 )
 from flexmech.time_domain.equations_of_motion import stress_history
 from flexmech.time_domain.integrators.position_table import PositionTable
-from tests.strategies import arm, fourbar
+from tests.support.strategies import arm, fourbar
 
 FOUR_BAR = fourbar()
 TIMES = np.linspace(0.0, 0.2, 101)

@@ -20,7 +20,7 @@ from flexmech import (
 from flexmech.analyses import solve_frequencies, solve_modes
 from flexmech.linkages import AttachmentPoint, Spring
 from flexmech.mechanism import Mechanism
-from tests.random_mechanisms import RandomCase, random_case
+from tests.support.random_mechanisms import RandomCase, random_case
 
 DATA = Path(__file__).parents[1] / "data"
 MODES = 3

@@ -27,8 +27,8 @@ from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine
 from flexmech.mechanism import Wetting
 from flexmech.threads import one_thread
-from tests.random_layups import SATURATION, laminate, neat_resin, sandwich
-from tests.random_planar_mechanisms import KINDS, Kind, PlanarCase, planar_case
+from tests.support.random_layups import SATURATION, laminate, neat_resin, sandwich
+from tests.support.random_planar_mechanisms import KINDS, Kind, PlanarCase, planar_case
 
 MODES = 3
 SHARE = (0.05, 0.15)

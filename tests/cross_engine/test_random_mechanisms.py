@@ -13,7 +13,7 @@ from flexmech.analyses import solve_frequencies
 from flexmech.analyses.frequencies.discretisation import mesh_error
 from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.linear_system import Engine
-from tests.random_mechanisms import random_case
+from tests.support.random_mechanisms import random_case
 
 ELEMENTS = 16
 COARSE, FINE = 8, 64

@@ -10,7 +10,7 @@ from flexmech.analyses.response.measurements import deflections
 from flexmech.analyses.response.plan import planned
 from flexmech.analyses.response.run import run_engine
 from flexmech.time_domain import DrivenLinkage, linear_run
-from tests.random_runs import random_run
+from tests.support.random_runs import random_run
 
 # Below this part of a peak an error is not worth a comparison.
 NEGLIGIBLE = 3e-5

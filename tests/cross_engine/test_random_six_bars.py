@@ -11,7 +11,7 @@ from flexmech import ExudynEngine, ReferenceEngine
 from flexmech.analyses import solve_modes
 from flexmech.arrays import FloatArray
 from flexmech.threads import one_thread
-from tests.random_planar_mechanisms import KINDS, Kind, planar_case
+from tests.support.random_planar_mechanisms import KINDS, Kind, planar_case
 
 MODES = 3
 ELEMENTS = 8

@@ -29,7 +29,7 @@ from flexmech.analyses.response.request import ResponseRequest
 from flexmech.linkages import ConstantSpeed
 from flexmech.modelfile import new_file
 from flexmech.time_domain import DrivenLinkage, LinkState, UnbalancedStepError, linear_run
-from tests.random_mechanisms import random_case
+from tests.support.random_mechanisms import random_case
 
 
 def slender_crank_rocker():

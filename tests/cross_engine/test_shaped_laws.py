@@ -32,7 +32,7 @@ from flexmech.choices import SHAPERS, ShaperName
 from flexmech.linear_system import Engine
 from flexmech.linkages import Drive
 from flexmech.time_domain import DrivenLinkage, end_state, stretches_in_runs
-from tests.strategies import STEEL, fourbar
+from tests.support.strategies import STEEL, fourbar
 
 # So small a travel that the arm's rotation does not stiffen it.
 TRAVEL = 1e-3

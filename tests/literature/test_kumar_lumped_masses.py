@@ -27,7 +27,7 @@ from flexmech.beams.elements import BEAM_SHAPES, BeamElements
 from flexmech.cli import app
 from flexmech.linear_system import element_tensions
 from flexmech.linkages import lumped_elements
-from tests.strategies import arm
+from tests.support.strategies import arm
 
 STEEL = load_mechanism(example_model("steel_fourbar"))
 LUMPED = ReferenceEngine(STEEL, 8, mass="lumped")

@@ -14,7 +14,7 @@ from flexmech.errors import FlexmechError, InputError
 from flexmech.materials import Fibre, Matrix, PlyComposition, published_constituents
 from flexmech.materials.laminate import Laminate
 from flexmech.reference import ReferenceEngine
-from tests.strategies import fourbar
+from tests.support.strategies import fourbar
 
 MECHANISM = fourbar()
 ENGINE = ReferenceEngine(MECHANISM, 2)

@@ -17,7 +17,7 @@ from flexmech.analyses import MovingFrequencies, moving_frequencies
 from flexmech.cli import app
 from flexmech.errors import InputError
 from flexmech.reference import ReferenceEngine
-from tests.strategies import fourbar
+from tests.support.strategies import fourbar
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech import Balance, BalanceRequest, balance
-from tests.strategies import fourbar
+from tests.support.strategies import fourbar
 
 __all__ = ["balance_dataset", "balance_result"]
 

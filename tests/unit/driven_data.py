@@ -18,7 +18,7 @@ from flexmech import (
     kinematics,
     response,
 )
-from tests.strategies import fourbar
+from tests.support.strategies import fourbar
 
 __all__ = [
     "LAW",

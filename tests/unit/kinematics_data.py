@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech import Kinematics, KinematicsRequest, kinematics
-from tests.strategies import fourbar
+from tests.support.strategies import fourbar
 
 __all__ = ["kinematics_dataset", "kinematics_result"]
 

@@ -17,7 +17,7 @@ from flexmech import (
     kinematics,
     response,
 )
-from tests.strategies import fourbar
+from tests.support.strategies import fourbar
 
 __all__ = ["MOTOR", "motor_dataset", "motor_kinematics", "motor_response"]
 

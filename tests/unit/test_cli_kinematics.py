@@ -23,7 +23,7 @@ from flexmech import (
 from flexmech.cli import app
 from flexmech.linkages import AttachmentPoint, Load
 from flexmech.mechanism import AttachedBody
-from tests.strategies import ALUMINIUM_LINKAGE, arm, fourbar
+from tests.support.strategies import ALUMINIUM_LINKAGE, arm, fourbar
 from tests.unit.kinematics_data import kinematics_dataset
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")

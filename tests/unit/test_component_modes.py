@@ -28,8 +28,8 @@ from flexmech.linkages import AttachmentPoint, JointSpring, Spring
 from flexmech.mechanism import Mechanism
 from flexmech.multibody import ExudynEngine
 from flexmech.reference import ReferenceEngine
-from tests.random_mechanisms import random_case
-from tests.strategies import arm, fourbar
+from tests.support.random_mechanisms import random_case
+from tests.support.strategies import arm, fourbar
 
 HEAVY = fourbar(joint_masses={"A": 0.02, "B": 0.05})
 ANGLES = np.linspace(0.0, 2 * np.pi, 13)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from flexmech.errors import InputError
 from flexmech.linkages import CouplerCurve, CouplerPoint, FourBar, coupler_sextic, double_points
 from scenarios._cusp_transitions import cusp_transitions
-from tests.strategies import angles, numbers
+from tests.support.strategies import angles, numbers
 
 CRANK_ROCKER = FourBar(1.0, 0.4, 0.9, 0.8)
 DOUBLE_ROCKER = FourBar(1.0, 0.9, 0.5, 1.1)

@@ -13,7 +13,7 @@ from flexmech.cli import app
 from flexmech.linkages import LockedCrank
 from flexmech.modelfile import mechanism_from_toml, template
 from flexmech.modelfile.quantities import StatedModel
-from tests.strategies import fourbar
+from tests.support.strategies import fourbar
 
 BASE = template("four-bar")
 LAW = 'law = "cycloid"\ntravel = "120 deg"\ntime = "0.15 s"'

@@ -23,7 +23,7 @@ from flexmech.mechanism import Mechanism
 from flexmech.multibody import ExudynEngine
 from flexmech.reference import ReferenceEngine
 from flexmech.sections import BeamSection, LaminateSection
-from tests.strategies import fourbar
+from tests.support.strategies import fourbar
 
 STEEL = Material(210e9, 7850.0, 0.3)
 FOAM = Material(80e6, 80.0, 0.3)

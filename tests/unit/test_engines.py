@@ -20,7 +20,7 @@ from flexmech.multibody import ExudynEngine, library
 from flexmech.multibody.beams import BEAM_KINDS
 from flexmech.reference import ReferenceEngine
 from flexmech.time_domain import simulator
-from tests.strategies import fourbar
+from tests.support.strategies import fourbar
 
 
 def test_exudyn_loads_silently_and_without_range_checks() -> None:

@@ -31,8 +31,8 @@ from flexmech.linkages import (
     continuous_angles,
     inverse_dynamics,
 )
-from tests.random_linkages import LoadedLinkage, link_masses, loaded_linkages
-from tests.strategies import STEEL_LINKAGE
+from tests.support.random_linkages import LoadedLinkage, link_masses, loaded_linkages
+from tests.support.strategies import STEEL_LINKAGE
 
 GRAVITY = (1.5, -9.81)
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)

@@ -16,7 +16,7 @@ from flexmech.linkages import (
     Topology,
     inverse_dynamics,
 )
-from tests.strategies import STEEL_LINKAGE, Posture, numbers, postures
+from tests.support.strategies import STEEL_LINKAGE, Posture, numbers, postures
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
 WEIGHT_OF_STEEL = 7800 * 6.1e-3 * 4.25e-3

@@ -13,7 +13,7 @@ from flexmech.errors import InputError
 from flexmech.materials import Laminate, Layer, Material, Ply, PlyDamping
 from flexmech.sections import REDUCTIONS, SHEAR_THEORIES, BeamSection, DampingTimes, LaminateSection
 from flexmech.sections.beam_reduction import PlaneState, gauss_points
-from tests.strategies import STEEL, numbers
+from tests.support.strategies import STEEL, numbers
 
 CARBON = Ply(138e9, 9e9, 6e9, 5e9, 3e9, 0.3, 1600.0, PlyDamping(0.005, 0.06, 0.08))
 GLASS = Ply(39e9, 8.4e9, 4.2e9, 4.2e9, 3.4e9, 0.26, 2000.0, PlyDamping(0.01, 0.05, 0.07))

@@ -40,7 +40,7 @@ from flexmech.mechanism import Mechanism
 from flexmech.reference import ReferenceEngine
 from tests.cross_engine.joined_linkages import QuickReturn, welded, with_links
 from tests.cross_engine.test_exudyn_connectors import strips
-from tests.strategies import Running, arm, fourbar, running_mechanisms
+from tests.support.strategies import Running, arm, fourbar, running_mechanisms
 
 FloatArray = NDArray[np.float64]
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(6)

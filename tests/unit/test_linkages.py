@@ -24,7 +24,7 @@ from flexmech.linkages import (
     Topology,
     continuous_angles,
 )
-from tests.strategies import STEEL_LINKAGE, Posture, numbers, postures
+from tests.support.strategies import STEEL_LINKAGE, Posture, numbers, postures
 
 TURN = np.linspace(0.0, 2 * np.pi, 361)
 # Central differences of eighth order for the first and second derivative.

@@ -26,7 +26,7 @@ from flexmech.materials import (
     ply_from_constituents,
     published_constituents,
 )
-from tests.strategies import angles, numbers
+from tests.support.strategies import angles, numbers
 
 FloatArray = NDArray[np.float64]
 few = settings(max_examples=20)

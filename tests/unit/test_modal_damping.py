@@ -28,7 +28,7 @@ from flexmech.multibody import ExudynEngine
 from flexmech.plots import SERIES_STYLES, plot_modal_damping
 from flexmech.reference import ReferenceEngine
 from flexmech.sections import SpecificDamping
-from tests.strategies import fourbar
+from tests.support.strategies import fourbar
 from tests.unit.figure_checks import check_layout, legend_texts, lines_in
 from tests.unit.plot_data import FULL_TURN, frequency_dataset
 

@@ -32,7 +32,7 @@ from flexmech.mechanism import Mechanism, PointMass
 from flexmech.modelfile import load_mechanism
 from flexmech.sections import BeamSection, DampingTimes, LaminateSection
 from flexmech.validation import Bounds, check_number, check_pair, checked_array
-from tests.strategies import ALUMINIUM_LINKAGE, STEEL, fourbar
+from tests.support.strategies import ALUMINIUM_LINKAGE, STEEL, fourbar
 
 STEEL_PLY = Ply.isotropic(STEEL)
 SECTION = BeamSection.rectangle(STEEL, 4e-3, 2e-2)

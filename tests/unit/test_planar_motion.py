@@ -12,8 +12,8 @@ from flexmech.linkages import FourBar, PlanarJoint, PlanarLink, PlanarLinkage, R
 from flexmech.linkages.planar.newton import NewtonGroup
 from flexmech.linkages.planar.plan import _Order
 from flexmech.linkages.topology import LinkEnd
-from tests.random_planar import planar_linkages
-from tests.strategies import postures
+from tests.support.random_planar import planar_linkages
+from tests.support.strategies import postures
 
 SLOW = settings(
     max_examples=60, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much]

@@ -25,7 +25,7 @@ from flexmech.errors import InputError
 from flexmech.files import moved_into
 from flexmech.linkages import ConstantSpeed
 from flexmech.reference import ReferenceEngine
-from tests.strategies import fourbar
+from tests.support.strategies import fourbar
 from tests.unit.plot_data import frequency_dataset
 
 ANGLES = np.radians([0.0, 10.0, 20.0, 30.0])

@@ -14,7 +14,7 @@ from flexmech.linkages import JointSpring, RotatingArm
 from flexmech.materials import Material
 from flexmech.mechanism import Mechanism, PointMass
 from flexmech.sections import BeamSection, DampingTimes
-from tests.strategies import LINKS, STEEL, fourbar, numbers
+from tests.support.strategies import LINKS, STEEL, fourbar, numbers
 
 
 def test_rectangle_of_the_steel_links() -> None:

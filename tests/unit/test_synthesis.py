@@ -14,7 +14,7 @@ from flexmech.linkages import (
     time_ratio,
     transmission_design,
 )
-from tests.strategies import numbers
+from tests.support.strategies import numbers
 
 # Deviation in degrees, and the rocker angle as a part of the way between its bounds.
 designs = settings(max_examples=30)(given(numbers(0.5, 89.5), numbers(0.01, 0.99)))

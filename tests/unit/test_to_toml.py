@@ -47,8 +47,8 @@ from flexmech.model_text import SharedTables, quantity
 from flexmech.modelfile import KINDS, json_schema, load_mechanism, mechanism_from_toml, template
 from flexmech.sections import BeamSection, DampingTimes, LaminateSection, SpecificDamping
 from flexmech.units import parse_quantity
-from tests.random_planar import planar_linkages
-from tests.strategies import fourbar, numbers, postures
+from tests.support.random_planar import planar_linkages
+from tests.support.strategies import fourbar, numbers, postures
 
 MODELS = Path(__file__).parents[2] / "models"
 PUBLISHED = published_constituents()

@@ -13,7 +13,7 @@ from flexmech.analyses.balance.compromise import WeighedSum, least_moments
 from flexmech.analyses.balance.compute import counterweights
 from flexmech.analyses.balance.elastic import elastic_shaking
 from flexmech.analyses.shaking import harmonic_variables, harmonics_line, shaking_of
-from tests.strategies import fourbar
+from tests.support.strategies import fourbar
 
 MODELS = Path(__file__).parents[2] / "models"
 SPEED = 20.0

@@ -13,7 +13,7 @@ from flexmech.analyses.kinematics import words
 from flexmech.analyses.kinematics.extremes import extremes, mean_over_turns
 from flexmech.example_models import example_model
 from flexmech.plots import motion, plot_motion
-from tests.strategies import fourbar
+from tests.support.strategies import fourbar
 
 WHOLE = np.array([0.0, 2 * np.pi])
 

@@ -26,8 +26,8 @@ from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
 from flexmech.multibody import ExudynEngine
 from flexmech.reference import ReferenceEngine
-from tests.random_mechanisms import random_case
-from tests.strategies import fourbar
+from tests.support.random_mechanisms import random_case
+from tests.support.strategies import fourbar
 
 FloatArray = NDArray[np.float64]
 PLACE = np.linspace(-1.0, 1.0, 81)
