@@ -43,7 +43,7 @@ from flexmech.studies.composite_crank_rockers.linkages import (
 )
 from flexmech.studies.composite_crank_rockers.ratios import separable_error
 from tests.published_study import invented_peaks, published_study
-from tests.unit.figure_checks import FULL_WIDTH_PANEL, check_layout, legend_texts
+from tests.support.figure_checks import FULL_WIDTH_PANEL, check_layout, legend_texts
 
 LAMINATES = ("C1", "C2", "C3", "C4", "C5", "C6")
 

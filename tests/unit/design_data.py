@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech.linkages import FourBar
-from tests.unit.plot_data import linkage_dataset
+from tests.support.plot_data import linkage_dataset
 
 COUPLER, MATERIAL = "links.coupler.in_plane_thickness", "links.coupler.material"
 LENGTH = {"units": "m", "shown_unit": "mm"}

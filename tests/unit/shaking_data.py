@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from tests.unit.plot_data import response_dataset
+from tests.support.plot_data import response_dataset
 
 __all__ = ["running_shaking_dataset"]
 

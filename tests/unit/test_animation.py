@@ -17,7 +17,7 @@ from flexmech.plots import SERIES_STYLES, animation, mp4_available, write_animat
 from flexmech.plots.animation import EnlargedMotion, Scene
 from flexmech.plots.drawn_linkage.parts import extent_of
 from flexmech.plots.drawn_linkage.sketch import JOINT
-from tests.unit.figure_checks import shown_texts
+from tests.support.figure_checks import shown_texts
 
 STATIONS = np.linspace(0.0, 1.0, 21)
 FOURBAR = FourBar(ground=0.254, crank=0.102, coupler=0.2794, rocker=0.2667)

@@ -18,9 +18,9 @@ from flexmech.cli import app
 from flexmech.modelfile.read import mechanism_from_toml
 from flexmech.plots import plot_balance
 from flexmech.plots.style import series_style
+from tests.support.figure_checks import check_layout, panels
 from tests.support.strategies import arm, fourbar
 from tests.unit.balance_data import balance_dataset, balance_result
-from tests.unit.figure_checks import check_layout, panels
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
 

@@ -26,7 +26,7 @@ from flexmech.cli.application import app
 from flexmech.cli.typed import ORDERS
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile import mechanism_from_toml
-from tests.unit.plot_data import campbell_dataset
+from tests.support.plot_data import campbell_dataset
 from tests.unit.test_cli_state import MODEL as WET
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")

@@ -7,8 +7,8 @@ import pytest
 
 from flexmech.plots import page_width, plot_campbell
 from flexmech.plots.style import TIMES
-from tests.unit.figure_checks import check_texts, heading, legend_texts
-from tests.unit.plot_data import campbell_dataset
+from tests.support.figure_checks import check_texts, heading, legend_texts
+from tests.support.plot_data import campbell_dataset
 
 
 @pytest.mark.thorough

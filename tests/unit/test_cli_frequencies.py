@@ -17,7 +17,7 @@ from flexmech.analyses.frequencies.words import error_lines, tracking_lines
 from flexmech.analyses.summary import Summary, Table
 from flexmech.cli import app
 from flexmech.linear_system import Engine, RotationTerms
-from tests.unit.plot_data import frequency_dataset
+from tests.support.plot_data import frequency_dataset
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
 

@@ -20,7 +20,7 @@ from flexmech.hygrothermal import Exposure, HygrothermalState
 from flexmech.linkages import ConstantSpeed
 from flexmech.modelfile import load_mechanism
 from flexmech.reference import ReferenceEngine
-from tests.unit.figure_checks import HALF_WIDTH_PANEL, check_layout
+from tests.support.figure_checks import HALF_WIDTH_PANEL, check_layout
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
 

@@ -16,7 +16,7 @@ from flexmech.plots import (
     plot_moisture,
     plot_transmission_angle,
 )
-from tests.unit.figure_checks import (
+from tests.support.figure_checks import (
     FULL_WIDTH_PANEL,
     HALF_WIDTH_PANEL,
     check_layout,
@@ -26,7 +26,7 @@ from tests.unit.figure_checks import (
     panels,
     y_labels,
 )
-from tests.unit.plot_data import (
+from tests.support.plot_data import (
     FOURBAR,
     TURN,
     coupler_dataset,

@@ -31,7 +31,7 @@ from flexmech.cli.reading import from_options
 from flexmech.cli.typed import Speeds
 from flexmech.errors import ComputationError, FlexmechError, InputError
 from flexmech.interruption import tidying
-from tests.unit.plot_data import linkage_dataset
+from tests.support.plot_data import linkage_dataset
 
 TABLE = Table("sizes", ("name", "size"), ((("a", "1"), ("b", "20")), (("c", "3"),)), caption="mm")
 

@@ -26,9 +26,9 @@ from flexmech import (
 from flexmech.analyses.response.residual import envelope
 from flexmech.cli import app
 from flexmech.report.panels.kinematics import kinematics_panel
+from tests.support.figure_checks import check_layout, check_texts
 from tests.support.strategies import fourbar
 from tests.unit.driven_data import LAW, driven_dataset, driven_kinematics, driven_run
-from tests.unit.figure_checks import check_layout, check_texts
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
 

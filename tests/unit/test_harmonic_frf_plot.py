@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flexmech import plots
-from tests.unit.figure_checks import check_layout, drawn, heading, legend_texts, panels, y_labels
+from tests.support.figure_checks import check_layout, drawn, heading, legend_texts, panels, y_labels
 from tests.unit.running_hammer_data import (
     FREQUENCY,
     IDENTIFIED,

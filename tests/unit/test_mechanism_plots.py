@@ -11,8 +11,8 @@ from matplotlib.patches import Polygon, Rectangle
 from flexmech.linkages import FourBar
 from flexmech.plots import SERIES_STYLES, page_width, plot_mechanism
 from flexmech.plots.drawn_linkage.sketch import JOINT, WELD
-from tests.unit.figure_checks import check_layout, legend_texts, panels
-from tests.unit.plot_data import ARM, mechanism_dataset
+from tests.support.figure_checks import check_layout, legend_texts, panels
+from tests.support.plot_data import ARM, mechanism_dataset
 
 FOLDED = FourBar(ground=0.05, crank=0.1, coupler=0.11, rocker=0.1)
 

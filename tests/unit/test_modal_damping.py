@@ -28,9 +28,9 @@ from flexmech.multibody import ExudynEngine
 from flexmech.plots import SERIES_STYLES, plot_modal_damping
 from flexmech.reference import ReferenceEngine
 from flexmech.sections import SpecificDamping
+from tests.support.figure_checks import check_layout, legend_texts, lines_in
+from tests.support.plot_data import FULL_TURN, frequency_dataset
 from tests.support.strategies import fourbar
-from tests.unit.figure_checks import check_layout, legend_texts, lines_in
-from tests.unit.plot_data import FULL_TURN, frequency_dataset
 
 ANGLES = np.radians([0.0, 60.0, 120.0, 240.0, 300.0, 360.0])
 SPEEDS = [0.0, 20.0]

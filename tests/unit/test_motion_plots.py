@@ -9,7 +9,7 @@ from flexmech import KinematicsRequest, kinematics, load_mechanism
 from flexmech.example_models import example_model
 from flexmech.plots import drawn_points, page_width, plot_motion
 from flexmech.plots.motion import motion_lines
-from tests.unit.figure_checks import check_layout, legend_texts
+from tests.support.figure_checks import check_layout, legend_texts
 
 TURN = np.radians(np.arange(0.0, 361.0, 5.0))
 

@@ -25,8 +25,8 @@ from flexmech import (
 )
 from flexmech.cli import app
 from flexmech.modelfile import mechanism_from_toml, template
+from tests.support.figure_checks import check_layout, check_texts
 from tests.support.strategies import fourbar
-from tests.unit.figure_checks import check_layout, check_texts
 from tests.unit.motor_data import MOTOR, motor_kinematics, motor_response
 
 BASE = template("four-bar")

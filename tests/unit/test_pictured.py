@@ -19,7 +19,7 @@ from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.arrays import FloatArray
 from flexmech.cli import app
 from flexmech.plots import plot_frequencies, plot_mode_shapes
-from tests.unit.figure_checks import check_layout, heading
+from tests.support.figure_checks import check_layout, heading
 
 TURN = np.radians(np.arange(0.0, 360.1, 5.0))
 ALUMINIUM = str(Path(__file__).parents[2] / "models" / "aluminium_fourbar.toml")

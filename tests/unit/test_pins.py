@@ -21,7 +21,7 @@ from flexmech.errors import InputError
 from flexmech.linear_system import RunningLinks
 from flexmech.plots import page_width
 from flexmech.reference import ReferenceEngine
-from tests.unit.figure_checks import check_texts, legend_texts, panels
+from tests.support.figure_checks import check_texts, legend_texts, panels
 from tests.unit.strength_data import composite
 
 MODELS = Path(__file__).parents[2] / "models"

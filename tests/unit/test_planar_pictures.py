@@ -28,7 +28,7 @@ from flexmech.plots.drawn_linkage.symbols import Symbol
 from flexmech.report.embedding import Arrays
 from flexmech.report.moving_linkage import moving_linkage
 from flexmech.report.results import Results
-from tests.unit.figure_checks import check_layout, legend_texts
+from tests.support.figure_checks import check_layout, legend_texts
 from tests.unit.test_modelfile import MODELS
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")

@@ -25,8 +25,8 @@ from flexmech.plots.frequencies import mode_groups
 from flexmech.plots.layout import legend_columns
 from flexmech.plots.reading import speed_label
 from flexmech.plots.style import SERIES_STYLES
-from tests.unit.figure_checks import check_layout, heading, legend_texts, lines_in, panels
-from tests.unit.plot_data import FULL_TURN, TERMS, arm_dataset, frequency_dataset
+from tests.support.figure_checks import check_layout, heading, legend_texts, lines_in, panels
+from tests.support.plot_data import FULL_TURN, TERMS, arm_dataset, frequency_dataset
 
 ALL_PLOTS = (plot_frequencies, plot_speed_effect, plot_mode_shapes, plot_agreement)
 SIX_SPEEDS = (-20.0, -10.0, 0.0, 5.0, 10.0, 20.0)

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from flexmech.plots import plot_forces, plot_response
 from flexmech.plots.reading import LENGTH_UNITS, fitting_unit
-from tests.unit.figure_checks import (
+from tests.support.figure_checks import (
     FULL_WIDTH_PANEL,
     check_layout,
     drawn,
@@ -24,7 +24,7 @@ from tests.unit.figure_checks import (
     top_axis,
     y_labels,
 )
-from tests.unit.plot_data import arm_response, response_dataset
+from tests.support.plot_data import arm_response, response_dataset
 
 ALL_PLOTS = (plot_response, plot_forces)
 COLORS = ("#0072B2", "#D55E00")

@@ -25,8 +25,8 @@ from flexmech.errors import InputError
 from flexmech.files import moved_into
 from flexmech.linkages import ConstantSpeed
 from flexmech.reference import ReferenceEngine
+from tests.support.plot_data import frequency_dataset
 from tests.support.strategies import fourbar
-from tests.unit.plot_data import frequency_dataset
 
 ANGLES = np.radians([0.0, 10.0, 20.0, 30.0])
 HEADER = "engine,crank_speed_rad_s,crank_angle_deg,mode,branch,frequency_Hz,damping_ratio"

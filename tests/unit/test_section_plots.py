@@ -18,7 +18,7 @@ from flexmech.mechanism import Mechanism
 from flexmech.plots import plot_section
 from flexmech.plots.style import TIMES
 from flexmech.sections import BeamSection, LaminateSection, SheetSection
-from tests.unit.figure_checks import check_texts, legend_texts
+from tests.support.figure_checks import check_texts, legend_texts
 
 CARBON = Ply(172.7e9, 7.2e9, 3.76e9, 3.76e9, 2.57e9, 0.29, 1566.7, name="C")
 GLASS = Ply(37.8e9, 10.9e9, 4.91e9, 4.91e9, 3.89e9, 0.29, 1813.9, name="G")

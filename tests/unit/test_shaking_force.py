@@ -14,7 +14,7 @@ import flexmech
 from flexmech import InputError, KinematicsRequest, ResponseRequest
 from flexmech.cli import app
 from flexmech.plots import plot_running_shaking_force, plot_shaking_force, plot_shaking_orders
-from tests.unit.figure_checks import check_layout, panels
+from tests.support.figure_checks import check_layout, panels
 from tests.unit.kinematics_data import kinematics_dataset
 from tests.unit.shaking_data import running_shaking_dataset
 

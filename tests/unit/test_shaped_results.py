@@ -25,9 +25,9 @@ from flexmech import (
 )
 from flexmech.analyses.response.move_times import moves_of
 from flexmech.cli import app
+from tests.support.figure_checks import check_layout, check_texts
 from tests.support.strategies import fourbar
 from tests.unit.driven_data import LAW, shaped_run
-from tests.unit.figure_checks import check_layout, check_texts
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
 

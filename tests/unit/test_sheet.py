@@ -18,11 +18,7 @@ from PIL import Image
 from flexmech import plots
 from flexmech.errors import InputError
 from flexmech.plots import chosen
-from tests.unit.balance_data import balance_dataset
-from tests.unit.comparison_data import drawn_dataset
-from tests.unit.design_data import optimum_dataset, sweep_designs, uncertainty_dataset
-from tests.unit.driven_data import driven_dataset, shaped_dataset
-from tests.unit.figure_checks import (
+from tests.support.figure_checks import (
     check_layout,
     check_texts,
     heading,
@@ -30,10 +26,7 @@ from tests.unit.figure_checks import (
     panels,
     shown_texts,
 )
-from tests.unit.hammer_data import hammer_dataset
-from tests.unit.kinematics_data import kinematics_dataset
-from tests.unit.motor_data import motor_dataset
-from tests.unit.plot_data import (
+from tests.support.plot_data import (
     campbell_dataset,
     coupler_dataset,
     frequency_dataset,
@@ -46,6 +39,13 @@ from tests.unit.plot_data import (
     verification_dataset,
     vibration_dataset,
 )
+from tests.unit.balance_data import balance_dataset
+from tests.unit.comparison_data import drawn_dataset
+from tests.unit.design_data import optimum_dataset, sweep_designs, uncertainty_dataset
+from tests.unit.driven_data import driven_dataset, shaped_dataset
+from tests.unit.hammer_data import hammer_dataset
+from tests.unit.kinematics_data import kinematics_dataset
+from tests.unit.motor_data import motor_dataset
 from tests.unit.roved_hammer import roved_dataset
 from tests.unit.running_hammer_data import running_hammer_dataset
 from tests.unit.shaking_data import framed_dataset, running_shaking_dataset

@@ -14,7 +14,7 @@ from matplotlib.collections import QuadMesh
 from flexmech.errors import InputError
 from flexmech.plots import chosen, plot_spectrogram, plot_spectrum
 from flexmech.plots.reading import spread
-from tests.unit.figure_checks import (
+from tests.support.figure_checks import (
     FULL_WIDTH_PANEL,
     check_layout,
     drawn,
@@ -25,7 +25,7 @@ from tests.unit.figure_checks import (
     top_axis,
     y_labels,
 )
-from tests.unit.plot_data import NATURAL, arm_response, response_dataset
+from tests.support.plot_data import NATURAL, arm_response, response_dataset
 
 ALL_PLOTS = (plot_spectrum, plot_spectrogram)
 COLORS = ("#0072B2", "#D55E00")

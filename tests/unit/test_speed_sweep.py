@@ -6,7 +6,7 @@ import pytest
 import flexmech
 from flexmech.analyses.speed_sweep import compute as sweep
 from flexmech.analyses.speed_sweep.result import SpeedSweep
-from tests.unit.plot_data import sweep_dataset
+from tests.support.plot_data import sweep_dataset
 
 
 def summary(dataset):

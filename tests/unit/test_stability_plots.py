@@ -7,7 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from flexmech import InputError, plots
-from tests.unit.figure_checks import check_layout, check_texts, legend_texts, panels
+from tests.support.figure_checks import check_layout, check_texts, legend_texts, panels
 from tests.unit.stability_data import (
     FREQUENCIES,
     GROWTH,

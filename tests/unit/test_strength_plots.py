@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 import flexmech
 from flexmech.plots import page_width, plot_internal_forces, plot_strength
 from flexmech.plots.strength import COLOURS, NOT_JUDGED, WIDE
-from tests.unit.figure_checks import check_texts, legend_texts, panels
+from tests.support.figure_checks import check_texts, legend_texts, panels
 from tests.unit.strength_data import composite
 
 

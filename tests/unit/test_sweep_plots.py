@@ -13,8 +13,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flexmech.plots import SERIES_STYLES, plot_speed_sweep, plot_vibration_effect
-from tests.unit.figure_checks import check_layout, check_texts, heading, legend_texts, shown_texts
-from tests.unit.plot_data import HIGHEST, LOWEST, sweep_dataset, vibration_dataset
+from tests.support.figure_checks import (
+    check_layout,
+    check_texts,
+    heading,
+    legend_texts,
+    shown_texts,
+)
+from tests.support.plot_data import HIGHEST, LOWEST, sweep_dataset, vibration_dataset
 
 
 def link_panels(figure: Figure) -> list[Axes]:

@@ -22,7 +22,7 @@ from flexmech.verification import (
     verification_cases,
 )
 from flexmech.verification.methods import METHODS
-from tests.unit.figure_checks import FULL_WIDTH_PANEL, GRID_PANEL, check_layout, legend_texts
+from tests.support.figure_checks import FULL_WIDTH_PANEL, GRID_PANEL, check_layout, legend_texts
 
 CASE = verification_case("Limits of the transmission angle: case 1")
 MATRIX = verification_case("Stiffness of graphite/epoxy [0/30/-45], plies of 5 mm: A")
