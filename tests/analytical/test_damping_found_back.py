@@ -17,7 +17,7 @@ from flexmech.analyses.comparison.fit import Fit, fitted
 from flexmech.analyses.comparison.over_time import TimeProblem
 from flexmech.analyses.comparison.parameters import fitted_names
 from flexmech.analyses.comparison.quantities import gauges
-from tests.unit.comparison_data import SPEED, damping_time, history, undamped
+from tests.support.comparison_data import SPEED, damping_time, history, undamped
 
 LINKS = ("crank", "coupler", "rocker")
 # A part of the signal, and how the noise of one sample lives on in the next.

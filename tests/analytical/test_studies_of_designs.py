@@ -25,7 +25,7 @@ from flexmech.studies import (
 )
 from flexmech.studies.designs.evaluation import evaluate
 from flexmech.units import DENSITY, LENGTH
-from tests.unit.study_data import MASS, MODELS, Scripted, density, study, thickness
+from tests.support.study_data import MASS, MODELS, Scripted, density, study, thickness
 
 LINKS = "crank", "coupler", "rocker"
 STILL = {"speed": 0.0, "prestress": "none", "angles": 4}

@@ -37,7 +37,7 @@ from flexmech.studies.composite_crank_rockers.properties import (
     spread_of,
 )
 from flexmech.studies.composite_crank_rockers.running import running_peaks, steel_crank_rocker
-from tests.published_study import published_study
+from tests.support.published_study import published_study
 
 
 @pytest.fixture(scope="module")

@@ -42,8 +42,8 @@ from flexmech.studies.composite_crank_rockers.linkages import (
     each_model,
 )
 from flexmech.studies.composite_crank_rockers.ratios import separable_error
-from tests.published_study import invented_peaks, published_study
 from tests.support.figure_checks import FULL_WIDTH_PANEL, check_layout, legend_texts
+from tests.support.published_study import invented_peaks, published_study
 
 LAMINATES = ("C1", "C2", "C3", "C4", "C5", "C6")
 

@@ -17,7 +17,7 @@ from flexmech.studies.composite_crank_rockers.strengths import (
     first_ply_failures,
     strong_mechanism,
 )
-from tests.published_study import published_study
+from tests.support.published_study import published_study
 
 # Plies by the rule of mixtures in MPa, and how many of five are of carbon.
 CARBON, GLASS = 121_872.0, 42_972.0

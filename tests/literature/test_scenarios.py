@@ -16,7 +16,7 @@ import xarray as xr
 from flexmech import MovingFrequencies, ReferenceEngine, RunningHammerTest, load_mechanism
 from flexmech.hygrothermal import linkage_in_state
 from flexmech.verification import verification_case
-from tests.unit.running_hammer_data import running_hammer_dataset
+from tests.support.running_hammer_data import running_hammer_dataset
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 NAMES = [

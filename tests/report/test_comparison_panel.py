@@ -10,7 +10,7 @@ import pytest
 from flexmech import Comparison, stored_results
 from flexmech.report.panels.frequencies import stability_panel
 from flexmech.report.panels.hammer import comparison_panel
-from tests.unit.comparison_data import drawn_dataset
+from tests.support.comparison_data import drawn_dataset
 
 
 @pytest.mark.parametrize("kind", ["time", "frequency", "sample"])

@@ -17,7 +17,7 @@ from flexmech.report.panels.designs import MOST_OUTPUTS
 from flexmech.report.results import Results
 from flexmech.studies import DesignSweep, Optimum, Uncertainty
 from tests.report.test_in_a_browser import PHONE, READY
-from tests.unit.design_data import (
+from tests.support.design_data import (
     COUPLER,
     FAILED,
     LEAST,

@@ -9,7 +9,7 @@ import numpy as np
 from flexmech import stored_results
 from flexmech.report.panels.hammer import hammer_panel
 from flexmech.report.results import Results
-from tests.unit.hammer_data import small_test
+from tests.support.hammer_data import small_test
 
 
 def test_a_folder_with_a_test_has_its_panel(tmp_path: Path) -> None:

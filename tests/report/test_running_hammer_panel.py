@@ -11,7 +11,7 @@ from flexmech.report.answers import report_summary
 from flexmech.report.panels.frequencies import stability_panel
 from flexmech.report.panels.hammer import running_hammer_panel
 from flexmech.report.results import Results
-from tests.unit.running_hammer_data import IDENTIFIED, PEAKS, running_hammer_dataset
+from tests.support.running_hammer_data import IDENTIFIED, PEAKS, running_hammer_dataset
 
 
 def stored(folder: Path) -> Results:

@@ -19,7 +19,7 @@ import pytest
 from flexmech.studies import sweep_study
 from flexmech.studies.designs.campaign import TASK
 from flexmech.studies.designs.store import NAME
-from tests.unit.study_data import FILE, THICKNESS, bytes_of, study, study_file, thickness
+from tests.support.study_data import FILE, THICKNESS, bytes_of, study, study_file, thickness
 
 if os.name == "nt":
     pytest.skip("POSIX signals", allow_module_level=True)

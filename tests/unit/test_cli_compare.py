@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from flexmech.cli import app
-from tests.unit.comparison_data import MODEL, damping_time, noisy
+from tests.support.comparison_data import MODEL, damping_time, noisy
 
 
 def run(*arguments: str) -> Result:

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from flexmech import LinkPoint, RunningHammerRequest, RunningHammerTest
 from flexmech.cli import app
 from flexmech.linear_system import Engine
-from tests.unit.running_hammer_data import running_hammer_dataset
+from tests.support.running_hammer_data import running_hammer_dataset
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
 

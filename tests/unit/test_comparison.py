@@ -20,7 +20,7 @@ from flexmech.analyses.comparison.parameters import (
 from flexmech.dynamical_systems import direct_receptance
 from flexmech.errors import ComputationError, InputError
 from flexmech.linear_system import point_rows
-from tests.unit.comparison_data import (
+from tests.support.comparison_data import (
     RATIO,
     SPEED,
     damped,

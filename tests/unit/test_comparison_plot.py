@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from flexmech import plots
+from tests.support.comparison_data import drawn_dataset
 from tests.support.figure_checks import check_layout, heading, legend_texts, panels
-from tests.unit.comparison_data import drawn_dataset
 
 
 @pytest.mark.parametrize("kind", ["time", "frequency", "sample"])

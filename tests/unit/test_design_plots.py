@@ -10,8 +10,7 @@ from matplotlib.colors import to_hex
 from flexmech import plots
 from flexmech.errors import InputError
 from flexmech.plots.designs.outputs import BEYOND, MOST_PANELS, WITHIN
-from tests.support.figure_checks import check_layout, heading, legend_texts, panels
-from tests.unit.design_data import (
+from tests.support.design_data import (
     COUPLER,
     FAILED,
     LEAST,
@@ -21,6 +20,7 @@ from tests.unit.design_data import (
     uncertainty_dataset,
     with_linkages,
 )
+from tests.support.figure_checks import check_layout, heading, legend_texts, panels
 
 KINDS = ("one number", "two numbers", "number and text", "sample")
 

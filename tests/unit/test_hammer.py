@@ -16,7 +16,7 @@ from flexmech.analyses.hammer.locked_linkage import LockedLinkage
 from flexmech.analyses.hammer.plan import RecordPlan, planned_record
 from flexmech.analyses.hammer.transient import taken_record
 from flexmech.cli import app
-from tests.unit.hammer_data import ALUMINIUM, damped_engine, small_request, small_test
+from tests.support.hammer_data import ALUMINIUM, damped_engine, small_request, small_test
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
 

@@ -17,7 +17,13 @@ from flexmech.example_models import example_model
 from flexmech.measured_data import read_uff, read_uff_record
 from flexmech.modal_testing import complexity_factor, identify, mac
 from tests.support.figure_checks import check_layout
-from tests.unit.roved_hammer import ANGLES, POINTS_A_LINK, damped_engine, roved_dataset, roved_test
+from tests.support.roved_hammer import (
+    ANGLES,
+    POINTS_A_LINK,
+    damped_engine,
+    roved_dataset,
+    roved_test,
+)
 
 THREE_MODES = slice(0, 3)
 LINKS = ["crank", "coupler", "rocker"]

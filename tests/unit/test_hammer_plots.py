@@ -8,7 +8,7 @@ import pytest
 from flexmech import InputError, plots
 from flexmech.plots.reading import FORCE_UNITS, fitting_unit
 from tests.support.figure_checks import check_layout, heading, legend_texts, panels
-from tests.unit.hammer_data import hammer_dataset
+from tests.support.hammer_data import hammer_dataset
 
 EVERY = [plots.plot_hammer, plots.plot_frf, plots.plot_frf_parts, plots.plot_nyquist]
 

@@ -7,7 +7,7 @@ import pytest
 
 from flexmech import plots
 from tests.support.figure_checks import check_layout, drawn, heading, legend_texts, panels, y_labels
-from tests.unit.running_hammer_data import (
+from tests.support.running_hammer_data import (
     FREQUENCY,
     IDENTIFIED,
     ORDERS,

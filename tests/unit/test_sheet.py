@@ -18,6 +18,8 @@ from PIL import Image
 from flexmech import plots
 from flexmech.errors import InputError
 from flexmech.plots import chosen
+from tests.support.comparison_data import drawn_dataset
+from tests.support.design_data import optimum_dataset, sweep_designs, uncertainty_dataset
 from tests.support.figure_checks import (
     check_layout,
     check_texts,
@@ -26,6 +28,7 @@ from tests.support.figure_checks import (
     panels,
     shown_texts,
 )
+from tests.support.hammer_data import hammer_dataset
 from tests.support.plot_data import (
     campbell_dataset,
     coupler_dataset,
@@ -39,15 +42,12 @@ from tests.support.plot_data import (
     verification_dataset,
     vibration_dataset,
 )
+from tests.support.roved_hammer import roved_dataset
+from tests.support.running_hammer_data import running_hammer_dataset
 from tests.unit.balance_data import balance_dataset
-from tests.unit.comparison_data import drawn_dataset
-from tests.unit.design_data import optimum_dataset, sweep_designs, uncertainty_dataset
 from tests.unit.driven_data import driven_dataset, shaped_dataset
-from tests.unit.hammer_data import hammer_dataset
 from tests.unit.kinematics_data import kinematics_dataset
 from tests.unit.motor_data import motor_dataset
-from tests.unit.roved_hammer import roved_dataset
-from tests.unit.running_hammer_data import running_hammer_dataset
 from tests.unit.shaking_data import framed_dataset, running_shaking_dataset
 from tests.unit.stability_data import stability_dataset
 from tests.unit.strength_data import strength_dataset

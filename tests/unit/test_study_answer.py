@@ -8,7 +8,7 @@ import pytest
 from flexmech.studies import Claim, CompositeStudy
 from flexmech.studies.claim import verdict_sentences
 from flexmech.studies.composite_crank_rockers.linkages import stored_table
-from tests.published_study import published_study
+from tests.support.published_study import published_study
 
 FALL = Claim("section 1", "it falls by", "30 %", "", "10 %", "", "not reproduced")
 LESS = Claim("abstract", "torque is less", "less", "", "19 % of steel", "", "reproduced")

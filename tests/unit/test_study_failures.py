@@ -12,7 +12,7 @@ from flexmech.studies import Output, Variable, sweep_study, uncertainty_study
 from flexmech.studies.designs.design import Design
 from flexmech.studies.designs.evaluation import STATUSES, evaluate
 from flexmech.units import ANGULAR_SPEED, LENGTH
-from tests.unit.study_data import Scripted, study, thickness
+from tests.support.study_data import Scripted, study, thickness
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from flexmech.cli import app
 from flexmech.studies import load_study, new_study
-from tests.unit.study_data import FILE, MODELS, THICKNESS, study_file
+from tests.support.study_data import FILE, MODELS, THICKNESS, study_file
 
 RANGE = 'range = ["1 mm", "3 mm"]\nsteps = 3'
 NORMAL = 'normal = ["1 mm", "0.3 mm"]'

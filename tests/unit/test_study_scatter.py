@@ -29,7 +29,7 @@ from flexmech.studies.designs.bands import bands_table, frequency_bands
 from flexmech.studies.designs.evaluation import Evaluated, evaluate
 from flexmech.studies.designs.scatter import Scatter
 from flexmech.units import LENGTH, STRESS
-from tests.unit.study_data import (
+from tests.support.study_data import (
     ALUMINIUM,
     FILE,
     MASS,

@@ -16,7 +16,7 @@ from flexmech.studies import Goal, Limit, Output, optimum_study, sweep_study
 from flexmech.studies.designs.campaign import TASK
 from flexmech.studies.designs.evaluation import MOST_LETTERS, STATUSES, Evaluated
 from flexmech.studies.designs.store import NAME, DesignStore
-from tests.unit.study_data import Scripted, bytes_of, study, thickness
+from tests.support.study_data import Scripted, bytes_of, study, thickness
 
 COUNT = 3 * TASK + 5
 SWEEP = study(thickness(1e-3, 3e-3), thickness(1e-3, 3e-3, link="rocker"))

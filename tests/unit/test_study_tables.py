@@ -25,7 +25,7 @@ from flexmech.studies import (
     runs_line,
     sweep_study,
 )
-from tests.unit.study_data import FILE, THICKNESS, Scripted, study, study_file, thickness
+from tests.support.study_data import FILE, THICKNESS, Scripted, study, study_file, thickness
 
 TORQUE = 'torque = { quantity = "peak_driving_torque", speed = "20 rad/s", angles = 24 }\n'
 # Without what takes time: the frequency's place is the torque's.

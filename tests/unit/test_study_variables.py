@@ -24,7 +24,7 @@ from flexmech.studies import Correlation, Output, Study, Variable, load_study, s
 from flexmech.studies.designs.design import turn
 from flexmech.studies.designs.evaluation import evaluate
 from flexmech.units import DENSITY, LENGTH, RATIO
-from tests.unit.study_data import (
+from tests.support.study_data import (
     ALUMINIUM,
     MODELS,
     THICKNESS,

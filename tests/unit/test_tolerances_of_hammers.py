@@ -16,7 +16,7 @@ from flexmech.analyses.running_hammer.plan import GUARD_ORDERS
 from flexmech.errors import InputError
 from flexmech.modal_testing import circle_fit, identify
 from flexmech.modal_testing.identified import modal_sum
-from tests.unit.hammer_data import ALUMINIUM
+from tests.support.hammer_data import ALUMINIUM
 
 identification = importlib.import_module("flexmech.modal_testing.identify")
 

@@ -23,8 +23,8 @@ from flexmech.analyses.running_hammer import plan as running_plan
 from flexmech.analyses.running_hammer import result as running_result
 from flexmech.dynamical_systems import direct_receptance
 from flexmech.errors import ComputationError, InputError
-from tests.unit.hammer_data import damped_engine, small_request
-from tests.unit.running_hammer_data import running_hammer_dataset
+from tests.support.hammer_data import damped_engine, small_request
+from tests.support.running_hammer_data import running_hammer_dataset
 
 # --- records of a locked linkage ----------------------------------------------------------------
 

@@ -14,7 +14,7 @@ from flexmech.modelfile.attachments import load_rows
 from flexmech.studies import Band, composite_model_file, within_a_tenth
 from flexmech.studies.composite_crank_rockers.claims import _Tests
 from flexmech.studies.composite_crank_rockers.linkages import CASES
-from tests.published_study import published_study
+from tests.support.published_study import published_study
 
 # --- numbers in tables --------------------------------------------------------------------------
 
