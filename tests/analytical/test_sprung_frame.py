@@ -10,7 +10,7 @@ import pytest
 
 import flexmech
 from flexmech.time_domain import DrivenLinkage, linear_run, periodic_state
-from tests.unit.sprung_frame_data import on_springs, sprung, stiffened
+from tests.support.sprung_frame_data import on_springs, sprung, stiffened
 
 ANGLES = np.radians([0.0, 100.0, 250.0])
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import flexmech
-from tests.unit.sprung_frame_data import framed_file
+from tests.support.sprung_frame_data import framed_file
 
 PEAKS = ("peak_frame_displacement", "peak_frame_rotation", "peak_floor_force")
 

@@ -10,7 +10,7 @@ from flexmech import StabilityMap, stored_results
 from flexmech.report.answers import cards
 from flexmech.report.panels.frequencies import stability_panel
 from flexmech.report.results import Results
-from tests.unit.stability_data import GROWTH, stability_dataset
+from tests.support.stability_data import GROWTH, stability_dataset
 
 
 def stored(folder: Path) -> Results:

@@ -19,7 +19,7 @@ from flexmech.arrays import LabelledProgress
 from flexmech.cli import app
 from flexmech.cli.typed import DAMPING_RATIO, STEPS
 from flexmech.linear_system import Engine
-from tests.unit.stability_data import bands, engine_stability
+from tests.support.stability_data import bands, engine_stability
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
 

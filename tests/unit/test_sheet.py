@@ -49,7 +49,7 @@ from tests.unit.driven_data import driven_dataset, shaped_dataset
 from tests.unit.kinematics_data import kinematics_dataset
 from tests.unit.motor_data import motor_dataset
 from tests.unit.shaking_data import framed_dataset, running_shaking_dataset
-from tests.unit.stability_data import stability_dataset
+from tests.support.stability_data import stability_dataset
 from tests.unit.strength_data import strength_dataset
 
 Plot = Callable[..., Figure]

@@ -12,7 +12,7 @@ import flexmech
 from flexmech.cli.application import app
 from flexmech.errors import InputError
 from flexmech.linkages import carried_motion
-from tests.unit.sprung_frame_data import FRAME, framed_file, sprung
+from tests.support.sprung_frame_data import FRAME, framed_file, sprung
 
 
 @pytest.fixture(scope="module")

@@ -37,7 +37,7 @@ from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.errors import ComputationError
 from flexmech.reference import ReferenceEngine
 from flexmech.threads import one_thread
-from tests.unit.stability_data import FREQUENCIES, followed
+from tests.support.stability_data import FREQUENCIES, followed
 
 USUAL = np.array([44.0, 49.0, 180.0])
 

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from flexmech import InputError, plots
 from tests.support.figure_checks import check_layout, check_texts, legend_texts, panels
-from tests.unit.stability_data import (
+from tests.support.stability_data import (
     FREQUENCIES,
     GROWTH,
     SPEEDS,

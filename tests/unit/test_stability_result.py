@@ -12,7 +12,7 @@ import xarray as xr
 from flexmech import StabilityMap
 from flexmech.analyses.stability.dataset import dataset_of
 from flexmech.analyses.stability.engine_stability import ExponentErrors
-from tests.unit.stability_data import (
+from tests.support.stability_data import (
     GROWTH,
     SPEEDS,
     band,

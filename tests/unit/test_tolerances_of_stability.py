@@ -28,7 +28,7 @@ from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.speed_window import KnownEquilibria, SpeedWindow
 from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem, floquet_modes
 from flexmech.errors import ComputationError, InputError
-from tests.unit.stability_data import FREQUENCIES, followed
+from tests.support.stability_data import FREQUENCIES, followed
 
 # --- names of bands -----------------------------------------------------------------------------
 
