@@ -1,13 +1,15 @@
 """Periodic Hamiltonian systems: symplectic monodromy, reciprocal multipliers, Krein signatures."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import (
     FloquetModes,
     StatedPeriodicSystem,
@@ -16,6 +18,7 @@ from flexmech.dynamical_systems import (
     transition_matrices,
 )
 
+FloatArray = NDArray[np.float64]
 SYMPLECTIC = 1e-8
 
 
@@ -59,7 +62,7 @@ def random_hamiltonian(seed: int, half: int) -> Hamiltonian:
 # Multipliers e^16.7 apart: as one group, they missed Liouville's integral by 1e-9 and 1e-10.
 @example(seed=146361, half=4, steps=80)
 @example(seed=95015, half=4, steps=79)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=12, deadline=None)
 def test_monodromy_is_symplectic_whatever_the_step(seed: int, half: int, steps: int) -> None:
     system = random_hamiltonian(seed, half).driven(2.0)
     whole, form = monodromy(system, steps), canonical(half)
@@ -89,7 +92,7 @@ def definite(seed: int, half: int) -> tuple[Hamiltonian, FloatArray]:
 
 
 @given(seed=st.integers(0, 10**6), order=st.integers(1, 2))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=12, deadline=None)
 def test_definite_systems_have_no_bands_of_difference_type(seed: int, order: int) -> None:
     system, frequencies = definite(seed, 3)
     first, last = frequencies[0], frequencies[-1]
@@ -109,7 +112,7 @@ def test_definite_systems_have_no_bands_of_difference_type(seed: int, order: int
 
 
 @given(seed=st.integers(0, 10**6))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=8, deadline=None)
 def test_signature_is_the_sign_of_the_energy(seed: int) -> None:
     system, frequencies = definite(seed, 3)
     still = Hamiltonian(system.mean, 0 * system.mean, 0 * system.mean)
