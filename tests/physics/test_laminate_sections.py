@@ -5,7 +5,7 @@ Stacks are named from the lowest layer up; a bar along the link is 0 degrees.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,13 +14,17 @@ from composites import laminated_plate
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
-from numpy.typing import NDArray
 
+from flexmech.errors import InputError
 from flexmech.materials import Laminate, Layer, Material, Ply, PlyDamping
-from flexmech.sections import BeamSection, LaminateSection, Reduction
+from flexmech.sections import (
+    BeamSection,
+    DampingTimes,
+    LaminateSection,
+    Reduction,
+)
 from tests.support.strategies import numbers
 
-FloatArray = NDArray[np.float64]
 STEEL = Material(200e9, 7800.0, 0.3)
 B, H = 0.02, 0.005
 AREA = B * H
@@ -47,9 +51,6 @@ def stack(
     return LaminateSection(laminate, 1.0, reduction)
 
 
-# ---- one material --------------------------------------------------------------------------
-
-
 def test_isotropic_rectangle() -> None:
     section = one_layer(Ply.isotropic(STEEL))
     assert section.axial_stiffness == pytest.approx(200e9 * AREA, rel=1e-13)
@@ -61,31 +62,6 @@ def test_isotropic_rectangle() -> None:
     assert (section.coupling_stiffness, section.neutral_axis, section.mass_axis) == (0, 0, 0)
 
 
-def test_isotropic_rectangle_in_third_order_theory() -> None:
-    third = one_layer(Ply.isotropic(STEEL)).third_order
-    d, f, h = B * H**3 / 12, B * H**5 / 80, B * H**7 / 448
-    exact = 200e9 * np.array([[AREA, 0, 0], [0, d, f], [0, f, h]])
-    scale = np.sqrt(np.outer(np.diag(exact), np.diag(exact)))
-    np.testing.assert_allclose(third.stiffness / scale, exact / scale, atol=1e-13)
-    np.testing.assert_allclose(
-        third.shear_stiffness, STEEL.shear_modulus * np.array([AREA, d, f]), rtol=1e-13
-    )
-    np.testing.assert_allclose(third.inertia[::2], 7800 * np.array([AREA, d, f, h]), rtol=1e-13)
-    # As - 6 c Ds + 9 c^2 Fs with c = 4 / (3 h^2).
-    assert third.shear_force_stiffness == pytest.approx(
-        8 / 15 * STEEL.shear_modulus * AREA, rel=1e-13
-    )
-
-
-def test_plane_strain_stiffens_a_wide_link() -> None:
-    section = one_layer(Ply.isotropic(STEEL), reduction="wide")
-    plane_strain = 200e9 / (1 - 0.3**2)
-    assert section.axial_stiffness == pytest.approx(plane_strain * AREA, rel=1e-13)
-    assert section.bending_stiffness == pytest.approx(plane_strain * B * H**3 / 12, rel=1e-13)
-    assert section.third_order.stiffness[2, 2] == pytest.approx(plane_strain * B * H**7 / 448)
-    assert section.shear_stiffness == pytest.approx(5 / 6 * STEEL.shear_modulus * AREA, rel=1e-13)
-
-
 def test_shear_stress_of_a_rectangle_peaks_at_one_and_a_half_of_the_mean() -> None:
     section = one_layer(Ply.isotropic(STEEL))
     for theory in ("equilibrium", "third-order"):
@@ -93,9 +69,6 @@ def test_shear_stress_of_a_rectangle_peaks_at_one_and_a_half_of_the_mean() -> No
         np.testing.assert_allclose(
             stress.shear_stress, [[0, 1.5 * 7.0 / AREA, 0]], atol=1e-9, rtol=1e-13
         )
-
-
-# ---- an off-axis ply -----------------------------------------------------------------------
 
 
 def off_axis(ply: Ply, angle: float) -> tuple[float, float]:
@@ -142,15 +115,6 @@ def test_loss_of_an_off_axis_ply(angle: float) -> None:
     )
 
 
-def test_a_ply_along_or_across_the_link_loses_as_it_does_alone() -> None:
-    along, across = (one_layer(LOSSY, angle).specific_damping for angle in (0.0, np.pi / 2))
-    assert (along.axial, along.bending, along.shear) == pytest.approx((0.005, 0.005, 0.08))
-    assert (across.axial, across.bending, across.shear) == pytest.approx((0.06, 0.06, 0.08))
-
-
-# ---- cross-plies by hand -------------------------------------------------------------------
-
-
 def test_loss_of_a_symmetric_cross_ply() -> None:
     """[0/90/0] without Poisson's ratio: the middle third has 1/27 of the second moment."""
     ply = Ply(100.0, 10.0, 5.0, 5.0, 2.0, 0.0, 1.0, specific_damping=PlyDamping(0.01, 0.07, 0.09))
@@ -185,9 +149,6 @@ def test_unsymmetric_cross_ply_in_cylindrical_bending() -> None:
     assert section.bending_stiffness == pytest.approx(about, rel=1e-13)
 
 
-# ---- layers of isotropic material ----------------------------------------------------------
-
-
 @given(numbers(0.2, 5.0), numbers(0.2, 5.0), numbers(0.0, 0.45))
 @settings(max_examples=20)
 def test_bimetal_strip(stiffness_ratio: float, thickness_ratio: float, poisson: float) -> None:
@@ -213,31 +174,6 @@ def test_bimetal_strip(stiffness_ratio: float, thickness_ratio: float, poisson: 
     assert high * a2 * B * arm / section.bending_stiffness == pytest.approx(curvature, rel=1e-10)
 
 
-@pytest.mark.parametrize(
-    ("code", "layers", "flexural"),
-    [
-        ("C1", "CCCCC", 121.9),
-        ("C2", "CCGCC", 121.2),
-        ("C3", "CGCGC", 105.5),
-        ("C4", "GCGCG", 59.4),
-        ("C5", "GGCGG", 43.6),
-        ("C6", "GGGGG", 43.0),
-    ],
-)
-def test_flexural_moduli_of_carbon_and_glass_stacks(
-    code: str, layers: str, flexural: float
-) -> None:
-    """Stacks of Elamy et al. 2023, Table 2, with plies by the rule of mixtures at 60 %."""
-    plies = {"C": plain(121.872e9, 1542.4), "G": plain(42.972e9, 2046.4)}
-    laminate = Laminate(tuple(Layer(plies[letter], 1e-3) for letter in layers))
-    section = LaminateSection(laminate, B)
-    assert round(12 * section.bending_stiffness / (B * H**3) / 1e9, 1) == flexural
-    glass = layers.count("G") / 5
-    assert section.axial_stiffness / AREA == pytest.approx(121.872e9 - glass * 78.9e9)
-    assert section.mass_per_length / AREA == pytest.approx(1542.4 + glass * 504.0)
-    assert section.neutral_axis == section.mass_axis == 0.0
-
-
 def test_mass_axis_of_two_densities() -> None:
     t1, t2, rho1, rho2 = 1e-3, 3e-3, 2700.0, 7800.0
     layers = (Layer(plain(70e9, rho1), t1), Layer(plain(200e9, rho2), t2))
@@ -253,55 +189,6 @@ def test_mass_axis_of_two_densities() -> None:
     beam = BeamSection.of_laminate(section)
     assert beam.first_moment_of_mass == pytest.approx(B * (rho1 * t1 * y1 + rho2 * t2 * y2))
     assert beam.first_moment_of_mass == pytest.approx(section.third_order.inertia[1])
-
-
-# ---- shear stiffness -----------------------------------------------------------------------
-
-
-def sandwich(face: float, core: float, modulus: float) -> tuple[LaminateSection, float]:
-    """Faces of E 1 and G 0.4 on a core of E ``modulus`` and G 0.3 E; and its exact kGA.
-
-    The shear stress of a unit force is a parabola in the core and in each face; the energy
-    is the integral of its square over twice the shear modulus.
-    """
-    faced, cored = (
-        Ply(e, e, 1.0, g, g, 0.0, 1.0) for e, g in ((1.0, 0.4), (modulus, 0.3 * modulus))
-    )
-    layers = (Layer(faced, face), Layer(cored, core), Layer(faced, face))
-    h = core + 2 * face
-    bending = ((h**3 - core**3) + modulus * core**3) / 12
-    in_face = Polynomial([h**2 / 8, 0, -1 / 2]) / bending
-    at_core = ((h**2 - core**2) / 8 + modulus * core**2 / 8) / bending
-    in_core = Polynomial([at_core, 0, -modulus / 2 / bending])
-    energy = 2 * ((in_face**2).integ()(h / 2) - (in_face**2).integ()(core / 2)) / 0.4
-    energy += 2 * (in_core**2).integ()(core / 2) / (0.3 * modulus)
-    return LaminateSection(Laminate(layers), 1.0), 1 / energy
-
-
-@given(numbers(0.05, 1.0), numbers(0.05, 2.0), numbers(1e-3, 10.0))
-@settings(max_examples=20)
-def test_shear_stiffness_of_a_symmetric_sandwich(face: float, core: float, modulus: float) -> None:
-    section, exact = sandwich(face, core, modulus)
-    assert section.shear_stiffness == pytest.approx(exact, rel=1e-12)
-
-
-def test_thin_faces_on_a_soft_core_have_the_shear_stiffness_of_sandwich_theory() -> None:
-    """Allen, *Analysis and Design of Structural Sandwich Panels*, 1969: G b d^2 / c."""
-    errors = []
-    for face in (0.02, 0.01, 0.005):
-        section, _ = sandwich(face, 1.0, 1e-7)
-        errors.append(section.shear_stiffness / (0.3e-7 * (1 + face) ** 2) - 1)
-    assert 0 < errors[-1] < 2e-5
-    orders = np.log2(np.divide(errors[:-1], errors[1:]))
-    np.testing.assert_allclose(orders, 2.0, atol=0.05)
-
-
-@pytest.mark.parametrize(
-    ("degrees", "factor"), [([0, 90], 0.8212), ([0, 90, 90, 0], 0.5952), ([90, 0, 0, 90], 0.7205)]
-)
-def test_shear_correction_factors_of_cross_plies(degrees: list[float], factor: float) -> None:
-    """Values quoted for this graphite-epoxy by the method of Whitney 1973."""
-    assert round(stack(PAGANO, degrees, 1.0, "wide").shear_correction, 4) == factor
 
 
 def test_shear_stiffness_of_an_angle_ply_by_hand() -> None:
@@ -358,36 +245,6 @@ def test_shear_against_another_library(degrees: list[float]) -> None:
     np.testing.assert_allclose(found.ravel(), shear[0], rtol=1e-9, atol=1e-9 * np.abs(shear).max())
 
 
-# ---- third-order theory --------------------------------------------------------------------
-
-
-@given(ANGLES, st.sampled_from(["narrow", "wide"]))
-@settings(max_examples=20)
-def test_third_order_shear_energy_is_that_of_its_stress(
-    degrees: list[float], reduction: Reduction
-) -> None:
-    """Stress times strain through the thickness, against the stiffness of the shear angle."""
-    t = 1e-3
-    section = stack(LOSSY, degrees, t * len(degrees), reduction)
-    third, laminate = section.third_order, section.laminate
-    points, weights = np.polynomial.legendre.leggauss(3)
-    places = (laminate.boundaries[:-1] + t / 2)[:, None] + t / 2 * points
-    parabola = 1 - 4 * places**2 / laminate.thickness**2
-    stress = section.stresses(places, shear_force=1.0, theory="third-order").shear_stress
-    # Stiffness of unit angles across and along; in a narrow link the first adjusts itself.
-    stiffness = np.einsum(
-        "nm,m,nij->ij", t / 2 * parabola**2, weights, laminate.transformed_shear_stiffness
-    )
-    across = -stiffness[0, 1] / stiffness[0, 0] if reduction == "narrow" else 0.0
-    turn = np.array([across, 1.0])
-    assert third.shear_force_stiffness == pytest.approx(turn @ stiffness @ turn, rel=1e-12)
-    moduli = laminate.transformed_shear_stiffness[:, 1] @ turn
-    angle = stress / (moduli[:, None] * parabola)
-    np.testing.assert_allclose(angle, angle[0, 0], rtol=1e-10)
-    energy = np.sum(t / 2 * weights * stress * parabola * angle)
-    assert energy == pytest.approx(third.shear_force_stiffness * angle[0, 0] ** 2, rel=1e-10)
-
-
 def test_third_order_moments_of_a_symmetric_cross_ply() -> None:
     """[0/90/0], h = 6, outer layers beyond 1: powers of 3 less powers of 1."""
     ply = Ply(100.0, 10.0, 5.0, 5.0, 2.0, 0.0, 1.0)
@@ -401,3 +258,151 @@ def test_third_order_moments_of_a_symmetric_cross_ply() -> None:
     np.testing.assert_allclose(section.third_order.stiffness, exact, rtol=1e-12, atol=1e-9)
     shear = [2 * (5 * (3.0 ** (p + 1) - 1) + 2) / (p + 1) for p in (0, 2, 4)]
     np.testing.assert_allclose(section.third_order.shear_stiffness, shear, rtol=1e-12)
+
+
+CARBON = Ply(138e9, 9e9, 6e9, 5e9, 3e9, 0.3, 1600.0, PlyDamping(0.005, 0.06, 0.08))
+GLASS = Ply(39e9, 8.4e9, 4.2e9, 4.2e9, 3.4e9, 0.26, 2000.0, PlyDamping(0.01, 0.05, 0.07))
+BIMETAL = LaminateSection(
+    Laminate(
+        (
+            Layer(Ply.isotropic(Material(70e9, 2700.0)), 1e-3),
+            Layer(Ply.isotropic(Material(200e9, 7800.0)), 2e-3),
+        )
+    ),
+    0.02,
+)
+
+
+def test_an_interface_has_two_stresses() -> None:
+    rows = BIMETAL.stresses(BIMETAL.places(2), axial_force=100.0)
+    strain = 100.0 / BIMETAL.axial_stiffness
+    np.testing.assert_allclose(rows.strain, strain)
+    np.testing.assert_allclose(rows.normal_stress, [[70e9 * strain] * 2, [200e9 * strain] * 2])
+    faces = BIMETAL.laminate.boundaries
+    listed = BIMETAL.stresses(faces, axial_force=100.0)
+    np.testing.assert_allclose(listed.normal_stress, strain * np.array([70e9, 200e9, 200e9]))
+    assert listed.place.shape == listed.shear_stress.shape == (3,)
+    assert BIMETAL.stresses(faces[0], axial_force=1.0).strain.shape == ()
+
+
+def resultant(section: LaminateSection, values: np.ndarray) -> float:
+    """Integral over the cross-section of values at the places of ``gauss_places``."""
+    weights = np.polynomial.legendre.leggauss(4)[1]
+    return float(
+        section.width * np.sum(np.diff(section.laminate.boundaries) / 2 @ values @ weights)
+    )
+
+
+def gauss_places(section: LaminateSection) -> np.ndarray:
+    faces = section.laminate.boundaries
+    points = np.polynomial.legendre.leggauss(4)[0]
+    return (faces[:-1] + faces[1:])[:, None] / 2 + np.diff(faces)[:, None] / 2 * points
+
+
+@given(ANGLES, st.sampled_from(["narrow", "wide"]), numbers(-1e3, 1e3), numbers(-10, 10))
+@settings(max_examples=20)
+def test_stresses_balance_their_loads(
+    degrees: list[float], reduction: Reduction, axial: float, moment: float
+) -> None:
+    """Force and moment about the neutral axis; shear force; no shear stress at the faces."""
+    section = stack(LOSSY, degrees, 1e-3 * len(degrees), reduction)
+    places, h, shear = gauss_places(section), section.laminate.thickness, 300.0
+    scale = abs(axial) + abs(moment) / h + shear
+    for theory in ("equilibrium", "third-order"):
+        found = section.stresses(places, axial, moment, shear, theory=theory)
+        bent = resultant(section, -(places - section.neutral_axis) * found.normal_stress)
+        assert resultant(section, found.normal_stress) == pytest.approx(axial, abs=1e-9 * scale)
+        assert bent == pytest.approx(moment, abs=1e-9 * scale * h)
+        assert resultant(section, found.shear_stress) == pytest.approx(shear, abs=1e-9 * scale)
+        faces = section.stresses(section.places(3), shear_force=shear, theory=theory).shear_stress
+        np.testing.assert_allclose(faces[[0, -1], [0, -1]], 0, atol=1e-9 * np.abs(faces).max())
+
+
+@given(ANGLES, st.sampled_from(["narrow", "wide"]))
+@settings(max_examples=20)
+def test_strain_energies_of_unit_loads_are_those_of_the_stiffness(
+    degrees: list[float], reduction: Reduction
+) -> None:
+    section = stack(LOSSY, degrees, 1e-3 * len(degrees), reduction)
+    for load, stiffness in (
+        ({"axial_force": 1.0}, section.axial_stiffness),
+        ({"bending_moment": 1.0}, section.bending_stiffness),
+    ):
+        found = section.stresses(gauss_places(section), **load)
+        energy = resultant(section, found.strain * found.normal_stress)
+        assert energy == pytest.approx(1 / stiffness, rel=1e-9)
+
+
+def test_without_coupling_the_loads_are_not_balanced() -> None:
+    """Bending about the mid-plane as if the stack were symmetric, and what that leaves."""
+    places = gauss_places(BIMETAL)
+    found = BIMETAL.stresses(places, bending_moment=1.0, shear_force=1.0, coupled=False)
+    stiffness = BIMETAL.bending_stiffness + BIMETAL.axial_stiffness * BIMETAL.neutral_axis**2
+    np.testing.assert_allclose(found.strain, -places / stiffness)
+    left = -BIMETAL.coupling_stiffness / stiffness
+    assert resultant(BIMETAL, found.normal_stress) == pytest.approx(left)
+    assert resultant(BIMETAL, -places * found.normal_stress) == pytest.approx(1.0)
+
+
+def test_symmetric_stacks_bend_about_their_middle_exactly() -> None:
+    for angles in ((45, -45, -45, 45), (30, 0, -20, 0, 30)):
+        section = stack(LOSSY, angles, 0.1e-3 / 3 * len(angles))
+        assert section.neutral_axis == section.mass_axis == section.coupling_stiffness == 0.0
+
+
+def test_kelvin_voigt_times_of_a_laminate() -> None:
+    section = LaminateSection(Laminate((Layer(CARBON, 1e-3), Layer(GLASS, 1e-3))), 0.01)
+    beam = BeamSection.of_laminate(section)
+    assert beam.specific_damping == section.specific_damping
+    damped = beam.with_damping_frequency(50.0)
+    assert damped.damping_frequency == 50.0
+    assert replace(damped, damping=DampingTimes(), damping_frequency=None) == beam
+    # A cycle of viscous damping loses 2 pi omega tau.
+    lost = 2 * np.pi * (2 * np.pi * 50.0) * damped.damping.bending
+    assert lost == pytest.approx(section.specific_damping.bending)
+    with pytest.raises(InputError, match="damping frequency must be positive"):
+        beam.with_damping_frequency(0.0)
+    with pytest.raises(InputError, match="needs the specific damping of the plies"):
+        BeamSection.of_laminate(BIMETAL).with_damping_frequency(50.0)
+
+
+def test_shear_stiffness_of_a_rectangle_has_cowpers_coefficient() -> None:
+    section = BeamSection.rectangle(replace(STEEL, poisson_ratio=0.25), 0.01, 0.02)
+    assert section.shear_stiffness == pytest.approx(12.5 / 14.75 * 80e9 * 2e-4)
+
+
+def test_a_damping_ratio_at_a_frequency_is_half_of_omega_tau() -> None:
+    section = BeamSection.rectangle(STEEL, 0.01, 0.02).with_damping_ratio(0.02, 50.0)
+    assert section.damping.bending * 2 * np.pi * 50.0 / 2 == pytest.approx(0.02)
+    assert section.with_damping_time(3e-5).damping == DampingTimes(3e-5, 3e-5, 3e-5)
+
+
+SECTION = BeamSection.rectangle(STEEL, 0.01, 0.02)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: replace(SECTION, axial_stiffness=0.0), "axial_stiffness of a beam section"),
+        (lambda: replace(SECTION, shear_stiffness=-1.0), "shear_stiffness of a beam section"),
+        (lambda: replace(SECTION, neutral_axis=-0.006), "neutral_axis must lie inside"),
+        (lambda: replace(SECTION, mass_axis=np.nan), "mass_axis of a beam section"),
+        (lambda: SECTION.with_damping_time(-1e-9), "damping_time"),
+        (lambda: SECTION.with_damping_ratio(0.01, 0.0), "damping frequency"),
+        (lambda: BeamSection.rectangle(STEEL, 0.01, np.nan), "out_of_plane_width"),
+        (lambda: LaminateSection(BIMETAL.laminate, 0.0), "width of a laminate section"),
+        (lambda: LaminateSection(BIMETAL.laminate, 0.01, "thin"), "narrow, wide"),  # type: ignore[arg-type]
+        (lambda: LaminateSection(BIMETAL.laminate, 0.01, twist="loose"), "free, held"),  # type: ignore[arg-type]
+        (lambda: BIMETAL.places(1), "per_layer must be 2"),
+        (lambda: BIMETAL.stresses(BIMETAL.places(2), np.nan), "loads on a section"),
+        (lambda: BIMETAL.stresses(np.array([0.0, 2e-3])), "place 0.002 m is outside its layer"),
+        (lambda: BIMETAL.stresses(np.zeros((3, 4))), "one row for each of the 2 layers"),
+        (
+            lambda: replace(SECTION, layers=None).third_order,
+            "third-order theory needs the layers.*timoshenko",
+        ),
+    ],
+)
+def test_what_no_section_can_have_is_refused(make: Callable[[], object], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        make()
