@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 
-from flexmech.errors import InputError
+from flexmech import InputError, Mechanism, PointMass, RotatingArm
 from flexmech.materials import Laminate, Layer, Material, Ply, PlyDamping
 from flexmech.sections import (
     BeamSection,
@@ -23,7 +23,7 @@ from flexmech.sections import (
     LaminateSection,
     Reduction,
 )
-from tests.support.strategies import numbers
+from tests.support.strategies import fourbar, numbers
 
 STEEL = Material(200e9, 7800.0, 0.3)
 B, H = 0.02, 0.005
@@ -397,12 +397,17 @@ SECTION = BeamSection.rectangle(STEEL, 0.01, 0.02)
         (lambda: BIMETAL.stresses(BIMETAL.places(2), np.nan), "loads on a section"),
         (lambda: BIMETAL.stresses(np.array([0.0, 2e-3])), "place 0.002 m is outside its layer"),
         (lambda: BIMETAL.stresses(np.zeros((3, 4))), "one row for each of the 2 layers"),
+        (lambda: fourbar(joint_masses={"C": 1.0}), "unknown joint 'C'"),
+        (lambda: fourbar(joint_masses={"A": -1.0}), "A must be zero or positive"),
+        (lambda: fourbar(link_masses=(PointMass("crank", 0.2, 1.0),)), "is not on the crank"),
+        (lambda: fourbar(gravity=(0.0, np.inf)), "gravity must be a number"),
+        (lambda: Mechanism(RotatingArm(1.0), {"rod": SECTION}), "one section for each link"),
         (
             lambda: replace(SECTION, layers=None).third_order,
             "third-order theory needs the layers.*timoshenko",
         ),
     ],
 )
-def test_what_no_section_can_have_is_refused(make: Callable[[], object], words: str) -> None:
+def test_what_cannot_be_a_section_is_refused(make: Callable[[], object], words: str) -> None:
     with pytest.raises(InputError, match=words):
         make()
