@@ -1,0 +1,219 @@
+"""Hammer tests by both engines against the eigen model: locked linkages and running ones."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from flexmech import (
+    ExudynEngine,
+    HammerRequest,
+    HammerTest,
+    InputError,
+    JointSpring,
+    LinkPoint,
+    Load,
+    Mechanism,
+    ReferenceEngine,
+    RunningHammerRequest,
+    Spring,
+    example_model,
+    hammer_test,
+    load_mechanism,
+    running_hammer_test,
+)
+from flexmech.linkages import AttachmentPoint
+
+COUPLER, ROCKER = LinkPoint("coupler", 0.5), LinkPoint("rocker", 0.5)
+CRANK = LinkPoint("crank", 0.6)
+ANGLE = np.radians([96.9])
+ENGINES = {"reference": ReferenceEngine, "exudyn": ExudynEngine}
+BOTH = pytest.mark.parametrize("engine", ENGINES)
+
+
+def damped(model: str, time: float) -> Mechanism:
+    """Links with a Kelvin-Voigt damping time in s."""
+    mechanism = load_mechanism(example_model(model))
+    sections = {n: s.with_damping_time(time) for n, s in mechanism.sections.items()}
+    return replace(mechanism, sections=sections)
+
+
+@cache
+def result_of(
+    engine: str,
+    impact: LinkPoint = COUPLER,
+    response: LinkPoint = ROCKER,
+    model: str = "aluminium_fourbar",
+    time: float = 7e-5,
+) -> HammerTest:
+    request = HammerRequest(ANGLE, impact, response, modes=3)
+    return hammer_test(ENGINES[engine](damped(model, time), 4), request)
+
+
+def receptance(result: HammerTest, name: str = "receptance") -> np.ndarray:
+    data = result.dataset.isel(crank_angle=0)
+    return data[f"{name}_real"].values + 1j * data[f"{name}_imag"].values
+
+
+@BOTH
+@pytest.mark.parametrize(
+    ("model", "time", "impact"),
+    [
+        ("aluminium_fourbar", 7e-5, COUPLER),
+        # Unsymmetric laminates: the impact acts on the line of the pins, off the neutral axis.
+        ("composite_fourbar", 8e-6, CRANK),
+    ],
+)
+def test_the_measured_receptance_is_that_of_the_eigen_model(engine, model, time, impact):
+    """At every line of the band, in peaks and antiresonances: within 2e-4, and within 1 % where
+    Exudyn's nonlinear links vibrate in steps of time.
+    """
+    result = result_of(engine, impact, ROCKER, model, time)
+    measured, exact = receptance(result), receptance(result, "exact_receptance")
+    assert np.abs(measured / exact - 1).max() < {"reference": 2e-4, "exudyn": 0.01}[engine]
+    assert np.ptp(np.abs(exact)) > 30 * np.abs(exact).min()
+
+
+@BOTH
+def test_three_modes_of_the_eigen_model_are_identified(engine):
+    """Frequencies within 0.1 %, damping ratios within 5 %."""
+    modes = result_of(engine).identified().head(3)
+    np.testing.assert_allclose(modes["frequency_Hz"], modes["eigen_frequency_Hz"], rtol=1e-3)
+    np.testing.assert_allclose(modes["damping_ratio"], modes["eigen_damping_ratio"], rtol=0.05)
+
+
+def test_engines_measure_one_receptance_within_1_percent_of_its_peak():
+    exudyn, reference = receptance(result_of("exudyn")), receptance(result_of("reference"))
+    assert np.abs(exudyn - reference).max() < 0.01 * np.abs(reference).max()
+
+
+@BOTH
+def test_impact_and_response_may_change_places(engine):
+    """Maxwell and Betti's reciprocity."""
+    there, back = receptance(result_of(engine)), receptance(result_of(engine, ROCKER, COUPLER))
+    assert np.abs(there - back).max() < 1e-3 * np.abs(there).max()
+
+
+@BOTH
+def test_superposition_of_modes_is_the_direct_solution_to_1e_8(engine):
+    """Modes of the band with their residual term are within 1e-3 of all modes."""
+    data = result_of(engine).dataset
+    assert float(data["direct_difference"].max()) < 1e-8
+    assert 1e-6 < float(data["superposition_error"].max()) < 1e-3
+    assert float(np.abs(data["residual_term"]).min()) > 0
+
+
+def test_the_weight_of_links_counts_at_equilibrium_and_not_about_straight_links():
+    """Exudyn starts from the bent position of rest; axial forces of weight it refuses."""
+    heavy = replace(damped("aluminium_fourbar", 2e-4), gravity=(0.0, -9.81))
+    engine = ExudynEngine(heavy, 2)
+    tests = [
+        hammer_test(engine, HammerRequest(ANGLE, COUPLER, ROCKER, modes=2, prestress=level))
+        for level in ("none", "equilibrium")
+    ]
+    for result in tests:
+        assert float(result.dataset["simulation_error"].max()) < 0.01
+    straight, bent = (each.identified()["frequency_Hz"].to_numpy()[:2] for each in tests)
+    assert np.abs(bent / straight - 1).max() > 2e-4
+    with pytest.raises(InputError, match="'equilibrium', or the reference engine"):
+        hammer_test(engine, HammerRequest(ANGLE, prestress="axial", modes=2))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("direction", ["transverse", "axial"])
+@pytest.mark.parametrize("model", ["aluminium_fourbar", "moist_composite_fourbar"])
+def test_engines_agree_in_all_positions(model, direction):
+    angles = np.radians([10.0, 130.0])
+    request = HammerRequest(
+        angles, LinkPoint("coupler", 0.37), ROCKER, direction, modes=3, bandwidth=250.0
+    )
+    tests = [hammer_test(kind(damped(model, 7e-5), 8), request) for kind in ENGINES.values()]
+    for result in tests:
+        assert float(result.dataset["simulation_error"].max()) < 0.01
+    one, other = (
+        (each.dataset["receptance_real"] + 1j * each.dataset["receptance_imag"]).values
+        for each in tests
+    )
+    assert np.all(np.abs(one - other).max(axis=1) < 0.01 * np.abs(other).max(axis=1))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("method", ["lscf", "circle-fit"])
+@pytest.mark.parametrize("name", ["aluminium_fourbar", "steel_fourbar", "composite_fourbar"])
+def test_three_modes_are_identified_all_over_the_turn(name, method):
+    """At 300 deg of the aluminium four-bar a fifth mode overlaps the band's end."""
+    mechanism = load_mechanism(example_model(name))
+    if name != "composite_fourbar":
+        mechanism = damped(name, 3.5e-5)
+    request = HammerRequest(
+        np.radians([0.0, 45.0, 96.9, 150.0, 210.0, 300.0]),
+        impact=LinkPoint("coupler", 0.4),
+        response=LinkPoint("rocker", 0.3),
+        modes=3,
+        method=method,
+    )
+    data = hammer_test(ReferenceEngine(mechanism, 4), request).dataset.isel(mode=slice(0, 3))
+    np.testing.assert_allclose(data["identified_frequency"], data["eigen_frequency"], rtol=1e-3)
+    np.testing.assert_allclose(
+        data["identified_damping_ratio"], data["eigen_damping_ratio"], rtol=0.05
+    )
+
+
+# --- running linkages ---------------------------------------------------------------------------
+
+RUNNING = RunningHammerRequest(20.0, COUPLER, ROCKER, damping_ratio=0.1, bandwidth=60.0, orders=1)
+
+
+def test_sidebands_identified_in_runs_are_those_of_the_harmonic_balance():
+    """Of orders -1, 0 and 1 at 20 rad/s within 5 %; frozen linkages answer up to 24 % otherwise."""
+    test = running_hammer_test(
+        ReferenceEngine(load_mechanism(example_model("aluminium_fourbar")), 2), RUNNING
+    )
+    peaks, data = test.peaks(), test.dataset
+    assert peaks["order"].tolist() == [-1, 0, 1]
+    np.testing.assert_allclose(peaks["identified_m_N"], peaks["predicted_m_N"], rtol=0.05)
+    assert peaks["bins_apart"].max() <= 1
+    frozen = np.hypot(data["frozen_real"], data["frozen_imag"]).max("frequency").values
+    assert np.abs(frozen / peaks["predicted_m_N"] - 1).max() > 0.15
+    # What the identification rests on: small impacts that have decayed, spread over the turn.
+    assert data["halving_change"].max() < 0.01
+    assert data["decay"].max() < 1e-4
+    assert data.attrs["condition"] < 2
+    assert data.sizes["impact"] >= 2 * data.attrs["highest_fitted_order"] + 1
+
+
+@BOTH
+def test_a_rotating_arm_has_no_sidebands(engine):
+    """Its equations are constant: one receptance, of the order 0."""
+    arm = ENGINES[engine](load_mechanism(example_model("rotating_arm")), 2)
+    tip = LinkPoint("arm", 1.0)
+    request = RunningHammerRequest(60.0, tip, tip, damping_ratio=0.3, orders=1)
+    peaks = running_hammer_test(arm, request).peaks().set_index("order")
+    assert peaks.loc[0, "identified_m_N"] == pytest.approx(peaks.loc[0, "predicted_m_N"], rel=0.05)
+    assert peaks.loc[[-1, 1], "predicted_m_N"].tolist() == [0.0, 0.0]
+    assert (peaks.loc[[-1, 1], "identified_m_N"] < 1e-5 * peaks.loc[0, "identified_m_N"]).all()
+
+
+@pytest.mark.thorough
+@BOTH
+def test_loads_and_springs_count_in_runs_and_in_what_is_predicted(engine):
+    """Springs to the ground and in a joint, and a load over the turn, change the peaks by 20 %."""
+    place = AttachmentPoint("rocker", 0.13)
+    bare = load_mechanism(example_model("aluminium_fourbar"))
+    spring = Spring("hold", AttachmentPoint("ground", 0.2, 0.5), place, 400.0, 0.3, 0.5)
+    load = Load(
+        *("press", place, ((0.0, 0.0), (2.0, 0.0)), (0.0, 0.0), "ground", "crank_angle", (0.5, 1.0))
+    )
+    hinge = JointSpring("B", 0.0, 0.002)
+    held = replace(bare, springs=(spring,), joint_springs=(hinge,), loads=(load,))
+    level = {"reference": "axial", "exudyn": "equilibrium"}[engine]
+    request = replace(RUNNING, impact=ROCKER, prestress=level, bandwidth=40.0)
+    test = running_hammer_test(ENGINES[engine](held, 2), request)
+    peaks, alone = test.peaks(), running_hammer_test(ReferenceEngine(bare, 2), request).peaks()
+    apart = (peaks["identified_m_N"] - peaks["predicted_m_N"]).abs()
+    assert apart.max() < 0.02 * peaks["predicted_m_N"].max()
+    assert np.abs(peaks["predicted_m_N"] / alone["predicted_m_N"] - 1).max() > 0.2
+    assert test.dataset.attrs["twin_defect"] < 2e-3
