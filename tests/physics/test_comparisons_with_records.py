@@ -1,0 +1,298 @@
+"""Damping, stiffness and calibration found back in records of known linkages.
+
+Records over time are runs of the reference engine, whose links stretch by the square of their
+slopes; the equations that are fitted to them are linear ones in moving modes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from flexmech import (
+    Comparison,
+    ComparisonRequest,
+    ComputationError,
+    ConstantSpeed,
+    ExudynEngine,
+    HammerRequest,
+    InputError,
+    LinkPoint,
+    MeasuredQuantity,
+    MeasuredRecord,
+    Mechanism,
+    ReferenceEngine,
+    ResponseRequest,
+    compare_with_record,
+    example_model,
+    hammer_test,
+    load_mechanism,
+    natural_frequencies,
+    response,
+)
+
+DATA = Path(__file__).parents[1] / "data"
+ALUMINIUM = load_mechanism(example_model("aluminium_fourbar"))
+ENGINE = ReferenceEngine(ALUMINIUM, 2)
+SPEED, DAMPING_TIME = 20.0, 7e-5
+FAR = 3.5
+"""In standard errors: what white noise hardly ever reaches."""
+ANGLE = np.radians(60.0)
+
+
+def damped(mechanism: Mechanism, **times: float) -> Mechanism:
+    """Links with Kelvin-Voigt damping times in s; of all links that of ``every``."""
+    sections = {
+        name: section.with_damping_time(times.get(name, times.get("every", 0.0)))
+        for name, section in mechanism.sections.items()
+    }
+    return replace(mechanism, sections=sections)
+
+
+@cache
+def history() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Time, crank angle and coupler strain of three turns with 180 samples each."""
+    engine = ENGINE.with_(mechanism=damped(ALUMINIUM, every=DAMPING_TIME))
+    request = ResponseRequest(ConstantSpeed(SPEED), revolutions=3.0, samples=180)
+    data = response(engine, request).dataset.isel(engine=0)
+    strain = data["strain"].sel(link="coupler").values
+    return data["time"].values, data["crank_angle"].values, strain
+
+
+def gauge_record(
+    seed: int,
+    first: int = 0,
+    *,
+    angle: bool = True,
+    noise: float = 0.02,
+    memory: float = 0.0,
+    factor: float = 1.0,
+    offset: float = 0.0,
+) -> MeasuredRecord:
+    """Of a strain gauge, from a sample on, with noise that lives on from sample to sample."""
+    time, turned, strain = (values[first:] for values in history())
+    white = np.random.default_rng(seed).standard_normal(len(strain))
+    noisy = lfilter([np.sqrt(1 - memory**2)], [1.0, -memory], white) * noise * strain.std()
+    quantities = [MeasuredQuantity("strain", "", factor * (strain + noisy) + offset)]
+    if angle:
+        quantities.append(MeasuredQuantity("crank_angle", "rad", np.mod(turned, 2 * np.pi)))
+    return MeasuredRecord("time", time - time[0], tuple(quantities), "strain.csv")
+
+
+def compared(record: MeasuredRecord, engine=ENGINE, **asked: object) -> Comparison:
+    asked = asked or {"speed": SPEED}
+    return compare_with_record(engine, record, ComparisonRequest(**asked))
+
+
+@pytest.fixture(scope="module")
+def with_angle() -> Comparison:
+    return compared(gauge_record(1))
+
+
+def test_damping_is_found_back_from_a_noisy_strain(with_angle):
+    """Within 5 %, and its ratio is half the time times the first natural frequency."""
+    damping = with_angle.fitted("damping")
+    assert abs(damping.value - DAMPING_TIME) < FAR * damping.standard_error
+    assert damping.value == pytest.approx(DAMPING_TIME, rel=0.05)
+    assert damping.lower < damping.value < damping.upper
+    assert damping.unit == "s"
+    assert with_angle.unexplained == pytest.approx(0.02**2, rel=0.2)
+    data = with_angle.dataset
+    np.testing.assert_array_equal(data["residual"], data["measured"] - data["computed"])
+
+
+def test_the_periodic_motion_is_what_free_vibration_leaves(with_angle):
+    strain, periodic = history()[2], with_angle.dataset["periodic"].values
+    apart = np.abs(periodic - strain)
+    assert apart[-40:].max() < 0.2 * np.abs(strain).max() < apart.max()
+
+
+def test_the_crank_angle_of_a_record_without_it_is_found():
+    """Within 2 deg, beside damping and a zero that has not drifted."""
+    record = gauge_record(2, first=77, angle=False)
+    result = compared(record, speed=SPEED, fit=("damping", "offset"))
+    start = result.fitted("start_angle")
+    assert start.lower < np.degrees(history()[1][77]) < start.upper < start.lower + 2.0
+    damping, offset = result.fitted("damping"), result.fitted("offset")
+    assert abs(damping.value - DAMPING_TIME) < FAR * damping.standard_error
+    assert abs(offset.value) < FAR * offset.standard_error
+
+
+def test_a_zero_that_has_drifted_is_found_and_a_gauge_on_the_other_face_is_told():
+    drifted = compared(gauge_record(3, offset=3e-5), speed=SPEED, fit=("damping", "offset"))
+    assert drifted.fitted("offset").value == pytest.approx(3e-5, rel=0.01)
+    turned = compared(gauge_record(1, factor=-1.0), speed=SPEED, fit=("none",))
+    assert turned.unexplained > 0.5
+    assert any("sign" in warning for warning in turned.summary().warnings)
+    upright = compared(gauge_record(1), speed=SPEED, fit=("none",))
+    assert not any("sign" in warning for warning in upright.summary().warnings)
+
+
+def test_damping_of_the_model_stays_where_it_is_not_fitted():
+    engine = ENGINE.with_(mechanism=damped(ALUMINIUM, every=DAMPING_TIME))
+    right = compared(gauge_record(1), engine, speed=SPEED, fit=("none",))
+    assert right.unexplained < 1e-3
+    assert (
+        compared(gauge_record(1), speed=SPEED, fit=("none",)).unexplained > 20 * right.unexplained
+    )
+
+
+# --- natural frequencies ------------------------------------------------------------------------
+
+
+def frequency_record(angle: np.ndarray, *modes: np.ndarray, numbered: bool = True):
+    quantities = [MeasuredQuantity("frequency", "Hz", np.concatenate(modes))]
+    if numbered:
+        number = np.repeat(np.arange(1.0, 1 + len(modes)), len(angle))
+        quantities.append(MeasuredQuantity("mode", "", number))
+    return MeasuredRecord("crank_angle", np.tile(angle, len(modes)), tuple(quantities))
+
+
+@pytest.mark.parametrize(
+    "kind", [ReferenceEngine, pytest.param(ExudynEngine, marks=pytest.mark.thorough)]
+)
+def test_stiffness_of_two_links_is_found_back_from_frequencies_at_speed(kind):
+    """To 1e-6: moduli times 0.9 in the coupler and 1.05 in the rocker."""
+    true = {"coupler": 0.9, "rocker": 1.05}
+    rigidities = ("bending_stiffness", "axial_stiffness", "shear_stiffness")
+    sections = {
+        name: replace(
+            section, **{each: true.get(name, 1.0) * getattr(section, each) for each in rigidities}
+        )
+        for name, section in ALUMINIUM.sections.items()
+    }
+    angle = np.radians(np.arange(0.0, 360.0, 45.0))
+    stiffened = kind(replace(ALUMINIUM, sections=sections), 2)
+    record = frequency_record(angle, *natural_frequencies(stiffened, angle, SPEED, modes=2).T)
+    names = tuple(f"stiffness:{link}" for link in true)
+    result = compared(record, kind(ALUMINIUM, 2), speed=SPEED, fit=names)
+    for link, factor in true.items():
+        assert result.fitted(f"stiffness:{link}").value == pytest.approx(factor, rel=1e-6)
+
+
+def test_frequencies_without_a_mode_are_laid_beside_the_nearest_mode():
+    angle = np.radians([0.0, 120.0, 240.0])
+    second = natural_frequencies(ENGINE, angle, modes=2)[:, 1]
+    result = compared(frequency_record(angle, 1.002 * second, numbered=False), speed=0.0)
+    assert result.dataset["mode"].values.tolist() == [2, 2, 2]
+    assert result.dataset["residual"].values == pytest.approx(0.002 * second, rel=1e-6)
+
+
+def test_three_stiffnesses_cannot_be_told_from_one_frequency():
+    angle = np.radians([10.0, 10.0, 10.0])
+    record = frequency_record(angle, natural_frequencies(ENGINE, angle, modes=1)[:, 0])
+    names = tuple(f"stiffness:{link}" for link in ("crank", "coupler", "rocker"))
+    with pytest.raises(ComputationError, match="apart"):
+        compared(record, speed=0.0, fit=names)
+
+
+# --- frequency responses ------------------------------------------------------------------------
+
+TWO = "coupler:0.5,rocker:0.5"
+TIMES = {"crank": 2e-5, "coupler": 4e-5, "rocker": 2e-5}
+
+
+@cache
+def receptance() -> tuple[np.ndarray, np.ndarray]:
+    """Of a locked crank, exact, at frequencies from 20 to 120 Hz."""
+    engine = ENGINE.with_(mechanism=damped(ALUMINIUM, **TIMES))
+    points = LinkPoint.parse("coupler:0.5"), LinkPoint.parse("rocker:0.5")
+    request = HammerRequest([ANGLE], *points, bandwidth=130.0, modes=2, method="circle-fit")
+    data = hammer_test(engine, request).dataset.isel(crank_angle=0)
+    assert data.attrs["window_decay_rate"] == 0.0
+    exact = data["exact_receptance_real"] + 1j * data["exact_receptance_imag"]
+    kept = (data["frequency"] > 20.0) & (data["frequency"] < 120.0)
+    return data["frequency"].values[kept][::4], exact.values[kept][::4]
+
+
+def mobility_record(noise: float = 0.0, factor: float = 1.0) -> MeasuredRecord:
+    frequency, values = receptance()
+    values = factor * 2j * np.pi * frequency * values
+    white = np.random.default_rng(1).standard_normal((2, len(frequency)))
+    values = values + noise * np.abs(values).max() * (white[0] + 1j * white[1])
+    return MeasuredRecord(
+        "frequency", frequency, (MeasuredQuantity("mobility", "m/(N s)", values),)
+    )
+
+
+def test_damping_times_of_links_are_found_back_from_a_mobility():
+    """To 0.5 % from exact values, and within their errors from noisy ones."""
+    asked = {"angle": ANGLE, "quantity": TWO, "fit": ("damping", "damping:coupler")}
+    exact, noisy = (compared(mobility_record(noise), **asked) for noise in (0.0, 0.01))
+    for name, true in (("damping", 2e-5), ("damping:coupler", 4e-5)):
+        assert exact.fitted(name).value == pytest.approx(true, rel=5e-3)
+        assert abs(noisy.fitted(name).value - true) < FAR * noisy.fitted(name).standard_error
+
+
+def test_a_calibration_3_percent_off_is_a_gain_and_no_damping():
+    plain, off = (
+        compared(mobility_record(factor=factor), angle=ANGLE, quantity=TWO) for factor in (1, 1.03)
+    )
+    for name, factor in (("gain", 1.03), ("damping", 1.0)):
+        expected = factor * plain.fitted(name).value
+        assert off.fitted(name).value == pytest.approx(expected, rel=1e-5)
+    assert 2e-5 < plain.fitted("damping").value < 4e-5
+
+
+def test_one_of_several_functions_is_chosen_by_its_name():
+    alone = mobility_record()
+    other = replace(alone.quantities[0], name="other", values=7 * alone.quantities[0].values)
+    both = replace(alone, quantities=(other, *alone.quantities))
+    engine = ENGINE.with_(mechanism=damped(ALUMINIUM, **TIMES))
+    result = compared(both, engine, angle=ANGLE, quantity=f"mobility@{TWO}", fit=("gain",))
+    assert result.fitted("gain").value == pytest.approx(1.0, abs=1e-3)
+    with pytest.raises(InputError, match="other, mobility"):
+        compared(both, engine, angle=ANGLE)
+
+
+# --- intervals ----------------------------------------------------------------------------------
+
+
+def held(results: list[Comparison]) -> int:
+    """How many intervals hold the true damping time."""
+    fitted = [result.fitted("damping") for result in results]
+    return sum(one.lower <= DAMPING_TIME <= one.upper for one in fitted)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("memory", [0.0, 0.8])
+def test_of_30_records_26_give_their_damping_back(memory):
+    """Of 30 intervals of 95 % fewer than 26 hold with a probability of 0.016."""
+    records = (gauge_record(seed, noise=0.03, memory=memory) for seed in range(30))
+    assert held([compared(record) for record in records]) >= 26
+
+
+@pytest.mark.thorough
+def test_of_12_records_without_crank_angle_10_give_their_damping_back():
+    """Of 12 intervals of 95 % fewer than 10 hold with a probability of 0.02."""
+    first = np.random.default_rng(0).integers(180, size=12)
+    records = (
+        gauge_record(1000 + seed, int(begin), angle=False, noise=0.03)
+        for seed, begin in enumerate(first)
+    )
+    assert held([compared(record) for record in records]) >= 10
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", ["pushed_slider_crank", "heavy_slider_crank"])
+def test_nothing_but_the_noise_of_a_loaded_linkage_is_unexplained(name):
+    """Weight, springs and loads; damping of 1.3e-5 s within 3 %."""
+    engine = ReferenceEngine(load_mechanism(DATA / f"{name}.toml"), 3)
+    run = response(engine, ResponseRequest(ConstantSpeed(12.0), revolutions=2.0)).dataset
+    deflection = run["deflection"].sel(link="rod").values[0]
+    white = np.random.default_rng(0).standard_normal(len(deflection))
+    values = deflection + 0.01 * deflection.std() * white
+    quantities = (
+        MeasuredQuantity("rod_mid_deflection", "m", values),
+        MeasuredQuantity("crank_angle", "rad", np.mod(run["crank_angle"].values, 2 * np.pi)),
+    )
+    record = MeasuredRecord("time", run["time"].values, quantities)
+    result = compared(record, engine, speed=12.0)
+    damping = result.fitted("damping")
+    assert result.unexplained == pytest.approx(1e-4, rel=0.1)
+    assert damping.lower <= 1.3e-5 <= damping.upper < damping.lower + 0.03 * 1.3e-5
