@@ -1,4 +1,8 @@
-"""The numerical diffusion against series, a Laplace inversion, and what holds for any layers."""
+"""Diffusion of water in layers and bars against series, a Laplace inversion, and what always holds.
+
+Crank, *The Mathematics of Diffusion*; Shen & Springer 1976; Carslaw & Jaeger, *Conduction of Heat
+in Solids*. Fourier numbers are by the thickness: the unit of time is ``h^2 / D``.
+"""
 
 from __future__ import annotations
 
@@ -9,37 +13,64 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flexmech.materials.moisture import Ambient, DiffusionLayer, Diffusivity, diffuse, diffuse_bar
-from flexmech.materials.moisture.cells import side_waves
-from tests.analytical.slab_series import bar_profile, bar_uptake, slab_profile, slab_uptake
+from flexmech import InputError
+from flexmech.materials.moisture import (
+    Ambient,
+    DiffusionLayer,
+    Diffusivity,
+    MoistureEquilibrium,
+    composite_diffusivity_ratio,
+    diffuse,
+    diffuse_bar,
+    shen_springer_uptake,
+    short_time_uptake,
+    time_to_saturation,
+)
 from tests.support.strategies import numbers
 
 few = settings(max_examples=8)
-every_face = pytest.mark.parametrize("faces", ["both", "lower", "upper"])
-
 THICKNESS, DIFFUSIVITY = 2e-3, 1e-12
 UNIT = THICKNESS**2 / DIFFUSIVITY
 SLAB = DiffusionLayer(THICKNESS, Diffusivity(DIFFUSIVITY), 60.0)
 WATER = Ambient.constant(1.0, 293.15)
 
 
-# ---- the method itself -----------------------------------------------------------------------
+def left_over(places, times, thickness, diffusivity, faces):
+    """Part of a change at the faces that is still to come (Crank, eq. 4.17), (t, m)."""
+    place = np.atleast_1d(places)
+    if faces != "both":  # half of a slab twice as thick
+        place, thickness = place + (-1, 1)[faces == "lower"] * -thickness / 2, 2 * thickness
+    odd = 2 * np.arange(400)[:, None, None] + 1
+    fourier = diffusivity * np.atleast_1d(times)[:, None] / thickness**2
+    waves = np.cos(odd * np.pi * place / thickness) * np.exp(-((odd * np.pi) ** 2) * fourier)
+    return 4 / np.pi * np.sum((-1.0) ** (odd // 2) / odd * waves, axis=0)
 
 
-def test_waves_are_those_of_a_slab():
-    """Rates ``((2 n + 1) pi / w)^2``, and means of the cosines."""
-    half = 3e-3
-    waves = side_waves(half * np.linspace(0, 1, 401))
-    order = np.argsort(waves.rate)[:4]
-    wave_number = (2 * np.arange(4) + 1) * np.pi / (2 * half)
-    np.testing.assert_allclose(waves.rate[order], wave_number**2, rtol=1e-4)
-    np.testing.assert_allclose(waves.mean[order] ** 2, 2 / (wave_number * half) ** 2, rtol=1e-4)
+def slab_profile(places, times, thickness=THICKNESS, diffusivity=DIFFUSIVITY, faces="both"):
+    """Saturation at places from the mid-plane and times, (t, m)."""
+    return 1 - left_over(places, times, thickness, diffusivity, faces)
 
 
-# ---- one layer -------------------------------------------------------------------------------
+def slab_uptake(times, thickness=THICKNESS, diffusivity=DIFFUSIVITY, faces="both"):
+    """Mean saturation (Crank, eq. 4.18)."""
+    odd = 2 * np.arange(4000)[:, None] + 1
+    size = thickness if faces == "both" else 2 * thickness
+    fourier = diffusivity * np.asarray(times) / size**2
+    return 1 - np.sum(8 / (odd * np.pi) ** 2 * np.exp(-((odd * np.pi) ** 2) * fourier), axis=0)
 
 
-@every_face
+def bar_profile(y, z, times, faces):
+    """A bar whose sides are wet too: what is left is the product of two slabs (Crank, sec. 2.5)."""
+    through = left_over(y, times, THICKNESS, DIFFUSIVITY, faces)
+    return 1 - through[:, :, None] * left_over(z, times, WIDTH, ACROSS, "both")[:, None]
+
+
+def bar_uptake(times, faces):
+    through, across = slab_uptake(times, faces=faces), slab_uptake(times, WIDTH, ACROSS)
+    return through + across - through * across
+
+
+@pytest.mark.parametrize("faces", ["both", "lower"])
 def test_a_slab_against_the_series(faces):
     """Within 1e-6 from 0.01 h^2/D after the step on; before, the first cells are too few.
 
@@ -47,35 +78,23 @@ def test_a_slab_against_the_series(faces):
     """
     times = np.array([1e-4, 1e-3, 0.01, 0.03, 0.1, 0.3, 1.0, 10.0]) * UNIT
     history = diffuse([SLAB], WATER, times, faces=faces)
-    exact = slab_profile(history.place, times, THICKNESS, DIFFUSIVITY, faces=faces)
+    exact = slab_profile(history.place, times, faces=faces)
     error = np.abs(history.saturation - exact).max(axis=1)
     assert error[2:].max() < 1e-6
     assert error[1] < 1.5e-6
     assert error[0] < 1e-5
-    uptake = slab_uptake(times, THICKNESS, DIFFUSIVITY, faces=faces)
+    uptake = slab_uptake(times, faces=faces)
     np.testing.assert_allclose(history.uptake, uptake, atol=1e-6)
     assert history.mass_balance_error < 1e-12
 
 
-def test_drying_and_the_amount_of_water():
-    times = np.array([0.0, 0.02, 0.2, 50.0]) * UNIT
-    dry = Ambient.constant(0.2, 293.15)
-    history = diffuse([SLAB], dry, times, initial=0.9, cells=800)
-    exact = slab_profile(history.place, times, THICKNESS, DIFFUSIVITY, initial=0.9, surface=0.2)
-    np.testing.assert_allclose(history.saturation[1:], exact[1:], atol=3e-6)
-    assert np.all(history.saturation[0] == 0.9)
-    water = 60.0 * THICKNESS * np.array([0.9, 0.2])
-    np.testing.assert_allclose(history.water[[0, -1]], water, rtol=1e-10)
-    assert history.influx[-1] == pytest.approx(water[1] - water[0], rel=1e-10)
-
-
-@every_face
+@pytest.mark.parametrize("faces", ["both", "lower"])
 def test_cells_converge_by_their_square(faces):
     times = np.array([0.02, 0.2]) * UNIT
 
     def error(cells: int) -> float:
         history = diffuse([SLAB], WATER, times, faces=faces, cells=cells)
-        exact = slab_profile(history.place, times, THICKNESS, DIFFUSIVITY, faces=faces)
+        exact = slab_profile(history.place, times, faces=faces)
         return float(np.abs(history.saturation - exact).max())
 
     errors = np.array([error(cells) for cells in (25, 50, 100)])
@@ -93,9 +112,6 @@ def test_steps_converge_with_the_tolerance():
     for tolerance in (1e-4, 1e-5, 1e-6):
         error = np.abs(profile(tolerance) - best).max()
         assert 0.01 * tolerance < error < 10 * tolerance
-
-
-# ---- changing ambient conditions -------------------------------------------------------------
 
 
 def periodic_triangle(place: np.ndarray, time: float, period: float) -> np.ndarray:
@@ -128,23 +144,11 @@ def test_cycles_of_humidity_settle_into_the_periodic_solution():
     assert history.mass_balance_error < 1e-12
 
 
-def test_rising_humidity_by_superposed_steps():
-    """Duhamel's integral of the series, for a saturation that is the square of the humidity."""
-    rise, time = 0.1 * UNIT, 0.15 * UNIT
-    ambient = Ambient([0.0, rise], [0.0, 0.8], [293.15, 293.15])
-    history = diffuse([SLAB], ambient, [time], humidity_exponent=2.0, cells=800)
-    nodes, weights = np.polynomial.legendre.leggauss(20)
-    moment = rise * (nodes + 1) / 2
-    steps = weights * rise / 2 * 2 * 0.8**2 * moment / rise**2
-    expected = steps @ slab_uptake(time - moment, THICKNESS, DIFFUSIVITY)
-    assert history.uptake[0] == pytest.approx(expected, abs=2e-6)
-
-
 def test_a_humidity_that_jumps_at_a_repeated_time():
     jump, time = 0.05 * UNIT, 0.12 * UNIT
     ambient = Ambient([0.0, jump, jump], [1.0, 1.0, 0.25], [293.15] * 3)
     history = diffuse([SLAB], ambient, [jump, time], cells=800)
-    steps = slab_uptake([jump, time, time - jump], THICKNESS, DIFFUSIVITY)
+    steps = slab_uptake([jump, time, time - jump])
     expected = [steps[0], steps[1] - 0.75 * steps[2]]
     np.testing.assert_allclose(history.uptake, expected, atol=3e-6)
 
@@ -159,22 +163,9 @@ def test_changing_temperature_is_a_clock_that_runs_faster():
     nodes, weights = np.polynomial.legendre.leggauss(40)
     ramp = weights @ warm.at(320.0 + 30.0 * nodes) / 2 * end
     clock = (ramp + warm.at(350.0) * (time - end)) / DIFFUSIVITY
-    exact = slab_profile(history.place, [clock], THICKNESS, DIFFUSIVITY)
+    exact = slab_profile(history.place, [clock])
     np.testing.assert_allclose(history.saturation, exact, atol=3e-6)
     assert history.mass_balance_error < 1e-12
-
-
-def test_a_step_of_temperature():
-    warm = Diffusivity(DIFFUSIVITY, 300.0, 40e3)
-    step, time = 0.05 * UNIT, 0.08 * UNIT
-    ambient = Ambient([step, step], [1.0, 1.0], [300.0, 330.0])
-    history = diffuse([DiffusionLayer(THICKNESS, warm, 60.0)], ambient, [time], cells=800)
-    clock = step + (time - step) * warm.at(330.0) / DIFFUSIVITY
-    exact = slab_uptake([clock], THICKNESS, DIFFUSIVITY)
-    np.testing.assert_allclose(history.uptake, exact, atol=3e-6)
-
-
-# ---- layers ----------------------------------------------------------------------------------
 
 
 def talbot(transform: Callable[[complex], np.ndarray], time: float) -> np.ndarray:
@@ -233,43 +224,6 @@ def test_two_layers_against_a_laplace_inversion(faces):
     assert history.mass_balance_error < 1e-12
 
 
-def test_layers_turned_over():
-    times = np.array([0.01, 0.2]) * UNIT
-    upright = diffuse(TWO, WATER, times, faces="lower", cells=200)
-    turned = diffuse(TWO[::-1], WATER, times, faces="upper", cells=200)
-    np.testing.assert_allclose(upright.saturation, turned.saturation[:, ::-1], atol=1e-9)
-
-
-def test_plies_of_one_material_are_one_layer():
-    plies = [DiffusionLayer(THICKNESS / 8, SLAB.diffusivity, SLAB.capacity)] * 8
-    times = np.array([0.02, 0.2]) * UNIT
-    whole = diffuse([SLAB], WATER, times, cells=100)
-    cut = diffuse(plies, WATER, times, cells=100)
-    np.testing.assert_allclose(cut.saturation, whole.saturation, atol=1e-12)
-
-
-def test_each_layer_has_its_own_activation_energy():
-    hot = 340.0
-    energies = (30e3, 60e3)
-    layers = [
-        DiffusionLayer(
-            layer.thickness, Diffusivity(layer.diffusivity.value, 300.0, q), layer.capacity
-        )
-        for layer, q in zip(TWO, energies, strict=True)
-    ]
-    same = [
-        DiffusionLayer(
-            layer.thickness, Diffusivity(float(layer.diffusivity.at(hot))), layer.capacity
-        )
-        for layer in layers
-    ]
-    times = np.array([0.01, 0.05]) * UNIT
-    # The number of cells in each layer goes by the diffusivities as stated.
-    one = diffuse(layers, Ambient.constant(0.7, hot), times, cells=600)
-    other = diffuse(same, Ambient.constant(0.7, 293.15), times, cells=600)
-    np.testing.assert_allclose(one.uptake, other.uptake, atol=5e-6)
-
-
 @st.composite
 def laminates(draw: st.DrawFn) -> list[DiffusionLayer]:
     return [
@@ -307,8 +261,6 @@ def test_no_water_is_lost_and_none_goes_uphill(layers, ambient, initial, faces):
     assert history.saturation.max() <= max(initial, humidity.max()) + 1e-3
 
 
-# ---- bars ------------------------------------------------------------------------------------
-
 WIDTH, ACROSS = 6e-3, 4e-12
 BAR = DiffusionLayer(THICKNESS, Diffusivity(DIFFUSIVITY), 60.0, Diffusivity(ACROSS))
 
@@ -317,49 +269,17 @@ def bar_error(cells: tuple[int, int], faces: str, times: np.ndarray) -> float:
     history = diffuse_bar([BAR], WIDTH, WATER, times, faces=faces, cells=cells)
     assert history.mass_balance_error < 1e-12
     z = (history.across[1:] + history.across[:-1]) / 2
-    sizes = (THICKNESS, WIDTH, DIFFUSIVITY, ACROSS)
-    exact = bar_profile(history.place, z, times, *sizes, faces=faces)
-    np.testing.assert_allclose(
-        history.uptake, bar_uptake(times, *sizes, faces=faces), atol=8 / min(cells) ** 2
-    )
+    exact = bar_profile(history.place, z, times, faces)
+    np.testing.assert_allclose(history.uptake, bar_uptake(times, faces), atol=8 / min(cells) ** 2)
     return float(np.abs(history.field - exact).max())
 
 
-@every_face
+@pytest.mark.parametrize("faces", ["both", "lower"])
 def test_a_bar_against_the_product_of_series(faces):
     times = np.array([0.02, 0.1, 0.5]) * UNIT
     errors = [bar_error(cells, faces, times) for cells in ((30, 20), (60, 40))]
     assert errors[1] < 1.6e-3
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.15)
-
-
-@pytest.mark.parametrize("faces", ["both", pytest.param("lower", marks=pytest.mark.thorough)])
-def test_the_uptake_of_a_bar_tends_to_the_series(faces):
-    """Extrapolated by h^2 and h^4 from three meshes; the finest alone is off by 6e-4."""
-    times = np.array([0.02, 0.1, 0.5]) * UNIT
-    sizes = (THICKNESS, WIDTH, DIFFUSIVITY, ACROSS)
-    parts = np.array([1, 2, 3])
-    found = [
-        diffuse_bar(
-            [BAR], WIDTH, WATER, times, faces=faces, cells=(24 * n, 12 * n), tolerance=1e-8
-        ).uptake
-        for n in parts
-    ]
-    to_nothing = np.polyfit(1.0 / parts**2, found, 2)[-1]
-    exact = bar_uptake(times, *sizes, faces=faces)
-    assert np.abs(found[-1] - exact).max() > 1e-4
-    np.testing.assert_allclose(to_nothing, exact, atol=1e-6)
-
-
-def test_a_bar_of_layers_turned_by_a_quarter():
-    """Two layers side by side are nothing that this can say; one layer either way round is."""
-    times = np.array([0.02, 0.2]) * UNIT
-    through, across = BAR.diffusivity, BAR.diffusivity_across
-    upright = diffuse_bar([BAR], WIDTH, WATER, times, cells=(32, 32), tolerance=1e-7)
-    turned = DiffusionLayer(WIDTH, across, 60.0, through)
-    lying = diffuse_bar([turned], THICKNESS, WATER, times, cells=(32, 32), tolerance=1e-7)
-    field = lying.field.transpose(0, 2, 1)
-    np.testing.assert_allclose(upright.field, field, atol=1e-6)
 
 
 def test_the_middle_of_a_wide_bar_of_layers_is_a_slab():
@@ -375,12 +295,95 @@ def test_the_middle_of_a_wide_bar_of_layers_is_a_slab():
     np.testing.assert_allclose(bar.field[:, :, ::-1], bar.field, atol=1e-15)
 
 
-@settings(max_examples=4)
-@given(laminates(), climates(), numbers(0.0, 1.0), numbers(1e-3, 2e-2))
-def test_no_water_is_lost_in_bars(layers, ambient, initial, width):
-    history = diffuse_bar(
-        layers, width, ambient, [1e5, 3e6], initial=initial, cells=(30, 16), tolerance=1e-4
-    )
-    assert history.mass_balance_error < 1e-12
-    weights = np.diff(history.across) / width
-    np.testing.assert_allclose(history.field @ weights, history.saturation, atol=1e-12)
+@few
+@given(numbers(1e-3, 1 - 1e-9), st.sampled_from(["both", "lower", "upper"]))
+def test_time_to_saturation_is_the_uptake_reversed(fraction, faces):
+    time = time_to_saturation(fraction, THICKNESS, DIFFUSIVITY, faces=faces)
+    uptake = slab_uptake([time], THICKNESS, DIFFUSIVITY, faces=faces)[0]
+    assert uptake == pytest.approx(fraction, rel=1e-12)
+    assert 1 - uptake == pytest.approx(1 - fraction, rel=1e-6)
+
+
+def test_time_to_full_saturation():
+    """Shen & Springer 1976 print 0.67 s^2/D for 99.9 percent; the series has 0.6786."""
+    assert time_to_saturation(0.999, 1.0, 1.0) == pytest.approx(0.67, rel=0.014)
+    slowest_alone = np.log(8 / np.pi**2 / 0.001) / np.pi**2
+    assert time_to_saturation(0.999, 1.0, 1.0) == pytest.approx(slowest_alone, rel=1e-12)
+
+
+@pytest.mark.parametrize("faces", ["both", "lower"])
+def test_short_time_law(faces):
+    """Below half saturation within 0.1 percent, at a quarter of it exact in 12 digits."""
+    times = np.array([time_to_saturation(f, 1.0, 1.0, faces=faces) for f in (0.5, 0.25)])
+    law = short_time_uptake(times, 1.0, 1.0, faces=faces)
+    exact = slab_uptake(times, 1.0, 1.0, faces=faces)
+    error = law / exact - 1
+    assert 4e-4 < error[0] < 1e-3
+    assert 0 <= error[1] < 1e-8
+
+
+def test_shen_springer_within_its_known_error():
+    """The fit is off by up to 3.6 % of saturation, at D t/s^2 = 0.065 and the other way before.
+
+    Its exponent of 0.75 is not the 0.5 of the first instants, where it misses most of the water.
+    """
+    fourier = np.geomspace(1e-6, 3.0, 4000)
+    error = shen_springer_uptake(fourier, 1.0, 1.0) - slab_uptake(fourier, 1.0, 1.0)
+    assert error.max() == pytest.approx(0.03631, abs=1e-5)
+    assert fourier[error.argmax()] == pytest.approx(0.0650, abs=5e-4)
+    assert error.min() == pytest.approx(-0.03446, abs=1e-5)
+    first = shen_springer_uptake([1e-6], 1.0, 1.0) / slab_uptake([1e-6], 1.0, 1.0)
+    assert first[0] == pytest.approx(0.10, abs=0.01)
+
+
+LAYER = DiffusionLayer(2e-3, Diffusivity(1e-12), 60.0, Diffusivity(2e-12))
+AIR = Ambient.constant(0.5, 300.0)
+
+
+def test_diffusivity_by_arrhenius():
+    water = Diffusivity(2e-12, 300.0, 50e3)
+    assert water.at(300.0) == 2e-12
+    expected = 2e-12 * np.exp(50e3 / 8.314462618 * (1 / 300 - 1 / 330))
+    np.testing.assert_allclose(water.at([[330.0]]), [[expected]], rtol=1e-9)
+    assert np.all(Diffusivity(2e-12).at([250.0, 400.0]) == 2e-12)
+
+
+def test_diffusivity_of_a_ply():
+    """For 60 percent of fibres Shen & Springer's forms give 0.4 and 0.126."""
+    along, across = composite_diffusivity_ratio(0.6)
+    assert along == pytest.approx(0.4)
+    assert across == pytest.approx(0.1260, abs=5e-5)
+
+
+def test_thin_layers_through_long_histories():
+    """Steps after a jump of humidity are shorter than the digits of the time."""
+    ambient = Ambient([1e9, 1e9], [1.0, 0.2], [300.0, 300.0])
+    foil = DiffusionLayer(1e-6, Diffusivity(1e-12), 50.0)
+    result = diffuse([foil], ambient, [1e9, 1e9 + 10.0], cells=50, tolerance=1e-5)
+    np.testing.assert_allclose(result.uptake, [1.0, 0.2], atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Diffusivity(0.0), "value of a diffusivity"),
+        (lambda: Diffusivity(1e-12).at(-20.0), "above 0 K"),
+        (lambda: MoistureEquilibrium(7.0), "equilibrium_moisture .* got 700 %"),
+        (lambda: MoistureEquilibrium(0.07).moisture(50.0), "relative_humidity"),
+        (lambda: composite_diffusivity_ratio(0.9), r"below 0\.7854, where the fibres"),
+        (lambda: Ambient([1.0, 0.0], [0.5, 0.5], [300, 300]), "ambient times"),
+        (lambda: Ambient([0.0], [0.5], [-20.0]), "above 0 K"),
+        (lambda: short_time_uptake([1.0], 2e-3, 1e-12, faces="top"), "faces must be one of both"),
+        (lambda: time_to_saturation(1.0, 2e-3, 1e-12), "takes for ever"),
+        (lambda: DiffusionLayer(2e-3, Diffusivity(1e-12), 0.0), "capacity of a layer"),
+        (lambda: diffuse([], AIR, [1.0]), "one layer or more"),
+        (lambda: diffuse([LAYER], AIR, [2.0, 1.0]), "times must rise from zero"),
+        (lambda: diffuse([LAYER], AIR, [1.0], initial=1.5), "initial saturation"),
+        (lambda: diffuse([LAYER], AIR, [1.0], cells=3), "need 4 cells or more"),
+        (lambda: diffuse_bar([SLAB], 5e-3, AIR, [1.0]), "diffusivity_across of each"),
+        (lambda: diffuse_bar([LAYER], 5e-3, AIR, [1.0], cells=(20, 7)), "must be even"),
+    ],
+)
+def test_what_cannot_diffuse_is_refused(make, words):
+    with pytest.raises(InputError, match=words):
+        make()
