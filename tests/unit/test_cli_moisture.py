@@ -15,7 +15,7 @@ from flexmech.analyses.digits import percent
 from flexmech.cli import app
 from flexmech.materials.moisture import Faces
 from flexmech.modelfile import mechanism_from_toml
-from tests.analytical.slab_series import bar_uptake, slab_uptake
+from tests.support.slab_series import bar_uptake, slab_uptake
 from tests.unit.test_cli_state import MODEL
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
