@@ -378,5 +378,5 @@ def test_a_linkage_that_comes_back_after_two_turns_alone_is_refused() -> None:
     """An antiparallelogram changes its branch where all its links are in line."""
     points = {"O2": (0, 0), "A": (0, 0.1), "B": (0.3, 0.1), "O4": (0.3, 0)}
     links = {"crank": ("O2", "A"), "coupler": ("A", "B"), "rocker": ("O4", "B")}
-    with pytest.raises(InputError, match="locks|come back"):
+    with pytest.raises(InputError, match=r"locks|come back"):
         drawn(points, links, {"O2": "clamp"}, ("O4",)).motion(TURN)
