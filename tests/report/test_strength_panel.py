@@ -17,7 +17,7 @@ from flexmech.report.panel import Panel
 from flexmech.report.panels.strength import strength_panel
 from flexmech.report.results import Results, stored_results
 from tests.report.test_in_a_browser import PHONE, READY
-from tests.unit.strength_data import composite
+from tests.support.strength_data import composite
 
 
 @pytest.fixture(scope="module")

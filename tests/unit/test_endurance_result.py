@@ -13,7 +13,7 @@ from flexmech.analyses.strength.margins import fatigue_margins
 from flexmech.analyses.strength.result import Strength
 from flexmech.errors import InputError
 from flexmech.modelfile import mechanism_from_toml
-from tests.unit.strength_data import composite
+from tests.support.strength_data import composite
 
 ALUMINIUM = (Path(__file__).parents[2] / "models" / "aluminium_fourbar.toml").read_text("utf-8")
 YIELDS = 'yield_strength = "240 MPa"', 'yield_strength = "276 MPa"'

@@ -22,7 +22,7 @@ from flexmech.linear_system import RunningLinks
 from flexmech.plots import page_width
 from flexmech.reference import ReferenceEngine
 from tests.support.figure_checks import check_texts, legend_texts, panels
-from tests.unit.strength_data import composite
+from tests.support.strength_data import composite
 
 MODELS = Path(__file__).parents[2] / "models"
 JOINTS = """

@@ -13,7 +13,7 @@ import flexmech
 from flexmech.plots import page_width, plot_internal_forces, plot_strength
 from flexmech.plots.strength import COLOURS, NOT_JUDGED, WIDE
 from tests.support.figure_checks import check_texts, legend_texts, panels
-from tests.unit.strength_data import composite
+from tests.support.strength_data import composite
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from flexmech.analyses.strength.result import Strength
 from flexmech.errors import InputError
 from flexmech.plots import page_width, plot_internal_forces, plot_strength
 from tests.support.figure_checks import check_texts, legend_texts, panels
-from tests.unit.strength_data import MODELS, STRENGTH, composite
+from tests.support.strength_data import MODELS, STRENGTH, composite
 
 
 @pytest.fixture(scope="module")

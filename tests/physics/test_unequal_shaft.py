@@ -11,6 +11,7 @@ Shafts, 1961).
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,31 +26,14 @@ from flexmech import (
     RotatingArm,
     stability,
 )
-from flexmech.analyses.stability.solver import LinkageSolver
-from flexmech.arrays import FloatArray
-from flexmech.dynamical_systems import StatedPeriodicSystem, floquet_modes
-from flexmech.linear_system import Engine
-from flexmech.linkages import Clamp, Link, LinkEnd, Pivot, Topology
 from tests.support.random_mechanisms import log_uniform
+from tests.support.running_modes import ArmInBearing
 
 # Of the disk's mass: what the arm adds is of this size.
 LIGHT = 1e-7
 # Of an exponent, over the critical speeds: the arm's mass, and round-off of its stiff directions.
 SAME = 1e-6
-ENGINES: list[tuple[type[Engine], str]] = [(ReferenceEngine, "euler"), (ExudynEngine, "ancf")]
-
-
-@dataclass(frozen=True)
-class HeldArm(RotatingArm):
-    """Its tip is in a bearing of the ground: a spring and a damper that do not turn."""
-
-    @property
-    def topology(self) -> Topology:
-        return Topology(
-            (Link("arm", self.length),),
-            (Clamp("O2", LinkEnd("arm", "start")),),
-            (Pivot("bearing", LinkEnd("arm", "end"), sprung=True),),
-        )
+ENGINES: list[tuple[Any, str]] = [(ReferenceEngine, "euler"), (ExudynEngine, "ancf")]
 
 
 @dataclass(frozen=True)
@@ -112,7 +96,7 @@ class Shaft:
                 "bearing", radial_stiffness=self.bearing, radial_damping=self.damping
             )
             return Mechanism(
-                HeldArm(self.length),
+                ArmInBearing(self.length),
                 {"arm": section.with_damping_time(self.time)},
                 bodies=(AttachedBody(**disk),),
                 joint_springs=(joint,),
@@ -133,10 +117,11 @@ def drawn(seed: int) -> Shaft:
     return Shaft(mass, log_uniform(random, 0.05, 0.5), along, across)
 
 
-def found(engine: Engine, speed: float) -> np.ndarray:
+def found(engine: Any, speed: float) -> np.ndarray:
     """Floquet exponents, whose imaginary parts are known but for whole turns."""
-    solver = LinkageSolver(engine, "none", 2)
-    return np.asarray(solver.solve(solver.moving(speed)).exponent)
+    data = stability(engine, [speed], prestress="none", modes=2).dataset.isel(engine=0)
+    turned = data["log_modulus"].values[0] + 1j * data["angle"].values[0]
+    return np.asarray(turned * speed / (2 * np.pi))
 
 
 def apart(first: np.ndarray, second: np.ndarray, speed: float) -> float:
@@ -149,10 +134,10 @@ def apart(first: np.ndarray, second: np.ndarray, speed: float) -> float:
 
 @pytest.mark.parametrize(("kind", "element"), ENGINES)
 @pytest.mark.parametrize(
-    "seed", [0, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(1, 10))]
+    "seed", [0, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(1, 4))]
 )
-def test_it_whirls_between_its_critical_speeds_alone(
-    seed: int, kind: type[Engine], element: str
+def test_a_disk_whirls_between_its_critical_speeds_alone(
+    seed: int, kind: Any, element: str
 ) -> None:
     shaft = drawn(seed)
     engine = kind(shaft.mechanism(), 2, element)
@@ -168,7 +153,7 @@ def test_it_whirls_between_its_critical_speeds_alone(
 
 
 @pytest.mark.parametrize(
-    "seed", [1, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (0, *range(2, 10)))]
+    "seed", [1, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (0, 2, 3))]
 )
 def test_the_map_finds_the_critical_speeds(seed: int) -> None:
     shaft = drawn(seed)
@@ -181,31 +166,8 @@ def test_the_map_finds_the_critical_speeds(seed: int) -> None:
     assert bands.sizes["band"] == 1
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_ground_axes_have_the_same_growth(seed: int) -> None:
-    """There the stiffness changes twice a turn, and Floquet's theory is needed."""
-    shaft = drawn(seed)
-    first, last = shaft.critical_speeds
-    mean, half = (shaft.along + shaft.across) / 2, (shaft.along - shaft.across) / 2
-
-    for speed in (0.5 * first, np.sqrt(first * last), 1.3 * last):
-
-        def matrix(time: FloatArray, speed: float = speed) -> FloatArray:
-            c, s = np.cos(2 * speed * time), np.sin(2 * speed * time)
-            stiffness = np.array([[mean + half * c, half * s], [half * s, mean - half * c]])
-            stated = np.zeros((len(time), 4, 4))
-            stated[:, :2, 2:] = np.eye(2)
-            stated[:, 2:, :2] = -np.moveaxis(stiffness, -1, 0) / shaft.mass
-            return stated
-
-        modes = floquet_modes(StatedPeriodicSystem(matrix, np.pi / speed), 256)
-        # A mode of the turning frame turns with it; in half a turn that changes its sign.
-        expected = shaft.exponents(speed) + 1j * speed
-        assert apart(modes.exponent, expected, 2 * speed) < 1e-8 * last
-
-
 @pytest.mark.parametrize(
-    "seed", [0, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(1, 10))]
+    "seed", [0, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(1, 4))]
 )
 def test_damping_of_the_shaft_and_of_the_ground(seed: int) -> None:
     random = np.random.default_rng([seed, 18])

@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import xarray as xr
 
-from flexmech.analyses.strength.compute import strength
-from flexmech.materials import PlyStrength
-from flexmech.mechanism import Mechanism
-from flexmech.modelfile import load_mechanism
+from flexmech import Mechanism, PlyStrength, load_mechanism, strength
+from tests.support.command import MODELS
 
-MODELS = Path(__file__).parents[2] / "models"
 STRENGTH = PlyStrength(1500e6, 1200e6, 40e6, 246e6, 68e6, 90e6, 0.35, 0.30)
 
 
-def composite() -> Mechanism:
-    """The composite four-bar with strengths for its plies."""
-    mechanism = load_mechanism(MODELS / "composite_fourbar.toml")
+def with_strengths(mechanism: Mechanism) -> Mechanism:
+    """The mechanism with strengths for all plies of its links."""
     sections = {}
     for link, section in mechanism.sections.items():
         assert section.layers is not None
@@ -29,6 +24,11 @@ def composite() -> Mechanism:
         laminate = replace(section.layers.laminate, layers=layers)
         sections[link] = replace(section, layers=section.layers.resized(laminate, 1.0))
     return replace(mechanism, sections=sections)
+
+
+def composite() -> Mechanism:
+    """The composite four-bar with strengths for its plies."""
+    return with_strengths(load_mechanism(MODELS / "composite_fourbar.toml"))
 
 
 def strength_dataset() -> xr.Dataset:

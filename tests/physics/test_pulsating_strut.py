@@ -12,12 +12,14 @@ deflection as ``sin(k pi x / L)`` obeys
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pytest
 import scipy.integrate
 import scipy.optimize
 import scipy.special
+from numpy.typing import NDArray
 
 from flexmech import (
     AttachedBody,
@@ -32,13 +34,10 @@ from flexmech import (
     ReferenceEngine,
     stability,
 )
-from flexmech.analyses.stability.solver import LinkageSolver
-from flexmech.arrays import FloatArray
-from flexmech.linear_system import Engine
 from flexmech.linkages import AttachmentPoint
-from flexmech.threads import one_thread
 from tests.support.random_mechanisms import log_uniform
 
+FloatArray = NDArray[np.float64]
 CRANK = 1e-4
 # Of the table of the force in each of its periods; between them it is linear.
 ROWS = 96
@@ -171,54 +170,56 @@ def drawn(seed: int) -> Strut:
     )
 
 
-def growth(engine: Engine, speed: float, damping: float = 1.0) -> float:
-    solver = LinkageSolver(engine, "axial", 2)
-    with one_thread():
-        return float(solver.growth_at(solver.moving(speed), damping))
+def growth(strut: Strut, speed: float, damping_time: float = 0.0) -> float:
+    engine = ReferenceEngine(strut.mechanism(damping_time), ELEMENTS * strut.wave, "euler")
+    found = stability(engine, [speed], prestress="axial", modes=2).dataset
+    return float(found["growth_rate"].item())
 
 
 @pytest.mark.parametrize(
-    "seed", [0, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(1, 15))]
+    "seed", [0, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(1, 6))]
 )
-def test_it_grows_between_the_edges_of_mathieus_equation_alone(seed: int) -> None:
+def test_a_strut_grows_between_the_edges_of_mathieus_equation_alone(seed: int) -> None:
     strut = drawn(seed)
     lower, upper = strut.edges
     assert upper / lower - 1 > 20 * EDGE
-    engine = ReferenceEngine(strut.mechanism(), ELEMENTS * strut.wave, "euler")
-    inside = [growth(engine, speed) for speed in (lower * (1 + EDGE), upper * (1 - EDGE))]
-    outside = [growth(engine, speed) for speed in (lower * (1 - EDGE), upper * (1 + EDGE))]
+    inside = [growth(strut, speed) for speed in (lower * (1 + EDGE), upper * (1 - EDGE))]
+    outside = [growth(strut, speed) for speed in (lower * (1 - EDGE), upper * (1 + EDGE))]
     assert min(inside) > 1e-4 * lower
     assert max(outside) < 1e-8 * lower
 
 
 @pytest.mark.parametrize(
-    "seed", [2, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (0, 1, *range(3, 15)))]
+    "seed", [2, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (0, 1, 3, 4))]
 )
-def test_damping_takes_from_the_growth_what_it_should(seed: int) -> None:
+def test_damping_takes_from_the_growth_of_a_strut_what_it_should(seed: int) -> None:
     """Less than closes the region, and more."""
     strut = drawn(seed)
     speed = float(np.mean(strut.edges))
     undamped = strut.growth(speed, 0.0)
     closing = 2 * undamped / strut.unloaded**2
-    engine = ReferenceEngine(strut.mechanism(closing), ELEMENTS * strut.wave, "euler")
-    for part in (0.4, 0.9, 1.2):
+    for part in (0.4, 1.2):
         expected = strut.growth(speed, part * closing)
         assert (expected > 0) is (part < 1)
-        assert growth(engine, speed, part) == pytest.approx(expected, abs=2e-3 * undamped)
+        assert growth(strut, speed, part * closing) == pytest.approx(expected, abs=2e-3 * undamped)
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("kind", [ReferenceEngine, ExudynEngine])
-@pytest.mark.parametrize("prestress", ["axial", "equilibrium"])
-def test_the_map_finds_both_edges(kind: type[Engine], prestress: str) -> None:
-    """And its errors say how far they are."""
+@pytest.mark.parametrize(
+    ("kind", "element", "prestress"),
+    [(ReferenceEngine, "euler", "axial"), (ExudynEngine, "ancf", "equilibrium")],
+)
+def test_the_map_finds_both_edges_and_how_far_off_they_are(
+    kind: Any, element: str, prestress: Any
+) -> None:
     strut = drawn(0)
     edges = np.array(strut.edges)
     speeds = np.linspace(edges[0] - np.ptp(edges) / 4, edges[1] + np.ptp(edges) / 4, 5)
-    element = "euler" if kind is ReferenceEngine else "ancf"
     engine = kind(strut.mechanism(), ELEMENTS, element)
-    bands = stability(engine, speeds, prestress=prestress, modes=2).dataset  # type: ignore[arg-type]
+    bands = stability(engine, speeds, prestress=prestress, modes=2).dataset
     assert bands.sizes["band"] == 1
+    assert bands["band_kind"].item() == "principal"
+    assert int(bands["band_order"].item()) == strut.pulses
     for edge, expected in zip(("lower", "upper"), edges, strict=True):
         found, error = (float(bands[f"band_{edge}{what}"][0]) for what in ("", "_mesh_error"))
         assert found == pytest.approx(expected, rel=EDGE)

@@ -1,0 +1,120 @@
+"""Numbers of every analysis on several mechanisms, against those that are stored.
+
+What the commands of ``cases.toml`` write into CSV files and print as JSON is compared with
+``stored/``. These numbers are right as far as ``tests/physics`` and ``tests/engines`` say; here they
+are kept from changing unnoticed.
+"""
+
+from __future__ import annotations
+
+import json
+import shlex
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.support.command import Ended, columns_of, run_command
+
+HERE = Path(__file__).parent
+CASES = tomllib.loads((HERE / "cases.toml").read_text(encoding="utf-8"))
+# Rows of a table that are stored, evenly spread.
+ROWS = 24
+# Relative to a number, and to the greatest of its column: round-off of other builds of LAPACK.
+RELATIVE, OF_THE_GREATEST = 1e-6, 1e-9
+# Estimated errors and what differs by them are small differences of great numbers.
+RELATIVE_OF_ERRORS = 0.02
+UNCERTAIN = ("error", "difference", "gap", "coherence")
+
+Stored = dict[str, Any]
+
+
+@pytest.mark.parametrize(
+    ("command", "case"), [(command, case) for command in CASES for case in CASES[command]]
+)
+def test_numbers_are_those_that_are_stored(
+    command: str, case: str, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    words = shlex.split(CASES[command][case].replace("golden:", f"{HERE}/models/"))
+    ended = run_command(tmp_path, command, *words, "--json", "--no-plots")
+    assert ended.exit_code == 0, ended.stderr
+    numbers = numbers_of(ended)
+    store = HERE / "stored" / f"{command}-{case}.json"
+    if request.config.getoption("force_regen"):
+        store.write_text(text_of(numbers), encoding="utf-8")
+    assert differences(json.loads(store.read_text(encoding="utf-8")), numbers) == []
+
+
+def numbers_of(ended: Ended) -> Stored:
+    """Columns of all tables, and the printed numbers with their errors."""
+    tables = {}
+    for path in sorted(ended.folder.rglob("*.csv")):
+        columns = columns_of(path)
+        rows = len(next(iter(columns.values())))
+        kept = np.unique(np.linspace(0, max(rows - 1, 0), min(rows, ROWS)).round().astype(int))
+        tables[str(path.relative_to(ended.folder))] = {
+            name: column[kept].tolist() for name, column in columns.items()
+        } | {"rows": [rows]}
+    printed = json.loads(ended.stdout)["numbers"]
+    # A name that is printed twice stands in the order of the list.
+    names = [f"{number['name']} of {number['of']} in {number['unit']}" for number in printed]
+    tables["printed"] = {
+        "name": names,
+        "value": [number["value"] for number in printed],
+        "error": [number["error"] for number in printed],
+    }
+    return tables
+
+
+def differences(stored: Stored, numbers: Stored) -> list[str]:
+    """Tables and columns that are missing or differ; more of them are no difference."""
+    return [
+        f"{table}: {column}: {deviation}"
+        for table in stored
+        for column in stored[table]
+        if (deviation := _deviation(column, stored[table], numbers.get(table, {})))
+    ]
+
+
+def _deviation(column: str, stored: Stored, numbers: Stored) -> str | None:
+    if column not in numbers:
+        return "is missing"
+    before, now = np.array(stored[column], object), np.array(numbers[column], object)
+    if before.shape != now.shape:
+        return f"{len(before)} rows are {len(now)}"
+    try:
+        before, now = before.astype(float), now.astype(float)
+    except ValueError:
+        wrong = before != now
+        return f"{before[wrong][0]!r} is {now[wrong][0]!r}" if wrong.any() else None
+    greatest = np.nanmax(np.abs(before), initial=0.0)
+    allowed = RELATIVE * np.abs(before) + OF_THE_GREATEST * greatest
+    if any(word in column for word in UNCERTAIN):
+        # An error of round-off is of no size: a billionth of the number itself counts as none.
+        value = np.abs(np.array(stored.get("value", np.zeros(len(before))), float))
+        allowed = RELATIVE_OF_ERRORS * np.abs(before) + 1e-7 * value + 1e-6 * greatest
+    wrong = ~((np.abs(now - before) <= allowed) | (np.isnan(now) & np.isnan(before)))
+    if not wrong.any():
+        return None
+    row = int(np.argmax(np.where(wrong, np.nan_to_num(np.abs(now - before) / allowed, nan=np.inf), 0)))
+    return f"row {row}: {before[row]!r} is {now[row]!r}"
+
+
+def text_of(numbers: Stored) -> str:
+    """JSON with a line for each column, its numbers to eleven digits."""
+
+    def digits(value: Any) -> Any:
+        return float(f"{value:.11g}") if isinstance(value, float) else value
+
+    tables = [
+        f"{json.dumps(table)}: {{\n"
+        + ",\n".join(
+            f"  {json.dumps(name)}: {json.dumps([digits(value) for value in column])}"
+            for name, column in columns.items()
+        )
+        + "\n}"
+        for table, columns in numbers.items()
+    ]
+    return "{\n" + ",\n".join(tables) + "\n}\n"

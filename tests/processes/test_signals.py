@@ -1,0 +1,157 @@
+"""Signals at named places of a run: one line, the exit code of shells, all files or none."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+from tests.processes.forked import (
+    MODELS,
+    TEMPORARY,
+    Place,
+    files_of,
+    run,
+    send,
+    start,
+    until,
+)
+
+MODEL = MODELS / "aluminium_fourbar.toml"
+QUICK = ("--engine", "reference", "--elements", "2", "--angles", "0,90", "--speeds", "0,10")
+RUN = ("frequencies", MODEL, *QUICK, "--out", "out")
+WHOLE = ["frequencies.csv", "frequencies.nc", "summary.txt"]
+LINES = {signal.SIGINT: "interrupted: ", signal.SIGTERM: "terminated: "}
+SIGNALS = pytest.mark.parametrize("number", LINES, ids=lambda number: number.name)
+BEFORE, AFTER = False, True
+# Whether the set of files is there when a signal comes at the place.
+PLACES = {
+    "as the model is read": (Place("open", MODEL.name), BEFORE),
+    "as the temporary folder is made": (Place("tempfile.mkdtemp", TEMPORARY), BEFORE),
+    "as a table is written": (Place("open", "frequencies.csv"), BEFORE),
+    "as a picture is written": (Place("open", "frequencies.png"), BEFORE),
+    "as files are moved": (Place("os.rename", "frequencies.nc"), AFTER),
+    "as the temporary folder is removed": (Place("shutil.rmtree", TEMPORARY), AFTER),
+}
+
+
+@pytest.fixture
+def out(tmp_path: Path) -> Path:
+    """Folder with a table of an earlier run."""
+    folder = tmp_path / "out"
+    folder.mkdir()
+    (folder / "frequencies.csv").write_text("old")
+    return folder
+
+
+@SIGNALS
+@pytest.mark.parametrize("name", PLACES)
+def test_a_signal_ends_a_run_in_one_line_with_all_files_or_none(
+    name: str, number: signal.Signals, out: Path
+) -> None:
+    place, moved = PLACES[name]
+    plots = [] if "picture" in name else ["--no-plots"]
+    ended = run(out.parent, *RUN, *plots, at=place, do=send(number))
+    assert (ended.code, ended.stderr.count("\n")) == (128 + number, 1), ended.stderr
+    assert ended.stderr.startswith(LINES[number])
+    assert files_of(out) == (WHOLE if moved else ["frequencies.csv"])
+    assert ((out / "frequencies.csv").read_text() == "old") != moved
+    assert not list(out.glob(f"{TEMPORARY}*"))
+
+
+@pytest.mark.parametrize(
+    ("place", "left"),
+    [
+        (Place("open", "frequencies.csv"), ["frequencies.csv"]),
+        (Place("os.rename", "frequencies.nc"), ["frequencies.csv"]),
+    ],
+    ids=["as a table is written", "as files are moved"],
+)
+def test_a_killed_run_leaves_files_of_one_set_and_the_next_cleans_up(
+    place: Place, left: list[str], out: Path
+) -> None:
+    assert run(out.parent, *RUN, "--no-plots", at=place, do=send(signal.SIGKILL)).code == -9
+    assert list(out.glob(f"{TEMPORARY}*"))
+    assert [path.name for path in out.iterdir() if path.is_file()] == left
+    assert run(out.parent, *RUN, "--no-plots").code == 0
+    assert files_of(out) == WHOLE
+    assert not list(out.glob(f"{TEMPORARY}*"))
+
+
+@SIGNALS
+@pytest.mark.parametrize("module", ["numpy", "flexmech.analyses"])
+def test_a_signal_during_imports_ends_a_run_in_one_line(
+    module: str, number: signal.Signals, tmp_path: Path
+) -> None:
+    """Imports swallow exceptions, or turn them into others."""
+    script = f"""
+import os, signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+def watch(event, arguments):
+    if event == "import" and arguments[0] == "{module}":
+        os.kill(os.getpid(), {int(number)})
+sys.addaudithook(watch)
+from flexmech.cli import main
+main()
+"""
+    ended = subprocess.run(
+        [sys.executable, "-c", script, *map(str, RUN)],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(MODELS.parent)},
+        timeout=300,
+    )
+    assert (ended.returncode, ended.stderr.count("\n")) == (128 + number, 1), ended.stderr
+    assert ended.stderr.startswith(LINES[number])
+    assert files_of(tmp_path) == []
+
+
+def workers_of(process: int) -> list[int]:
+    """Processes that a process has started."""
+    tasks = Path(f"/proc/{process}/task").glob("*/children")
+    return [int(worker) for task in tasks for worker in task.read_text().split()]
+
+
+def in_another_thread() -> None:
+    """Take SIGINT in a thread when a file appears: the wait of the main thread goes on."""
+
+    def take() -> None:
+        until("the file is there", Path("now").exists)
+        signal.pthread_kill(threading.get_ident(), signal.SIGINT)
+
+    threading.Thread(target=take, daemon=True).start()
+
+
+@pytest.mark.skipif(
+    sys.platform != "linux" or len(os.sched_getaffinity(0)) < 2, reason="one process does it all"
+)
+@pytest.mark.parametrize("way", ["SIGINT", "SIGTERM", "SIGKILL", "SIGINT in another thread"])
+def test_workers_that_answer_no_signal_end_with_the_map(way: str, tmp_path: Path) -> None:
+    """Workers are stopped, as by a long call of compiled code."""
+    other = way.endswith("thread")
+    number = signal.Signals[way.split()[0]]
+    map_ = ("stability", MODELS / "steel_fourbar.toml", "--speeds", "20:40:1", "--modes", "2")
+    process = start(
+        tmp_path, *map_, "--elements", "2", "--out", "out", first=in_another_thread if other else None
+    )
+    until("two workers are there", lambda: len(workers_of(process.pid)) > 1)
+    workers = workers_of(process.pid)
+    for worker in workers:
+        os.kill(worker, signal.SIGSTOP)
+    if other:
+        (tmp_path / "now").touch()
+    else:
+        os.kill(process.pid, number)
+    ended = process.wait()
+    until("the workers end", lambda: not any(Path(f"/proc/{worker}").exists() for worker in workers))
+    if number == signal.SIGKILL:
+        assert ended.code == -number
+        return
+    assert (ended.code, ended.stderr.count("\n")) == (128 + number, 1), ended.stderr
+    assert ended.stderr.startswith(LINES[number])

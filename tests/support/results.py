@@ -1,0 +1,264 @@
+"""A small result of every question, computed once a process, for pictures and pages."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+import flexmech
+from flexmech import materials, studies, units, verification
+from tests.support.command import MODELS
+
+FOURBAR = MODELS / "aluminium_fourbar.toml"
+TURN = np.radians(np.arange(0.0, 361.0, 15.0))
+SPEEDS = [0.0, 10.0, 20.0]
+LAW = flexmech.LawDrive("cycloid", np.radians(120), 0.15, dwell=0.1, start_angle=0.3)
+MOTOR = flexmech.MotorDrive(flexmech.DcMotor(1.2, 0.06, 12.0, gear_ratio=10.0, inertia=2e-5))
+MIDDLE, ROCKER = (flexmech.LinkPoint.parse(text) for text in ("coupler:0.5", "rocker:0.5"))
+FRAME_SPRINGS = tuple(flexmech.FrameSpring((x, -0.06), (2e4, 4e4), (5.0, 5.0)) for x in (0.0, 0.25))
+FRAME = flexmech.SprungFrame(2.0, 0.03, (0.127, -0.02), FRAME_SPRINGS)
+PLY_STRENGTH = materials.PlyStrength(1500e6, 1200e6, 40e6, 246e6, 68e6, 90e6, 0.35, 0.30)
+THICKNESS, DENSITY = "links.coupler.in_plane_thickness", "materials.aluminium.density"
+
+Make = Callable[[], flexmech.Result]
+
+
+def fourbar(damping_time: float = 0.0, **changed: Any) -> flexmech.Mechanism:
+    """The aluminium four-bar, its links damped by a time in s."""
+    mechanism = flexmech.load_mechanism(FOURBAR)
+    sections = {
+        name: section.with_damping_time(damping_time)
+        for name, section in mechanism.sections.items()
+    }
+    return dataclasses.replace(mechanism, sections=sections, **changed)
+
+
+def reference(*arguments: float, **changed: Any) -> flexmech.ReferenceEngine:
+    return flexmech.ReferenceEngine(fourbar(*arguments, **changed), 2)
+
+
+def both(*arguments: float, **changed: Any) -> list[Any]:
+    mechanism = fourbar(*arguments, **changed)
+    return [flexmech.ReferenceEngine(mechanism, 2), flexmech.ExudynEngine(mechanism, 2)]
+
+
+@functools.cache
+def check() -> flexmech.ModelCheck:
+    return flexmech.check_mechanism(reference())
+
+
+@functools.cache
+def frequencies() -> flexmech.MovingFrequencies:
+    return flexmech.moving_frequencies(both(1e-5), TURN, SPEEDS, speed_effect=True)
+
+
+@functools.cache
+def damped_frequencies() -> flexmech.MovingFrequencies:
+    composite = flexmech.load_mechanism(MODELS / "composite_fourbar.toml")
+    return flexmech.moving_frequencies(
+        flexmech.ReferenceEngine(composite, 2), TURN[::2], [0.0, 60.0], modes=3
+    )
+
+
+@functools.cache
+def frequencies_in_two_states() -> flexmech.MovingFrequencies:
+    moist = flexmech.load_mechanism(MODELS / "moist_composite_fourbar.toml")
+    state = flexmech.HygrothermalState(temperature_rise=60.0, moisture=0.04)
+    engine = flexmech.ReferenceEngine(moist, 2)
+    return flexmech.moving_frequencies(engine, TURN[::2], [0.0], modes=3, environment=state)
+
+
+@functools.cache
+def running_frequencies() -> flexmech.MovingFrequencies:
+    engine = flexmech.ExudynEngine(fourbar(), 2)
+    return flexmech.moving_frequencies(engine, TURN[::2], [20.0], modes=3, prestress="trajectory")
+
+
+@functools.cache
+def campbell() -> flexmech.CampbellDiagram:
+    speeds = np.linspace(0.0, 30.0, 7)
+    return flexmech.campbell(
+        reference(), speeds, crank_angles=TURN[::3], modes=2, response=True, speed_unit="rad/s"
+    )
+
+
+@functools.cache
+def speed_sweep() -> flexmech.SpeedSweep:
+    return flexmech.speed_sweep(reference(), np.linspace(10.0, 20.0, 11), modes=2)
+
+
+@functools.cache
+def stability() -> flexmech.StabilityMap:
+    """Of both engines about a band in which a vibration grows, and over the damping ratio."""
+    against = ("damping-ratio", [0.001, 0.002])
+    speeds = np.linspace(84.0, 90.0, 4)
+    return flexmech.stability(both(), speeds, prestress="axial", modes=4, against=against)
+
+
+@functools.cache
+def response() -> flexmech.Response:
+    request = flexmech.ResponseRequest(20.0, revolutions=2.0, samples=120, modes=2, step=5e-4)
+    return flexmech.response(both(1e-5), request)
+
+
+@functools.cache
+def response_on_springs() -> flexmech.Response:
+    request = flexmech.ResponseRequest(20.0, revolutions=0.5, samples=120, modes=2, step=5e-4)
+    return flexmech.response(both(1e-5, frame=FRAME), request)
+
+
+@functools.cache
+def response_to_a_law() -> flexmech.Response:
+    request = flexmech.ResponseRequest(
+        LAW,
+        samples=240,
+        step=2e-4,
+        shaping=flexmech.Shaping("zv", modes=(1, 2)),
+        move_times=(0.1, 0.15, 0.2),
+    )
+    return flexmech.response(reference(1e-5), request)
+
+
+@functools.cache
+def response_under_a_motor() -> flexmech.Response:
+    request = flexmech.ResponseRequest(MOTOR, revolutions=0.2, samples=60, modes=2, step=2e-4)
+    return flexmech.response(reference(1e-5), request)
+
+
+@functools.cache
+def hammer() -> flexmech.HammerTest:
+    request = flexmech.HammerRequest(
+        np.radians([30.0, 96.9]),
+        response=flexmech.LinkPoint("rocker", 0.4),
+        modes=2,
+        noise=0.01,
+        method="circle-fit",
+    )
+    return flexmech.hammer_test(reference(2e-4), request)
+
+
+@functools.cache
+def roved_hammer() -> flexmech.HammerTest:
+    request = flexmech.HammerRequest(np.radians([20.0, 96.9]), modes=3, averages=2, grid=3)
+    return flexmech.hammer_test(reference(2e-4), request)
+
+
+@functools.cache
+def running_hammer() -> flexmech.RunningHammerTest:
+    request = flexmech.RunningHammerRequest(
+        20.0, MIDDLE, ROCKER, prestress="axial", damping_ratio=0.1, bandwidth=60.0, orders=1
+    )
+    return flexmech.running_hammer_test(reference(), request)
+
+
+@functools.cache
+def kinematics() -> flexmech.Kinematics:
+    return flexmech.kinematics(fourbar(), flexmech.KinematicsRequest(TURN, 20.0, (1, 4, 4)))
+
+
+@functools.cache
+def balance() -> flexmech.Balance:
+    return flexmech.balance(reference(1e-4), flexmech.BalanceRequest(20.0, crank_angles=TURN))
+
+
+@functools.cache
+def coupler_paths() -> flexmech.CouplerPaths:
+    resin = flexmech.load_mechanism(MODELS / "neat_resin_figure_8.toml")
+    wet = flexmech.HygrothermalState(temperature_rise=80.0, moisture=0.07)
+    return flexmech.coupler_paths(resin, np.radians(np.arange(0, 361, 5)), environment=wet)
+
+
+@functools.cache
+def synthesis() -> flexmech.CrankRockerSynthesis:
+    return flexmech.crank_rocker_synthesis(np.radians(30), np.radians(90), ground=0.4)
+
+
+@functools.cache
+def sections() -> flexmech.SectionProfiles:
+    return flexmech.section_profiles(composite())
+
+
+@functools.cache
+def moisture() -> flexmech.MoistureUptake:
+    moist = flexmech.load_mechanism(MODELS / "moist_composite_fourbar.toml")
+    return flexmech.moisture_uptake(moist, relative_humidity=0.85, time=30 * 86400.0)
+
+
+@functools.cache
+def composite() -> flexmech.Mechanism:
+    """The composite four-bar with strengths for its plies."""
+    mechanism = flexmech.load_mechanism(MODELS / "composite_fourbar.toml")
+    sections = {}
+    for link, section in mechanism.sections.items():
+        layers = tuple(
+            dataclasses.replace(layer, ply=dataclasses.replace(layer.ply, strength=PLY_STRENGTH))
+            for layer in section.layers.laminate.layers
+        )
+        laminate = dataclasses.replace(section.layers.laminate, layers=layers)
+        resized = section.layers.resized(laminate, 1.0)
+        sections[link] = dataclasses.replace(section, layers=resized)
+    return dataclasses.replace(mechanism, sections=sections)
+
+
+@functools.cache
+def strength() -> flexmech.Strength:
+    return flexmech.strength(composite(), 950.0, speed_unit="rpm")
+
+
+@functools.cache
+def comparison() -> flexmech.Comparison:
+    measured = flexmech.MeasuredQuantity("frequency", "Hz", np.array([43.9, 44.3, 44.6, 44.2]))
+    angle = np.radians([0.0, 90.0, 180.0, 270.0])
+    record = flexmech.MeasuredRecord("crank_angle", angle, (measured,))
+    request = flexmech.ComparisonRequest(speed=0.0, fit=("stiffness:coupler",))
+    return flexmech.compare_with_record(reference(), record, request)
+
+
+OUTPUTS = {
+    "f1": studies.Output("lowest_frequency", speed=0.0, prestress="none", angles=4),
+    "mass": studies.Output("mass"),
+}
+LIMITS = (studies.Limit("f1", least=44.0),)
+
+
+@functools.cache
+def sweep() -> studies.DesignSweep:
+    """Designs over two numbers, some of them beyond the limit."""
+    values = {THICKNESS: [1.4e-3, 1.6e-3, 1.8e-3, 2.0e-3], DENSITY: [2600.0, 2800.0, 3000.0]}
+    return flexmech.sweep(fourbar(), values, OUTPUTS, limits=LIMITS)
+
+
+@functools.cache
+def uncertainty() -> studies.Uncertainty:
+    thickness = studies.Variable("thickness", (THICKNESS,), units.LENGTH, "normal", (1.6e-3, 5e-5))
+    density = studies.Variable("density", (DENSITY,), units.DENSITY, "normal", (2800.0, 50.0))
+    study = studies.Study(fourbar(), (thickness, density), OUTPUTS, limits=LIMITS)
+    return studies.uncertainty_study(study, 16)
+
+
+@functools.cache
+def optimum() -> studies.Optimum:
+    """A front of two goals; its search and its check are invented, for a real one takes 20 s."""
+    front = sweep().dataset.isel(design=[9, 3, 6, 0])
+    front = front.assign(
+        history=(("goal", "step"), [[0.12, 0.1, 0.09], [40.0, 45.0, 46.0]]),
+        checked=(("checking_engine", "output"), [[45.02, 0.1], [45.01, 0.1]]),
+    ).assign_coords(
+        evaluations=("step", [64, 100, 180]),
+        goal=["mass", "f1"],
+        checking_engine=["reference", "exudyn"],
+    )
+    about = {"goals": "min mass\nmax f1", "optimum": "name = 'best'"}
+    return studies.Optimum(front.assign_attrs(about))
+
+
+@functools.cache
+def verified() -> flexmech.Verification:
+    titles = ("Four-bars at rest: steel, 0 deg, reference", "Four-bars at rest: steel, 0 deg, exudyn")
+    return flexmech.verify([verification.verification_case(title) for title in titles])
+
+ALL = [n for n, v in list(globals().items()) if hasattr(v, "cache_info") and n != "composite"]
