@@ -1,0 +1,179 @@
+"""Kernels of the identification: stabilisation chart, circles, refinement; impacts on a rotor."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexmech import ComputationError, RunningHammerRequest
+from flexmech.analyses.running_hammer.measured import measured_response
+from flexmech.analyses.running_hammer.plan import RunPlan
+from flexmech.modal_testing.circle_fit import circle_fit_poles, peaks
+from flexmech.modal_testing.identified import fit_residues, modal_sum
+from flexmech.modal_testing.lscf import stabilisation_chart
+from flexmech.modal_testing.refine import refined_poles, significant_poles
+
+LINES = np.arange(1, 401) * 0.25
+S = 2j * np.pi * LINES
+
+
+def pole_at(frequency: float, ratio: float) -> complex:
+    omega = 2 * np.pi * frequency
+    return complex(-ratio * omega, omega * np.sqrt(1 - ratio**2))
+
+
+def modes_of(*poles: complex, points: int = 1) -> np.ndarray:
+    """Receptance of modes of unit modal mass."""
+    known = np.array(poles)
+    return modal_sum(S, known, np.ones((points, 1)) / (2j * known.imag))
+
+
+def noise(seed: int, *shape: int) -> np.ndarray:
+    real, imaginary = np.random.default_rng(seed).standard_normal((2, *shape))
+    return real + 1j * imaginary
+
+
+# --- the stabilisation chart --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("frequency", "ratio", "same_frequency", "same_pole"),
+    [(1.004, 1.04, True, True), (1.006, 1.0, False, False), (1.0, 1.06, True, False)],
+)
+def test_a_pole_is_stable_within_half_a_percent_of_frequency_and_5_of_damping(
+    frequency, ratio, same_frequency, same_pole
+):
+    orders = [np.array([pole_at(10, 0.01)]), np.array([pole_at(10 * frequency, 0.01 * ratio)])]
+    chart = stabilisation_chart(orders, 0.0)
+    assert chart.stable_frequency.tolist() == [False, same_frequency]
+    assert chart.stable.tolist() == [False, same_pole]
+
+
+@pytest.mark.parametrize(
+    ("orders", "filled", "chosen"), [(20, 5, 1), (20, 4, 0), (10, 4, 1), (10, 3, 0)]
+)
+def test_a_column_of_stable_poles_is_a_mode_in_a_fifth_of_the_orders(orders, filled, chosen):
+    """And in three of them at least; none is stable where it begins. What grows is no mode."""
+    nothing = np.zeros(0, dtype=complex)
+    column = [np.array([pole_at(10, 0.01)])] * filled + [nothing] * (orders - filled)
+    assert stabilisation_chart(column, 0.0).chosen.size == chosen
+    growing = stabilisation_chart([-poles.conj() for poles in column], 0.0)
+    assert not growing.stable.any()
+    assert growing.chosen.size == 0
+
+
+# --- circles, residues and refinement -----------------------------------------------------------
+
+
+@pytest.mark.parametrize(("height", "count"), [(1.8, 0), (2.2, 1)])
+def test_peaks_rise_to_twice_the_valleys_beside_them(height, count):
+    bump = 1 + (height - 1) * np.exp(-(((LINES - 50) / 2) ** 2))
+    assert peaks(LINES, (bump / LINES)[None]).size == count
+
+
+def test_noise_is_no_circle_and_a_noisy_mode_is_one():
+    at = np.array([200])
+    drawn = [circle_fit_poles(LINES, noise(seed, 6, 400), at, 0.0)[0] for seed in range(20)]
+    assert np.isnan(drawn).all()
+    exact = modes_of(pole_at(LINES[200], 0.01), points=6)
+    noisy = exact + 0.05 * abs(exact).max() * noise(1, 6, 400)
+    assert np.isfinite(circle_fit_poles(LINES, noisy, at, 0.0)).all()
+
+
+def test_refined_poles_stay_within_a_twentieth_of_their_first_place():
+    pole = pole_at(50.0, 0.03)
+    [near] = refined_poles(S, modes_of(pole), np.array([pole * 1.04]))
+    assert near == pytest.approx(pole, rel=1e-6)
+    assert np.isnan(refined_poles(S, modes_of(pole), np.array([pole * 1.06]))).all()
+
+
+@pytest.mark.parametrize(("energy", "kept"), [(23.0, False), (37.0, True)])
+def test_noise_looks_like_a_mode_once_in_a_thousand_bands(energy, kept):
+    """Of a mode's energy over the variance of the noise, which adds four: the limit is 31."""
+    pole = pole_at(50.0, 0.005)
+    exact = modes_of(pole)
+    exact *= np.sqrt(energy / np.sum(abs(exact) ** 2))
+    counts = [
+        significant_poles(S, exact + noise(seed, 1, 400), np.array([pole])).size
+        for seed in range(30)
+    ]
+    assert (sum(counts) > 15) == kept
+
+
+def test_modes_above_the_band_leave_residues_below_right_to_5e_5():
+    """Without the last term of their series the second residue is 1.7e-4 off."""
+    inside = np.array([pole_at(40.0, 0.005), pole_at(85.0, 0.005)])
+    residue, _ = fit_residues(S, modes_of(*inside, pole_at(150.0, 0.005)), inside)
+    np.testing.assert_allclose(residue[0], 1 / (2j * inside.imag), rtol=5e-5)
+
+
+# --- impacts on a periodic system whose harmonic transfer functions are known -------------------
+
+STEPS, TURNS, SWING = 200, 8, 0.4
+PLAN = RunPlan(
+    turn_time=1.0,
+    turns=TURNS,
+    steps=STEPS,
+    phase=(np.arange(9) + 0.5 + 0.1 * np.sin(np.arange(9))) / 9,
+    pulse=0.05,
+    peak_force=1.0,
+    bandwidth=15.0,
+    fitted=3,
+)
+REQUEST = RunningHammerRequest(2 * np.pi, orders=1, damping_ratio=0.1)
+TURN_ANGLE = 2 * np.pi * np.arange(PLAN.samples + 1) / STEPS
+
+
+def oscillator(frequency: np.ndarray) -> np.ndarray:
+    """Receptance at 6 Hz with a damping ratio of 8 %."""
+    s, natural = 2j * np.pi * frequency, 2 * np.pi * 6.0
+    return 1 / (s**2 + 2 * 0.08 * natural * s + natural**2)
+
+
+def measured(curvature: float = 0.0, request: RunningHammerRequest = REQUEST):
+    """The reading swings with the crank by SWING, about a motion that repeats itself."""
+    frequency = PLAN.resolution * np.arange(PLAN.samples // 2 + 1)
+
+    def run(pulses):
+        force = sum((pulse.spectrum(frequency) for pulse in pulses), np.zeros(len(frequency)))
+        moved = np.fft.irfft(oscillator(frequency) * force, PLAN.samples) / PLAN.step
+        added = (1 + SWING * np.cos(TURN_ANGLE)) * np.append(moved, 0.0)
+        return 3.0 * np.sin(TURN_ANGLE) + added + curvature * added**2
+
+    return measured_response(run, request, PLAN, lambda label, done, total: None)
+
+
+def test_functions_of_all_orders_are_identified_from_impacts_on_a_periodic_system():
+    """H_0 is the oscillator's, H_1 and H_-1 half of the swing times it, higher ones are none."""
+    result, exact = measured(), oscillator(PLAN.frequency)
+    for place, order in enumerate(range(-3, 4)):
+        factor = {0: 1.0, 1: SWING / 2}.get(abs(order), 0.0)
+        apart = np.abs(result.estimate.response[place] - factor * exact)
+        assert apart.max() < 1e-4 * np.abs(exact).max()
+    assert result.halving_change.max() < 1e-9
+    assert result.plan.peak_force == PLAN.peak_force
+    assert 0 < result.decay.max() < 1e-4
+
+
+def test_impacts_are_halved_until_that_changes_nothing_or_refused():
+    """A quadratic term fades as impacts shrink; one too strong for five halvings is refused."""
+    strong = measured(curvature=60.0)
+    assert strong.plan.peak_force in (0.5, 0.25, 0.125)
+    exact = oscillator(PLAN.frequency)
+    assert np.abs(strong.estimate.response[3] - exact).max() < 0.03 * np.abs(exact).max()
+    with pytest.raises(ComputationError, match="halving"):
+        measured(curvature=3e4)
+
+
+def test_16_averages_bring_noise_down_to_a_quarter():
+    exact = oscillator(PLAN.frequency)
+    errors = [
+        np.abs(
+            measured(request=replace(REQUEST, noise=0.05, averages=count)).estimate.response[3]
+            - exact
+        ).mean()
+        for count in (1, 16)
+    ]
+    assert 2.5 < errors[0] / errors[1] < 6
