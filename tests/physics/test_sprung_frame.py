@@ -4,108 +4,169 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import flexmech
-from flexmech.time_domain import DrivenLinkage, linear_run, periodic_state
-from tests.support.sprung_frame_data import on_springs, sprung, stiffened
+from flexmech.linkages import carried_motion
+from tests.support.sprung_frame_data import framed_file, on_springs, sprung, stiffened
 
 ANGLES = np.radians([0.0, 100.0, 250.0])
-
-
-@pytest.fixture
-def fourbar(models: Path) -> flexmech.Mechanism:
-    return flexmech.load_mechanism(models / "aluminium_fourbar.toml")
 
 
 def total_mass(mechanism: flexmech.Mechanism) -> float:
     return sum(float(link.moment(0)) for link in mechanism.link_masses_in_order)
 
 
-def test_stiff_links_and_their_frame_are_one_mass(fourbar: flexmech.Mechanism) -> None:
+def test_stiff_links_and_their_frame_are_one_mass(aluminium: flexmech.Mechanism) -> None:
     """sqrt(k / (M + m)) of a frame that hardly turns, whatever the crank angle."""
     frame = sprung((1e4, 3e4), inertia=1e9)
-    mechanism = on_springs(stiffened(fourbar, 1e4), frame)
+    mechanism = on_springs(stiffened(aluminium, 1e4), frame)
     found = flexmech.natural_frequencies(flexmech.ReferenceEngine(mechanism), ANGLES, modes=3)
-    mass = frame.mass + total_mass(fourbar)
+    mass = frame.mass + total_mass(aluminium)
     expected = np.sqrt(np.array([2e4, 6e4]) / mass) / (2 * np.pi)
     assert found[:, 1:] == pytest.approx(np.tile(expected, (3, 1)), rel=1e-5)
 
 
-def test_weight_stiffens_and_softens_a_frame_that_rocks(fourbar: flexmech.Mechanism) -> None:
-    """The weight of links above the centre takes m g h from the stiffness against rocking."""
+def test_weight_softens_a_frame_that_rocks(aluminium: flexmech.Mechanism) -> None:
+    """The weight of links above the centre takes m g h from the stiffness against rocking.
+
+    As the frequency of the frame says, whose springs hold it but for rocking.
+    """
     centre = (0.127, -0.02)
     springs = tuple(flexmech.FrameSpring((x, -0.02), (1e9, 5e3)) for x in (0.027, 0.227))
-    frame = flexmech.SprungFrame(2.0, 0.03, centre, springs)
-    mechanism = on_springs(stiffened(fourbar, 1e6), frame)
-    engines = [
-        flexmech.ReferenceEngine(replace(mechanism, gravity=gravity))
-        for gravity in ((0.0, 0.0), (0.0, -9.81))
-    ]
-    systems = [engine.linear_system(ANGLES[:1], prestress="none") for engine in engines]
-    change = systems[1].stiffness[0, -1, -1] - systems[0].stiffness[0, -1, -1]
-    motion = fourbar.linkage.motion(ANGLES[:1])
-    height = 0.0
-    for number, link in enumerate(fourbar.link_masses_in_order):
-        arm = link.moment(1) / link.moment(0)
-        place = motion.position(number, arm)[0]
-        height += float(link.moment(0)) * (place[1] - centre[1])
-    assert change == pytest.approx(-9.81 * height, rel=1e-9)
+    frame = flexmech.SprungFrame(1e4, 3e3, centre, springs)
+    mechanism = on_springs(stiffened(aluminium, 1e6), frame)
+    squares = []
+    for gravity in (0.0, -9.81):
+        engine = flexmech.ReferenceEngine(replace(mechanism, gravity=(0.0, gravity)), 2, "euler")
+        modes = flexmech.natural_frequencies(engine, ANGLES[:1], modes=1, prestress="none")
+        squares.append((2 * np.pi * modes[0, 0]) ** 2)
+    motion = aluminium.linkage.motion(ANGLES[:1])
+    height = inertia = 0.0
+    for number, link in enumerate(aluminium.link_masses_in_order):
+        mass, moment = float(link.moment(0)), float(link.moment(1))
+        place = motion.position(number, moment / mass)[0] - centre
+        height += mass * place[1]
+        inertia += mass * float(place @ place)
+    change = (squares[1] - squares[0]) * (frame.inertia + inertia)
+    assert change == pytest.approx(-9.81 * height, rel=1e-3)
 
 
-def test_a_stiff_frame_and_a_heavy_one_are_the_ground(fourbar: flexmech.Mechanism) -> None:
+def test_a_stiff_frame_and_a_heavy_one_are_the_ground(aluminium: flexmech.Mechanism) -> None:
     def frequencies(mechanism: flexmech.Mechanism, modes: int) -> np.ndarray:
         engine = flexmech.ReferenceEngine(mechanism, elements=4, component_modes=False)
         return flexmech.natural_frequencies(engine, ANGLES, 20.0, modes=modes)
 
-    fixed = frequencies(fourbar, 3)
-    stiff = on_springs(fourbar, sprung((1e12, 1e12)))
+    fixed = frequencies(aluminium, 3)
+    stiff = on_springs(aluminium, sprung((1e12, 1e12)))
     assert frequencies(stiff, 3) == pytest.approx(fixed, rel=1e-6)
-    heavy = on_springs(fourbar, sprung((1e6, 1e6), mass=1e9, inertia=1e9))
+    heavy = on_springs(aluminium, sprung((1e6, 1e6), mass=1e9, inertia=1e9))
     assert frequencies(heavy, 6)[:, 3:] == pytest.approx(fixed, rel=1e-6)
+
+
+def run(mechanism: flexmech.Mechanism, **asked: Any) -> Any:
+    engine = flexmech.ReferenceEngine(mechanism, elements=4, component_modes=False)
+    settings = {"revolutions": 1.0, "samples": 60, "prestress": "none", "modes": 3}
+    request = flexmech.ResponseRequest(flexmech.ConstantSpeed(20.0), **settings | asked)
+    return flexmech.response(engine, request).dataset.isel(engine=0)
 
 
 def test_an_unbalanced_arm_shakes_its_frame_as_a_rotor_does(models: Path) -> None:
     """m e W^2 / (k - (M + m) W^2) along x and y (Den Hartog, Mechanical Vibrations, sec. 2.6)."""
     arm = stiffened(flexmech.load_mechanism(models / "rotating_arm.toml"), 1e5)
     arm = replace(arm, gravity=(0.0, 0.0))
-    speed, stiffness = 20.0, (4e3, 9e3)
-    springs = tuple(flexmech.FrameSpring((x, 0.0), stiffness) for x in (-0.1, 0.1))
+    springs = tuple(flexmech.FrameSpring((x, 0.0), (4e3, 9e3)) for x in (-0.1, 0.1))
     frame = flexmech.SprungFrame(1.5, 1e9, (0.0, 0.0), springs)
-    engine = flexmech.ReferenceEngine(on_springs(arm, frame), elements=4)
-    linkage = DrivenLinkage(engine, flexmech.ConstantSpeed(speed), "none")
-    start = linkage.drive.crank_angle(0.0)
-    state = periodic_state(linkage, 2000)
+    data = run(on_springs(arm, frame), start="periodic", step=2 * np.pi / 20.0 / 1440)
     (link,) = arm.link_masses_in_order
-    moment = float(link.moment(1)) + arm.linkage.hub_radius * float(link.moment(0))
-    forced, mass = moment * speed**2, frame.mass + float(link.moment(0))
-    expected = forced * np.cos(float(start)) / (2 * stiffness[0] - mass * speed**2)
-    assert state.position[-3] == pytest.approx(expected, rel=1e-4)
-    expected = forced * speed * np.cos(float(start)) / (2 * stiffness[1] - mass * speed**2)
-    assert state.velocity[-2] == pytest.approx(expected, rel=1e-4)
+    mass = float(link.moment(0))
+    moment = float(link.moment(1)) + arm.linkage.hub_radius * mass
+    amplitude = moment * 400.0 / (np.array([8e3, 18e3]) - (frame.mass + mass) * 400.0)
+    angle = data["crank_angle"].values
+    wanted = amplitude * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    found = data["frame_displacement"].values
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=2e-4 * amplitude.max())
 
 
-@pytest.mark.parametrize("gravity", [(0.0, 0.0), (0.0, -9.81)])
 def test_the_work_of_the_drive_is_the_energy_with_that_of_the_frame(
-    fourbar: flexmech.Mechanism, gravity: tuple[float, float]
+    aluminium: flexmech.Mechanism,
 ) -> None:
     """What is left is the error of the time step: of second order in it."""
-    mechanism = replace(on_springs(fourbar, sprung((2e4, 4e4))), gravity=gravity)
-    engine = flexmech.ReferenceEngine(mechanism, elements=4)
-    linkage = DrivenLinkage(engine, flexmech.ConstantSpeed(20.0), "none")
-    time = np.linspace(0.0, 0.3, 301)
-    nothing = np.zeros(linkage.size)
-    errors = [
-        linear_run(linkage, linkage.unstressed(), nothing, time, step).energy_error
-        for step in (2e-4, 1e-4)
-    ]
-    assert errors[1] < 1e-5
-    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.2)
+    mechanism = replace(on_springs(aluminium, sprung((2e4, 4e4))), gravity=(0.0, -9.81))
+    turn = 2 * np.pi / 20.0
+    coarse, fine = (
+        float(run(mechanism, start="equilibrium", step=turn / steps)["energy_error"])
+        for steps in (1440, 2880)
+    )
+    assert fine < 2e-5
+    assert coarse / fine == pytest.approx(4.0, rel=0.2)
 
 
-def test_a_frame_alone() -> None:
-    frame = sprung((2e4, 4e4))
-    squares = (2 * np.pi * frame.natural_frequencies) ** 2
+def test_springs_put_on_the_floor_the_mean_of_what_shakes_the_frame(
+    models: Path, tmp_path: Path
+) -> None:
+    """Over a turn of the periodic motion; the table has what the dataset has."""
+    file = framed_file(tmp_path, models / "aluminium_fourbar.toml")
+    engine = flexmech.ReferenceEngine(flexmech.load_mechanism(file), elements=2)
+    request = flexmech.ResponseRequest(
+        flexmech.ConstantSpeed(20.0), 1.0, samples=180, start="periodic", step=1e-3, modes=2
+    )
+    found = flexmech.response(engine, request)
+    data = found.dataset.isel(engine=0, time=slice(0, -1))
+    shaking, floor = (data[name].mean("time").values for name in ("shaking_force", "floor_force"))
+    assert floor == pytest.approx(shaking, abs=2e-3 * float(abs(data["floor_force"]).max()))
+    table = found.tables()["response"]
+    rotation = np.degrees(found.dataset["frame_rotation"][0].values)
+    assert table["frame_rotation_deg"].to_numpy() == pytest.approx(rotation)
+
+
+def test_dampers_of_the_frame_damp_its_modes(models: Path, tmp_path: Path) -> None:
+    """Of the frame alone c / (2 sqrt(k m)); what the links add to its mass lowers it."""
+    file = framed_file(tmp_path, models / "aluminium_fourbar.toml")
+    engine = flexmech.ReferenceEngine(flexmech.load_mechanism(file), elements=4)
+    result = flexmech.moving_frequencies(engine, ANGLES[:2], [0.0], modes=3)
+    found = result.dataset["damping_ratio"].squeeze().values
+    alone = 10.0 / (2 * np.sqrt(4e4 * 2.0))
+    assert (found > 0.1 * alone).all()
+    assert (found < 2.0 * alone).all()
+
+
+def test_a_moving_frame_carries_velocities_and_accelerations(
+    aluminium: flexmech.Mechanism,
+) -> None:
+    """Central differences of positions as the frame moves along a known path."""
+    drive, step = flexmech.ConstantSpeed(20.0, run_up_time=0.2), 1e-5
+    time = 0.1 + step * np.arange(-1.0, 2.0)
+    rates = np.array([3.0, 5.0, 7.0])
+    place = 0.01 * np.sin(np.outer(time, rates))
+    rate = 0.01 * rates * np.cos(np.outer(time, rates))
+    change = -0.01 * rates**2 * np.sin(np.outer(time, rates))
+    motion = drive.motion(aluminium.linkage, time)
+    moved = carried_motion((0.127, -0.02), motion, place, rate, change)
+    speed = (moved.origin[2] - moved.origin[0]) / (2 * step)
+    assert moved.origin_velocity[1] == pytest.approx(speed, abs=1e-6)
+    gain = (moved.origin_velocity[2] - moved.origin_velocity[0]) / (2 * step)
+    assert moved.origin_acceleration[1] == pytest.approx(gain, abs=1e-5)
+    spin = (moved.angle[2] - moved.angle[0]) / (2 * step)
+    assert moved.angular_velocity[1] == pytest.approx(spin, abs=1e-6)
+
+
+def test_a_frame_is_written_and_read_as_it_was(models: Path, tmp_path: Path) -> None:
+    mechanism = flexmech.load_mechanism(framed_file(tmp_path, models / "aluminium_fourbar.toml"))
+    assert mechanism.frame == flexmech.SprungFrame(
+        2.0,
+        0.03,
+        (0.127, -0.02),
+        tuple(flexmech.FrameSpring((x, -0.06), (2e4, 4e4), (5.0, 5.0)) for x in (0.0, 0.254)),
+    )
+    again = tmp_path / "again.toml"
+    again.write_text(mechanism.to_toml(), encoding="utf-8")
+    assert flexmech.load_mechanism(again) == mechanism
+
+
+def test_a_frame_alone_has_the_frequencies_of_its_springs() -> None:
+    squares = (2 * np.pi * sprung((2e4, 4e4)).natural_frequencies) ** 2
     assert squares == pytest.approx(sorted([4e4 / 2.0, 8e4 / 2.0, 2 * 4e4 * 0.1**2 / 0.03]))

@@ -132,9 +132,13 @@ def apart(first: np.ndarray, second: np.ndarray, speed: float) -> float:
     return float(max(distance.min(axis=0).max(), distance.min(axis=1).max()))
 
 
-@pytest.mark.parametrize(("kind", "element"), ENGINES)
 @pytest.mark.parametrize(
-    "seed", [0, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(1, 4))]
+    ("seed", "kind", "element"),
+    [
+        (0, ReferenceEngine, "euler"),
+        *(pytest.param(seed, *ENGINES[seed % 2], marks=pytest.mark.thorough) for seed in (1, 2)),
+        pytest.param(0, ExudynEngine, "ancf", marks=pytest.mark.thorough),
+    ],
 )
 def test_a_disk_whirls_between_its_critical_speeds_alone(
     seed: int, kind: Any, element: str
@@ -142,11 +146,11 @@ def test_a_disk_whirls_between_its_critical_speeds_alone(
     shaft = drawn(seed)
     engine = kind(shaft.mechanism(), 2, element)
     first, last = shaft.critical_speeds
-    for speed in (0.5 * first, 0.999 * first, 1.001 * last, 1.7 * last):
+    for speed in (0.999 * first, 1.001 * last):
         own = found(engine, speed)
         assert apart(own, shaft.exponents(speed), speed) < 10 * SAME * last
         assert own.real.max() < SAME * last
-    for speed in (1.001 * first, np.sqrt(first * last), 0.999 * last):
+    for speed in (1.001 * first, np.sqrt(first * last)):
         own, expected = found(engine, speed), shaft.exponents(speed)
         assert own.real.max() == pytest.approx(expected.real.max(), rel=2e-3)
         assert apart(own, expected, speed) < 1e-4 * last
@@ -180,14 +184,19 @@ def test_damping_of_the_shaft_and_of_the_ground(seed: int) -> None:
         damping=shaft.mass * first * log_uniform(random, 0.01, 0.2),
     )
     engine = ReferenceEngine(shaft.mechanism(), 2, "euler")
-    for speed in (0.5 * first, 1.05 * first, 1.5 * last, 3 * last):
+    for speed in (1.05 * first, 1.5 * last):
         own, expected = found(engine, speed), shaft.exponents(speed)
         assert apart(own, expected, speed) < 1e-4 * max(last, speed)
-    round_shaft = replace(shaft, across=shaft.along)
-    stiffness = shaft.along + shaft.bearing
-    critical = np.sqrt(stiffness / shaft.mass)
+
+
+@pytest.mark.thorough
+def test_damping_of_a_round_shaft_makes_it_whirl_above_a_limit() -> None:
+    """The critical speed times one and the damping of the ground over that of the shaft."""
+    shaft = replace(drawn(0), time=1e-3, bearing=0.5 * drawn(0).along)
+    shaft = replace(shaft, across=shaft.along, damping=0.1 * shaft.time * shaft.along)
+    critical = np.sqrt((shaft.along + shaft.bearing) / shaft.mass)
     limit = critical * (1 + shaft.damping / (shaft.time * shaft.along))
-    engine = ReferenceEngine(round_shaft.mechanism(), 2, "euler")
+    engine = ReferenceEngine(shaft.mechanism(), 2, "euler")
     for part in (0.99, 1.01):
         grows = found(engine, float(part * limit)).real.max() > 0
         assert bool(grows) is (part > 1)
