@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -23,8 +22,6 @@ FRAME_SPRINGS = tuple(flexmech.FrameSpring((x, -0.06), (2e4, 4e4), (5.0, 5.0)) f
 FRAME = flexmech.SprungFrame(2.0, 0.03, (0.127, -0.02), FRAME_SPRINGS)
 PLY_STRENGTH = materials.PlyStrength(1500e6, 1200e6, 40e6, 246e6, 68e6, 90e6, 0.35, 0.30)
 THICKNESS, DENSITY = "links.coupler.in_plane_thickness", "materials.aluminium.density"
-
-Make = Callable[[], flexmech.Result]
 
 
 def fourbar(damping_time: float = 0.0, **changed: Any) -> flexmech.Mechanism:
@@ -82,7 +79,7 @@ def running_frequencies() -> flexmech.MovingFrequencies:
 def campbell() -> flexmech.CampbellDiagram:
     speeds = np.linspace(0.0, 30.0, 7)
     return flexmech.campbell(
-        reference(), speeds, crank_angles=TURN[::3], modes=2, response=True, speed_unit="rad/s"
+        reference(), speeds, crank_angles=TURN[::3], modes=2, response=True
     )
 
 
@@ -185,7 +182,7 @@ def sections() -> flexmech.SectionProfiles:
 @functools.cache
 def moisture() -> flexmech.MoistureUptake:
     moist = flexmech.load_mechanism(MODELS / "moist_composite_fourbar.toml")
-    return flexmech.moisture_uptake(moist, relative_humidity=0.85, time=30 * 86400.0)
+    return flexmech.moisture_uptake(moist, 0.85, 30 * 86400.0, link="coupler")
 
 
 @functools.cache
@@ -258,7 +255,5 @@ def optimum() -> studies.Optimum:
 
 @functools.cache
 def verified() -> flexmech.Verification:
-    titles = ("Four-bars at rest: steel, 0 deg, reference", "Four-bars at rest: steel, 0 deg, exudyn")
+    titles = [f"Four-bars at rest: steel, 0 deg, {engine}" for engine in ("reference", "exudyn")]
     return flexmech.verify([verification.verification_case(title) for title in titles])
-
-ALL = [n for n, v in list(globals().items()) if hasattr(v, "cache_info") and n != "composite"]
