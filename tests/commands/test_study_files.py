@@ -1,0 +1,204 @@
+"""Study files: wrong ones are refused in one line that names the file, the key and the remedy."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+
+import pytest
+
+from flexmech import InputError
+from flexmech.studies import Goal, Limit, load_study, new_study, sweep_study, uncertainty_study
+from tests.support.command import MODELS, run_command
+from tests.support.study_data import FILE, THICKNESS, density, study, study_file, thickness
+
+RANGE = 'range = ["1 mm", "3 mm"]\nsteps = 3'
+VARY = f'[vary."{THICKNESS}"]\n{RANGE}'
+NORMAL = 'normal = ["1 mm", "0.3 mm"]'
+LIMIT = 'output = "f1"\nabove = "40 Hz"'
+GOAL = '[[goals]]\noutput = "mass"\n'
+LENGTHS = '"250 mm", "280 mm", "900 mm"'
+PAIR = f'{GOAL}[[correlations]]\nvariables = ["length", "{THICKNESS}"]\ncoefficient = 0.5\n'
+SCATTER = 'percentile = 97.5\n[vary.d]\npaths = ["materials.aluminium.density"]\n'
+SCATTER = f'{GOAL}{SCATTER}normal = ["2923 kg/m^3", "30 kg/m^3"]\n'
+
+# What is wrong: a part of the file, what stands there instead, and what the one line must hold.
+WRONG = {
+    "an unknown path": ("in_plane_thickness", "in_plane_thicknes", f"did you mean '{THICKNESS}'"),
+    "paths of several kinds": (
+        'paths = ["linkage.coupler"]',
+        'paths = ["linkage.coupler", "materials.aluminium.density"]',
+        "length: its paths",
+    ),
+    "a path twice": (
+        f'paths = ["linkage.coupler"]\nvalues = [{LENGTHS}]',
+        f'paths = ["{THICKNESS}"]\nrange = ["1 mm", "2 mm"]',
+        "varies twice",
+    ),
+    "a unit of another kind": ('"3 mm"', '"3 kg"', f"vary.\"{THICKNESS}\": got '3 kg'"),
+    "no unit": ('"3 mm"', "3", f'vary."{THICKNESS}": got the number 3.0'),
+    "an empty range": ('"3 mm"', '"1 mm"', "second number must be greater"),
+    "an impossible thickness": ('"1 mm", "3 mm"', '"-1 mm", "3 mm"', f"{THICKNESS} at -1 mm"),
+    "negative thicknesses now and then": (RANGE, NORMAL, "smaller standard deviation"),
+    "a negative spread": (RANGE, 'normal = ["1 mm", "-1 mm"]', "must be positive"),
+    "a negative lognormal mean": (RANGE, 'lognormal = ["-1 mm", "1 mm"]', "must be positive"),
+    "two distributions": (RANGE, f"{RANGE}\n{NORMAL}", "range and normal"),
+    "no distribution": (RANGE, "steps = 3", "range, values, uniform, normal, lognormal"),
+    "an empty list": (LENGTHS, "", "length: list one value or more"),
+    "a value twice": ('"280 mm", "900 mm"', '"250 mm"', "each one once"),
+    "one step": ("steps = 3", "steps = 1", "steps: got 1; give 2 or more"),
+    "an unknown key": ("steps = 3", "step = 3", f"vary.{THICKNESS}.step"),
+    "no such material": (
+        VARY,
+        '[vary."links.coupler.material"]\nvalues = ["aluminium", "brass"]',
+        "links.coupler.material at brass",
+    ),
+    "a range of texts": (
+        VARY,
+        '[vary."links.coupler.material"]\nrange = ["aluminium", "crank_aluminium"]',
+        "values = [...]",
+    ),
+    "a negative damping ratio": (
+        VARY,
+        '[vary.damping-ratio]\nrange = ["-1 %", "5 %"]',
+        "damping-ratio at -0.01",
+    ),
+    "an unknown quantity": ('"mass" }', '"weight" }', "outputs.mass.quantity: got 'weight'"),
+    "mode 0": ("angles = 4 }", "mode = 0 }", "outputs.f1.mode: got 0; give 1"),
+    "a limit on no output": ('output = "f1"', 'output = "f2"', "limits[0]: there is no output"),
+    "a limit of another kind": ('"40 Hz"', '"40 kg"', "limits[0]: got '40 kg'"),
+    "a limit of two sides": (LIMIT, f'{LIMIT}\nbelow = "50 Hz"', "limits[0]: give above"),
+    "a limit without a side": (LIMIT, 'output = "f1"', "limits[0]: give above"),
+    "a goal on no output": (GOAL, '[[goals]]\noutput = "f3"\n', "goals[0]: there is no output"),
+    "a sense that is none": (GOAL, f'{GOAL}sense = "least"\n', "goals[0].sense: got 'least'"),
+    "a worth of no output": (
+        GOAL,
+        f'{GOAL}[failure_values]\nf2 = "0 Hz"\n',
+        "failure_values.f2: there is no output",
+    ),
+    "a correlation of no variable": (GOAL, PAIR.replace('"length"', '"lenght"'), "did you mean"),
+    "a correlation with itself": (
+        GOAL,
+        PAIR.replace(f'"{THICKNESS}"', '"length"'),
+        "of two variables",
+    ),
+    "a correlation of one": (GOAL, PAIR.replace("0.5", "1.0"), "correlations[0].coefficient"),
+    "a percentile of one hundred": (
+        GOAL,
+        SCATTER.replace("97.5", "100"),
+        "goals[0].percentile",
+    ),
+    "an output for a variable": ("[vary.length]", "[vary.mass]", "a variable and an output"),
+    "a name that results need": ("[vary.length]", "[vary.std]", "'std' cannot be the name"),
+    "a name that is no word": ("[vary.length]", '[vary."m/1"]', "'m/1' cannot be the name"),
+    "no outputs": (FILE[FILE.index("[outputs]") :], "[outputs]\n", "nothing is computed"),
+    "a negative seed": ("seed = 1", "seed = -1", "seed: got -1; give 0 or more"),
+    "no TOML": ("seed = 1", "seed = 1 mm", "is not valid TOML"),
+    "no model": ("aluminium_fourbar", "gold_fourbar", "gold_fourbar.toml"),
+}
+
+
+def told(folder, *words) -> str:
+    """The one line of a command that is refused, and that leaves no result."""
+    ended = run_command(folder / "out", *words, "--no-plots")
+    assert (ended.exit_code, ended.stdout) == (2, "")
+    assert ended.stderr.count("\n") == 1
+    return ended.stderr
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_wrong_studies_are_refused_in_one_line(wrong, tmp_path):
+    old, new, words = WRONG[wrong]
+    file = study_file(tmp_path, old, new)
+    line = told(tmp_path, "sweep", file)
+    assert words in line
+    assert wrong == "no model" or line.startswith(f"error: {file}: ")
+    assert not (tmp_path / "out").exists()
+
+
+def test_all_that_is_wrong_is_told_at_once(tmp_path):
+    text = FILE.replace('"3 mm"', '"3 kg"').replace('"280 mm"', '"280 s"')
+    line = told(tmp_path, "sweep", study_file(tmp_path, text=text))
+    assert "2 errors" in line
+    assert "3 kg" in line
+    assert "280 s" in line
+
+
+COMMANDS = {
+    "no file": ("sweep", ("none.toml",), "", "", "flexmech new study"),
+    "a search without a goal": ("optimize", (), GOAL, "", "add [[goals]]"),
+    "combinations of a normal variable": (
+        *("sweep", (), RANGE, 'normal = ["2 mm", "0.1 mm"]'),
+        "give a number of samples",
+    ),
+    "too many combinations": ("sweep", (), "steps = 3", "steps = 30000000", "90000000"),
+    "no power of two": ("uncertainty", ("--samples", 100), "", "", "take 64 or 128"),
+    "no scheduler": ("sweep", ("--cluster", "nowhere"), "", "", "--cluster nowhere"),
+    "nothing to go on with": ("sweep", ("--resume",), "", "", "--resume: there is no "),
+}
+
+
+@pytest.mark.parametrize("wrong", COMMANDS)
+def test_commands_that_a_study_does_not_bear_are_refused(wrong, tmp_path):
+    name, options, old, new, words = COMMANDS[wrong]
+    if wrong == "no scheduler":
+        pytest.importorskip("distributed")
+    file = study_file(tmp_path, old, new)
+    given = (tmp_path / "none.toml",) if wrong == "no file" else (file, *options)
+    assert words in told(tmp_path, name, *given)
+
+
+def test_a_study_file_is_read_as_it_stands(tmp_path):
+    read = load_study(study_file(tmp_path, GOAL, SCATTER, f"percentile_samples = 128\n{FILE}"))
+    assert read.names == [THICKNESS, "length", "d"]
+    assert (read.percentile_samples, read.uncertain) == (128, ["d"])
+    assert read.goals == (Goal("mass", "min", 97.5),)
+    assert read.limits == (Limit("f1", least=40.0),)
+    shared = load_study(
+        study_file(
+            tmp_path,
+            f'[vary."{THICKNESS}"]',
+            f'[vary.all]\npaths = ["{THICKNESS}", "links.rocker.in_plane_thickness"]',
+        )
+    )
+    assert shared.names == ["all", "length"]
+    both = sweep_study(replace(shared, variables=shared.variables[:1])).dataset
+    links = 2923.0 * 25.4e-3 * (0.2794 + 0.2667) * both["all"].values
+    crank = 2698.0 * 4.24e-3 * 25.4e-3 * 0.102
+    assert both["mass"].values == pytest.approx(crank + links, rel=1e-9)
+
+
+def test_the_study_to_start_from_is_one(tmp_path):
+    (tmp_path / "study.toml").write_text(new_study())
+    shutil.copy(MODELS / "aluminium_fourbar.toml", tmp_path)
+    read = load_study(tmp_path / "study.toml")
+    assert read.names == [THICKNESS, "thickness"]
+    assert read.limits[0].least == 45.0
+
+
+SCATTERED = study(
+    *(thickness(1e-3, 3e-3), density(2923.0, 150.0)), goals=(Goal("mass", "min", 90.0),)
+)
+PERCENTILES = {
+    "nothing is uncertain": ({"variables": SCATTERED.variables[:1]}, "give a variable normal"),
+    "one hundred": ({"goals": (Goal("mass", "min", 100.0),)}, "between 0 and 100"),
+    "too few samples": (
+        {"goals": (Goal("mass", "min", 2.5),), "percentile_samples": 16},
+        "take 64",
+    ),
+    "two percentiles of one output": ({"limits": (Limit("mass", least=0.1),)}, "differs"),
+    "no power of two": ({"percentile_samples": 24}, "take 16 or 32"),
+}
+
+
+@pytest.mark.parametrize("wrong", PERCENTILES)
+def test_percentiles_that_cannot_be_told_are_refused(wrong):
+    changed, words = PERCENTILES[wrong]
+    with pytest.raises(InputError) as raised:
+        replace(SCATTERED, **changed)
+    assert words in str(raised.value)
+
+
+def test_of_variables_of_one_value_nothing_is_uncertain():
+    with pytest.raises(InputError, match="every variable has one value"):
+        uncertainty_study(study(thickness(2e-3, distribution="values")), 16)
