@@ -8,7 +8,7 @@ import pytest
 from flexmech import ConstantSpeed, ExudynEngine, Mechanism, RotatingArm
 from flexmech.mechanism import AttachedBody
 from flexmech.time_domain import LinkState
-from tests.cross_engine.test_composite_sections import section
+from tests.support.thick_links import section
 
 
 @pytest.mark.parametrize("offset", [(0.0, 0.02), (0.01, -0.03)])

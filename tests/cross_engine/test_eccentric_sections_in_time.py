@@ -30,7 +30,7 @@ from flexmech.materials import Material
 from flexmech.sections import BeamSection
 from flexmech.time_domain import DrivenLinkage, LinkState, linear_run, static_balance
 from flexmech.time_domain.equations_of_motion import turning_sections
-from tests.cross_engine.test_composite_sections import UNSYMMETRIC, fourbar
+from tests.support.thick_links import UNSYMMETRIC, fourbar
 from tests.cross_engine.test_two_drawings import heavy_strip
 
 SPEED, OFF = 6.0, 1.9e-3
