@@ -28,7 +28,7 @@ from flexmech.linkages import Motor
 from flexmech.mechanism import with_motor_run
 from flexmech.modelfile import mechanism_from_toml
 from flexmech.time_domain import LinkState
-from tests.analytical.test_motors import SLIDER_CRANK
+from tests.support.motor_models import SLIDER_CRANK
 
 MECHANISM = load_mechanism("models/aluminium_fourbar.toml")
 CURVE = TorqueMotor((0.0, 15.0, 20.0), (0.4, 0.3, 0.0), inertia=5e-4)

@@ -21,7 +21,7 @@ from flexmech import (
     stability,
 )
 from flexmech.modelfile import mechanism_from_toml
-from tests.unit.test_planar_motion import drawn_as_planar
+from tests.support.planar_four_bar import drawn_as_planar
 
 ALUMINIUM = Path(__file__).parents[2] / "models" / "aluminium_fourbar.toml"
 # Equal but for rounding of the drawn coordinates.

@@ -10,8 +10,8 @@ import flexmech
 from flexmech import stored_results
 from flexmech.report.panels.balance import balance_panel
 from flexmech.report.results import Results
-from tests.unit.balance_data import balance_result
-from tests.unit.kinematics_data import kinematics_result
+from tests.support.balance_data import balance_result
+from tests.support.kinematics_data import kinematics_result
 
 
 def test_a_folder_with_a_balance_has_its_panel(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ from flexmech import (
 from flexmech.example_models import example_model
 from flexmech.report.panels.kinematics import kinematics_panel, mechanism_panel
 from flexmech.report.results import Results
-from tests.unit.kinematics_data import kinematics_result
+from tests.support.kinematics_data import kinematics_result
 
 
 def test_a_folder_with_kinematics_has_its_panel(tmp_path: Path) -> None:

@@ -7,8 +7,8 @@ import numpy as np
 from flexmech.report.panels.kinematics import kinematics_panel
 from flexmech.report.panels.motor import motor_panel
 from flexmech.report.results import Results
-from tests.unit.driven_data import driven_kinematics
-from tests.unit.motor_data import motor_kinematics, motor_response
+from tests.support.driven_data import driven_kinematics
+from tests.support.motor_data import motor_kinematics, motor_response
 
 
 def test_the_motor_of_rigid_and_of_elastic_links() -> None:

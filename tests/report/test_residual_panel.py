@@ -7,7 +7,7 @@ import numpy as np
 from flexmech import Response
 from flexmech.report.panels.residual import residual_panel
 from flexmech.report.results import Results
-from tests.unit.driven_data import driven_run, shaped_run
+from tests.support.driven_data import driven_run, shaped_run
 
 
 def test_modes_stand_over_the_time_until_the_stop() -> None:

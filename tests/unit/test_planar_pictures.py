@@ -197,7 +197,7 @@ class TestScene:
         np.testing.assert_allclose(spring.places[-1], [0.8, 0.38], atol=1e-14)
 
     def test_a_line_on_a_guide_turns_with_it(self):
-        from tests.unit.test_planar_examples import quick_return
+        from tests.support.mechanisms import quick_return
 
         linkage = quick_return()
         for angle in (0.3, 2.0):

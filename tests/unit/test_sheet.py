@@ -14,12 +14,15 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from PIL import Image
+from tests.unit.strength_data import strength_dataset
 
 from flexmech import plots
 from flexmech.errors import InputError
 from flexmech.plots import chosen
+from tests.support.balance_data import balance_dataset
 from tests.support.comparison_data import drawn_dataset
 from tests.support.design_data import optimum_dataset, sweep_designs, uncertainty_dataset
+from tests.support.driven_data import driven_dataset, shaped_dataset
 from tests.support.figure_checks import (
     check_layout,
     check_texts,
@@ -29,6 +32,8 @@ from tests.support.figure_checks import (
     shown_texts,
 )
 from tests.support.hammer_data import hammer_dataset
+from tests.support.kinematics_data import kinematics_dataset
+from tests.support.motor_data import motor_dataset
 from tests.support.plot_data import (
     campbell_dataset,
     coupler_dataset,
@@ -44,13 +49,8 @@ from tests.support.plot_data import (
 )
 from tests.support.roved_hammer import roved_dataset
 from tests.support.running_hammer_data import running_hammer_dataset
-from tests.unit.balance_data import balance_dataset
-from tests.unit.driven_data import driven_dataset, shaped_dataset
-from tests.unit.kinematics_data import kinematics_dataset
-from tests.unit.motor_data import motor_dataset
-from tests.unit.shaking_data import framed_dataset, running_shaking_dataset
+from tests.support.shaking_data import framed_dataset, running_shaking_dataset
 from tests.support.stability_data import stability_dataset
-from tests.unit.strength_data import strength_dataset
 
 Plot = Callable[..., Figure]
 

@@ -37,7 +37,7 @@ from flexmech.analyses.stability.engine_stability import ExponentErrors
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem, floquet_modes
 from flexmech.errors import ComputationError
-from tests.unit.kinematics_data import kinematics_dataset
+from tests.support.kinematics_data import kinematics_dataset
 
 TURN = np.radians([0.0, 90.0, 180.0, 270.0])
 
