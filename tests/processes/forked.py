@@ -8,27 +8,23 @@ as those of a terminal do, also where the tests run in the background.
 
 from __future__ import annotations
 
+import functools
 import os
+import re
 import signal
 import sys
 import tempfile
 import time
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
-import matplotlib.figure
-import pandas as pd  # noqa: F401
-import rich.table  # noqa: F401
-import scipy.optimize  # noqa: F401
+import flexmech.cli
+from tests.support.command import run_command
 
-import flexmech.cli.application
-import flexmech.modelfile
-import flexmech.plots  # noqa: F401
-
-MODELS = Path(__file__).parents[2] / "models"
 TEMPORARY = ".flexmech-"
 """Of the names of folders in which sets of files are made."""
 PATIENCE = 300.0
@@ -36,10 +32,10 @@ PATIENCE = 300.0
 
 
 class Place(NamedTuple):
-    """A step of the work: an audit event, and a part of a path that it names."""
+    """A step of the work: an audit event, and a pattern of a path that it names."""
 
     event: str
-    part: str
+    path: str
 
 
 @dataclass(frozen=True)
@@ -60,7 +56,9 @@ class Process:
 
     def wait(self) -> Ended:
         """Wait for its end."""
-        until("it ends", lambda: os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT))
+        until(
+            "it ends", lambda: os.waitid(os.P_PID, self.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT)
+        )
         _, status = os.waitpid(self.pid, 0)
         stdout, stderr = ((self.printed / name).read_text() for name in ("stdout", "stderr"))
         return Ended(os.waitstatus_to_exitcode(status), stdout, stderr)
@@ -87,6 +85,7 @@ def start(
     first: Callable[[], object] | None = None,
 ) -> Process:
     """Start ``flexmech WORDS`` in a folder; something is done at a place, or at first."""
+    _import_everything()
     printed = Path(tempfile.mkdtemp(prefix="printed-"))
     process = os.fork()
     if not process:
@@ -109,6 +108,14 @@ def files_of(folder: Path) -> list[str]:
     return sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
 
 
+@functools.cache
+def _import_everything() -> None:
+    """Run a command here, so that no process needs to import what all of them do."""
+    quick = ("--engine", "reference", "--elements", "1", "--angles", "0", "--speeds", "0")
+    with tempfile.TemporaryDirectory() as folder:
+        run_command(Path(folder), "frequencies", "models/steel_fourbar.toml", *quick)
+
+
 def _run(
     folder: Path,
     printed: Path,
@@ -121,7 +128,7 @@ def _run(
     try:
         for number, name in ((1, "stdout"), (2, "stderr")):
             os.dup2(os.open(printed / name, os.O_WRONLY | os.O_CREAT), number)
-        sys.stdout, sys.stderr = (open(number, "w", closefd=False) for number in (1, 2))
+        sys.stdout, sys.stderr = (os.fdopen(number, "w", closefd=False) for number in (1, 2))
         signal.signal(signal.SIGINT, signal.default_int_handler)
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
         os.chdir(folder)
@@ -137,10 +144,8 @@ def _run(
         traceback.print_exc()
     finally:
         for stream in (sys.stdout, sys.stderr):
-            try:
+            with suppress(OSError, ValueError):
                 stream.flush()
-            except (OSError, ValueError):
-                pass
         os._exit(code)
 
 
@@ -148,8 +153,7 @@ def _do_at(place: Place, do: Callable[[], object]) -> None:
     left = [do]
 
     def watch(event: str, arguments: tuple[Any, ...]) -> None:
-        named = event == place.event and any(place.part in str(given) for given in arguments)
-        if named and left:
+        if left and event == place.event and any(re.search(place.path, str(a)) for a in arguments):
             left.pop()()
 
     sys.addaudithook(watch)

@@ -1,0 +1,74 @@
+"""Odd environments: settings of Matplotlib, terminals, locales and homes that are not there."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from tests.support.command import MODELS, run_command
+
+# Text by TeX, which most machines lack, and a key that there is not.
+MATPLOTLIBRC = "text.usetex: True\nbackend: TkAgg\nfont.size: 30\nsavefig.dpi: 10\nnonsense: 1\n"
+ODD = {
+    "MPLBACKEND": "nonsense",
+    "MATPLOTLIBRC": "{folder}/matplotlibrc",
+    "COLUMNS": "1",
+    "LINES": "0",
+    "NO_COLOR": "1",
+    "FORCE_COLOR": "1",
+    "TERM": "dumb",
+    "LC_ALL": "xx_YY.nonsense",
+    "PYTHONUTF8": "0",
+    "PYTHONCOERCECLOCALE": "0",
+    "PYTHONIOENCODING": "ascii",
+    "HOME": "/proc",
+    "XDG_CACHE_HOME": "/proc",
+    "XDG_CONFIG_HOME": "/proc",
+    "TMPDIR": "/nonexistent",
+    "OMP_NUM_THREADS": "abc",
+    "PYTHONOPTIMIZE": "2",
+}
+
+
+def test_a_command_in_an_odd_environment_draws_the_picture_of_a_plain_one(tmp_path: Path) -> None:
+    (tmp_path / "matplotlibrc").write_text(MATPLOTLIBRC)
+    pictures = []
+    for name, odd in (("plain", {}), ("odd", ODD)):
+        own = {key: value.format(folder=tmp_path) for key, value in odd.items()}
+        words = ["section", str(MODELS / "composite_fourbar.toml"), "--link", "crank"]
+        ended = subprocess.run(
+            [sys.executable, "-m", "flexmech", *words, "--out", name],
+            capture_output=True,
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(MODELS.parent), **own},
+            timeout=300,
+        )
+        assert (ended.returncode, ended.stderr) == (0, b"")
+        pictures.append((tmp_path / name / "section_crank.png").read_bytes())
+    assert pictures[0] == pictures[1]
+
+
+def test_bytes_of_a_path_that_are_no_text_are_stored_as_escapes(tmp_path: Path) -> None:
+    model = tmp_path / "r\udcff.toml"
+    shutil.copy(MODELS / "steel_fourbar.toml", model)
+    ended = run_command(tmp_path / "out\udcfe", "section", model, "--no-plots")
+    assert (ended.exit_code, ended.stderr) == (0, "")
+    with xr.open_dataset(ended.folder / "sections.nc") as stored:
+        assert "r\\udcff.toml" in stored.attrs["command_line"]
+
+
+def test_a_tilde_is_the_home_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shutil.copy(MODELS / "steel_fourbar.toml", tmp_path)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    words = ("section", "~/steel_fourbar.toml", "--no-plots", "--out", "~/res")
+    assert run_command(tmp_path, *words).exit_code == 0
+    assert (tmp_path / "res" / "sections.csv").exists()
+    missing = run_command(tmp_path, "check", "~nobody-of-this-name/model.toml")
+    assert missing.exit_code == 2
+    assert "~nobody-of-this-name/model.toml: there is no such home folder" in missing.stderr
