@@ -1,12 +1,18 @@
-"""Build the documentation: ``python docs/build.py [--fresh | --sessions [PAGE ...]]``.
+"""Build the documentation: ``python docs/build.py [--fresh | --sessions ... | --campaigns]``.
 
 The first page is then ``docs/_build/html/index.html``.
 
-Pages whose code runs keep what it gave until flexmech, its models or the versions beneath it
-change; ``--fresh`` runs everything again. Any warning or error of code ends the build with 1.
+First all code of the README and the pages runs once: blocks, sessions of the tutorials, scenarios,
+the verification. Printed sessions are held against their pages, and numbers of scenarios against
+``scenarios/expected_numbers.toml``; what fails or differs is told by page, block and command, and
+ends the build with exit code 1, as does any warning of Sphinx. What was computed is kept in
+``docs/_build/kept/`` until flexmech, its models or the versions beneath it change, with numbers in
+files ``numbers.json``; ``--fresh`` runs everything again.
 
 ``--sessions`` builds nothing: it runs the sessions of the tutorials (some five minutes), or of the
 pages that are named, and writes the lines that their commands print today into the pages.
+``--campaigns`` runs the scenarios that take too long for a build and keeps what they give in
+``docs/kept/``.
 """
 
 from __future__ import annotations
@@ -22,14 +28,21 @@ from sphinx.cmd.build import main as sphinx_build
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+from making.gallery import CAMPAIGNS, keep_campaign  # noqa: E402
+from making.pages import run_everything  # noqa: E402
 from making.sessions import session_pages, write_sessions  # noqa: E402
 
 
 def build(*, fresh: bool) -> int:
-    """Build the pages as HTML; the exit code of Sphinx."""
+    """Run all code and build the pages as HTML; the exit code."""
     if fresh:
         for made in ("_build", "made"):
             shutil.rmtree(HERE / made, ignore_errors=True)
+    failures = run_everything()
+    for failure in failures:
+        print(f"error: {failure}", file=sys.stderr)  # noqa: T201
+    if failures:
+        return 1
     pages = HERE / "_build" / "html"
     # Pages whose code runs are read in as many processes as there are cores.
     jobs = ["-j", str(os.cpu_count() or 1)]
@@ -47,10 +60,14 @@ if __name__ == "__main__":
         choices=[page.stem for page in session_pages()],
         help="write what the sessions of the tutorials print today into the pages",
     )
+    what.add_argument("--campaigns", action="store_true", help="run scenarios that take long")
     asked = parser.parse_args()
     if asked.sessions is not None:
         pages = [page for page in session_pages() if page.stem in asked.sessions]
         for page in write_sessions(pages or session_pages()):
             print(f"changed: {page.relative_to(HERE)}")  # noqa: T201
+    elif asked.campaigns:
+        for name in CAMPAIGNS:
+            keep_campaign(name)
     else:
         sys.exit(build(fresh=asked.fresh))

@@ -1,8 +1,15 @@
-"""The gallery: every scenario with what it prints and draws, and the number that a test holds."""
+"""The gallery: every scenario with what it prints and draws, and its numbers held.
+
+Each runs by its ``main``, on coarser settings where it takes minutes; what it found is held against
+``scenarios/expected_numbers.toml``. A campaign takes so long that a build runs it only when asked:
+its page shows what it gave last, which stands in ``docs/kept/``.
+"""
 
 from __future__ import annotations
 
 import ast
+import json
+import os
 import shutil
 import subprocess
 import sys
@@ -11,26 +18,38 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from making.scenario_numbers import COARSER, KEPT, NUMBERS
 from making.state import REPOSITORY, cache_folder, environment
 
-__all__ = ["gallery_pages", "scenario_names", "scenario_results"]
+__all__ = [
+    "CAMPAIGNS",
+    "gallery_pages",
+    "keep_campaign",
+    "scenario_failures",
+    "scenario_names",
+    "scenario_results",
+]
 
 SCENARIOS = REPOSITORY / "scenarios"
 PRINTED = "printed.txt"
+CAMPAIGNS = {"lightest_stable_fourbar": "some seven minutes of processor time"}
+"""Scenarios that a build does not run, and what they take."""
+LAST = REPOSITORY / "docs" / "kept"
+"""Folder of what campaigns gave last."""
 
 HEAD = """# Gallery
 
 Each entry is a question, a script of public names that answers it (`scenarios/`), what it prints
-and draws when these pages are built, and one number of it that a test holds. Every figure and table
-of the three papers that this project starts from has its place beside ours in [figures and tables
-of the papers](../figures_of_the_papers.md).
+and draws when these pages are built, and one number of it that each build holds. Every figure and
+table of the three papers that this project starts from has its place beside ours in [figures and
+tables of the papers](../figures_of_the_papers.md).
 
 """
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """A script, its words and the number that a test holds."""
+    """A script, its words and the number that is held."""
 
     name: str
     question: str
@@ -50,8 +69,18 @@ def gallery_pages(folder: Path) -> dict[str, str]:
 
 
 def scenario_names() -> list[str]:
-    """Names of the scenarios, in the order of the gallery."""
-    return list(_expected_numbers())
+    """Names of the scenarios, in the order of the gallery.
+
+    Raises
+    ------
+    RuntimeError
+        If a script has no expected number, or nothing takes its numbers.
+    """
+    names = list(_expected_numbers())
+    for other in (NUMBERS, [path.stem for path in SCENARIOS.glob("[!_]*.py")]):
+        if odd := set(names) ^ set(other):
+            raise RuntimeError(f"scenarios without a script, numbers or expected ones: {odd}")
+    return names
 
 
 def _expected_numbers() -> dict[str, dict[str, Any]]:
@@ -70,26 +99,69 @@ def _scenarios() -> list[Scenario]:
 
 def scenario_results(name: str) -> Path:
     """Folder of what a scenario printed and drew; it runs only if the folder is not there yet."""
+    if name in CAMPAIGNS:
+        return LAST / name
     folder = cache_folder() / "gallery" / name
-    if (folder / PRINTED).exists():
-        return folder
+    if not (folder / PRINTED).exists():
+        _run(name, folder)
+    return folder
+
+
+def keep_campaign(name: str) -> None:
+    """Run a campaign and keep what it gives in the repository."""
+    _run(name, LAST / name)
+    for left in (LAST / name).iterdir():
+        if left.suffix not in (".png", ".json", ".txt"):
+            left.unlink()
+
+
+def _run(name: str, folder: Path) -> None:
     started = folder.with_name(f"{name}.unfinished")
     shutil.rmtree(started, ignore_errors=True)
+    started.parent.mkdir(parents=True, exist_ok=True)
+    places = [str(SCENARIOS), str(REPOSITORY / "docs"), str(REPOSITORY)]
     run = subprocess.run(
-        [sys.executable, str(SCENARIOS / f"{name}.py"), "--out", str(started)],
+        [sys.executable, "-m", "making.scenario_numbers", name, str(started)],
         capture_output=True,
         text=True,
         cwd=REPOSITORY,
-        env=environment(),
+        env=environment() | {"PYTHONPATH": os.pathsep.join(places)},
     )
     if run.returncode:
-        raise RuntimeError(f"scenario {name} failed: {run.stderr.strip()}")
+        raise RuntimeError(f"scenarios/{name}.py failed: {run.stderr.strip()}")
     # The last line names the pictures by their place on this machine.
     lines = [line for line in run.stdout.splitlines() if not line.startswith("pictures: ")]
     (started / PRINTED).write_text("\n".join(lines) + "\n")
     shutil.rmtree(folder, ignore_errors=True)
     started.rename(folder)
-    return folder
+
+
+def scenario_failures(name: str) -> list[str]:
+    """Numbers of a scenario that are not the expected ones, or how it failed."""
+    expected = _expected_numbers()[name]
+    wanted = {"number": [expected["value"], expected["tolerance"]], **expected.get("also", {})}
+    try:
+        numbers = json.loads((scenario_results(name) / KEPT).read_text())
+    except RuntimeError as error:
+        return [str(error)]
+    failures = [f"no number {words!r}" for words in wanted.keys() - numbers.keys()]
+    failures += [f"{words!r} is not expected" for words in numbers.keys() - wanted.keys()]
+    for words in wanted.keys() & numbers.keys():
+        if not _is_expected(numbers[words], wanted[words]):
+            failures.append(f"{words}: {numbers[words]}, expected {wanted[words]}")
+    return [f"scenarios/{name}.py: {failure}" for failure in sorted(failures)]
+
+
+def _is_expected(found: Any, wanted: Any) -> bool:
+    """Whether a number is within a tolerance (``[value, tolerance]``), or words are the same."""
+    if isinstance(found, float | int) and not isinstance(found, bool):
+        value, tolerance = wanted
+        return bool(abs(found - value) <= tolerance)
+    if isinstance(found, list) and found and isinstance(found[0], float):
+        values, tolerance = wanted
+        pairs = zip(found, values, strict=True)
+        return all(abs(one - value) <= tolerance for one, value in pairs)
+    return bool(found == wanted)
 
 
 def _index(scenarios: list[Scenario]) -> str:
@@ -114,9 +186,21 @@ def _page(scenario: Scenario, result: Path) -> str:
     )
     return (
         f"# {scenario.question}\n\n{scenario.text}\n\n"
-        f"**Held by a test:** {expected['quantity']}: {expected['value']}{unit}, within "
-        f"{expected['tolerance']}{unit} (`{expected['test']}`).\n\n"
+        f"**Held by every build:** {expected['quantity']}: {expected['value']}{unit}, within "
+        f"{expected['tolerance']}{unit}.\n\n{_how_it_ran(scenario.name)}"
         f"    python scenarios/{scenario.name}.py\n\n{drawn}\n\n## What it prints\n\n"
         f"```text\n{(result / PRINTED).read_text()}```\n\n## The script\n\n"
         f"```{{literalinclude}} ../../../scenarios/{scenario.name}.py\n:language: python\n```\n"
     )
+
+
+def _how_it_ran(name: str) -> str:
+    if name in CAMPAIGNS:
+        return (
+            f"It takes {CAMPAIGNS[name]}: this page shows what it gave when it last ran, by "
+            "`python docs/build.py --campaigns`.\n\n"
+        )
+    if name in COARSER:
+        settings = ", ".join(f"`{name}`" for name in COARSER[name])
+        return f"For this page it ran on coarser settings ({settings}) than it takes alone:\n\n"
+    return ""

@@ -3,40 +3,76 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
+from making.blocks import block_failures, pages_with_blocks
 from making.commands import command_page
 from making.figures_of_the_papers import figures_page, study_results
-from making.gallery import gallery_pages, scenario_names, scenario_results
+from making.gallery import gallery_pages, scenario_failures, scenario_names
 from making.model_file import model_file_page
 from making.public_names import public_name_page
-from making.sessions import session_pages, session_pictures, session_results
+from making.sessions import session_failures, session_pages, session_pictures
 from making.study_file import study_file_page
 from making.verification import verification_page, verification_results
 
-__all__ = ["write_pages"]
+__all__ = ["run_everything", "write_pages"]
 
-# Scenarios that take half a minute start first, as the verification does, so that no core waits
-# for them in the end.
+# In s; of what takes longer the time is told.
+TOLD = 5.0
+
+# What takes longest starts first, so that no core waits for it in the end.
 LONG = (
-    "least_mass_fourbar",
-    "running_hammer_test",
-    "hammer_noise",
     "instability_confirmed",
-    "running_fourbars",
-    "critical_speeds",
-    "stability_maps",
+    "least_mass_fourbar",
+    "best_stacking_under_scatter",
+    "running_hammer_test",
+    "composite_thresholds",
     "moisture_and_stability",
+    "running_fourbars",
 )
+
+
+def run_everything() -> list[str]:
+    """Run what the pages show, as many at a time as there are cores; what fails, line by line.
+
+    Verification, study, sessions, blocks of code and scenarios run in processes of their own, for
+    each of which a thread waits, and are kept: the pages find them.
+    """
+    names = scenario_names()
+    runs: list[Callable[[], list[str]]] = [partial(_failures, verification_results)]
+    runs += [partial(session_failures, page) for page in session_pages()]
+    runs += [partial(scenario_failures, name) for name in LONG]
+    runs += [partial(block_failures, page) for page in pages_with_blocks()]
+    runs += [partial(scenario_failures, name) for name in names if name not in LONG]
+    runs.append(partial(_failures, study_results))
+    with ThreadPoolExecutor(os.cpu_count()) as waiting:
+        return [failure for failures in waiting.map(_timed, runs) for failure in failures]
+
+
+def _timed(run: Callable[[], list[str]]) -> list[str]:
+    since = time.monotonic()
+    failures = run()
+    if (took := time.monotonic() - since) > TOLD:
+        about = getattr(run, "args", ("",))[0]
+        print(f"{took:6.1f} s  {getattr(about, '__name__', about)}", flush=True)  # noqa: T201
+    return failures
+
+
+def _failures(run: Callable[[], Path]) -> list[str]:
+    try:
+        run()
+    except RuntimeError as error:
+        return [str(error)]
+    return []
 
 
 def write_pages(folder: Path) -> None:
     """Write the made pages to a folder; those that are unchanged keep their date."""
     folder.mkdir(parents=True, exist_ok=True)
-    _run_what_takes_long()
     session_pictures(folder / "sessions")
     pages = {
         "commands.md": command_page(),
@@ -52,18 +88,3 @@ def write_pages(folder: Path) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         if not path.exists() or path.read_text() != text:
             path.write_text(text)
-
-
-def _run_what_takes_long() -> None:
-    """Verification, study, sessions and scenarios, as many at a time as there are cores.
-
-    Each runs in a process of its own, for which a thread waits.
-    """
-    names = [*LONG, *(name for name in scenario_names() if name not in LONG)]
-    runs: list[Callable[[], Path]] = [verification_results]
-    runs += [partial(session_results, page) for page in session_pages()]
-    runs += [partial(scenario_results, name) for name in names]
-    runs.append(study_results)
-    with ThreadPoolExecutor(os.cpu_count()) as waiting:
-        for run in [waiting.submit(run) for run in runs]:
-            run.result()

@@ -3,7 +3,7 @@
 A page holds its session in blocks, in the order of the work. A block ``console`` has commands
 behind ``$ ``, each followed by what it prints on a terminal; a block ``diff`` has the lines of a
 file that the user changes. Both are text of the page, which ``python docs/build.py --sessions``
-brings up to date and a test compares with a run of its own.
+brings up to date and every build compares with a run of its own.
 """
 
 from __future__ import annotations
@@ -18,11 +18,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from making.printed import difference
 from making.state import REPOSITORY, cache_folder, on_a_terminal
 
 __all__ = [
     "FENCED",
     "run_session",
+    "session_failures",
     "session_pages",
     "session_pictures",
     "session_results",
@@ -33,6 +35,10 @@ __all__ = [
 # A fenced block: its fence, what stands behind it, and its lines.
 FENCED = re.compile(r"^(`{3,})([^\n`]*)\n(.*?)^\1 *$", re.MULTILINE | re.DOTALL)
 PROMPT = "$ "
+PRINTED = "printed.md"
+"""File of the page with what its session prints today, beside what the session wrote."""
+# A slider whose line runs through the shaft's axis has equal extremes at several crank angles.
+SYMMETRIC = ("slider_crank",)
 
 
 @dataclass(frozen=True)
@@ -96,7 +102,7 @@ def _printed_by(line: str, folder: Path) -> str:
         raise ValueError(f"a session has commands of flexmech alone: {line}")
     code, printed = on_a_terminal(*arguments, folder=folder)
     if code:
-        raise RuntimeError(f"{line}: exit code {code}: {printed}")
+        raise RuntimeError(f"{PROMPT}{line}: exit code {code}: {printed}")
     # No page needs the spaces at the ends of lines.
     return "".join(f"{line.rstrip()}\n" for line in printed.splitlines())
 
@@ -150,9 +156,23 @@ def session_results(page: Path) -> Path:
     started = folder.with_name(f"{folder.name}.unfinished")
     shutil.rmtree(started, ignore_errors=True)
     started.mkdir(parents=True)
-    run_session(text, started)
+    (started / PRINTED).write_text(run_session(text, started))
     started.rename(folder)
     return folder
+
+
+def session_failures(page: Path) -> list[str]:
+    """Commands of a page that print something else today, or the one that fails."""
+    try:
+        today = (session_results(page) / PRINTED).read_text()
+    except (RuntimeError, ValueError) as error:
+        return [f"{page.name}: {error}"]
+    found = []
+    for here, now in zip(steps_of(page.read_text()), steps_of(today), strict=True):
+        differs = difference(here.printed, now.printed, symmetric=page.stem in SYMMETRIC)
+        if differs:
+            found.append(f"{page.name}: {PROMPT}{here.text}: {differs}")
+    return found
 
 
 def session_pictures(folder: Path) -> None:

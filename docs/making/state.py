@@ -17,7 +17,7 @@ from tempfile import TemporaryFile
 __all__ = ["REPOSITORY", "cache_folder", "command_results", "environment", "on_a_terminal"]
 
 REPOSITORY = Path(__file__).parents[2]
-CODE = ("flexmech", "models", "scenarios")
+CODE = ("flexmech", "models", "scenarios", "docs/making/scenario_numbers.py")
 PACKAGES = ("exudyn", "matplotlib", "numpy", "scipy", "xarray")
 
 
@@ -28,15 +28,20 @@ def cache_folder() -> Path:
     for package in PACKAGES:
         digest.update(f"{package} {version(package)}".encode())
     for folder in CODE:
-        for path in sorted((REPOSITORY / folder).rglob("*")):
+        place = REPOSITORY / folder
+        for path in [place] if place.is_file() else sorted(place.rglob("*")):
             if path.is_file() and path.suffix != ".pyc":
                 digest.update(str(path.relative_to(REPOSITORY)).encode() + path.read_bytes())
     return REPOSITORY / "docs" / "_build" / "kept" / digest.hexdigest()[:16]
 
 
 def environment() -> dict[str, str]:
-    """Environment of a process that runs the code of this repository and shows no window."""
-    return {**os.environ, "PYTHONPATH": str(REPOSITORY), "MPLBACKEND": "Agg"}
+    """Environment of a process that runs the code of this repository and shows no window.
+
+    As many processes run as there are cores: each has one thread.
+    """
+    threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+    return {**os.environ, **threads, "PYTHONPATH": str(REPOSITORY), "MPLBACKEND": "Agg"}
 
 
 def on_a_terminal(*arguments: str, folder: Path) -> tuple[int, str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -117,27 +116,6 @@ def test_above_the_wet_glass_transition_a_warning_is_given(command) -> None:  # 
         HygrothermalState(60.0, 0.04),
     )
     assert cool.summary().warnings == ()
-
-
-def test_a_wet_linkage_that_turns_fully_no_longer(tmp_path: Path, command) -> None:  # type: ignore[no-untyped-def]
-    """Its loops when dry lie at crank angles that the wet linkage does not reach."""
-    text = (MODELS / "neat_resin_figure_8.toml").read_text()
-    for old, new in (
-        ('coupler = "4500 mm"', 'coupler = "2275 mm"'),
-        ('distance = "5000 mm", angle = "336 deg"', 'distance = "2000 mm", angle = "240 deg"'),
-    ):
-        assert text.count(old) == 1
-        text = text.replace(old, new)
-    model = tmp_path / "nearly.toml"
-    model.write_text(text)
-    refused: Ended = command("coupler-curve", model, *WET)
-    assert (refused.exit_code, refused.stdout, refused.files) == (2, "", [])
-    assert "+80 K, 7 % moisture: the linkage cannot be assembled" in refused.stderr
-    journey = Journey(
-        tmp_path / "part", "coupler-curve", model, *WET, "--angles", "60:120:20", "--no-plots"
-    )
-    assert "crunode" in journey.answer
-    journey.result()
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,6 @@ from flexmech import (
     ExudynEngine,
     InputError,
     InputShaper,
-    KinematicsRequest,
     LawDrive,
     MotorDrive,
     ReferenceEngine,
@@ -157,14 +156,6 @@ def test_a_run_under_a_motor_has_its_speed_torque_and_current(tmp_path: Path) ->
     journey.result()
 
 
-def test_turns_that_count_for_nothing_under_a_law_are_remarked(tmp_path: Path, command) -> None:  # type: ignore[no-untyped-def]
-    file = model(tmp_path, LawDrive("cycloid", 1.0, 0.1))
-    asked = ("--engine", "reference", "--elements", "1", "--modes", "1", "--step", "1 ms")
-    ended: Ended = command("response", file, *asked, "--revolutions", "4", "--no-plots")
-    assert ended.exit_code == 0
-    assert "remark: --revolutions counts for nothing under a law" in ended.stdout + ended.stderr
-
-
 CURVE = 'torque_speed = [["0 rpm", "12 N m"], ["1500 rpm", "0 N m"]]'
 DC = (
     'kind = "dc", resistance = "1.2 ohm", inductance = "1 mH", torque_constant = "0.06 N m/A", '
@@ -179,10 +170,6 @@ STATED = {
     "forth_and_back = true": LawDrive("cycloid", 2.0, 0.15, 0.1, 4, True),
     'law = "modified sine"\ntravel = "1 rad"\nmaster_angle = "90 deg"\nmaster_dwell = "270 deg"\n'
     'master_speed = "60 rpm"': LawDrive("modified sine", 1.0, 0.25, 0.75),
-    'table = [["0 s", "0 rad"], ["1 s", "1 rad"], ["2 s", "3 rad"], ["3 s", "4 rad"]]\n'
-    'ends = "rest"\nsmoothing = "1e-3 rad"\nmoves = 2': TableDrive(
-        (0.0, 1.0, 2.0, 3.0), (0.0, 1.0, 3.0, 4.0), 1e-3, "rest", 2
-    ),
     f'motor = {{ {CURVE}, inertia = "2e-4 kg m^2", gear_ratio = 10 }}\ntime = "0.5 s"': MotorDrive(
         TorqueMotor((0.0, 50 * np.pi), (12.0, 0.0), inertia=2e-4, gear_ratio=10.0), time=0.5
     ),
@@ -208,14 +195,6 @@ def test_a_drive_of_a_model_file_is_read_and_written(keys: str) -> None:
         angle = mechanism.drive.crank_angle(time)  # type: ignore[union-attr]
         np.testing.assert_allclose(angle, drive.crank_angle(time), rtol=1e-12, atol=1e-12)
     assert mechanism_from_toml(mechanism.to_toml()) == mechanism
-
-
-def test_a_target_is_told_in_its_own_unit() -> None:
-    keys = f"motor = {{ {DC} }}\n{CONTROL.replace('10 rad/s', '190 rpm')}"
-    drive = mechanism_from_toml(f"{fourbar().to_toml()}\n[drive]\n{keys}\n").drive
-    assert isinstance(drive, MotorDrive)
-    assert "190 rpm" in drive.words
-    assert KinematicsRequest(drive=drive).shown_unit(fourbar()) == "rpm"
 
 
 @pytest.mark.parametrize(

@@ -43,6 +43,19 @@ def test_files_hold_what_was_printed_and_load_back(journey):
     assert data.attrs["elements"] == 2
 
 
+def test_mode_shapes_are_scaled_to_one_and_links_meet(journey):
+    data = journey.result().dataset
+    size = np.sqrt((data["mode_shape"] ** 2).sum(["part", "component"]))
+    assert size.max(["link", "station"]).values == pytest.approx(1.0)
+    crank, coupler, rocker = (
+        data["rigid_position"].sel(link=link) for link in ("crank", "coupler", "rocker")
+    )
+    for one, other, station in ((crank, coupler, 0.0), (coupler, rocker, 1.0)):
+        there = other.sel(station=station).values
+        np.testing.assert_allclose(one.sel(station=1.0).values, there, atol=1e-12)
+    assert (rocker.sel(station=0.0).values == [0.254, 0.0]).all()
+
+
 def test_lowest_and_highest_frequencies_are_those_of_the_table(journey):
     found = journey.table("frequencies")
     first = found["engine"] == "reference"

@@ -114,19 +114,6 @@ def test_an_arm_has_no_transmission_angle_and_round_off_is_told_as_zero(tmp_path
     assert "transmission" not in ended.stdout
 
 
-def test_a_crank_that_accelerates(tmp_path: Path) -> None:
-    """300 rpm/s, in tables, words and the file that is loaded back."""
-    words = ("--speed", "20", "--crank-acceleration", "300 rpm/s", "--angles", "0:360:30")
-    journey = Journey(tmp_path / "out", "kinematics", ALUMINIUM, *words, "--no-plots")
-    alpha = 300 * np.pi / 30
-    data = journey.result().dataset
-    assert data.attrs["crank_acceleration"] == pytest.approx(alpha, rel=1e-15)
-    motion = journey.table("kinematics")
-    crank = motion["angular_acceleration_rad_s2"][motion["link"] == "crank"]
-    assert crank == pytest.approx(alpha, rel=1e-9)
-    assert tells(journey.said["table"]["title"], round(alpha, 4))
-
-
 # --- under a law and under a motor --------------------------------------------------------------
 
 
@@ -153,15 +140,6 @@ def test_under_a_law_tables_are_over_time(driven: Journey) -> None:
     (line,) = (line for line in driven.said["answer"] if line.startswith("The shaft gives"))
     assert tells(line, power.max())
     assert tells(line, power.min())
-
-
-def test_a_speed_of_the_command_line_goes_before_the_models_law(tmp_path, command) -> None:  # type: ignore[no-untyped-def]
-    model = tmp_path / "model.toml"
-    model.write_text(fourbar(drive=LAW).to_toml())
-    ended: Ended = command("kinematics", model, "--speed", "20", "--angles", "0,90", "--no-plots")
-    assert ended.exit_code == 0
-    assert "at 20 rad/s" in ended.stdout
-    assert "time_s" not in ended.table("drive")
 
 
 def test_under_a_motor_its_settled_speed_and_current_are_told(tmp_path: Path) -> None:

@@ -21,19 +21,10 @@ table = [["0 s", "0 N", "0 N"], ["1 s", "5 N", "0 N"]]
 ASKED = {
     "frequencies": "--angles 0,90 --speeds 0,10 --engine reference",
     "campbell": "--speeds 5:6:1 --modes 2 --engine reference --prestress axial",
-    "stability": "--speeds 20 --modes 2 --prestress axial",
-    "hammer": "--impact coupler:0.5 --averages 1 --duration 0.5s --damping-ratio 1%",
 }
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "frequencies",
-        "campbell",
-        *(pytest.param(x, marks=pytest.mark.thorough) for x in ("stability", "hammer")),
-    ],
-)
+@pytest.mark.parametrize("name", ASKED)
 def test_loads_over_time_that_are_left_out_are_told(name: str, tmp_path: Path, command) -> None:  # type: ignore[no-untyped-def]
     model = tmp_path / "late.toml"
     model.write_text((MODELS / "steel_fourbar.toml").read_text() + LATE)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 
 import numpy as np
 import pytest
@@ -136,6 +137,16 @@ def test_pictures_and_animations_are_those_asked_for(command, rough_pictures):
     pictures = ["forces.png", "response.png", "running_shaking_force.png", "spectrum.png"]
     ended = command("response", ALUMINIUM, *words)
     assert [name for name in ended.files if name.endswith(".png")] == pictures
+
+
+@pytest.mark.thorough
+def test_a_run_is_animated_where_it_is_asked_for(command, rough_pictures):
+    words = ("--speed", "20", "--engine", "reference", *SHORT, "--animate")
+    ended = command("response", ALUMINIUM, *words)
+    films = {name for name in ended.files if name.startswith("animation")}
+    assert films == {"animation.gif"} | ({"animation.mp4"} if shutil.which("ffmpeg") else set())
+    for name in films:
+        assert name in ended.stdout.splitlines()[-1]
 
 
 def test_all_is_stored_where_it_is_asked_for(command, tmp_path):

@@ -33,6 +33,7 @@ ABSCISSAE = {
     "sample": ("crank_angle", 180 / np.pi),
 }
 
+
 class Row(NamedTuple):
     """Lines of a panel: its number, what stands beside it, and the values in that unit."""
 
@@ -56,13 +57,19 @@ def turning(data: xr.Dataset) -> xr.DataArray:
 
 
 def harmonic(data: xr.Dataset, order: int) -> xr.DataArray:
-    found = [data[f"{name}_real"] + 1j * data[f"{name}_imag"] for name in ("receptance", "predicted")]
+    found = [
+        data[f"{name}_real"] + 1j * data[f"{name}_imag"] for name in ("receptance", "predicted")
+    ]
     return xr.concat(found, "found").sel(order=order)
 
 
 DRAWN: dict[Plot, list[Row]] = {
     plots.plot_agreement: [
-        Row(1, "Relative difference (-)", lambda d: abs(d["frequency"][1] / d["frequency"][0] - 1)[..., 1])
+        Row(
+            1,
+            "Relative difference (-)",
+            lambda d: abs(d["frequency"][1] / d["frequency"][0] - 1)[..., 1],
+        )
     ],
     plots.plot_balance: [
         Row(1, "Shaking force (N)", size("shaking_force")),
@@ -86,7 +93,9 @@ DRAWN: dict[Plot, list[Row]] = {
         Row(
             3,
             r"Change of $\theta_4$ (deg)",
-            lambda d: np.degrees(d["angle"].sel(link="rocker")[1] - d["angle"].sel(link="rocker")[0]),
+            lambda d: np.degrees(
+                d["angle"].sel(link="rocker")[1] - d["angle"].sel(link="rocker")[0]
+            ),
         ),
     ],
     plots.plot_damping_ratio: [
@@ -123,7 +132,11 @@ DRAWN: dict[Plot, list[Row]] = {
         Row(0, "Receptance amplitude (m/N)", lambda d: abs(receptance(d, "exact_receptance"))),
         Row(1, "Mobility amplitude (m/(N s))", lambda d: abs(turning(d) * receptance(d))),
         Row(2, "Accelerance amplitude (m/(N s²))", lambda d: abs(turning(d) ** 2 * receptance(d))),
-        Row(3, "Receptance phase (deg)", lambda d: np.degrees(np.arctan2(receptance(d).imag, receptance(d).real))),
+        Row(
+            3,
+            "Receptance phase (deg)",
+            lambda d: np.degrees(np.arctan2(receptance(d).imag, receptance(d).real)),
+        ),
     ],
     plots.plot_frf_parts: [
         Row(0, "Re receptance (m/N)", lambda d: receptance(d, "identified_receptance").real),
@@ -183,13 +196,19 @@ DRAWN: dict[Plot, list[Row]] = {
         Row(3, "Motor current (A)", lambda d: d["motor_current"]),
     ],
     plots.plot_move_times: [
-        Row(0, "Coupler middle (mm)", lambda d: 1e3 * d["move_amplitude"].sel(mode=1, link="coupler")),
+        Row(
+            0,
+            "Coupler middle (mm)",
+            lambda d: 1e3 * d["move_amplitude"].sel(mode=1, link="coupler"),
+        ),
     ],
     plots.plot_residual: [
         Row(
             1,
             "Coupler middle deflection (mm)",
-            lambda d: 1e3 * d["deflection"].sel(link="coupler").where(d["time"] >= LAW.time, drop=True),
+            lambda d: (
+                1e3 * d["deflection"].sel(link="coupler").where(d["time"] >= LAW.time, drop=True)
+            ),
         ),
     ],
     plots.plot_response: [
@@ -213,22 +232,28 @@ DRAWN: dict[Plot, list[Row]] = {
     ],
     plots.plot_shaped: [
         Row(0, "Crank speed (rad/s)", lambda d: d["shaped_crank_speed_over_time"]),
-        Row(2, "Coupler middle deflection (mm)", lambda d: 1e3 * d["deflection"].sel(link="coupler")),
+        Row(
+            2, "Coupler middle deflection (mm)", lambda d: 1e3 * d["deflection"].sel(link="coupler")
+        ),
         Row(
             2,
             "Coupler middle deflection (mm)",
             lambda d: 1e3 * d["shaped_deflection"].sel(link="coupler"),
         ),
     ],
-    plots.plot_spectrogram: [Row(1, "Coupler middle frequency (Hz)", lambda d: d["natural_frequency"][0])],
+    plots.plot_spectrogram: [
+        Row(1, "Coupler middle frequency (Hz)", lambda d: d["natural_frequency"][0])
+    ],
     plots.plot_spectrum: [
         Row(
             1,
             "Coupler middle amplitude (mm)",
-            lambda d: 1e3
-            * d["spectrum"]
-            .sel(link="coupler")
-            .where(d["spectrum_frequency"] <= 1.3 * d["natural_frequency"].max(), drop=True),
+            lambda d: (
+                1e3
+                * d["spectrum"]
+                .sel(link="coupler")
+                .where(d["spectrum_frequency"] <= 1.3 * d["natural_frequency"].max(), drop=True)
+            ),
         ),
     ],
     plots.plot_speed_effect: [

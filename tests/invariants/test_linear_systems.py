@@ -16,7 +16,6 @@ from flexmech import (
     Mechanism,
     PointMass,
     ReferenceEngine,
-    moving_frequencies,
     natural_frequencies,
 )
 from flexmech.analyses import solve_modes
@@ -221,23 +220,6 @@ def test_modes_are_those_of_a_dense_solver(
         assert x.conj() @ mass @ x == pytest.approx(1.0)
 
 
-@pytest.mark.thorough
-@settings(max_examples=8)
-@given(running_mechanisms(), levels, st.booleans())
-def test_the_stated_reduction_error_is_small_and_true(
-    case: Running, level: str, terms: bool
-) -> None:
-    engine = engine_of(case.mechanism, reduced=True, elements=4)
-    angles = case.crank_angle + np.array([0.0, 0.01])
-    asked = {"prestress": level, "rotation_terms": terms}
-    result = moving_frequencies(engine, angles, [case.crank_speed], **asked).dataset
-    full = natural_frequencies(engine.unreduced(), angles, case.crank_speed, **asked)
-    reported = result["reduction_error"].values[0, 0]
-    actual = np.abs(result["frequency"].values[0, 0] / full - 1)
-    assert reported.max() <= 2e-5
-    assert actual == pytest.approx(reported, rel=0.2, abs=2e-7)
-
-
 def test_component_modes_are_right_on_a_strongly_bowed_linkage() -> None:
     """Of the unreduced equations, to 1e-4."""
     section = fourbar(thickness=(3e-3, 3e-3, 3e-3), width=10e-3).sections["crank"]
@@ -246,21 +228,6 @@ def test_component_modes_are_right_on_a_strongly_bowed_linkage() -> None:
     engine = ReferenceEngine(mechanism, 12)
     full = natural_frequencies(engine.unreduced(), 0.0, 40.0)
     assert natural_frequencies(engine, 0.0, 40.0) == pytest.approx(full, rel=1e-4)
-
-
-def test_positions_of_a_batch_do_not_influence_each_other() -> None:
-    """Nor do crank angles and speeds that broadcast."""
-    engine = engine_of(fourbar(damping_time=1e-5))
-    angles, speeds = np.array([0.1, 2.0, 4.0]), np.array([0.0, 20.0, -7.0])
-    together = engine.linear_system(angles, speeds, prestress="equilibrium")
-    for i in range(3):
-        alone = engine.linear_system(angles[i], speeds[i], prestress="equilibrium")
-        for name in ("mass", "damping", "stiffness"):
-            one = getattr(alone, name)[0]
-            scale = 1e-10 * np.abs(one).max()
-            assert getattr(together, name)[i] == pytest.approx(one, abs=scale)
-    grid = engine.linear_system(np.zeros((3, 1)), [1.0, 2.0], prestress="none")
-    assert grid.motion.crank_speed.tolist() == [1.0, 2.0] * 3
 
 
 def test_which_end_of_a_pin_leads_changes_no_frequency_at_rest() -> None:

@@ -27,7 +27,6 @@ from flexmech.linkages import (
     inverse_dynamics,
 )
 from tests.support.random_linkages import LoadedLinkage, link_masses, loaded_linkages
-from tests.support.strategies import numbers
 
 GRAVITY = (1.5, -9.81)
 # Differences of eighth order for the first and second derivative.
@@ -207,28 +206,6 @@ def test_every_link_is_in_balance(case: LoadedLinkage) -> None:
     guided = [slider.joint for slider in case.topology.sliders if slider.guide]
     for joint, back in zip(guided, forces.on_guides, strict=True):
         assert np.array_equal(back.force, -forces.joint_force[joint])
-
-
-@settings(max_examples=20)
-@given(loaded_linkages(), numbers(0.05, 0.9))
-def test_internal_forces_have_the_slopes_of_their_loads(case: LoadedLinkage, part: float) -> None:
-    """The shear force is that of the bending moment, the inertia force that of the axial force."""
-    forces = solved(case)
-    for number, mass in enumerate(case.masses):
-        x, step = part * mass.length, 1e-3 * mass.length
-        fixed = [*mass.point_positions, *(body.position for body in mass.bodies)]
-        fixed += [float(f.x) for f in (*forces.applied, *forces.on_guides) if f.link == number]
-        if mass.offset or any(abs(x - place) <= 2 * step for place in fixed):
-            continue
-        near = np.array([x - step, x + step])
-        shear = forces.shear_force(number, np.array([x - step, x, x + step])) @ [1, 4, 1] / 6
-        moment, axial = forces.bending_moment(number, near), forces.axial_force(number, near)
-        size = np.abs(moment).max() / step + np.abs(shear) + np.abs(forces.start_force).max()
-        assert abs((moment[1] - moment[0]) / (2 * step) + shear) <= 1e-11 * size
-        pull = np.asarray(GRAVITY) - point_motion(case.motion, number, x, 0.0)[2]
-        load = mass.mass_per_length * axes(case.motion, number)[0] @ pull
-        size = np.abs(axial).max() / step + abs(load) + np.abs(forces.start_force).max()
-        assert abs((axial[1] - axial[0]) / (2 * step) + load) <= 1e-10 * size
 
 
 @given(st.data())

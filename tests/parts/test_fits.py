@@ -64,7 +64,7 @@ def test_intervals_of_95_percent_hold_for_white_noise():
 
 def test_intervals_are_widened_for_noise_that_rings_as_the_vibration_does():
     """As wide as for white noise they would be wrong more often than right."""
-    fits = [fitted(Decay(record(seed, 0.003, RINGING))) for seed in range(100)]
+    fits = [fitted(Decay(record(seed, 0.003, RINGING))) for seed in range(200)]
     factor = float(np.median([fit.widened for fit in fits]))
     assert min(fit.order for fit in fits) >= 2
     assert factor > 2

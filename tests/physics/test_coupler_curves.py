@@ -21,7 +21,6 @@ from flexmech import (
 )
 from flexmech.linkages import coupler_sextic
 from flexmech.verification import verification_case
-from tests.support.mechanisms import four_bar
 from tests.support.strategies import angles, fourbar, numbers
 
 CRANK_ROCKER = FourBar(1.0, 0.4, 0.9, 0.8)
@@ -146,28 +145,6 @@ def test_angles_of_swollen_links_are_those_of_figures_3_and_4() -> None:
         across = ground**2 + crank**2 - 2 * ground * crank * np.cos(turn)
         transmission = np.arccos((2 * bar**2 - across) / (2 * bar**2))
         assert data["transmission_angle"].values[state] == pytest.approx(transmission, rel=1e-9)
-
-
-def test_pins_of_wet_links_are_where_the_links_end() -> None:
-    mechanism = load_mechanism(example_model("neat_resin_figure_8"))
-    data = coupler_paths(mechanism, TURN, environment=HygrothermalState(80, 0.07)).dataset
-    centres = {"A": np.zeros(2), "B": data["length"].values[:, None, :1] * [1.0, 0.0]}
-    for pin, link in (("A", "crank"), ("B", "rocker")):
-        away = data["pin_position"].sel(pin=pin).values - centres[pin]
-        length = data["length"].sel(member=link).values[:, None]
-        assert np.linalg.norm(away, axis=-1) == pytest.approx(
-            np.broadcast_to(length, away.shape[:2]), rel=1e-12
-        )
-
-
-def test_the_coupler_of_a_four_bar_that_is_drawn_has_the_same_path() -> None:
-    point, turn = CouplerPoint(0.1, 0.5), np.radians(range(0, 360, 10))
-    own = fourbar()
-    first, second = (
-        coupler_paths(each, turn, point).dataset["position"].values
-        for each in (own, replace(own, linkage=four_bar()))
-    )
-    np.testing.assert_allclose(second, first, atol=1e-13)
 
 
 REFUSED = {

@@ -10,7 +10,6 @@ import pytest
 from flexmech import (
     AttachedBody,
     InputError,
-    JointSpring,
     KinematicsRequest,
     Load,
     Mechanism,
@@ -34,11 +33,10 @@ from flexmech.linkages import (
     Slider,
     Topology,
     Weld,
-    continuous_angles,
     inverse_dynamics,
 )
 from tests.support.mechanisms import quick_return
-from tests.support.strategies import STEEL_LINKAGE, arm, fourbar
+from tests.support.strategies import arm, fourbar
 
 ARM = RotatingArm(1.0)
 
@@ -139,20 +137,6 @@ def test_a_spring_whose_ends_meet_has_a_direction_without_free_length_alone(
     assert forces.driving_torque == pytest.approx([-5.0, 0.0], abs=1e-12)
 
 
-def test_a_spring_in_a_pin_winds_up_with_every_turn() -> None:
-    angles = np.array([0.3, 0.3 + 2 * np.pi, 0.3 - 4 * np.pi])
-    motion = STEEL_LINKAGE.motion(angles)
-    torque = inverse_dynamics(
-        STEEL_LINKAGE.topology,
-        motion,
-        tuple(LinkMass(x, 0.0) for x in (0.1, 0.2794, 0.2667)),
-        joint_springs=(JointSpring("A", 2.0),),
-        continuous_angles=continuous_angles(STEEL_LINKAGE, motion),
-    ).driving_torque
-    rate = 1 - STEEL_LINKAGE.motion(0.3, 1.0).angular_velocity[1]
-    assert np.diff(torque) == pytest.approx([2 * 2 * np.pi * rate, -2 * 6 * np.pi * rate])
-
-
 def test_a_load_over_time_begins_at_crank_angle_zero() -> None:
     """A crank that accelerates is at its angle at no known time."""
     tip = AttachmentPoint("arm", 1.0)
@@ -180,8 +164,7 @@ def test_a_body_beside_its_link_counts_by_its_place_and_inertia() -> None:
     linkage = replace(linkage, links=tuple(replace(link, rigid=True) for link in linkage.links))
     bodies = tuple(replace(body, link="crank", position=0.05) for body in (first, second))
     data = kinematics(
-        Mechanism(linkage, {}, bodies=bodies),
-        KinematicsRequest([0.3], 4.0, crank_acceleration=9.0),
+        Mechanism(linkage, {}, bodies=bodies), KinematicsRequest([0.3], 4.0, crank_acceleration=9.0)
     ).dataset.isel(crank_angle=0)
     centre = (2.0 * 0.05 + 0.5 * (0.15 + 0.2j)) / 2.5
     on_crank = data.sel(link="crank")
@@ -192,14 +175,6 @@ def test_a_body_beside_its_link_counts_by_its_place_and_inertia() -> None:
     apart = 2.0 * abs(0.05 - centre) ** 2 + 0.5 * abs(0.15 + 0.2j - centre) ** 2
     moment = -9.0 * (0.03 + 0.01 + apart)
     assert float(on_crank["inertia_moment"]) == pytest.approx(moment, rel=1e-13)
-
-
-def test_weight_is_no_inertia_force() -> None:
-    still = replace(fourbar(), gravity=(0.0, -9.81))
-    data = kinematics(still, KinematicsRequest([0.3, 2.0], 0.0)).dataset
-    assert not data["inertia_force"].any()
-    assert abs(data["joint_force"]).max() > 0.1
-    assert not data["driving_power"].any()
 
 
 def test_both_joint_forces_weight_and_inertia_of_a_rod_are_in_balance() -> None:
@@ -270,12 +245,6 @@ HELD_WRONGLY = [
     ),
     (
         Topology(
-            SQUARE, (FOOT,), welds=CORNERS, sliders=(Slider("O4", LinkEnd("right", "start"), 0.0),)
-        ),
-        r"10 connection forces for 9 .*: joint O4 constrains",
-    ),
-    (
-        Topology(
             SQUARE,
             (FOOT,),
             pins=(Pin("B", LinkEnd("top", "end"), LinkEnd("right", "end")),),
@@ -284,14 +253,10 @@ HELD_WRONGLY = [
         ),
         r"joint S constrains .*, and the right can move",
     ),
-    (
-        Topology(SQUARE, (FOOT,), (Pivot("O4", LinkEnd("right", "start")),)),
-        "connection forces for 9 equations",
-    ),
 ]
 
 
-@pytest.mark.parametrize(("held", "said"), HELD_WRONGLY, ids=["twice", "roller", "loose", "free"])
+@pytest.mark.parametrize(("held", "said"), HELD_WRONGLY, ids=["twice", "one part twice"])
 def test_structures_that_are_not_held_exactly_once_are_refused(held: Topology, said: str) -> None:
     with pytest.raises(InputError, match=said):
         inverse_dynamics(held, PORTAL, tuple(LinkMass(1.0, 1.0) for _ in SQUARE), (1.0, -9.81))

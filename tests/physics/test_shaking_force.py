@@ -16,7 +16,6 @@ import xarray as xr
 
 from flexmech import (
     AttachedBody,
-    ExudynEngine,
     JointSpring,
     KinematicsRequest,
     Load,
@@ -228,16 +227,3 @@ def test_the_shaft_of_a_run_up_pushes_back() -> None:
     for name in ("shaking_moment", "rigid_shaking_moment"):
         more = (runs[1][name] - runs[0][name]).values
         np.testing.assert_allclose(more, -torque, atol=1e-9 * np.abs(torque).max())
-
-
-@pytest.mark.thorough
-def test_both_engines_have_the_same_shaking_force() -> None:
-    engines = [kind(sprung(), 8) for kind in (ReferenceEngine, ExudynEngine)]
-    # From undeformed links they would ring, faster than Exudyn's steps resolve.
-    data = response(engines, ResponseRequest(SPEED, 0.5, start="equilibrium")).dataset
-    for name in ("shaking_force", "shaking_moment"):
-        first, second = data[name].values
-        rigid = data[f"rigid_{name}"].values
-        # Alike far beyond what elastic links add to rigid ones.
-        assert np.abs(first - rigid).max() > 0.01 * np.abs(rigid).max()
-        assert first == pytest.approx(second, abs=2e-3 * np.abs(second).max())

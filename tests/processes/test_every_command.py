@@ -31,7 +31,6 @@ COMMANDS = {
     "balance": [FOURBAR, "--speed", "10", "--rigid"],
     "coupler-curve": [FOURBAR, "--point", "33 mm,320 deg"],
     "synthesize": ["--deviation", "20", "--rocker-angle", "100"],
-    "strength": [FOURBAR, "--speed", "10"],
     "check": [FOURBAR],
     "new": ["four-bar"],
     "schema": [],

@@ -14,12 +14,12 @@ from tests.support.command import MODELS
 
 pytest.importorskip("zarr")
 
-# 600 designs in three tasks; a third of them cannot be assembled.
+# 516 designs in three tasks; a third of them cannot be assembled.
 STUDY = f"""model = "{MODELS / "aluminium_fourbar.toml"}"
 seed = 1
 [vary."links.coupler.in_plane_thickness"]
 range = ["1 mm", "3 mm"]
-steps = 200
+steps = 172
 [vary.length]
 paths = ["linkage.coupler"]
 values = ["250 mm", "280 mm", "900 mm"]
@@ -51,11 +51,10 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     return bytes_of(folder / "out")
 
 
-@pytest.mark.parametrize("file", ["numbers/c/1/0", "done/c/1"])
 def test_a_study_that_is_killed_as_it_keeps_designs_is_resumed(
-    file: str, whole: dict[str, bytes], tmp_path: Path
+    whole: dict[str, bytes], tmp_path: Path
 ) -> None:
-    folder, place = study(tmp_path), Place("os.rename", f"{file}$")
+    folder, place = study(tmp_path), Place("os.rename", "numbers/c/1/0$")
     assert run(folder, *SWEEP, at=place, do=send(signal.SIGKILL)).code == -signal.SIGKILL
     assert "designs.zarr/done/c/0" in files_of(folder / "out")
     ended = run(folder, *RESUME)

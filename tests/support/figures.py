@@ -68,7 +68,7 @@ FIGURES: dict[Plot, tuple[Callable[[], object], int]] = {
     plots.plot_distributions: (results.uncertainty, 2),
     plots.plot_drive: (results.kinematics, 3),
     plots.plot_floquet_frequencies: (results.stability, 1),
-    plots.plot_floquet_harmonics: (results.stability, 4),
+    plots.plot_floquet_harmonics: (results.stability, 2),
     plots.plot_forces: (results.response, 7),
     plots.plot_frame_motion: (results.response_on_springs, 5),
     plots.plot_frequencies: (results.frequencies, 4),
