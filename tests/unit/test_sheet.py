@@ -14,7 +14,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from PIL import Image
-from tests.unit.strength_data import strength_dataset
+from tests.support.strength_data import strength_dataset
 
 from flexmech import plots
 from flexmech.errors import InputError

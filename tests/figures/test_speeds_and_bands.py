@@ -1,0 +1,140 @@
+"""Figures over the crank speed: critical speeds, bands of growth, and peaks."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexmech import InputError, plots
+from tests.support.figure_checks import heading, legend_texts, panels, tick_texts, top_axis
+from tests.support.figures import data_of, figure_of
+from tests.support.results import frequencies
+
+RPM = 30 / np.pi
+
+
+def test_critical_speeds_lie_on_the_rays_of_their_orders() -> None:
+    data, axes = data_of(plots.plot_campbell), figure_of(plots.plot_campbell).axes[0]
+    met = data["critical_gap"].values <= 0
+    drawn = {
+        tuple(np.round(line.get_xdata(), 6))
+        for line in axes.lines
+        if len(line.get_xdata()) == 2
+        and any(
+            np.allclose(line.get_ydata(), order * np.asarray(line.get_xdata()) / (2 * np.pi))
+            for order in data["critical_order"].values
+        )
+    }
+    ends = np.stack([data["critical_start"], data["critical_end"]], axis=-1)[met]
+    assert {tuple(np.round(pair, 6)) for pair in ends} <= drawn
+    orders = [text.get_text() for text in axes.texts if text.get_text()[:-1].isdigit()]
+    assert (orders[0][:-1], orders[-1][:-1]) == ("1", "10")
+
+
+def test_speeds_are_drawn_in_the_unit_of_the_user() -> None:
+    in_rpm = data_of(plots.plot_campbell).assign_attrs(speed_unit="rpm")
+    axes = plots.plot_campbell(in_rpm).axes
+    assert axes[-1].get_xlabel() == "Crank speed (rpm)"
+    assert axes[0].get_xlim() == pytest.approx((0.0, 30.0 * RPM))
+    data = data_of(plots.plot_speed_sweep)
+    (lower,) = panels(plots.plot_speed_sweep(plots.chosen(data, links="coupler")))[1:]
+    figure = plots.plot_speed_sweep(
+        plots.chosen(data, links="coupler").assign_attrs(speed_unit="rpm")
+    )
+    (axes,) = panels(figure)[1:]
+    np.testing.assert_allclose(axes.lines[0].get_xdata(), RPM * lower.lines[0].get_xdata())
+    np.testing.assert_array_equal(axes.lines[0].get_ydata(), lower.lines[0].get_ydata())
+    assert top_axis(figure).get_xlabel() == "Crank speed (rad/s)"
+    map_ = frequencies().dataset.assign_attrs(speed_unit="rpm")
+    assert legend_texts(plots.plot_frequencies(map_))[0::2][:3] == ["0 rpm", "95.49 rpm", "191 rpm"]
+    assert "from rest to 191 rpm" in heading(plots.plot_speed_effect(map_))
+
+
+def test_shaded_speeds_are_those_at_which_an_order_meets_a_band() -> None:
+    data = data_of(plots.plot_speed_sweep)
+    axes = panels(figure_of(plots.plot_speed_sweep))[-1]
+    probes = np.linspace(10.0, 20.0, 1001)
+    shaded = [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in axes.patches]
+    low, high = data["critical_speed_low"].values, data["critical_speed_high"].values
+    inside = ((low.ravel() <= probes[:, None]) & (probes[:, None] <= high.ravel())).any(axis=1)
+    drawn = [any(start <= probe <= end for start, end in shaded) for probe in probes]
+    assert np.mean(drawn == inside) > 0.99
+
+
+def test_growth_is_drawn_at_the_speeds_asked_for_and_its_bands_are_shaded() -> None:
+    data = data_of(plots.plot_stability)
+    growth, modulus = panels(figure_of(plots.plot_stability))
+    curves = [line for line in growth.lines if len(line.get_xdata()) > 2]
+    assert len(curves) == data.sizes["engine"] == 2
+    for number, line in enumerate(curves):
+        drawn = dict(zip(line.get_xdata(), line.get_ydata(), strict=True))
+        rates = data["growth_rate"].isel(engine=number)
+        for speed, rate in zip(data["crank_speed"].values, rates.values, strict=True):
+            assert drawn[speed] == pytest.approx(rate)
+    sizes = next(line for line in modulus.lines if len(line.get_xdata()) > 2)
+    at = dict(zip(sizes.get_xdata(), sizes.get_ydata(), strict=True))
+    # Over a turn an exponent grows to a multiplier.
+    assert at[88.0] == pytest.approx(np.exp(data["growth_rate"].values[0, 1] * 2 * np.pi / 88.0))
+    shaded = {(patch.get_x(), patch.get_x() + patch.get_width()) for patch in growth.patches}
+    of_reference = data.isel(band=np.flatnonzero(data["band_engine"] == "reference"))
+    for ends in zip(
+        of_reference["band_lower"].values, of_reference["band_upper"].values, strict=True
+    ):
+        assert any(np.allclose(pair, ends) for pair in shaded)
+
+
+def test_harmonics_of_floquet_modes_are_cells_over_speed() -> None:
+    data = data_of(plots.plot_floquet_harmonics)
+    axes = panels(figure_of(plots.plot_floquet_harmonics))[0]
+    cells = np.ma.getdata(axes.collections[0].get_array())
+    shares = data["harmonic_share"].isel(engine=0).transpose("multiplier", "harmonic", ...).values
+    assert cells.shape == (data.sizes["harmonic"], data.sizes["crank_speed"])
+    assert any(np.allclose(cells, of_multiplier) for of_multiplier in shares)
+
+
+def test_growth_against_a_second_parameter_is_coloured_where_it_grows() -> None:
+    data = data_of(plots.plot_stability_against)
+    axes = panels(figure_of(plots.plot_stability_against))[0]
+    values = axes.collections[0].get_array()
+    grows = data["against_unstable"].values[0] == "yes"
+    assert 0 < grows.sum() < grows.size
+    np.testing.assert_array_equal(~np.ma.getmaskarray(values), grows)
+    wanted = data["against_growth_rate"].values[0][grows]
+    np.testing.assert_allclose(np.ma.compressed(values), wanted)
+    with pytest.raises(InputError, match="no second parameter"):
+        plots.plot_stability_against(data.drop_dims("parameter"))
+
+
+def test_many_speeds_are_colours_of_a_scale_in_the_unit_of_the_user() -> None:
+    data = frequencies().dataset.isel(crank_speed=[0, 0, 1, 1, 1, 2, 2])
+    many = data.assign_coords(crank_speed=np.linspace(-10.0, 50.0, 7))
+    figure = plots.plot_frequencies(many.assign_attrs(speed_unit="rpm"))
+    (bar,) = [axes for axes in figure.axes if axes.get_label() == "<colorbar>"]
+    assert bar.get_ylabel() == "Crank speed (rpm)"
+    assert bar.get_ylim() == pytest.approx([-10 * RPM, 50 * RPM])
+    lines = panels(figure)[1].lines
+    lightness = [np.dot(line.get_color()[:3], [0.3, 0.59, 0.11]) for line in lines]
+    assert len(lines) == 7
+    assert lightness == sorted(lightness)
+
+
+def test_the_spectrum_names_the_orders_of_the_crank_and_shades_natural_frequencies() -> None:
+    data, figure = data_of(plots.plot_spectrum), figure_of(plots.plot_spectrum)
+    top = top_axis(figure)
+    orders = np.array([int(text) for text in tick_texts(top)])
+    np.testing.assert_allclose(top.get_xticks(), orders * 20.0 / (2 * np.pi))
+    axes = panels(figure)[1]
+    for patch, mode in zip(axes.patches, data["mode"].values, strict=True):
+        box = patch.get_extents().transformed(axes.transData.inverted())
+        predicted = data["natural_frequency"].sel(mode=mode)
+        np.testing.assert_allclose([box.x0, box.x1], [predicted.min(), predicted.max()])
+
+
+def test_the_spectrogram_holds_levels_below_the_greatest_of_its_panel() -> None:
+    data = data_of(plots.plot_spectrogram)
+    axes = panels(figure_of(plots.plot_spectrogram))[1]
+    amplitude = data["spectrogram"].isel(engine=0).sel(link="coupler").values
+    level = 20 * np.log10(amplitude / amplitude.max())
+    mesh = axes.collections[0]
+    np.testing.assert_allclose(mesh.get_array().reshape(level.shape), level, atol=1e-9)
+    assert mesh.get_clim() == (-60.0, 0.0)
