@@ -1,0 +1,163 @@
+"""What commands print and where files go: words, JSON, nothing; pictures by format and width."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+import flexmech
+from flexmech.cli import app
+from tests.support.command import MODELS
+
+STEEL, COMPOSITE = "models/steel_fourbar.toml", "models/composite_fourbar.toml"
+ROCKER = (COMPOSITE, "--link", "rocker")
+
+
+def test_json_has_numbers_units_errors_and_files_and_quiet_has_warnings_alone(command):
+    ended = command("check", STEEL, "--no-plots", "--json")
+    said = json.loads(ended.stdout)
+    assert set(said) == {"answer", "numbers", "table", "trust", "warnings", "details", "files"}
+    assert set(said["numbers"][0]) == {"name", "of", "value", "unit", "error"}
+    assert set(said["table"]) == {"title", "columns", "rows", "caption"}
+    quiet = command("check", STEEL, "--no-plots", "--quiet")
+    assert quiet.stdout == ""
+    assert quiet.stderr == ended.stderr
+    assert quiet.stderr == "".join(f"warning: {line}\n" for line in said["warnings"])
+    assert quiet.files == ["check.csv", "check.nc", "summary.txt"]
+
+
+def test_the_answer_comes_first_and_details_are_those_of_the_summary(command):
+    said = json.loads(command("section", *ROCKER, "--no-plots", "--json").stdout)
+    plain = command("section", *ROCKER, "--no-plots").stdout
+    details = command("section", *ROCKER, "--no-plots", "--details")
+    lines = plain.splitlines()
+    assert lines[: len(said["answer"])] == said["answer"]
+    assert lines[-2] == said["trust"]
+    assert lines[-1].startswith("files: ")
+    kept = (details.folder / "summary.txt").read_text(encoding="utf-8")
+    assert kept.startswith("# section")
+    for line in (*said["answer"], said["trust"], *said["details"]["lines"]):
+        assert line in kept
+        assert line in details.stdout
+    for table in said["details"]["tables"]:
+        assert table["title"] in kept
+        assert table["title"] not in plain
+
+
+def test_numbers_of_a_table_are_whole_at_80_columns(command, monkeypatch):
+    """Names and headings may break into lines."""
+    monkeypatch.setenv("COLUMNS", "80")
+    for words in (("section", COMPOSITE), ("check", STEEL)):
+        said = json.loads(command(*words, "--no-plots", "--json").stdout)
+        printed = command(*words, "--no-plots").stdout
+        rows = [line for line in printed.splitlines() if line.startswith("│")]
+        assert words[0] == "section" or max(map(len, rows)) <= 80
+        cells = {cell.strip() for row in rows for cell in row.split("│")}
+        numbers = set()
+        for cell in cells:
+            try:
+                numbers.add(float(cell))
+            except ValueError:
+                continue
+        expected = {one for row in said["table"]["rows"] for one in row if isinstance(one, float)}
+        assert expected <= numbers
+
+
+def test_a_second_command_in_a_folder_keeps_what_the_first_has_found(command):
+    """And what lies there from an earlier run is named."""
+    first = command("check", COMPOSITE, "--no-plots")
+    old = first.folder / "section_crank.png"
+    old.write_bytes(b"old")
+    (first.folder / "notes.txt").write_text("mine")
+    for _ in range(2):
+        second = command("section", *ROCKER, "--no-plots")
+    kept = (first.folder / "summary.txt").read_text(encoding="utf-8")
+    assert [line for line in kept.splitlines() if line.startswith("# ")] == [
+        "# check",
+        "# sections",
+    ]
+    assert second.stdout.splitlines()[-1].count("section_crank.png") == 1
+    assert "notes.txt" not in second.stdout
+    assert old.read_bytes() == b"old"
+    assert len(flexmech.stored_results(first.folder).all) == 2
+
+
+def test_a_file_names_the_command_line_as_a_shell_takes_it(tmp_path):
+    out = tmp_path / "with blank"
+    model = str(MODELS / "steel_fourbar.toml")
+    ended = CliRunner().invoke(app, ["section", model, "--no-plots", "--out", str(out)])
+    assert ended.exit_code == 0
+    (found,) = flexmech.stored_results(out).all
+    line = f"flexmech section {model} --no-plots --out '{out}'"
+    assert found.stored_as["command_line"] == line
+
+
+def test_pictures_have_the_formats_and_the_width_asked_for(command, rough_pictures):
+    words = ("check", STEEL, "--format", "svg, .PDF,svg,png", "--width", "one-column")
+    ended = command(*words)
+    pictures = {"check.pdf", "check.png", "check.svg"}
+    assert set(ended.files) == {"check.csv", "check.nc", "summary.txt", *pictures}
+    # 88 mm at the resolution of rough pictures.
+    with Image.open(ended.folder / "check.png") as picture:
+        narrow = picture.width
+    again = command("check", STEEL)
+    assert {"check.pdf", "check.svg"} <= set(again.stdout.split("earlier run")[1].replace(
+        ",", " ").split())  # fmt: skip
+    with Image.open(ended.folder / "check.png") as picture:
+        assert picture.width / narrow == pytest.approx(180 / 88, abs=0.03)
+    for wrong in ({"formats": "png"}, {"formats": ("eps",)}, {"width": "80 mm"}):
+        (result,) = flexmech.stored_results(ended.folder).all
+        with pytest.raises(flexmech.InputError, match=next(iter(wrong))):
+            result.save(ended.folder / "none", figures=True, **wrong)
+    assert not (ended.folder / "none").exists()
+
+
+def test_a_result_shows_itself_in_a_notebook():
+    found = flexmech.section_profiles(flexmech.load_mechanism(MODELS / "rotating_arm.toml"))
+    assert "rotating arm" in repr(found)
+    assert "\n" not in repr(found)
+    assert found.summary().answer[0] in found._repr_html_()
+
+
+# --- the program --------------------------------------------------------------------------------
+
+
+def test_version_and_help_and_the_commands_that_shells_complete():
+    runner = CliRunner()
+    assert runner.invoke(app, ["--version"]).stdout.split() == ["flexmech", flexmech.__version__]
+    shown = runner.invoke(app, ["--help"]).stdout
+    for command in ("frequencies", "response", "campbell", "stability", "check", "new", "schema"):
+        assert command in shown
+        options = runner.invoke(app, [command, "--help"]).stdout
+        assert "Options:" in options
+    for words, expected in (("flexmech fre", "frequencies"), ("flexmech check --qu", "--quiet")):
+        environment = {
+            "_FLEXMECH_COMPLETE": "complete_bash",
+            "COMP_WORDS": words,
+            "COMP_CWORD": str(words.count(" ")),
+        }
+        told = runner.invoke(app, env=environment, prog_name="flexmech")
+        assert told.stdout.split() == [expected]
+
+
+def test_help_imports_nothing_heavy():
+    heavy = {"numpy", "scipy", "xarray", "pint", "pydantic", "matplotlib", "exudyn"}
+    program = f"import sys, flexmech.cli; print({heavy} & set(sys.modules))"
+    words = [sys.executable, "-c", program]
+    shown = subprocess.run(words, capture_output=True, text=True, check=True)
+    assert shown.stdout.strip() == "set()"
+
+
+def test_the_module_is_the_command(tmp_path):
+    words = [sys.executable, "-m", "flexmech", "check", "nothing.toml"]
+    shown = subprocess.run(
+        words, capture_output=True, text=True, cwd=tmp_path, env=dict(os.environ), check=False
+    )
+    assert (shown.returncode, shown.stdout) == (2, "")
+    assert shown.stderr.startswith("error: nothing.toml: ")
