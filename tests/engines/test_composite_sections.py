@@ -138,6 +138,20 @@ def test_a_stiffer_laminate_moves_frequencies_of_both_engines_alike() -> None:
     assert moved[1] == pytest.approx(moved[0], abs=0.02 * moved[0].max())
 
 
+@pytest.mark.parametrize("element", ["reddy", "zigzag"])
+def test_frequencies_go_with_the_root_of_the_factor_of_all_stiffnesses(element: str) -> None:
+    mechanism = load_mechanism(MODELS / "composite_fourbar.toml")
+    sections = {k: s.with_damping_time(0.0) for k, s in mechanism.sections.items()}
+    stiff = {k: stiffened_section(s, 1.21) for k, s in sections.items()}
+    before, after = (
+        frequencies(ReferenceEngine(replace(mechanism, sections=own), 2, element, False), 0.0)
+        for own in (sections, stiff)
+    )
+    assert after == pytest.approx(1.1 * before, rel=1e-7)
+    with pytest.raises(InputError, match="factor of a stiffness"):
+        stiffened_section(sections["coupler"], 0.0)
+
+
 # --- runs -----------------------------------------------------------------------------------------
 
 

@@ -291,3 +291,43 @@ def test_a_strength_that_is_missing_is_named() -> None:
         rigid(pulled(ply=replace(CARBON, strength=None)), 0.0)
     with pytest.raises(InputError, match="yield_strength"):
         strength(load_mechanism(MODELS / "steel_fourbar.toml"))
+
+
+# --- stress of running links ----------------------------------------------------------------------
+
+SLENDER = BeamSection.rectangle(
+    Material(200e9, 7800.0, 0.3, yield_strength=235e6), 4e-3, 20e-3
+).with_damping_ratio(0.05, frequency=40.0)
+
+
+def peaks(speed: float, turns: float, modes: int, section: BeamSection = SLENDER, **more: object):
+    mechanism = Mechanism(RotatingArm(0.3), {"arm": section}, **more)  # type: ignore[arg-type]
+    request = flexmech.ResponseRequest(speed, turns, start="periodic", modes=modes, samples=360)
+    return flexmech.response(flexmech.ReferenceEngine(mechanism, 4), request)
+
+
+def test_a_running_arm_is_pulled_by_its_own_mass_and_yields_above_its_strength() -> None:
+    """At the root rho omega^2 L^2 / 2; the vibration along that the rule leaves is 5e-5."""
+    pulled = 7800.0 * 100.0**2 * 0.3**2 / 2
+    found = peaks(100.0, 0.5, 2)
+    assert float(found.dataset["peak_axial_stress"].squeeze()) == pytest.approx(pulled, rel=1e-4)
+    assert float(found.dataset["peak_stress"].squeeze()) == pytest.approx(pulled, rel=1e-4)
+    assert not found.summary().warnings
+    weak = Material(200e9, 7800.0, 0.3, yield_strength=0.9 * pulled)
+    section = BeamSection.rectangle(weak, 4e-3, 20e-3).damped_as(SLENDER)
+    (warning, *_) = peaks(100.0, 0.5, 2, section).summary().warnings
+    assert warning.startswith("the arm yields: its stress reaches 3.510 MPa")
+
+
+@pytest.mark.thorough
+def test_a_force_across_its_tip_bends_a_running_arm_most_at_its_clamp() -> None:
+    """F L h / (2 I), at a speed at which inertia counts for nothing."""
+    force, second_moment = 10.0, 20e-3 * 4e-3**3 / 12
+    load = Load("tip", AttachmentPoint("arm", 0.3), ((0.0, force),), axes="link")
+    found = peaks(5.0, 0.02, 6, loads=(load,)).dataset.squeeze()
+    bent = force * 0.3 * 4e-3 / 2 / second_moment
+    # Its direction turns with the slope of the tip, and pushes by F^2 L^2 / (2 E I) then.
+    pushed = force * force * 0.3**2 / (2 * 200e9 * second_moment) / (20e-3 * 4e-3)
+    pulled = 7800.0 * 5.0**2 * 0.3**2 / 2 - pushed
+    assert float(found["peak_stress"]) == pytest.approx(bent + pulled, rel=1e-3)
+    assert float(found["peak_stress_place"]) == 0.0
