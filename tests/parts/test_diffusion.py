@@ -82,36 +82,6 @@ def test_steps_converge_with_the_tolerance():
         assert 0.01 * tolerance < error < 10 * tolerance
 
 
-def periodic_triangle(place: np.ndarray, time: float, period: float) -> np.ndarray:
-    """Settled saturation under a humidity that rises 0 to 1 and falls again in each period.
-
-    Each harmonic has the profile ``cosh(k y)/cosh(k h/2)`` with ``k^2 = i omega/D`` (Carslaw &
-    Jaeger, *Conduction of Heat in Solids*, section 3.6).
-    """
-    n = np.arange(1, 40001, 2)[:, None]
-    k = np.sqrt(2j * np.pi * n / period / DIFFUSIVITY)
-    # The quotient of the two without overflow.
-    wave = np.exp(k * (np.abs(place) - THICKNESS / 2)) * (1 + np.exp(-2 * k * np.abs(place)))
-    wave = wave / (1 + np.exp(-k * THICKNESS))
-    turned = np.exp(2j * np.pi * n * time / period) * wave
-    return 0.5 - np.sum(4 / (np.pi * n) ** 2 * turned.real, axis=0)
-
-
-def test_cycles_of_humidity_settle_into_the_periodic_solution():
-    period, cycles = 0.25 * UNIT, 6
-    corners = np.arange(2 * cycles + 3) * period / 2
-    humidity = np.arange(2 * cycles + 3) % 2
-    ambient = Ambient(corners, humidity, np.full(corners.size, 293.15))
-    shares = np.array([0.0, 0.3, 0.5])
-    times = (cycles + shares) * period
-    history = diffuse([SLAB], ambient, times, initial=0.5, cells=300, tolerance=1e-6)
-    some = slice(0, None, 13)
-    for share, saturation in zip(shares, history.saturation, strict=True):
-        settled = periodic_triangle(history.place[some], share * period, period)
-        np.testing.assert_allclose(saturation[some], settled, atol=2e-5)
-    assert history.mass_balance_error < 1e-12
-
-
 def test_a_humidity_that_jumps_at_a_repeated_time():
     jump, time = 0.05 * UNIT, 0.12 * UNIT
     ambient = Ambient([0.0, jump, jump], [1.0, 1.0, 0.25], [293.15] * 3)

@@ -220,19 +220,6 @@ def test_turning_arm_has_the_damping_of_its_complex_eigenvalues(element: str) ->
         assert modes.damping_ratio[0, mode] == pytest.approx(ratio[mode], rel=1e-6)
 
 
-def test_running_four_bar_has_what_damping_adds_to_its_frozen_eigenvalues() -> None:
-    """Turning frames alone give an undamped linkage some frozen damping; not counted here."""
-    mechanism, place = losing(fourbar(), *LOSSES), (1.0, 20.0)
-    engine = ReferenceEngine(mechanism, 4, component_modes=False)
-    ratio = strain_energy_damping(engine, *place, modes=3)
-    undamped = solve_modes(engine.linear_system(*place), 3).damping_ratio[0]
-    for mode, frequency in enumerate(natural_frequencies(engine, *place, modes=3)):
-        damped = ReferenceEngine(with_times(mechanism, frequency), 4, component_modes=False)
-        added = solve_modes(damped.linear_system(*place), 3).damping_ratio[0] - undamped
-        assert added[mode] == pytest.approx(ratio[mode], rel=5e-4)
-    assert np.abs(undamped).max() > 1e-5
-
-
 ALUMINIUM = flexmech.example_model("aluminium_fourbar")
 
 

@@ -333,17 +333,6 @@ def test_strain_energies_of_unit_loads_are_those_of_the_stiffness(
         assert energy == pytest.approx(1 / stiffness, rel=1e-9)
 
 
-def test_without_coupling_the_loads_are_not_balanced() -> None:
-    """Bending about the mid-plane as if the stack were symmetric, and what that leaves."""
-    places = gauss_places(BIMETAL)
-    found = BIMETAL.stresses(places, bending_moment=1.0, shear_force=1.0, coupled=False)
-    stiffness = BIMETAL.bending_stiffness + BIMETAL.axial_stiffness * BIMETAL.neutral_axis**2
-    np.testing.assert_allclose(found.strain, -places / stiffness)
-    left = -BIMETAL.coupling_stiffness / stiffness
-    assert resultant(BIMETAL, found.normal_stress) == pytest.approx(left)
-    assert resultant(BIMETAL, -places * found.normal_stress) == pytest.approx(1.0)
-
-
 def test_symmetric_stacks_bend_about_their_middle_exactly() -> None:
     for angles in ((45, -45, -45, 45), (30, 0, -20, 0, 30)):
         section = stack(LOSSY, angles, 0.1e-3 / 3 * len(angles))

@@ -59,14 +59,6 @@ def test_kaw_3_17_thermal_expansion() -> None:
     assert across == pytest.approx(27.40e-6, rel=FOUR_DIGITS)
 
 
-def test_moisture_expansion_in_kaws_units() -> None:
-    """By moisture over the dry mass of the ply, not of its resin (Kaw, ch. 3)."""
-    ply = ply_from_constituents(GLASS, EPOXY, 0.7)
-    by_ply = np.array(ply.moisture_expansion) * ply.density / (0.3 * EPOXY.density)
-    along = 3.4e9 / 60.52e9 * 2110 / 1200 * 0.33
-    np.testing.assert_allclose(by_ply, [along, 1.3 * 2110 / 1200 * 0.33 - along * 0.23])
-
-
 @pytest.mark.parametrize(
     ("fibre", "modulus", "spread"), [("carbon", 121.9, 12.0), ("E-glass", 43.0, 8.4)]
 )
@@ -228,24 +220,6 @@ def test_in_shear_hashins_cylinders_with_fibres_that_lose_nothing(
     assert ply.specific_damping.shear == pytest.approx(expected, abs=1e-15)
 
 
-@few
-@given(fibres(), resins(), shares())
-def test_chamis_strips_lose_across_the_fibres(fibre: Fibre, resin: Matrix, share: float) -> None:
-    """Saravanos & Chamis 1990: series of a strip with fibres and one of resin."""
-    ply = ply_from_constituents(fibre, resin, share, "chamis")
-    width = np.sqrt(share)
-    across = ply.transverse_modulus * (
-        fibre.specific_damping * width / fibre.modulus_across
-        + resin.specific_damping * (1 - width) / resin.youngs_modulus
-    )
-    shear = ply.in_plane_shear_modulus * (
-        fibre.specific_damping * width / fibre.shear_modulus
-        + resin.specific_damping * (1 - width) / resin.shear_modulus
-    )
-    assert ply.specific_damping.transverse == pytest.approx(across, abs=1e-15)
-    assert ply.specific_damping.shear == pytest.approx(shear, abs=1e-15)
-
-
 def test_expansion_along_balances_the_forces_of_fibre_and_resin() -> None:
     fibre = replace(CARBON, thermal_expansion=-0.5e-6)
     resin = replace(RESIN, thermal_expansion=6e-5, moisture_expansion=0.3)
@@ -295,20 +269,6 @@ def test_a_woven_ply_loses_by_the_energy_of_its_halves() -> None:
     stretched = (100 * 0.01 + 10 * 0.07) / 110
     assert losses(woven) == pytest.approx([stretched, stretched, 0.1])
     assert woven.longitudinal_shear_modulus == woven.transverse_shear_modulus == 4e9
-
-
-def test_uncertainty_of_layers_in_series_is_the_derivative() -> None:
-    table = published_constituents()
-    carbon, polyester = table["carbon"], table["polyester"]
-
-    def shear(fibre: Fibre, resin: Matrix) -> float:
-        return ply_from_constituents(fibre, resin, 0.6, "rule-of-mixtures").in_plane_shear_modulus
-
-    whole = shear(carbon, polyester)  # type: ignore[arg-type]
-    fibre = 0.6 * (whole / carbon.shear_modulus) ** 2 * 642e6
-    resin = 0.4 * (whole / polyester.shear_modulus) ** 2 * 0.2e6
-    found = propagated_uncertainty(shear, (carbon, polyester))
-    assert found == pytest.approx(np.hypot(fibre, resin), rel=1e-5)
 
 
 @pytest.mark.parametrize(

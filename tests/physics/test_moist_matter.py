@@ -78,12 +78,6 @@ def test_retention_by_hand() -> None:
     assert Hygrothermal().retention(1000.0, 0.05, REFERENCE) == 1.0
 
 
-def test_metals_take_no_water() -> None:
-    steel = Ply.isotropic(Material(2.1e11, 7850.0, 0.3, Hygrothermal(11.7e-6)))
-    assert moisture_of(steel, 0.05) == 0.0
-    assert moisture_of(Ply.isotropic(Material(2.1e11, 7850.0)), 0.05) == 0.0
-
-
 def test_neat_resin_softens_alike_in_all_directions() -> None:
     ply = Ply.isotropic(Material(3.9e9, 1280.0, 0.37, R_914))
     wet = ply_in_state(ply, REFERENCE + 40, 0.05, REFERENCE)
@@ -105,14 +99,6 @@ def test_composition_is_computed_again_with_the_softer_resin() -> None:
     wet = EPOXY.in_state(REFERENCE + 40, 0.05, REFERENCE)
     assert wet.tensile_strength is not None
     assert wet.tensile_strength / 80e6 == pytest.approx(wet.youngs_modulus / 3.9e9)
-
-
-def test_resin_of_a_composition() -> None:
-    resin = ply_from_constituents(CARBON, EPOXY, 0.6).resin
-    assert resin is not None
-    assert resin.volume_fraction == pytest.approx(0.4)
-    assert resin.mass_fraction == pytest.approx(0.4 * 1280 / (0.4 * 1280 + 0.6 * 1780))
-    assert resin.hygrothermal == EPOXY.hygrothermal
 
 
 def test_measured_ply_keeps_its_fibres() -> None:
@@ -191,15 +177,6 @@ def test_uniform_swelling_of_a_neat_resin() -> None:
     # The link's own mass stays, water comes in.
     assert wet.mass_per_length * grown / dry.mass_per_length == pytest.approx(1.07)
     assert wet.in_plane_thickness == pytest.approx(0.02 * grown)
-
-
-def test_softening_goes_into_all_stiffness() -> None:
-    stiff = swollen_section(bar(STIFF_RESIN), HygrothermalProfile(40.0, 0.05, REFERENCE)).section
-    soft = swollen_section(bar(), HygrothermalProfile(40.0, 0.05, REFERENCE)).section
-    kept = R_914.retention(REFERENCE + 40, 0.05, REFERENCE)
-    for name in ("axial_stiffness", "bending_stiffness", "shear_stiffness"):
-        assert getattr(soft, name) / getattr(stiff, name) == pytest.approx(kept)
-    assert soft.mass_per_length == pytest.approx(stiff.mass_per_length)
 
 
 def test_gradient_of_moisture_bends_by_its_first_moment() -> None:
