@@ -170,10 +170,9 @@ def weighed(mechanism: Mechanism, moments: np.ndarray, weights: tuple[float, ...
     return sum(w * after / before for w, before, after in zip(weights, *rows, strict=True))
 
 
-@pytest.mark.parametrize("gravity", [(0.0, 0.0), (0.0, -9.81)], ids=["weightless", "heavy"])
-def test_no_counterweights_near_a_compromise_are_better(gravity: tuple[float, float]) -> None:
-    """In any direction, by a hundredth and by more: the sum rises with the square of the step."""
-    mechanism, weights = fourbar(gravity=gravity), (1.0, 0.3, 0.7)
+def test_no_counterweights_near_a_compromise_are_better() -> None:
+    """In any direction by a fiftieth: the sum rises with the square of the step."""
+    mechanism, weights = fourbar(gravity=(0.0, -9.81)), (1.0, 0.3, 0.7)
     data = rigidly(mechanism, weights=weights, radii=tuple(RADII), crank_angles=TURN).dataset
     places = data["counterweight_place"].values @ [1, 1j]
     moments = data["counterweight_mass"].values * places
