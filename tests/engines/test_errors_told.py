@@ -1,0 +1,121 @@
+"""Errors that results state beside frequencies and damping ratios: true, on random mechanisms."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from flexmech import ReferenceEngine, moving_frequencies, natural_frequencies
+from tests.support.mechanisms import case
+from tests.support.random_mechanisms import RandomCase, random_case
+from tests.support.seeds import turning_seeds
+
+THOROUGH = pytest.mark.thorough
+SEEDS = [0, *(pytest.param(seed, marks=THOROUGH) for seed in turning_seeds(30, 100))]
+
+
+@cache
+def drawn(seed: int, damped: bool = False) -> RandomCase:
+    return random_case(seed, damped=damped, angles=3)
+
+
+def mapped(engine: ReferenceEngine, seed: int, **options: Any) -> xr.Dataset:
+    one = drawn(seed)
+    result = moving_frequencies(engine, one.crank_angles, [one.crank_speed], **options)
+    return result.dataset.isel(engine=0, crank_speed=0)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_reduction_error_is_the_distance_to_all_coordinates(seed: int) -> None:
+    one = drawn(seed)
+    engine = ReferenceEngine(one.mechanism, 8, "euler")
+    found = mapped(engine, seed)
+    whole = ReferenceEngine(one.mechanism, 8, "euler", component_modes=False)
+    exact = natural_frequencies(whole, one.crank_angles, one.crank_speed)
+    true = np.abs(np.sort(found["frequency"].values, axis=-1) / exact - 1).max()
+    assert true < 2e-5
+    # Frequencies that are soft against the highest one are blurred by round-off.
+    assert float(found["reduction_error"].max()) == pytest.approx(true, rel=0.3, abs=3e-8)
+
+
+def estimates_and_truth(seed: int) -> np.ndarray:
+    """Stated discretisation errors of four elements, and the distance to 32."""
+    one = drawn(seed)
+    found = mapped(ReferenceEngine(one.mechanism, 4, "euler", component_modes=False), seed)
+    fine = ReferenceEngine(one.mechanism, 32, "euler")
+    exact = natural_frequencies(fine, one.crank_angles, one.crank_speed)
+    order = np.argsort(found["frequency"].values, axis=-1)
+    frequency, estimate = (
+        np.take_along_axis(found[name].values, order, axis=-1)
+        for name in ("frequency", "discretisation_error")
+    )
+    return np.stack([estimate.ravel(), np.abs(frequency / exact - 1).ravel()])
+
+
+@pytest.mark.parametrize(
+    "seeds", [(0, 1), pytest.param(tuple(turning_seeds(30, 100)), marks=THOROUGH)], ids=str
+)
+def test_the_discretisation_error_is_true_within_a_factor_of_two(seeds: tuple[int, ...]) -> None:
+    estimate, true = np.concatenate([estimates_and_truth(seed) for seed in seeds], axis=1)
+    matters = true > 4e-5
+    assert np.mean(matters) > 0.2
+    near = (estimate > true / 2) & (estimate < 2 * true)
+    assert np.mean(near[matters]) > 0.95
+    assert np.all(estimate[matters] > true[matters] / 4)
+
+
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(seed, marks=THOROUGH) for seed in turning_seeds(30, 100))]
+)
+def test_the_mesh_error_of_damping_ratios_is_true(seed: int) -> None:
+    one = drawn(seed, damped=True)
+    angles, speed = one.crank_angles, [one.crank_speed]
+
+    def ratios(elements: int) -> xr.Dataset:
+        engine = ReferenceEngine(one.mechanism, elements, "euler")
+        return moving_frequencies(engine, angles, speed, modes=3).dataset.isel(engine=0)
+
+    coarse, fine = ratios(8), ratios(24)
+    true = np.abs(coarse["damping_ratio"] - fine["damping_ratio"]).max("crank_angle").values
+    told = coarse["damping_ratio_discretisation_error"].max("check_angle").values
+    assert np.all((told > true / 2.5) & (told < 2.5 * true + 2e-7))
+
+
+GRID = np.radians(np.arange(0, 361, 5.0))
+
+
+def test_extremes_between_the_crank_angles_of_a_map_are_those_of_the_turn() -> None:
+    """Of seed 17 a parabola over steps of 5 degrees is blind."""
+    one = random_case(17)
+    engine = ReferenceEngine(one.mechanism, 4, "euler")
+    result = moving_frequencies(engine, GRID, [one.crank_speed])
+    found = result.extremes().isel(engine=0, crank_speed=0)
+    turn = natural_frequencies(engine, np.radians(np.arange(0, 360, 0.5)), one.crank_speed)
+    for mode in range(4):
+        low, high = (float(found[name][mode]) for name in ("lowest", "highest"))
+        assert turn[:, mode].min() > low * (1 - 1e-5)
+        assert turn[:, mode].max() < high * (1 + 1e-5)
+        around = float(found["lowest_angle"][mode]) + np.radians(np.linspace(-1, 1, 41))
+        least = natural_frequencies(engine, around, one.crank_speed)[:, mode].min()
+        assert low == pytest.approx(least, rel=1e-5)
+
+
+@pytest.mark.parametrize("degrees", [(10.0, 12.0, 14.0), (30.0, 90.0, 150.0)])
+def test_extremes_at_the_end_of_a_range_or_of_far_positions_are_among_them(degrees: Any) -> None:
+    engine = ReferenceEngine(case("aluminium four-bar").mechanism, 4)
+    result = moving_frequencies(engine, np.radians(degrees), [0.0])
+    found = result.extremes().isel(engine=0, crank_speed=0)
+    values = natural_frequencies(engine, np.radians(degrees))
+    np.testing.assert_allclose(found["lowest"], values.min(axis=0), rtol=1e-6)
+    np.testing.assert_allclose(found["highest"], values.max(axis=0), rtol=1e-6)
+
+
+def test_a_tolerance_is_met_by_the_mesh_that_is_chosen() -> None:
+    engine = ReferenceEngine(case("aluminium four-bar").mechanism, 2, "euler")
+    found = moving_frequencies(engine, GRID[::6], [0.0, 20.0], tolerance=1e-3).dataset
+    assert int(found["elements"].item()) > 2
+    assert float(found["discretisation_error"].max()) <= 1e-3

@@ -1,0 +1,121 @@
+"""Bands of crank speed in which the aluminium four-bar shakes itself up, by both engines."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from flexmech import ReferenceEngine, stability
+from tests.support.mechanisms import case
+
+SPEEDS = [74.0, 76.0, 78.0]
+
+
+@pytest.fixture(scope="module")
+def maps() -> list[xr.Dataset]:
+    """By both engines; twice the second frequency is eight times the crank's near 76.5 rad/s."""
+    return [
+        stability(engine, SPEEDS, prestress="axial", modes=5, damping_ratio=0.001).dataset
+        for engine in case("aluminium four-bar").engines(6)
+    ]
+
+
+def test_a_band_that_is_narrower_than_the_step_is_found_named_and_closed(
+    maps: list[xr.Dataset],
+) -> None:
+    band = maps[0].isel(band=0)
+    assert (str(band["band_kind"].item()), int(band["band_order"])) == ("principal", 8)
+    assert not band["band_lower_open"]
+    assert not band["band_upper_open"]
+    assert 76.0 < float(band["band_lower"]) < 76.6 < float(band["band_upper"]) < 77.5
+    assert 0.004 < float(band["band_closing_damping_ratio"]) < 0.01
+
+
+def test_edges_by_both_engines_agree_within_their_errors(maps: list[xr.Dataset]) -> None:
+    first, second = (found.isel(band=0) for found in maps)
+    for edge in ("band_lower", "band_upper"):
+        gap = abs(float(first[edge]) - float(second[edge]))
+        errors = sum(
+            float(one[f"{edge}_{kind}_error"])
+            for one in (first, second)
+            for kind in ("step", "reduction", "mesh")
+        )
+        assert gap < 0.2
+        assert gap < 3 * errors
+
+
+def test_modes_that_meet_in_a_band_have_opposite_krein_signatures(maps: list[xr.Dataset]) -> None:
+    """Elsewhere the signature of a definite system is the sign of the Floquet exponent's angle."""
+    for found in maps:
+        assert found["is_definite"].all()
+        band = found.isel(band=0)
+        assert float(band["band_first_signature"]) > 0.01
+        assert float(band["band_second_signature"]) < -0.01
+        assert float(found["liouville_defect"].max()) < 1e-6
+
+
+def test_growth_ends_at_the_closing_damping_ratio(maps: list[xr.Dataset]) -> None:
+    band = maps[0].isel(band=0)
+    closing, fastest = (
+        float(band[name]) for name in ("band_closing_damping_ratio", "band_fastest_speed")
+    )
+    engine = case("aluminium four-bar").engines(6)[0]
+    speeds = np.linspace(float(band["band_lower"]), float(band["band_upper"]), 5)
+    assert speeds[0] < fastest < speeds[-1]
+    grows = [
+        float(
+            stability(engine, speeds, prestress="axial", modes=5, damping_ratio=share * closing)
+            .dataset["growth_rate"]
+            .max()
+        )
+        for share in (0.9, 1.02)
+    ]
+    assert grows[0] > 0 > grows[1]
+
+
+def test_multipliers_are_the_same_in_both_frames() -> None:
+    engine = ReferenceEngine(case("aluminium four-bar").mechanism, 4)
+    link, ground = (
+        stability(engine, [60.0], frame=frame, modes=6, damping_ratio=0.001).dataset
+        for frame in ("link", "inertial")
+    )
+    for name in ("multiplier_modulus", "growth_rate"):
+        np.testing.assert_allclose(link[name], ground[name], rtol=1e-6)
+    np.testing.assert_allclose(
+        np.sort(link["log_modulus"]), np.sort(ground["log_modulus"]), atol=1e-8
+    )
+
+
+def test_about_the_periodic_motion_growth_is_nearly_that_about_the_equilibrium() -> None:
+    """At 20 rad/s the motion is a tenth of its greatest displacement away from it."""
+    engine = ReferenceEngine(case("aluminium four-bar").mechanism, 3)
+    still, running = (
+        stability(engine, [20.0], prestress=level, modes=3, damping_ratio=0.005).dataset
+        for level in ("equilibrium", "trajectory")
+    )
+    assert 0.01 < float(running["orbit_distance"].item()) < 0.5
+    assert float(running["orbit_residual"].item()) < 1e-6
+    first, second = float(still["growth_rate"].item()), float(running["growth_rate"].item())
+    assert 0 < abs(second - first) < 0.2 * abs(first)
+
+
+def test_a_speed_without_equilibrium_is_told_and_the_map_goes_on() -> None:
+    engine = ReferenceEngine(case("aluminium four-bar").mechanism, 2)
+    found = stability(engine, [60.0, 150.0], modes=1, damping_ratio=0.3).dataset
+    assert np.isfinite(float(found["growth_rate"][0, 0]))
+    assert "crank angle" in str(found["reason"][0, 1].item())
+
+
+@pytest.mark.thorough
+def test_bands_and_their_names_do_not_depend_on_the_step() -> None:
+    """Modes that damping holds together beside a band are mixtures, at more of finer steps."""
+    engine, found = ReferenceEngine(case("steel four-bar").mechanism, 4), []
+    for step in (0.5, 2.0):
+        speeds = np.arange(160.0, 180.1, step)
+        found.append(stability(engine, speeds, modes=4, damping_ratio=0.001).dataset)
+    names = [list(zip(d["band_kind"].values, d["band_order"].values, strict=True)) for d in found]
+    assert names[0] == names[1]
+    assert len(names[0]) == 6
+    for edge in ("band_lower", "band_upper"):
+        np.testing.assert_allclose(found[0][edge], found[1][edge], atol=1e-5)
