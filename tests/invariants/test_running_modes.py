@@ -1,4 +1,4 @@
-"""Floquet multipliers of running linkages: reciprocal, free of the frame, of the sense and steps."""
+"""Floquet multipliers of running linkages: reciprocal, whatever the frame, sense and steps."""
 
 from __future__ import annotations
 
