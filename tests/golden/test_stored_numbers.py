@@ -1,7 +1,7 @@
 """Numbers of every analysis on several mechanisms, against those that are stored.
 
 What the commands of ``cases.toml`` write into CSV files and print as JSON is compared with
-``stored/``. These numbers are right as far as ``tests/physics`` and ``tests/engines`` say; here they
+``stored/``. ``tests/physics`` and ``tests/engines`` say that these numbers are right; here they
 are kept from changing unnoticed.
 """
 
@@ -20,6 +20,7 @@ from tests.support.command import Ended, columns_of, run_command
 
 HERE = Path(__file__).parent
 CASES = tomllib.loads((HERE / "cases.toml").read_text(encoding="utf-8"))
+THOROUGH = CASES.pop("thorough")
 # Rows of a table that are stored, evenly spread.
 ROWS = 24
 # Relative to a number, and to the greatest of its column: round-off of other builds of LAPACK.
@@ -32,7 +33,17 @@ Stored = dict[str, Any]
 
 
 @pytest.mark.parametrize(
-    ("command", "case"), [(command, case) for command in CASES for case in CASES[command]]
+    ("command", "case"),
+    [
+        pytest.param(
+            command,
+            case,
+            id=f"{command}-{case}",
+            marks=[pytest.mark.thorough] if f"{command}-{case}" in THOROUGH else [],
+        )
+        for command in CASES
+        for case in CASES[command]
+    ],
 )
 def test_numbers_are_those_that_are_stored(
     command: str, case: str, tmp_path: Path, request: pytest.FixtureRequest
@@ -98,7 +109,9 @@ def _deviation(column: str, stored: Stored, numbers: Stored) -> str | None:
     wrong = ~((np.abs(now - before) <= allowed) | (np.isnan(now) & np.isnan(before)))
     if not wrong.any():
         return None
-    row = int(np.argmax(np.where(wrong, np.nan_to_num(np.abs(now - before) / allowed, nan=np.inf), 0)))
+    row = int(
+        np.argmax(np.where(wrong, np.nan_to_num(np.abs(now - before) / allowed, nan=np.inf), 0))
+    )
     return f"row {row}: {before[row]!r} is {now[row]!r}"
 
 
