@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -16,19 +17,25 @@ from flexmech import (
     MeasuredRecord,
     compare_with_record,
 )
-from tests.support.comparison_data import SPEED, damping_time, noisy, strain_record, undamped
+from tests.support.gauge_record import DAMPING_TIME, ENGINE, SPEED, gauge_record
 from tests.support.journeys import Journey
 
 MODEL = "models/aluminium_fourbar.toml"
+
+
+@cache
+def record() -> MeasuredRecord:
+    return gauge_record(4)
 
 
 @pytest.fixture(scope="module")
 def strain(tmp_path_factory) -> Path:
     """A record of a gauge at the coupler's middle in the units of a laboratory."""
     path = tmp_path_factory.mktemp("measured") / "strain.csv"
+    strain, angle = (quantity.values for quantity in record().quantities)
     rows = (
         f"{1e3 * t:.5f};{np.degrees(a) % 360:.4f};{1e6 * e:.4f}"
-        for t, a, e in zip(*noisy(4), strict=True)
+        for t, a, e in zip(record().position, angle, strain, strict=True)
     )
     header = "# gauge 3\ntime [ms];crank_angle [deg];strain (um/m)"
     path.write_text("\n".join([header, *rows]), encoding="utf-8")
@@ -46,8 +53,8 @@ def test_the_damping_of_a_strain_gauge_is_found_in_the_models_own_mesh(journey):
     fit = journey.table("fit")
     assert list(fit) == ["parameter", "value", "unit", "standard_error", "p2_5", "p97_5"]
     assert (fit["parameter"].tolist(), fit["unit"].tolist()) == (["damping"], ["s"])
-    assert fit["value"][0] == pytest.approx(damping_time(), rel=0.1)
-    assert fit["p2_5"][0] < damping_time() < fit["p97_5"][0]
+    assert fit["value"][0] == pytest.approx(DAMPING_TIME, rel=0.1)
+    assert fit["p2_5"][0] < DAMPING_TIME < fit["p97_5"][0]
     assert fit["standard_error"][0] > 0.05 * fit["value"][0]
 
 
@@ -57,9 +64,8 @@ def test_curves_stand_side_by_side_and_the_result_loads_back(journey):
     np.testing.assert_allclose(
         table["residual"], table["measured"] - table["computed"], atol=2e-8 * 1e-4
     )
-    time, _, values = noisy(4)
-    np.testing.assert_allclose(table["time_s"], time, atol=1e-8)
-    np.testing.assert_allclose(table["measured"], values, atol=1e-10)
+    np.testing.assert_allclose(table["time_s"], record().position, atol=1e-8)
+    np.testing.assert_allclose(table["measured"], record().quantities[0].values, atol=1e-10)
     result = journey.result()
     assert isinstance(result, Comparison)
     assert result.dataset.attrs["quantity"] == "coupler_mid_strain"
@@ -95,10 +101,10 @@ def test_wrong_options_are_refused_in_one_line(command, strain, wrong):
 
 
 def test_frequencies_need_a_speed_or_an_angle_and_a_record_must_exist(command, tmp_path):
-    record = tmp_path / "frequencies.csv"
-    record.write_text("crank_angle [deg],frequency [Hz]\n0,44\n90,45\n180,46\n", encoding="utf-8")
-    for path, words in ((record, "--speed, --angle"), (tmp_path / "none.csv", "none.csv")):
-        ended = command("compare", MODEL, path)
+    path = tmp_path / "frequencies.csv"
+    path.write_text("crank_angle [deg],frequency [Hz]\n0,44\n90,45\n180,46\n", encoding="utf-8")
+    for file, words in ((path, "--speed, --angle"), (tmp_path / "none.csv", "none.csv")):
+        ended = command("compare", MODEL, file)
         assert (ended.exit_code, ended.stdout) == (2, "")
         assert words in ended.stderr
 
@@ -106,27 +112,28 @@ def test_frequencies_need_a_speed_or_an_angle_and_a_record_must_exist(command, t
 # --- records that cannot be compared ------------------------------------------------------------
 
 
-def gauge(factor: float = 1.0, unit: str = "", samples: int | None = None) -> tuple:
-    """Quantities of the record of a strain gauge, changed."""
-    strain, angle = strain_record().quantities
-    return (
-        MeasuredQuantity("strain", unit, factor * strain.values[:samples]),
-        replace(angle, values=angle.values[:samples]),
-    )
+def gauge(factor: float = 1.0, unit: str = "", samples: int | None = None, angle: bool = True):
+    """Quantities of the record of a strain gauge, changed, once they are asked for."""
+
+    def changed():
+        strain, turned = record().quantities
+        values = MeasuredQuantity("strain", unit, factor * strain.values[:samples])
+        return (values, replace(turned, values=turned.values[:samples]))[: 1 + angle]
+
+    return changed
 
 
-STRAIN_ALONE = (strain_record().quantities[0],)
 OVER_TIME = {
     "a locked crank": ({}, {"angle": 0.1}, "--speed"),
     "no speed": ({}, {"speed": 0.0}, "not 0"),
     "another speed": ({}, {"speed": 21.0}, "20 rad/s"),
     "too short": (
-        {"position": np.arange(20) * 1e-3, "quantities": gauge(samples=20)[:1]},
+        {"position": np.arange(20) * 1e-3, "quantities": gauge(samples=20, angle=False)},
         {},
         "too short",
     ),
     "sampled slowly": (
-        {"position": np.arange(541) * 0.05, "quantities": STRAIN_ALONE},
+        {"position": np.arange(541) * 0.05, "quantities": gauge(angle=False)},
         {},
         "20 samples a second",
     ),
@@ -152,10 +159,9 @@ OVER_TIME = {
 def test_records_over_time_that_cannot_be_compared_are_refused(wrong):
     changed, asked, words = OVER_TIME[wrong]
     asked = asked if "angle" in asked else {"speed": SPEED} | asked
+    changed = {name: value() if callable(value) else value for name, value in changed.items()}
     with pytest.raises(InputError) as raised:
-        compare_with_record(
-            undamped(), replace(strain_record(), **changed), ComparisonRequest(**asked)
-        )
+        compare_with_record(ENGINE, replace(record(), **changed), ComparisonRequest(**asked))
     assert words in str(raised.value)
 
 
@@ -193,9 +199,9 @@ OTHERS = {
 
 @pytest.mark.parametrize("wrong", OTHERS)
 def test_frequencies_and_functions_that_cannot_be_compared_are_refused(wrong):
-    record, asked, words = OTHERS[wrong]
+    other, asked, words = OTHERS[wrong]
     with pytest.raises(InputError) as raised:
-        compare_with_record(undamped(), record, ComparisonRequest(**asked))
+        compare_with_record(ENGINE, other, ComparisonRequest(**asked))
     assert words in str(raised.value)
 
 

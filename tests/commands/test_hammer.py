@@ -10,15 +10,13 @@ from flexmech import (
     HammerRequest,
     InputError,
     LinkPoint,
-    ReferenceEngine,
     RunningHammerRequest,
-    example_model,
     hammer_test,
-    load_mechanism,
     running_hammer_test,
 )
 from flexmech.measured_data import read_uff
-from tests.support.hammer_data import damped_engine
+from tests.support.gauge_record import ALUMINIUM as FOUR_BAR
+from tests.support.gauge_record import ENGINE, damped
 from tests.support.journeys import Journey
 
 ALUMINIUM = "models/aluminium_fourbar.toml"
@@ -132,6 +130,7 @@ def test_options_that_make_no_sense_are_refused_in_one_line(command, wrong):
 
 
 ANGLE = np.radians([96.9])
+DAMPED_ENGINE = ENGINE.with_(mechanism=damped(FOUR_BAR, every=1.4e-4))
 REQUESTS = {
     "a pulse longer than the record": ({"pulse": 0.5, "duration": 0.2}, "shorter pulse"),
     "a band beyond the elements": ({"bandwidth": 1e6}, "more elements"),
@@ -153,16 +152,16 @@ REQUESTS = {
 def test_records_that_cannot_be_taken_are_refused_with_the_remedy(wrong):
     asked, words = REQUESTS[wrong]
     with pytest.raises(InputError) as raised:
-        hammer_test(damped_engine(), HammerRequest(ANGLE, **({"modes": 2} | asked)))
+        hammer_test(DAMPED_ENGINE, HammerRequest(ANGLE, **({"modes": 2} | asked)))
     assert words in str(raised.value)
 
 
 def test_a_pulse_alone_sets_the_band_to_its_inverse():
     """And a short record is 1.25 to 1.4 times as wide as the highest of the modes asked for."""
     asked = {"modes": 2, "method": "circle-fit"}
-    soft = hammer_test(damped_engine(), HammerRequest(ANGLE, pulse=0.02, **asked)).dataset
+    soft = hammer_test(DAMPED_ENGINE, HammerRequest(ANGLE, pulse=0.02, **asked)).dataset
     assert soft.attrs["bandwidth"] == pytest.approx(50.0)
-    free = hammer_test(damped_engine(), HammerRequest(ANGLE, **asked)).dataset
+    free = hammer_test(DAMPED_ENGINE, HammerRequest(ANGLE, **asked)).dataset
     highest = float(free["eigen_frequency"].isel(mode=1).max())
     assert 1.25 * highest <= free.attrs["bandwidth"] < 1.4 * highest
 
@@ -195,7 +194,6 @@ def test_running_tests_that_make_no_sense_are_refused(wrong):
     asked, words = RUNNING[wrong]
     known = {"crank_speed": 20.0, "damping_ratio": 0.1, "bandwidth": 60.0, "orders": 1}
     known |= {"impact": POINTS[0], "response": POINTS[1]}
-    engine = ReferenceEngine(load_mechanism(example_model("aluminium_fourbar")), 2)
     with pytest.raises((InputError, ComputationError)) as raised:
-        running_hammer_test(engine, RunningHammerRequest(**(known | asked)))
+        running_hammer_test(ENGINE, RunningHammerRequest(**(known | asked)))
     assert words in str(raised.value)

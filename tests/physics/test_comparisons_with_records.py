@@ -12,7 +12,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
 
 from flexmech import (
     Comparison,
@@ -25,63 +24,28 @@ from flexmech import (
     LinkPoint,
     MeasuredQuantity,
     MeasuredRecord,
-    Mechanism,
     ReferenceEngine,
     ResponseRequest,
     compare_with_record,
-    example_model,
     hammer_test,
     load_mechanism,
     natural_frequencies,
     response,
 )
+from tests.support.gauge_record import (
+    ALUMINIUM,
+    DAMPING_TIME,
+    ENGINE,
+    SPEED,
+    damped,
+    gauge_record,
+    history,
+)
 
 DATA = Path(__file__).parents[1] / "data"
-ALUMINIUM = load_mechanism(example_model("aluminium_fourbar"))
-ENGINE = ReferenceEngine(ALUMINIUM, 2)
-SPEED, DAMPING_TIME = 20.0, 7e-5
 FAR = 3.5
 """In standard errors: what white noise hardly ever reaches."""
 ANGLE = np.radians(60.0)
-
-
-def damped(mechanism: Mechanism, **times: float) -> Mechanism:
-    """Links with Kelvin-Voigt damping times in s; of all links that of ``every``."""
-    sections = {
-        name: section.with_damping_time(times.get(name, times.get("every", 0.0)))
-        for name, section in mechanism.sections.items()
-    }
-    return replace(mechanism, sections=sections)
-
-
-@cache
-def history() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Time, crank angle and coupler strain of three turns with 180 samples each."""
-    engine = ENGINE.with_(mechanism=damped(ALUMINIUM, every=DAMPING_TIME))
-    request = ResponseRequest(ConstantSpeed(SPEED), revolutions=3.0, samples=180)
-    data = response(engine, request).dataset.isel(engine=0)
-    strain = data["strain"].sel(link="coupler").values
-    return data["time"].values, data["crank_angle"].values, strain
-
-
-def gauge_record(
-    seed: int,
-    first: int = 0,
-    *,
-    angle: bool = True,
-    noise: float = 0.02,
-    memory: float = 0.0,
-    factor: float = 1.0,
-    offset: float = 0.0,
-) -> MeasuredRecord:
-    """Of a strain gauge, from a sample on, with noise that lives on from sample to sample."""
-    time, turned, strain = (values[first:] for values in history())
-    white = np.random.default_rng(seed).standard_normal(len(strain))
-    noisy = lfilter([np.sqrt(1 - memory**2)], [1.0, -memory], white) * noise * strain.std()
-    quantities = [MeasuredQuantity("strain", "", factor * (strain + noisy) + offset)]
-    if angle:
-        quantities.append(MeasuredQuantity("crank_angle", "rad", np.mod(turned, 2 * np.pi)))
-    return MeasuredRecord("time", time - time[0], tuple(quantities), "strain.csv")
 
 
 def compared(record: MeasuredRecord, engine=ENGINE, **asked: object) -> Comparison:
