@@ -69,10 +69,12 @@ def test_a_fiftieth_of_a_turn_from_the_equilibrium_is_alike(name: str) -> None:
     one = case(name)
     found = run(one, ConstantSpeed(one.speed / 2), 0.02)
     data = found.dataset
-    of = ["deflection", "strain", "joint_force", "driving_torque"]
+    of = ["deflection", "joint_force", "driving_torque"]
     of += [extra for extra in ("shaft_rotation",) if extra in data]
     for quantity in of:
         assert gap(found, quantity) < STEADY[name], quantity
+    # Cables have curvatures of third order, exact beams of first.
+    assert gap(found, "strain") < 3e-2
     assert float(data["energy_error"].max()) < 1e-4
 
 
@@ -158,6 +160,10 @@ def test_a_rigid_start_rings_alike_to_twice_its_bow() -> None:
     assert float(agreement.max()) < 1e-2
     assert float(forces["peak_joint_force"].max()) < 2e-2
     assert float(forces["peak_driving_torque"]) < 2e-2
+    for link in ("coupler", "rocker"):
+        bent = found.dataset.isel(engine=1).sel(link=link)
+        # A pinned link that is bent to +y is stretched there.
+        assert np.corrcoef(bent["strain"], bent["deflection"])[0, 1] > 0.9
 
 
 @pytest.mark.parametrize(

@@ -16,8 +16,8 @@ SPEEDS = [74.0, 76.0, 78.0]
 def maps() -> list[xr.Dataset]:
     """By both engines; twice the second frequency is eight times the crank's near 76.5 rad/s."""
     return [
-        stability(engine, SPEEDS, prestress="axial", modes=5, damping_ratio=0.001).dataset
-        for engine in case("aluminium four-bar").engines(6)
+        stability(engine, SPEEDS, prestress="axial", modes=4, damping_ratio=0.001).dataset
+        for engine in case("aluminium four-bar").engines(5)
     ]
 
 
@@ -60,12 +60,12 @@ def test_growth_ends_at_the_closing_damping_ratio(maps: list[xr.Dataset]) -> Non
     closing, fastest = (
         float(band[name]) for name in ("band_closing_damping_ratio", "band_fastest_speed")
     )
-    engine = case("aluminium four-bar").engines(6)[0]
-    speeds = np.linspace(float(band["band_lower"]), float(band["band_upper"]), 5)
+    engine = case("aluminium four-bar").engines(5)[0]
+    speeds = np.linspace(float(band["band_lower"]), float(band["band_upper"]), 3)
     assert speeds[0] < fastest < speeds[-1]
     grows = [
         float(
-            stability(engine, speeds, prestress="axial", modes=5, damping_ratio=share * closing)
+            stability(engine, speeds, prestress="axial", modes=4, damping_ratio=share * closing)
             .dataset["growth_rate"]
             .max()
         )
@@ -100,6 +100,7 @@ def test_about_the_periodic_motion_growth_is_nearly_that_about_the_equilibrium()
     assert 0 < abs(second - first) < 0.2 * abs(first)
 
 
+@pytest.mark.thorough
 def test_a_speed_without_equilibrium_is_told_and_the_map_goes_on() -> None:
     engine = ReferenceEngine(case("aluminium four-bar").mechanism, 2)
     found = stability(engine, [60.0, 150.0], modes=1, damping_ratio=0.3).dataset
