@@ -70,6 +70,15 @@ def test_damping_is_found_back_from_a_noisy_strain(with_angle):
     np.testing.assert_array_equal(data["residual"], data["measured"] - data["computed"])
 
 
+def test_a_gauge_is_stretched_where_the_coupler_bends_towards_it():
+    """Bent to half a sine its strain is t/2 (pi/L)^2 times the deflection of its middle."""
+    request = ResponseRequest(ConstantSpeed(SPEED), revolutions=1.0, samples=60, start="periodic")
+    data = response(ENGINE, request).dataset.isel(engine=0).sel(link="coupler")
+    strain, deflection = data["strain"].values, data["deflection"].values
+    slope = (strain @ deflection) / (deflection @ deflection)
+    assert slope == pytest.approx(0.8e-3 * (np.pi / 0.2794) ** 2, rel=0.03)
+
+
 def test_the_periodic_motion_is_what_free_vibration_leaves(with_angle):
     strain, periodic = history()[2], with_angle.dataset["periodic"].values
     apart = np.abs(periodic - strain)
