@@ -103,14 +103,14 @@ def extrapolated(coarse: np.ndarray, fine: np.ndarray, order: int = 2) -> np.nda
     return (2**order * fine - coarse) / (2**order - 1)
 
 
-@pytest.mark.parametrize("name", HARDLY_STRETCHED)
+@pytest.mark.parametrize("name", HARDLY_STRETCHED[::2])
 def test_frequencies_at_rest_differ_by_half_a_millionth(name: str) -> None:
     coarse, fine = (apart(name, n, 0.0, prestress="none") for n in (6, 12))
     assert np.abs(fine).max() < 2e-6
     assert np.abs(extrapolated(coarse, fine)).max() < 4e-7
 
 
-@pytest.mark.parametrize("name", HARDLY_STRETCHED)
+@pytest.mark.parametrize("name", HARDLY_STRETCHED[1::2])
 def test_frequencies_of_straight_links_under_axial_forces_tend_to_each_other(name: str) -> None:
     speed = case(name).speed
     coarse, fine = (apart(name, n, speed, prestress="axial") for n in (6, 12))
@@ -119,22 +119,35 @@ def test_frequencies_of_straight_links_under_axial_forces_tend_to_each_other(nam
 
 
 @pytest.mark.parametrize("name", SLENDER)
-def test_frequencies_at_equilibrium_tend_to_each_other(name: str) -> None:
+def test_frequencies_at_equilibrium_differ_by_what_elements_make(name: str) -> None:
     """With all rotation terms, in all coordinates: component modes differ by 1e-5 of their own."""
     one = case(name)
-    coarse, fine = (
-        apart(name, n, one.speed, modes=False) for n in (one.elements, 2 * one.elements)
-    )
+    gap = apart(name, 2 * one.elements, one.speed, modes=False)
+    assert np.abs(gap).max() < SLENDER[name]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", SLENDER)
+def test_frequencies_at_equilibrium_tend_to_each_other(name: str) -> None:
+    one = case(name)
+    meshes = (one.elements, 2 * one.elements)
+    coarse, fine = (apart(name, n, one.speed, modes=False) for n in meshes)
     left = np.abs(extrapolated(coarse, fine)).max()
     assert left < max(4e-6, 0.3 * np.abs(fine).max())
-    assert np.abs(fine).max() < SLENDER[name]
 
 
 def test_every_mechanism_is_of_slender_or_of_thick_links() -> None:
     assert {*SLENDER, *THICK} == set(NAMES)
 
 
-@pytest.mark.parametrize("name", THICK)
+@pytest.mark.parametrize(
+    "name",
+    [
+        *THICK[:1],
+        *THICK[3:7],
+        *(pytest.param(n, marks=pytest.mark.thorough) for n in (*THICK[1:3], *THICK[7:])),
+    ],
+)
 def test_frequencies_of_beams_that_shear_tend_to_each_other(name: str) -> None:
     """Exact beams are linear, of second order in the mesh: two extrapolations."""
     one = case(name)
@@ -148,14 +161,11 @@ def test_frequencies_of_beams_that_shear_tend_to_each_other(name: str) -> None:
 DAMPED = (
     "aluminium four-bar",
     "composite four-bar",
-    "Watt six-bar",
     "of all kinds",
     "rigid rod",
     "spring and damper",
     "sprung joints",
     "four-bar on a frame",
-    "arm on a hub with free shaft",
-    "crank-rocker 17",
 )
 
 
@@ -183,7 +193,7 @@ def both(analysis: Any, name: str, *asked: Any, elements: int = 4, **options: An
         ("aluminium four-bar", 2e-4),
         ("slider-crank", 2e-5),
         ("rigid crank", 2e-5),
-        ("crank-rocker 0", 2e-5),
+        pytest.param("crank-rocker 0", 2e-5, marks=pytest.mark.thorough),
     ],
 )
 def test_floquet_modes_of_both_engines_are_alike(name: str, near: float) -> None:

@@ -42,7 +42,6 @@ SHORT = ResponseRequest(ConstantSpeed(20.0), revolutions=0.02, step=np.pi / 10 /
         ("slider-crank", "ancf", 1e-8),
         ("ternary coupler", "ancf", 1e-7),
         ("rigid coupler", "ancf", 1e-7),
-        ("three links on a pin", "ancf", 1e-7),
     ],
 )
 def test_frequencies_at_rest_are_exudyns_own(name: str, element: str, near: float) -> None:
@@ -91,7 +90,7 @@ THOROUGH = pytest.mark.thorough
         pytest.param("rigid rod", "ancf", marks=THOROUGH),
         pytest.param("moving guide", "ancf", marks=THOROUGH),
         pytest.param("sprung joints", "ancf", marks=THOROUGH),
-        ("sprung L-arm", "ancf"),
+        pytest.param("sprung L-arm", "ancf", marks=THOROUGH),
     ],
 )
 def test_a_script_runs_as_the_program_does(name: str, element: str, tmp_path: Path) -> None:

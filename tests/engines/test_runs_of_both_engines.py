@@ -64,7 +64,13 @@ STEADY = {
 }
 
 
-@pytest.mark.parametrize("name", STEADY)
+RARELY = ("steel four-bar", "rigid coupler", "rigid crank", "ternary coupler", "follower load")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=[pytest.mark.thorough] * (name in RARELY)) for name in STEADY],
+)
 def test_a_fiftieth_of_a_turn_from_the_equilibrium_is_alike(name: str) -> None:
     one = case(name)
     found = run(one, ConstantSpeed(one.speed / 2), 0.02)
@@ -224,7 +230,7 @@ def test_forces_on_the_joints_of_a_chain_of_followers_are_alike() -> None:
     assert (np.linalg.norm(second - first, axis=-1).max(axis=0) / size).max() < 1e-2
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("sign", [1.0, pytest.param(-1.0, marks=pytest.mark.thorough)])
 def test_sections_off_the_axis_turn_alike_in_a_run(sign: float) -> None:
     """Mirror images are apart by 1.5e-2 of the peak: straight arms were 4.4e-3 off."""
     arm = case("heavy side").mechanism

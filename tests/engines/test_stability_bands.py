@@ -55,6 +55,7 @@ def test_modes_that_meet_in_a_band_have_opposite_krein_signatures(maps: list[xr.
         assert float(found["liouville_defect"].max()) < 1e-6
 
 
+@pytest.mark.thorough
 def test_growth_ends_at_the_closing_damping_ratio(maps: list[xr.Dataset]) -> None:
     band = maps[0].isel(band=0)
     closing, fastest = (
@@ -87,6 +88,7 @@ def test_multipliers_are_the_same_in_both_frames() -> None:
     )
 
 
+@pytest.mark.thorough
 def test_about_the_periodic_motion_growth_is_nearly_that_about_the_equilibrium() -> None:
     """At 20 rad/s the motion is a tenth of its greatest displacement away from it."""
     engine = ReferenceEngine(case("aluminium four-bar").mechanism, 3)
