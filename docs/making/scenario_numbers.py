@@ -168,7 +168,7 @@ def frames_and_stability(answers: Any) -> dict[str, Any]:
 
 def hammer_noise(answer: Any) -> dict[str, Any]:
     table = answer.table()
-    circles = table[(table["method"] == "circle-fit") & (table["noise"] == "1 %")]
+    circles = table[(table["method"] == "circle-fit") & (table["noise"] == "1%")]
     return {
         "number": circles["damping scatter (%)"].iloc[1],
         "modes identified in every draw": bool((table["identified"] == "5 of 5").all()),

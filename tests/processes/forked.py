@@ -14,6 +14,7 @@ import re
 import signal
 import sys
 import tempfile
+import threading
 import time
 import traceback
 from collections.abc import Callable
@@ -129,6 +130,8 @@ def _run(
         for number, name in ((1, "stdout"), (2, "stderr")):
             os.dup2(os.open(printed / name, os.O_WRONLY | os.O_CREAT), number)
         sys.stdout, sys.stderr = (os.fdopen(number, "w", closefd=False) for number in (1, 2))
+        # What pytest has set in their place tells this process's tests nothing.
+        sys.unraisablehook, threading.excepthook = sys.__unraisablehook__, threading.__excepthook__
         signal.signal(signal.SIGINT, signal.default_int_handler)
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
         os.chdir(folder)
