@@ -241,3 +241,13 @@ def test_which_end_of_a_pin_leads_changes_no_frequency_at_rest() -> None:
         for linkage in (first, replace(second, drawn_at=first.drawn_angle))
     )
     assert one == pytest.approx(other, rel=1e-8)
+
+
+def test_the_damping_ratio_of_damped_links_grows_with_the_frequency() -> None:
+    """At rest it is half the damping time by the angular frequency, as for any oscillator."""
+    system = engine_of(fourbar(damping_time=2e-5)).linear_system(0.7, 0.0, prestress="none")
+    modes = solve_modes(system, 4)
+    angular = np.abs(modes.eigenvalues[0])
+    assert modes.damping_ratio[0] == pytest.approx(1e-5 * angular, rel=1e-9)
+    plain = frequencies(fourbar(), 0.7, 0.0, "none").ravel()[:4]
+    assert angular == pytest.approx(2 * np.pi * plain, rel=1e-9)
