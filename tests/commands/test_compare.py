@@ -141,11 +141,9 @@ OVER_TIME = {
     "micrometres": ({"quantities": gauge(1e6)}, {}, "name its unit"),
     "a force": ({"quantities": gauge(unit="N")}, {}, "'strain' is in N"),
     "a still machine": ({"quantities": gauge(0.0)}, {}, "the same at all samples"),
-    "no such gauge": ({}, {"quantity": "coupler_strain"}, "did you mean"),
     "another unit": ({}, {"quantity": "coupler_mid_deflection_m"}, "coupler_mid_deflection_m in m"),
     "an unknown fit": ({}, {"fit": ("dampling",)}, "did you mean 'damping'"),
     "a fit of no link": ({}, {"fit": ("stiffness:arm",)}, "stiffness:rocker"),
-    "a fit twice": ({}, {"fit": ("damping", "damping")}, "twice"),
     "nothing and something": ({}, {"fit": ("none", "damping")}, "'none'"),
     "damping of all links and of each": (
         {},
@@ -183,7 +181,6 @@ LOCKED, REST = {"angle": np.radians(60.0)}, {"speed": 0.0}
 OTHERS = {
     "damping by frequencies": (frequencies(), REST | {"fit": ("damping",)}, "damping"),
     "a drifted zero of frequencies": (frequencies(), REST | {"fit": ("offset",)}, "no offset"),
-    "half a mode": (frequencies(mode=[1.0, 1.5, 2.0]), REST, "modes from 1"),
     "another crank speed": (frequencies(crank_speed=[10.0, 10.0, 20.0]), REST, "10, 20 rad/s"),
     "no frequency": (frequencies(frequency=[45.0, 0.0, 44.0]), REST, "positive"),
     "a function of a running crank": (functions(), {"speed": 20.0}, "--angle"),
@@ -192,7 +189,6 @@ OTHERS = {
     "one of two functions": (functions(other=2j * np.ones(40)), LOCKED, "receptance, other"),
     "no such function": (functions(), LOCKED | {"quantity": "third@coupler:0.5"}, "'third'"),
     "three points": (functions(), LOCKED | {"quantity": "a:0,b:0,c:0"}, "3 points"),
-    "no point": (functions(), LOCKED | {"quantity": "coupler"}, "got 'coupler'"),
     "another crank angle": (functions(crank_angle=np.ones(40)), LOCKED, "57.2958 deg, not 60"),
 }
 

@@ -226,12 +226,3 @@ def test_contents_that_the_format_cannot_hold_are_refused(tmp_path):
             written(tmp_path, **changed)
     with pytest.raises(InputError, match="make it first"):
         write_uff(tmp_path / "nowhere" / "x.uff", UffFile())
-
-
-def test_names_too_long_for_their_columns_are_cut(tmp_path):
-    """A node's name to 10 letters, a description to 80."""
-    where = replace(HIT, entity="coupler of the machine")
-    long = UffFile(description=200 * "x", functions=(replace(FORCE, reference=where),))
-    read = read_uff(write_uff(tmp_path / "long.uff", long))
-    assert read.description == 80 * "x"
-    assert read.functions[0].reference.entity == "coupler of"

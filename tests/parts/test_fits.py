@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from flexmech import ComputationError
 from flexmech.analyses.comparison.fit import Fit, Parameter, autoregression, fitted
 
 TIME = np.linspace(0.0, 1.0, 400)
@@ -78,8 +77,3 @@ def test_the_order_of_a_process_and_that_of_white_noise_are_found():
     process = autoregression(lfilter([1.0], [1.0, -1.2, 0.7], white, axis=1))
     assert process[:2] == pytest.approx([1.2, -0.7], abs=0.05)
     assert len(process) <= 4
-
-
-def test_parameters_that_do_the_same_are_refused():
-    with pytest.raises(ComputationError, match="rate, other"):
-        fitted(Decay(record(0, 0.1), ("rate", "other")))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -165,15 +163,3 @@ def test_impacts_are_halved_until_that_changes_nothing_or_refused():
     assert np.abs(strong.estimate.response[3] - exact).max() < 0.03 * np.abs(exact).max()
     with pytest.raises(ComputationError, match="halving"):
         measured(curvature=3e4)
-
-
-def test_16_averages_bring_noise_down_to_a_quarter():
-    exact = oscillator(PLAN.frequency)
-    errors = [
-        np.abs(
-            measured(request=replace(REQUEST, noise=0.05, averages=count)).estimate.response[3]
-            - exact
-        ).mean()
-        for count in (1, 16)
-    ]
-    assert 2.5 < errors[0] / errors[1] < 6

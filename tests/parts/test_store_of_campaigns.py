@@ -18,8 +18,6 @@ import zarr
 from flexmech import ComputationError, InputError
 from flexmech.studies import Correlation, Goal, Limit, optimum_study, sweep_study
 from flexmech.studies.designs.campaign import TASK
-from flexmech.studies.designs.evaluation import Evaluated
-from flexmech.studies.designs.scatter import Scatter
 from tests.support.study_data import Scripted, bytes_of, density, study, thickness
 
 COUNT, STORE = 3 * TASK + 5, "designs.zarr"
@@ -204,32 +202,6 @@ SCATTERED = study(
     goals=(Goal("mass", "min", 90.0),),
     percentile_samples=16,
 )
-
-
-def test_all_designs_of_a_search_have_the_same_random_numbers_and_fail_alone():
-    asked: list[np.ndarray] = []
-
-    def computed(rows: np.ndarray) -> Evaluated:
-        asked.append(rows)
-        status = np.zeros(len(rows), dtype=int)
-        status[[3, 5]] = 3
-        values = np.where(status == 0, rows[:, 1], np.nan)[:, None]
-        return Evaluated(values, status, ["it buckles" if each else "" for each in status])
-
-    scatter = Scatter.of(SCATTERED)
-    designs = scatter.designs(np.array([[0.1], [0.7]]))
-    found = scatter.evaluated(designs, computed)
-    first, second = asked[0].reshape(2, 16, 2)
-    np.testing.assert_array_equal(first[:, 1], second[:, 1])
-    assert len(set(first[:, 1])) == 16
-    np.testing.assert_allclose(asked[0][[0, -1], 0], [1.2e-3, 2.4e-3])
-    assert found.status.tolist() == [3, 0]
-    assert np.isnan(found.values[0, 0])
-    assert found.reasons[0].startswith("2 of 16 samples")
-    worth = Scatter.of(replace(SCATTERED, failure_values={"mass": 1e9}))
-    counted = worth.evaluated(designs, computed)
-    assert counted.status.tolist() == [0, 0]
-    assert counted.values[0, 0] > 1e8
 
 
 def test_what_a_search_chooses_goes_with_nothing_and_something_must_be_left_to_choose():
