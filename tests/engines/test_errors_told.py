@@ -91,17 +91,18 @@ GRID = np.radians(np.arange(0, 361, 5.0))
 def test_extremes_between_the_crank_angles_of_a_map_are_those_of_the_turn() -> None:
     """Of seed 17 a parabola over steps of 5 degrees is blind."""
     one = random_case(17)
-    engine = ReferenceEngine(one.mechanism, 4, "euler")
+    engine = ReferenceEngine(one.mechanism, 8, "euler")
     result = moving_frequencies(engine, GRID, [one.crank_speed])
-    found = result.extremes().isel(engine=0, crank_speed=0)
+    data, found = (d.isel(engine=0, crank_speed=0) for d in (result.dataset, result.extremes()))
+    errors = data["discretisation_error"] + data["reduction_error"]
     turn = natural_frequencies(engine, np.radians(np.arange(0, 360, 0.5)), one.crank_speed)
-    for mode in range(4):
+    for mode, error in enumerate(errors.max("check_angle").values + 2e-7):
         low, high = (float(found[name][mode]) for name in ("lowest", "highest"))
-        assert turn[:, mode].min() > low * (1 - 1e-5)
-        assert turn[:, mode].max() < high * (1 + 1e-5)
+        assert turn[:, mode].min() > low * (1 - error)
+        assert turn[:, mode].max() < high * (1 + error)
         around = float(found["lowest_angle"][mode]) + np.radians(np.linspace(-1, 1, 41))
         least = natural_frequencies(engine, around, one.crank_speed)[:, mode].min()
-        assert low == pytest.approx(least, rel=1e-5)
+        assert low == pytest.approx(least, rel=error)
 
 
 @pytest.mark.parametrize("degrees", [(10.0, 12.0, 14.0), (30.0, 90.0, 150.0)])

@@ -190,7 +190,8 @@ def fixed(x: float, y: float) -> AttachmentPoint:
 
 def of_all_kinds() -> Mechanism:
     """Crossed branch, unlike links, masses in joints and on links, weight, damping."""
-    steel, plastic = Material(200e9, 7800.0), Material(3e9, 1200.0, 0.35)
+    steel = Material(200e9, 7800.0, yield_strength=300e6)
+    plastic = Material(3e9, 1200.0, 0.35, yield_strength=50e6)
     return Mechanism(
         FourBar(0.3, 0.1, 0.28, 0.25, "crossed"),
         {
