@@ -145,7 +145,7 @@ def test_exudyn_against_its_own_eigenvalues(aluminium, against, detail):
     """Positions at rest of the moved model against mbs.ComputeODE2Eigenvalues, one by one.
 
     With the fine reduction the first six frequencies are equal to 1e-8, as they are
-    without any (tests/cross_engine/test_exudyn_oracle.py).
+    without any (tests/engines/test_exudyn_by_itself.py).
     """
     engine = ExudynEngine(aluminium, 8, component_modes=detail is not None)
     angles = ANGLES[::5]
