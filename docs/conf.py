@@ -51,6 +51,8 @@ _startup = HERE / "_build" / "ipython" / "profile_default" / "startup"
 _startup.mkdir(parents=True, exist_ok=True)
 shutil.copy(HERE / "making" / "kernel_startup.py", _startup)
 os.environ["IPYTHONDIR"] = str(_startup.parents[1])
+for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):  # pages are read side by side
+    os.environ[_threads] = "1"
 # Cells run `flexmech` of this interpreter, not one that happens to be found first.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 

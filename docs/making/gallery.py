@@ -8,6 +8,7 @@ its page shows what it gave last, which stands in ``docs/kept/``.
 from __future__ import annotations
 
 import ast
+import hashlib
 import json
 import os
 import shutil
@@ -31,6 +32,7 @@ __all__ = [
 ]
 
 SCENARIOS = REPOSITORY / "scenarios"
+SETTINGS = Path(__file__).with_name("scenario_numbers.py")
 PRINTED = "printed.txt"
 CAMPAIGNS = {"lightest_stable_fourbar": "some seven minutes of processor time"}
 """Scenarios that a build does not run, and what they take."""
@@ -101,7 +103,8 @@ def scenario_results(name: str) -> Path:
     """Folder of what a scenario printed and drew; it runs only if the folder is not there yet."""
     if name in CAMPAIGNS:
         return LAST / name
-    folder = cache_folder() / "gallery" / name
+    settings = hashlib.sha256(SETTINGS.read_bytes()).hexdigest()[:8]
+    folder = cache_folder() / f"gallery-{settings}" / name
     if not (folder / PRINTED).exists():
         _run(name, folder)
     return folder

@@ -57,11 +57,12 @@ COARSER: dict[str, dict[str, Any]] = {
     "running_fourbars": {
         "names": ("aluminium", "moist_composite", "wet_composite"),
         "speeds": (20.0,),
-        "revolutions": 0.5,
+        "revolutions": 1.0,
         "elements": 4,
         "samples": 180,
     },
     "running_hammer_test": {"elements": 2},
+    "soft_frame": {"frequencies": np.geomspace(1.0, 60.0, 9), "elements": 2},
     "six_bars": {"crank_angles": np.radians(np.arange(0.0, 361.0, 10.0)), "elements": 4},
     "stability_maps": {
         "names": ("aluminium",),
