@@ -42,7 +42,7 @@ RECORD = "crank_angle_deg,mode,frequency_Hz\n" + "\n".join(
 )
 CASES = int(os.environ.get("FLEXMECH_FUZZ", "100"))
 SEED = int(os.environ.get("FLEXMECH_FUZZ_SEED", "1"))
-BLOCK = 20
+BLOCK = 12
 
 NUMBERS = (
     *("0", "-1", "1", "2.5", "1e-300", "1e300", "1e308", "1e-160", "1e400", "-0", "007", "1,5"),

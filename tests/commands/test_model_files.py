@@ -36,6 +36,7 @@ from tests.support.command import MODELS
 
 DATA = MODELS.parent / "tests" / "data"
 EVERY_KEY = (DATA / "every_key.toml").read_text(encoding="utf-8")
+SCHEMA = jsonschema.Draft202012Validator(json_schema())
 LAMINATES = (DATA / "every_laminate_key.toml").read_text(encoding="utf-8")
 
 
@@ -314,7 +315,7 @@ def test_provenance_is_name_source_file_and_hash(tmp_path):
 
 
 def fit_the_schema(text: str) -> None:
-    jsonschema.Draft202012Validator(json_schema()).validate(tomllib.loads(text))
+    SCHEMA.validate(tomllib.loads(text))
 
 
 def test_the_schema_is_one_and_models_and_templates_fit_it():

