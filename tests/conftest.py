@@ -30,7 +30,6 @@ from flexmech import Mechanism, load_mechanism
 from flexmech.verification.methods.frequencies import unit_arm as make_unit_arm
 from tests.support.command import MODELS, Ended, run_command
 
-# Five minutes on two cores for the whole suite; --hypothesis-profile=thorough draws more.
 # Draws are the same in every run; --hypothesis-profile=random draws anew.
 settings.register_profile("quick", max_examples=30, derandomize=True, deadline=None)
 settings.register_profile("thorough", max_examples=300, derandomize=True, deadline=None)

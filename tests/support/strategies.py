@@ -5,17 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from hypothesis import assume, settings
+from hypothesis import assume
 from hypothesis import strategies as st
 
 from flexmech.linkages import FourBar, RotatingArm
 from flexmech.materials import Material
 from flexmech.mechanism import Mechanism, PointMass
 from flexmech.sections import BeamSection
-
-# A busy machine is no reason to fail.
-settings.register_profile("no deadline", deadline=None)
-settings.load_profile("no deadline")
 
 STEEL = Material(200e9, 7800.0)
 ALUMINIUM = Material(68.9e9, 2923.0)
