@@ -355,8 +355,13 @@ def test_kelvin_voigt_times_of_a_laminate() -> None:
         BeamSection.of_laminate(BIMETAL).with_damping_frequency(50.0)
 
 
-def test_shear_stiffness_of_a_rectangle_has_cowpers_coefficient() -> None:
+def test_a_rectangle_by_hand_and_its_shear_stiffness_by_cowpers_coefficient() -> None:
     section = BeamSection.rectangle(replace(STEEL, poisson_ratio=0.25), 0.01, 0.02)
+    second_moment = 0.02 * 0.01**3 / 12
+    stiffness = section.axial_stiffness, section.bending_stiffness
+    assert stiffness == pytest.approx((200e9 * 2e-4, 200e9 * second_moment), rel=1e-13)
+    inertia = section.mass_per_length, section.rotary_inertia
+    assert inertia == pytest.approx((7800 * 2e-4, 7800 * second_moment), rel=1e-13)
     assert section.shear_stiffness == pytest.approx(12.5 / 14.75 * 80e9 * 2e-4)
 
 
