@@ -62,15 +62,6 @@ def test_isotropic_rectangle() -> None:
     assert (section.coupling_stiffness, section.neutral_axis, section.mass_axis) == (0, 0, 0)
 
 
-def test_shear_stress_of_a_rectangle_peaks_at_one_and_a_half_of_the_mean() -> None:
-    section = one_layer(Ply.isotropic(STEEL))
-    for theory in ("equilibrium", "third-order"):
-        stress = section.stresses(section.places(3), shear_force=7.0, theory=theory)
-        np.testing.assert_allclose(
-            stress.shear_stress, [[0, 1.5 * 7.0 / AREA, 0]], atol=1e-9, rtol=1e-13
-        )
-
-
 def off_axis(ply: Ply, angle: float) -> tuple[float, float]:
     """Moduli E_x (Jones, *Mechanics of Composite Materials*, 2nd ed., eq. 2.97) and G."""
     c, s = np.cos(angle) ** 2, np.sin(angle) ** 2
@@ -271,18 +262,6 @@ BIMETAL = LaminateSection(
     ),
     0.02,
 )
-
-
-def test_an_interface_has_two_stresses() -> None:
-    rows = BIMETAL.stresses(BIMETAL.places(2), axial_force=100.0)
-    strain = 100.0 / BIMETAL.axial_stiffness
-    np.testing.assert_allclose(rows.strain, strain)
-    np.testing.assert_allclose(rows.normal_stress, [[70e9 * strain] * 2, [200e9 * strain] * 2])
-    faces = BIMETAL.laminate.boundaries
-    listed = BIMETAL.stresses(faces, axial_force=100.0)
-    np.testing.assert_allclose(listed.normal_stress, strain * np.array([70e9, 200e9, 200e9]))
-    assert listed.place.shape == listed.shear_stress.shape == (3,)
-    assert BIMETAL.stresses(faces[0], axial_force=1.0).strain.shape == ()
 
 
 def resultant(section: LaminateSection, values: np.ndarray) -> float:

@@ -71,16 +71,6 @@ def test_classical_plies_of_a_balanced_stack() -> None:
     np.testing.assert_allclose(axial[1, 1, :3], ninety, rtol=1e-9, atol=1e-6 * abs(zero[0]))
 
 
-def test_plies_of_a_sheet() -> None:
-    """Bending in the plane of the plies: the edges bear it, each ply by its stiffness."""
-    laminate = Laminate.stacked([METAL] * 2, 2e-3, [0.0, 0.0])
-    sheet = SheetSection(laminate, 20e-3)
-    axial, bent, sheared = unit_ply_stresses(sheet)
-    np.testing.assert_allclose(axial[..., 0], 1 / (4e-3 * 20e-3), rtol=1e-9)
-    np.testing.assert_allclose(bent[:, 0, 0], 6 / (4e-3 * (20e-3) ** 2), rtol=1e-9)
-    assert np.abs(sheared).max() < 1e-9 * axial.max()
-
-
 def test_stresses_of_cure_by_hand() -> None:
     """A symmetric cross-ply: one common strain by which both plies' forces vanish."""
     laminate = Laminate.stacked([CARBON] * 4, 1e-3, np.radians([0, 90, 90, 0]).tolist())
