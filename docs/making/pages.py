@@ -27,12 +27,11 @@ TOLD = 5.0
 # What takes longest starts first, so that no core waits for it in the end.
 LONG = (
     "instability_confirmed",
-    "least_mass_fourbar",
     "best_stacking_under_scatter",
     "running_hammer_test",
-    "composite_thresholds",
-    "moisture_and_stability",
     "running_fourbars",
+    "moisture_and_stability",
+    "composite_thresholds",
 )
 
 
