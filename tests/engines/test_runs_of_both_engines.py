@@ -81,7 +81,9 @@ def test_a_fiftieth_of_a_turn_from_the_equilibrium_is_alike(name: str) -> None:
         assert gap(found, quantity) < STEADY[name], quantity
     # Cables have curvatures of third order, exact beams of first.
     assert gap(found, "strain") < 3e-2
-    assert float(data["energy_error"].max()) < 1e-4
+    linear, simulated = data["energy_error"].values
+    assert linear < 1e-4
+    assert simulated < 1e-6
 
 
 @pytest.mark.parametrize("name", ["L-arm with bodies"])
@@ -149,7 +151,9 @@ def test_a_joint_spring_keeps_its_energy_where_a_link_turns_past_half_a_turn() -
     """The angle of a cable's slope jumps there; the spring's does not."""
     one = Case(strips(four_bar(), 3e-3, joint_springs=()), 20.0)
     hinge = case("sprung pin and a body").mechanism.joint_springs[0]
-    mechanism = replace(one.mechanism, joint_springs=(replace(hinge, torsional_stiffness=0.05),))
+    mechanism = replace(
+        one.mechanism, joint_springs=(replace(hinge, torsional_stiffness=0.05, free_angle=0.7),)
+    )
     drive = ConstantSpeed(20.0, start_angle=3.1)
     found = run(Case(mechanism, 20.0), drive, 0.02, elements=3, step=2e-4)
     assert gap(found, "strain_energy") < 1e-3
