@@ -15,6 +15,7 @@ from flexmech import (
     AttachedBody,
     BeamSection,
     ConstantSpeed,
+    ExudynEngine,
     Material,
     Mechanism,
     PlanarJoint,
@@ -77,6 +78,24 @@ def test_damping_takes_what_the_shaft_gives_and_the_links_lose(
     data = run(damped(aluminium, 3e-4), 2e-4, prestress=prestress, start="rigid")
     assert float(data["dissipated_energy"][-1]) > 1e-3 * float(data["kinetic_energy"].max())
     assert float(data["energy_error"]) < 2e-5
+
+
+@pytest.mark.parametrize(
+    ("kind", "prestress"), [(ReferenceEngine, "axial"), (ExudynEngine, "equilibrium")]
+)
+def test_the_energy_error_is_the_greatest_imbalance_of_the_energies_beside_it(
+    aluminium: Mechanism, kind: Any, prestress: Any
+) -> None:
+    """Of a damped run whose step is found, and the limit of vanishing steps taken."""
+    request = ResponseRequest(ConstantSpeed(20.0), 0.1, samples=60, prestress=prestress, modes=2)
+    data = response(kind(damped(aluminium, 3e-4), 2), request).dataset.isel(engine=0)
+    stored = sum(data[f"{name}_energy"].values for name in ("kinetic", "strain", "gravity"))
+    lost = data["dissipated_energy"].values
+    balance = stored - stored[0] + lost - (data["drive_work"] + data["prestress_work"]).values
+    peak = data["kinetic_energy"].values.max()
+    assert lost[-1] > 1e-3 * peak
+    assert float(data["energy_error"]) == pytest.approx(np.abs(balance).max() / peak, rel=1e-6)
+    assert float(data["energy_error"]) < 2e-6
 
 
 def test_a_bowed_arm_loses_what_its_damping_takes() -> None:
