@@ -110,10 +110,10 @@ def response_on_springs() -> flexmech.Response:
 def response_to_a_law() -> flexmech.Response:
     request = flexmech.ResponseRequest(
         LAW,
-        samples=240,
-        step=2e-4,
+        samples=120,
+        step=5e-4,
         shaping=flexmech.Shaping("zv", modes=(1, 2)),
-        move_times=(0.1, 0.15, 0.2),
+        move_times=(0.12, 0.15),
     )
     return flexmech.response(reference(1e-5), request)
 
@@ -157,7 +157,18 @@ def kinematics() -> flexmech.Kinematics:
 
 @functools.cache
 def balance() -> flexmech.Balance:
-    return flexmech.balance(reference(1e-4), flexmech.BalanceRequest(20.0, crank_angles=TURN))
+    """Forces of elastic links are invented: smooth, and of a real size."""
+    request = flexmech.BalanceRequest(20.0, crank_angles=TURN, elastic=False)
+    found = flexmech.balance(fourbar(), request)
+    force = np.zeros((2, TURN.size, 2))
+    force[..., 0] = np.array([4.0, 1.0])[:, None] * np.cos(TURN)
+    force[..., 1] = np.array([2.0, 1.5])[:, None] * np.sin(3 * TURN)
+    elastic = found.dataset.assign(
+        elastic_shaking_force=(("state", "elastic_angle", "component"), force),
+        elastic_shaking_moment=(("state", "elastic_angle"), 0.2 * force[..., 0]),
+        first_frequency=("state", [43.7, 20.1]),
+    )
+    return flexmech.Balance(elastic.assign_coords(elastic_angle=TURN))
 
 
 @functools.cache
