@@ -208,7 +208,7 @@ def test_both_have_the_same_response_on_a_moving_guide() -> None:
 @pytest.mark.parametrize(
     ("prestress", "name", "make"),
     [
-        ("none", "inside a coupler", ReferenceEngine),
+        pytest.param("none", "inside a coupler", ReferenceEngine, marks=pytest.mark.thorough),
         ("equilibrium", "across", ReferenceEngine),
         pytest.param("equilibrium", "across", ExudynEngine, marks=pytest.mark.thorough),
         pytest.param("axial", "inside a coupler", ExudynEngine, marks=pytest.mark.thorough),
@@ -250,7 +250,9 @@ def test_both_have_the_same_orbit(make: Make) -> None:
         assert_same(orbits[1][name], orbits[0][name], within=1e-7)
 
 
-@ENGINES
+@pytest.mark.parametrize(
+    "make", [ReferenceEngine, pytest.param(ExudynEngine, marks=pytest.mark.thorough)]
+)
 def test_both_answer_a_hammer_alike(make: Make) -> None:
     place = LinkPoint("near", 0.5)
     request = HammerRequest([0.7], impact=place, response=place, prestress="equilibrium")

@@ -93,7 +93,8 @@ def test_the_work_of_the_motor_is_in_the_energies() -> None:
     assert errors[1] < 1e-4
 
 
-@pytest.mark.parametrize("kind", [ReferenceEngine, pytest.param(ExudynEngine, marks=THOROUGH)])
+@pytest.mark.thorough
+@pytest.mark.parametrize("kind", [ReferenceEngine, ExudynEngine])
 def test_a_heavy_flywheel_turns_as_prescribed(kind: Any) -> None:
     """What elastic links do to it falls as one over its inertia."""
     away = []
