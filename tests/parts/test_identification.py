@@ -1,13 +1,10 @@
-"""Kernels of the identification: stabilisation chart, circles, refinement; impacts on a rotor."""
+"""Kernels of the identification: stabilisation chart, circles and refinement."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from flexmech import ComputationError, RunningHammerRequest
-from flexmech.analyses.running_hammer.measured import measured_response
-from flexmech.analyses.running_hammer.plan import RunPlan
 from flexmech.modal_testing.circle_fit import circle_fit_poles, peaks
 from flexmech.modal_testing.identified import fit_residues, modal_sum
 from flexmech.modal_testing.lscf import stabilisation_chart
@@ -105,61 +102,3 @@ def test_modes_above_the_band_leave_residues_below_right_to_5e_5():
     inside = np.array([pole_at(40.0, 0.005), pole_at(85.0, 0.005)])
     residue, _ = fit_residues(S, modes_of(*inside, pole_at(150.0, 0.005)), inside)
     np.testing.assert_allclose(residue[0], 1 / (2j * inside.imag), rtol=5e-5)
-
-
-# --- impacts on a periodic system whose harmonic transfer functions are known -------------------
-
-STEPS, TURNS, SWING = 200, 8, 0.4
-PLAN = RunPlan(
-    turn_time=1.0,
-    turns=TURNS,
-    steps=STEPS,
-    phase=(np.arange(9) + 0.5 + 0.1 * np.sin(np.arange(9))) / 9,
-    pulse=0.05,
-    peak_force=1.0,
-    bandwidth=15.0,
-    fitted=3,
-)
-REQUEST = RunningHammerRequest(2 * np.pi, orders=1, damping_ratio=0.1)
-TURN_ANGLE = 2 * np.pi * np.arange(PLAN.samples + 1) / STEPS
-
-
-def oscillator(frequency: np.ndarray) -> np.ndarray:
-    """Receptance at 6 Hz with a damping ratio of 8 %."""
-    s, natural = 2j * np.pi * frequency, 2 * np.pi * 6.0
-    return 1 / (s**2 + 2 * 0.08 * natural * s + natural**2)
-
-
-def measured(curvature: float = 0.0, request: RunningHammerRequest = REQUEST):
-    """The reading swings with the crank by SWING, about a motion that repeats itself."""
-    frequency = PLAN.resolution * np.arange(PLAN.samples // 2 + 1)
-
-    def run(pulses):
-        force = sum((pulse.spectrum(frequency) for pulse in pulses), np.zeros(len(frequency)))
-        moved = np.fft.irfft(oscillator(frequency) * force, PLAN.samples) / PLAN.step
-        added = (1 + SWING * np.cos(TURN_ANGLE)) * np.append(moved, 0.0)
-        return 3.0 * np.sin(TURN_ANGLE) + added + curvature * added**2
-
-    return measured_response(run, request, PLAN, lambda label, done, total: None)
-
-
-def test_functions_of_all_orders_are_identified_from_impacts_on_a_periodic_system():
-    """H_0 is the oscillator's, H_1 and H_-1 half of the swing times it, higher ones are none."""
-    result, exact = measured(), oscillator(PLAN.frequency)
-    for place, order in enumerate(range(-3, 4)):
-        factor = {0: 1.0, 1: SWING / 2}.get(abs(order), 0.0)
-        apart = np.abs(result.estimate.response[place] - factor * exact)
-        assert apart.max() < 1e-4 * np.abs(exact).max()
-    assert result.halving_change.max() < 1e-9
-    assert result.plan.peak_force == PLAN.peak_force
-    assert 0 < result.decay.max() < 1e-4
-
-
-def test_impacts_are_halved_until_that_changes_nothing_or_refused():
-    """A quadratic term fades as impacts shrink; one too strong for five halvings is refused."""
-    strong = measured(curvature=60.0)
-    assert strong.plan.peak_force in (0.5, 0.25, 0.125)
-    exact = oscillator(PLAN.frequency)
-    assert np.abs(strong.estimate.response[3] - exact).max() < 0.03 * np.abs(exact).max()
-    with pytest.raises(ComputationError, match="halving"):
-        measured(curvature=3e4)

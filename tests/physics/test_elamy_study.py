@@ -118,10 +118,6 @@ def test_tables_have_a_row_for_each_linkage_position_and_model(study):
     frame = tables["composites"]
     # Five models of plies, three of beams; and one with rigid joints.
     assert len(frame) == (5 * 3 + 1) * 4 * 6 * 4
-    row = frame[(frame.plies == "woven") & (frame.beams == "third order") & (frame.case == 2)]
-    row = row[(row.laminate == "C3") & (row.position == "90")]
-    row = row[row.layers == "across width"].squeeze()
-    assert (row["published_finite_element_Hz"], row["published_damping"]) == (70.08, 0.431)
     properties = tables["composite_properties"]
     assert len(properties) == 6 * 2 * 2
     first = properties[(properties.laminate == "C1") & (properties.plies == "unidirectional")]
@@ -153,13 +149,6 @@ def test_the_command_writes_tables_and_a_model_file_of_each_linkage(tmp_path):
     written = load_mechanism(tmp_path / "out/models/case_2_C3_woven_across_width.toml")
     own = composite_crank_rocker(2, "C3", "woven", "across width")
     assert written.sections == own.sections
-
-
-def test_a_folder_that_cannot_be_written_is_refused_before_anything_is_computed(tmp_path):
-    (tmp_path / "file").write_text("")
-    ended = run_command(tmp_path, "study", "composites", "--out", tmp_path / "file")
-    assert ended.exit_code == 2
-    assert "--out" in ended.stderr
 
 
 # --- errata: what the paper's own tables say ----------------------------------------------------
@@ -202,20 +191,6 @@ def test_tables_4_to_6_do_not_hold_all_that_the_text_says_of_them(ours):
         "damping: case 3 lowest": "in 8 of 18",
     }
     assert {statement: ours[statement].from_tables for statement in counts} == counts
-
-
-def test_limits_of_the_transmission_angle_by_equations_2_and_3(ours):
-    """Case 1 is printed 1.2 deg off; cases 3 and 4 follow from their designs to two digits."""
-    limits = ("57.05 to 115.29", "35.41 to 104.38", "70.09 to 109.62", "60.24 to 120.46")
-    for case, text in enumerate(limits, start=1):
-        claim = ours[f"limits of the transmission angle, case {case}"]
-        assert claim.computed == f"{text} deg"
-        assert claim.verdict == ("not reproduced" if case == 1 else "reproduced")
-    for statement, lengths in (
-        ("case 3 from 90 +- 20 deg, rocker angle 100 deg", "0.1408, 0.9005, 0.4572"),
-        ("case 4 from 90 +- 30 deg, rocker angle 90 deg", "0.2087, 0.9137, 0.4569"),
-    ):
-        assert ours[statement].computed == lengths
 
 
 def test_table_2_gives_c6_0_687_of_the_frequency_of_c1_and_the_tables_0_389(ours):

@@ -309,12 +309,3 @@ def test_a_sample_fills_the_ranges_evenly_and_depends_on_seed_and_number_alone()
     assert np.std(sample[:, 1]) == pytest.approx(30.0, rel=0.05)
     np.testing.assert_array_equal(two.sample(7), sample[:7])
     assert (sample != replace(two, seed=2).sample(64)).all()
-
-
-@pytest.mark.parametrize("coefficient", [-0.9, 0.5])
-def test_correlated_variables_have_the_correlation_asked_for(coefficient):
-    pair = thickness(2e-3, 1e-5, distribution="normal"), density(2923.0, 30.0)
-    correlations = (Correlation((pair[0].name, "density"), coefficient),)
-    sample = study(*pair, correlations=correlations).sample(4096)
-    assert np.corrcoef(sample.T)[0, 1] == pytest.approx(coefficient, abs=0.01)
-    assert np.std(sample[:, 1]) == pytest.approx(30.0, rel=0.01)

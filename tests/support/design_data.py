@@ -7,9 +7,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from flexmech.linkages import FourBar
-from tests.support.plot_data import linkage_dataset
-
 COUPLER, MATERIAL = "links.coupler.in_plane_thickness", "links.coupler.material"
 LENGTH = {"units": "m", "shown_unit": "mm"}
 LEAST = 45.0
@@ -128,19 +125,6 @@ def frequency_bands() -> xr.Dataset:
         {"frequency_percentile": (over, median * (1 + spread), attributes)},
         {"percentile": [2.5, 50.0, 97.5], "mode": [1, 2], "crank_angle": angle},
     )
-
-
-def with_linkages(dataset: xr.Dataset) -> xr.Dataset:
-    """Designs with a posture of each: four-bars whose cranks grow from design to design."""
-    cranks = np.linspace(0.08, 0.11, dataset.sizes["design"])
-    linkages = [
-        linkage_dataset(FourBar(ground=0.254, crank=crank, coupler=0.2794, rocker=0.2667))
-        for crank in cranks.tolist()
-    ]
-    positions = xr.concat([each["rigid_position"] for each in linkages], "design")
-    return dataset.assign(
-        rigid_position=positions.assign_coords(design=dataset["design"])
-    ).assign_attrs(drawing=linkages[0].attrs["drawing"])
 
 
 def optimum_dataset(goals: int = 2) -> xr.Dataset:
