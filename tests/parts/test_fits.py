@@ -51,11 +51,17 @@ def held(fits: list[Fit], widening: float = 1.0) -> float:
 
 
 def test_intervals_of_95_percent_hold_for_white_noise():
-    """Of 200 between 181 and 198 hold with a probability of 0.999; the error is the scatter."""
+    """Of 200 between 181 and 198 hold with a probability of 0.999.
+
+    Their standard error is the noise over the slope by the rate that no amplitude makes up for.
+    """
     fits = [fitted(Decay(record(seed, 0.1))) for seed in range(200)]
     assert 181 / 200 <= held(fits) <= 198 / 200
-    scatter = np.std([fit.values[0] for fit in fits])
-    assert np.mean([fit.standard_error[0] for fit in fits]) == pytest.approx(scatter, rel=0.15)
+    shape = np.exp(-RATE * TIME) * np.cos(WAVE * TIME)
+    slope = -2 * TIME * shape
+    slope -= shape * (shape @ slope) / (shape @ shape)
+    error = np.mean([fit.standard_error[0] for fit in fits])
+    assert error == pytest.approx(0.1 / np.linalg.norm(slope), rel=0.03)
     first = record(0, 0.1)
     left = np.sum((first - fits[0].computed) ** 2) / np.sum((first - first.mean()) ** 2)
     assert fits[0].unexplained == pytest.approx(left)

@@ -18,6 +18,8 @@ import zarr
 from flexmech import ComputationError, InputError
 from flexmech.studies import Correlation, Goal, Limit, optimum_study, sweep_study
 from flexmech.studies.designs.campaign import TASK
+from flexmech.studies.designs.evaluation import Evaluated
+from flexmech.studies.designs.scatter import Scatter
 from tests.support.study_data import Scripted, bytes_of, density, study, thickness
 
 COUNT, STORE = 3 * TASK + 5, "designs.zarr"
@@ -202,6 +204,20 @@ SCATTERED = study(
     goals=(Goal("mass", "min", 90.0),),
     percentile_samples=16,
 )
+
+
+def test_percentiles_of_each_design_are_of_its_samples_with_the_same_random_numbers():
+    """An output that is thickness times density; the same density nine in ten times for both."""
+
+    def computed(rows: np.ndarray) -> Evaluated:
+        values = rows[:, :1] * rows[:, 1:]
+        return Evaluated(values, np.zeros(len(rows), dtype=int), [""] * len(rows))
+
+    scatter = Scatter.of(SCATTERED)
+    found = scatter.evaluated(scatter.designs(np.array([[0.1], [0.7]])), computed).values
+    heavy = found[:, 0] / [1.2e-3, 2.4e-3]
+    assert heavy[0] == pytest.approx(heavy[1], rel=1e-12)
+    assert 2923.0 + 150.0 < heavy[0] < 2923.0 + 1.6 * 150.0
 
 
 def test_what_a_search_chooses_goes_with_nothing_and_something_must_be_left_to_choose():
