@@ -173,7 +173,10 @@ def test_periodic_motion_converges_in_second_order_of_the_step(aluminium: Mechan
     assert np.log2(first / second) == pytest.approx(2.0, abs=0.1)
 
 
-@pytest.mark.parametrize(("prestress", "most"), [("axial", 5e-5), ("equilibrium", 3e-4)])
+@pytest.mark.parametrize(
+    ("prestress", "most"),
+    [("axial", 5e-5), pytest.param("equilibrium", 3e-4, marks=pytest.mark.thorough)],
+)
 def test_a_damped_run_ends_in_the_periodic_motion(
     aluminium: Mechanism, prestress: str, most: float
 ) -> None:

@@ -73,7 +73,7 @@ def test_deeply_bowed_and_strongly_damped_links_stay_as_they_are(
     ("seed", "kind"),
     [
         (0, ReferenceEngine),
-        (3, ExudynEngine),
+        pytest.param(3, ExudynEngine, marks=pytest.mark.thorough),
         *(pytest.param(seed, ReferenceEngine, marks=pytest.mark.thorough) for seed in range(4, 12)),
     ],
 )

@@ -51,7 +51,7 @@ def test_moduli_of_an_undamped_linkage_are_one_whatever_the_steps(
 ) -> None:
     """Its monodromy matrix is symplectic, and the trace of the system vanishes."""
     engine = kind(mechanisms[name], 4)
-    for steps in (None, 2048):
+    for steps in (None, 1024):
         data = stability(engine, [speed], modes=4, prestress=prestress, steps=steps).dataset
         assert np.abs(data["log_modulus"].values).max() < 1e-8
         assert data["liouville_defect"].item() < 1e-10
@@ -207,6 +207,7 @@ def test_engines_agree_on_a_running_linkage_with_dampers_and_a_force_that_follow
     assert (first.real < -1.0).any()
 
 
+@pytest.mark.thorough
 def test_the_periodic_motion_is_the_same_whichever_way_the_shaft_turns(
     aluminium: Mechanism,
 ) -> None:
@@ -221,22 +222,17 @@ def test_the_periodic_motion_is_the_same_whichever_way_the_shaft_turns(
     assert max(each["orbit_residual"].item() for each in data) < 1e-8
 
 
-def test_a_band_is_named_by_the_modes_that_meet_and_closed_by_its_damping_ratio(
+def test_a_band_is_named_by_the_modes_that_meet_and_their_signatures_differ(
     aluminium: Mechanism,
 ) -> None:
-    """A principal one: twice the frequency of mode 2 is 7 times the crank's, signatures differ."""
+    """A principal one: twice the frequency of mode 2 is 7 times the crank's."""
     engine = ReferenceEngine(aluminium, 2)
-    speeds = [84.0, 87.0, 90.0]
-    bands = stability(engine, speeds, modes=2, prestress="axial").dataset.isel(band=0)
+    found = stability(engine, [84.0, 87.0, 90.0], modes=2, prestress="axial")
+    bands = found.dataset.isel(band=0)
     names = bands["band_kind"].item(), bands["band_branches"].item(), int(bands["band_order"])
     assert names == ("principal", "2", 7)
     signs = np.sign([bands["band_first_signature"].item(), bands["band_second_signature"].item()])
     assert sorted(signs.tolist()) == [-1.0, 1.0]
-    fastest, closing = (
-        bands[f"band_{name}"].item() for name in ("fastest_speed", "closing_damping_ratio")
-    )
-    for factor, grows in ((0.8, "yes"), (1.2, "no")):
-        found = stability(
-            engine, [fastest], modes=2, prestress="axial", damping_ratio=factor * closing
-        )
-        assert found.dataset["unstable"].item() == grows
+    assert found.growth().set_index("crank_speed_rad_s")["unstable"].tolist() == [
+        *("no", "yes", "no")
+    ]
