@@ -54,12 +54,13 @@ def changed(key: str, old: str, new: str, tmp_path) -> Mechanism:
 
 def test_outputs_are_those_of_single_runs_of_the_changed_model_file(tmp_path):
     """Frequencies and margin of order 2, transmission angle, torque and pin forces, peaks."""
-    low, high, margin, angle, torque, force, at_b, bent, strain = outputs_of(
+    low, high, margin, above, angle, torque, force, at_b, bent, strain = outputs_of(
         ALUMINIUM,
         {THICKNESS: [2.5e-3]},
         low=Output("lowest_frequency", speed=20.0, angles=5, mode=2, prestress="axial"),
         high=Output("highest_frequency", speed=20.0, angles=5, mode=2, prestress="axial"),
         margin=Output("order_margin", speed=20.0, angles=5, prestress="axial", orders=(2,)),
+        above=Output("order_margin", speed=20.0, angles=5, prestress="axial", orders=(2, 16)),
         angle=Output("transmission_angle"),
         torque=Output("peak_driving_torque", speed=20.0, angles=12),
         force=Output("peak_joint_force", speed=20.0, angles=12),
@@ -73,6 +74,7 @@ def test_outputs_are_those_of_single_runs_of_the_changed_model_file(tmp_path):
     assert high[0] == pytest.approx(hertz[:, 1].max(), rel=1e-3)
     order = 2 * 20.0 / (2 * np.pi)
     assert margin[0] == pytest.approx(hertz[:, 0].min() / order - 1, rel=1e-3)
+    assert above[0] == pytest.approx(1 - hertz[:, 0].max() / (8 * order), abs=2e-3)
     least, greatest = thick.linkage.transmission_angle_limits()
     assert angle[0] == pytest.approx(min(least, np.pi - greatest))
     rigid = kinematics(thick, KinematicsRequest(turn(12), 20.0)).dataset
@@ -87,6 +89,20 @@ def test_outputs_are_those_of_single_runs_of_the_changed_model_file(tmp_path):
     )
     assert bent[0] == pytest.approx(float(peaks["deflection"].sel(link="coupler")), rel=1e-9)
     assert strain[0] == pytest.approx(float(peaks["strain"].max()), rel=1e-9)
+
+
+def test_the_transmission_angle_is_the_least_of_both_ends_and_their_supplements():
+    """Of a longer ground the obtuse end is the worse one."""
+    (angle,) = outputs_of(
+        ALUMINIUM, {"linkage.ground": [0.254, 0.4]}, a=Output("transmission_angle")
+    )
+    for value, ground in zip(angle, (0.254, 0.4), strict=True):
+        near, far = (
+            np.arccos((0.2794**2 + 0.2667**2 - (ground + turn * 0.102) ** 2) / 2 / 0.2794 / 0.2667)
+            for turn in (-1, 1)
+        )
+        assert value == pytest.approx(min(near, np.pi - far), rel=1e-9)
+    assert np.pi - far < near
 
 
 def test_strain_energy_damping_is_the_least_of_the_turn():
