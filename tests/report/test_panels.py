@@ -358,9 +358,9 @@ def test_each_panel_says_what_it_shows_and_from_where(fourbar: Page) -> None:
         "uncertainty",
         "provenance",
     ]
-    for make in OF_THE_FOURBAR:
+    for make in (results.campbell, results.stability, results.kinematics, results.hammer):
         for line in make().summary().answer:
-            assert line.split(":")[-1].strip()[:30].split("<")[0] in fourbar.text, line
+            assert line[:30] in fourbar.text, line
     for plot in fourbar.content["plots"]:
         assert plot["text"], plot["name"]
         for trace in fourbar.traces(plot["name"]):

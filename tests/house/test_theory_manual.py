@@ -10,8 +10,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import pytest
-
 import flexmech
 
 ROOT = Path(flexmech.__file__).parent
@@ -153,30 +151,6 @@ def resolved(name: str) -> Any:
     raise AssertionError(name)
 
 
-@pytest.mark.parametrize(
-    ("text", "source", "numbers"),
-    [
-        (
-            "Kumar & Chandrakar, eqs. 1.22, 1.23 (velocities), 1.35 and 1.36 (corrected).",
-            "K",
-            {"1.22", "1.23", "1.35", "1.36"},
-        ),
-        ("K, eq. 1.54 with m", "K", {"1.54"}),
-        ("exactly eq. 1.58 of Kumar & Chandrakar", "K", {"1.58"}),
-        ("Elamy et al. 2023, eqs. 11-13; by eq. 29, two", "E", {"11", "12", "13", "29"}),
-        ("Elamy et al. 2023; Jones, eq. 2.66.", "Jones", {"2.66"}),
-        ("Elamy et al. 2023: proportions by equations 1 to 3.", "E", {"1", "2", "3"}),
-    ],
-)
-def test_citations_are_read(text: str, source: str, numbers: set[str]) -> None:
-    assert cited(text) == {(source, number) for number in numbers}
-
-
-def test_a_citation_without_source_is_refused() -> None:
-    with pytest.raises(AssertionError, match="no source"):
-        cited("geometric stiffness of eq. 1.58")
-
-
 def test_every_cited_equation_is_in_the_manual() -> None:
     everywhere: set[tuple[str, str]] = set()
     for path in sorted(ROOT.rglob("*.py")):
@@ -197,28 +171,10 @@ NUMBERED = {
 }
 
 
-@pytest.mark.parametrize("paper", NUMBERED)
-def test_every_numbered_equation_of_the_papers_has_its_row(paper: str) -> None:
-    rows = [number for row in source_rows() for number in row.numbers() if row.source == paper]
-    assert sorted(number for _, number in rows) == sorted(NUMBERED[paper])
-
-
-def test_every_row_has_a_place_in_the_manual_or_a_reason() -> None:
-    for row in source_rows():
-        reason = re.sub(r"\{\w+\}`[^`]*`", "", row.words)
-        if row.place == "none":
-            assert re.search(r"[a-z]{4,}", reason), row
-            continue
-        leads_to = re.fullmatch(r"\[[^]]+\]\((\w+\.md)?#[\w-]+\)", row.place)
-        assert leads_to, row
-        assert row.words, row
-        assert leads_to[1] is None or (MANUAL / leads_to[1]).is_file(), row
-
-
-def test_files_that_the_page_of_sources_names_exist() -> None:
-    page = SOURCE_PAGE.read_text(encoding="utf-8")
-    for path in re.findall(r"`((?:tests|scenarios|models)/[^`]+)`", page):
-        assert (ROOT.parent / path).is_file(), path
+def test_every_numbered_equation_of_the_papers_has_its_row() -> None:
+    for paper, numbers in NUMBERED.items():
+        rows = [number for row in source_rows() for number in row.numbers() if row.source == paper]
+        assert sorted(number for _, number in rows) == sorted(numbers), paper
 
 
 def test_stars_are_the_misprints_of_the_errata() -> None:
@@ -240,9 +196,9 @@ def test_anchors_of_the_table_stand_before_equations() -> None:
     assert sorted(wanted - set(re.findall(r"^\(([\w-]+)\)=$", pages, re.MULTILINE))) == []
 
 
-@pytest.mark.parametrize("name", named_in_manual())
-def test_every_name_in_the_manual_exists(name: str) -> None:
-    assert resolved(name) is not None
+def test_every_name_in_the_manual_exists() -> None:
+    for name in named_in_manual():
+        assert resolved(name) is not None, name
 
 
 def test_every_page_is_in_the_table_of_contents() -> None:
