@@ -117,7 +117,9 @@ def keep_campaign(name: str) -> None:
     """Run a campaign and keep what it gives in the repository."""
     _run(name, LAST / name)
     for left in (LAST / name).iterdir():
-        if left.suffix not in (".png", ".json", ".txt"):
+        if left.is_dir():
+            shutil.rmtree(left)
+        elif left.suffix not in (".png", ".json", ".txt"):
             left.unlink()
 
 
