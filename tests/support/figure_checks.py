@@ -4,49 +4,23 @@ from __future__ import annotations
 
 from itertools import combinations
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from flexmech.plots import SERIES_STYLES
-
 # Width and height in pixels that a panel must exceed.
-GRID_PANEL = (60.0, 40.0)
-HALF_WIDTH_PANEL = (200.0, 60.0)
-FULL_WIDTH_PANEL = (500.0, 60.0)
+LEAST_PANEL = (60.0, 40.0)
 
 
 def panels(figure: Figure) -> list[Axes]:
     return [axes for axes in figure.axes if axes.get_label() != "<colorbar>"]
 
 
-def y_labels(figure: Figure) -> list[str]:
-    return [axes.get_ylabel().replace("\n", " ") for axes in panels(figure)]
-
-
-def lines_in(axes: Axes, style: int, n_points: int) -> list[np.ndarray]:
-    """Data of the lines in a series' colour and dash that run over all angles."""
-    color = SERIES_STYLES[style].color
-    return [
-        np.asarray(line.get_ydata())
-        for line in axes.lines
-        if line.get_color() == color
-        and line.get_linestyle() != "None"
-        and len(line.get_xdata()) == n_points
-    ]
-
-
 def heading(figure: Figure) -> str:
     """Line above the legend."""
     (legend,) = figure.legends
     return legend.get_title().get_text()
-
-
-def drawn(axes: Axes, color: str) -> np.ndarray:
-    (line,) = [line for line in axes.lines if line.get_color() == color]
-    return np.asarray(line.get_ydata())
 
 
 def top_axis(figure: Figure) -> Axes:
@@ -102,12 +76,12 @@ def check_texts(figure: Figure) -> None:
         assert min(wide, tall) <= 1, f"{first.get_text()!r} touches {second.get_text()!r}"
 
 
-def check_layout(figure: Figure, least: tuple[float, float] = GRID_PANEL) -> None:
+def check_layout(figure: Figure) -> None:
     """Texts stand apart, legends cover no panel, and no panel is squeezed to nothing."""
     check_texts(figure)
     for legend in figure.legends:
         frame = legend.get_window_extent()
         assert not any(frame.overlaps(axes.get_tightbbox()) for axes in figure.axes)
     # Text that cannot fit makes the layout give up and shrink the panels to nothing.
-    width, height = least
+    width, height = LEAST_PANEL
     assert all(axes.bbox.width > width and axes.bbox.height > height for axes in panels(figure))
