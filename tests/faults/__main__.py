@@ -24,6 +24,7 @@ import time
 import tomllib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).parents[2]
 TABLE = Path(__file__).parent / "table.toml"
@@ -84,15 +85,16 @@ def main() -> int:
     for name in HEAVY:
         importlib.import_module(name)
     sound = sorted({test for fault in faults for test in fault.tests})
-    if not asked.draw and _wait(_start(None, sound)) != 0:
+    if not asked.draw and _exit_code(_start(None, sound)[0]) != 0:
         print("error: these tests fail without any fault: run them by pytest")
         return 2
 
     counts = {"caught": 0, "NOT CAUGHT": 0, "cannot be tried": 0}
-    for fault, code, seconds in outcomes(faults, asked.jobs):
+    for fault, code, failed, seconds in outcomes(faults, asked.jobs):
         verdict = VERDICTS.get(code, f"cannot be tried: pytest ended with {code}")
         counts[verdict.split(":")[0]] += 1
-        print(f"{verdict:12s} {seconds:6.1f} s  {fault}", flush=True)
+        by = f"  by {failed}" if failed and fault.tests != (failed,) else ""
+        print(f"{verdict:12s} {seconds:6.1f} s  {fault}{by}", flush=True)
     print(", ".join(f"{count} {verdict}" for verdict, count in counts.items() if count))
     return 2 if counts["cannot be tried"] else int(counts["NOT CAUGHT"] > 0)
 
@@ -110,23 +112,41 @@ def drawn_faults(count: int, seed: int) -> list[Fault]:
     return [Fault(file, old, new, offset=offset) for file, offset, old, new in draw(count, seed)]
 
 
-def outcomes(faults: Sequence[Fault], jobs: int) -> Iterator[tuple[Fault, int, float]]:
-    """Each fault with the exit code of its tests and their seconds, as they end."""
+def outcomes(faults: Sequence[Fault], jobs: int) -> Iterator[tuple[Fault, int, str, float]]:
+    """Each fault with pytest's exit code, the test that failed and the seconds, as they end."""
     waiting, running = list(faults), {}
     while waiting or running:
         while waiting and len(running) < jobs:
             fault = waiting.pop(0)
-            running[_start(fault, fault.tests)] = fault, time.monotonic()
+            process, answer = _start(fault, fault.tests)
+            running[process] = fault, answer, time.monotonic()
         process, status = os.wait()
-        fault, began = running.pop(process)
-        yield fault, os.waitstatus_to_exitcode(status), time.monotonic() - began
+        fault, answer, began = running.pop(process)
+        with os.fdopen(answer) as failed:
+            yield fault, os.waitstatus_to_exitcode(status), failed.read(), time.monotonic() - began
 
 
-def _start(fault: Fault | None, tests: Sequence[str]) -> int:
-    """Process that runs the tests with the fault in the package and exits as pytest does."""
+class _FirstFailure:
+    """Plugin of pytest that writes the name of the test that failed."""
+
+    def __init__(self, answer: int) -> None:
+        self.answer = answer
+
+    def pytest_runtest_logreport(self, report: Any) -> None:
+        if report.failed:
+            os.write(self.answer, report.nodeid.encode())
+
+
+def _start(fault: Fault | None, tests: Sequence[str]) -> tuple[int, int]:
+    """Process that runs the tests with the fault in the package, and what its failure is read from.
+
+    The process exits as pytest does.
+    """
+    read, write = os.pipe()
     process = os.fork()
     if process:
-        return process
+        os.close(write)
+        return process, read
     code = 3
     try:
         resource.setrlimit(resource.RLIMIT_CPU, (LIMIT, LIMIT + 10))
@@ -136,12 +156,13 @@ def _start(fault: Fault | None, tests: Sequence[str]) -> int:
             if fault is not None:
                 _compile_from(ROOT / fault.file, fault.source())
             pytest = importlib.import_module("pytest")
-            code = int(pytest.main(["-x", "-n0", "-p", "no:cacheprovider", *tests]))
+            words = ["-x", "-n0", "-p", "no:cacheprovider", *tests]
+            code = int(pytest.main(words, plugins=[_FirstFailure(write)]))
     finally:
         os._exit(code)
 
 
-def _wait(process: int) -> int:
+def _exit_code(process: int) -> int:
     return os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
 
 
