@@ -51,6 +51,7 @@ def journey(tmp_path_factory: pytest.TempPathFactory) -> Journey:
     return Journey(folder / "out", "response", model(folder), *words, "--no-plots")
 
 
+@pytest.mark.thorough
 def test_a_run_by_a_law_has_its_speed_power_and_rest(journey: Journey) -> None:
     """The envelope of the rest is half of what the deflection swings over the slowest period."""
     table, data = journey.table("response"), journey.result().dataset.isel(engine=0)

@@ -194,6 +194,7 @@ def failed(folder: Path, text: str) -> tuple[str, dict[str, np.ndarray]]:
     return ended.stderr, ended.table("pareto")
 
 
+@pytest.mark.thorough
 def test_where_no_design_keeps_the_limit_the_nearest_stands_in_a_file(tmp_path):
     """And a model file of an earlier optimum beside it is named."""
     text = TEXT.replace('"0.33 N m"', '"0.001 N m"')
@@ -206,6 +207,7 @@ def test_where_no_design_keeps_the_limit_the_nearest_stands_in_a_file(tmp_path):
         optimum_study(load_study(tmp_path / "study.toml"), folder=tmp_path / "out", resume=True)
 
 
+@pytest.mark.thorough
 def test_an_optimum_that_fails_at_finer_angles_is_no_optimum(tmp_path):
     """The heaviest linkage whose torque is kept at eight crank angles, and not at sixteen."""
     text = TEXT.replace("angles = 24", "angles = 8").replace('"0.33 N m"', '"0.15 N m"')

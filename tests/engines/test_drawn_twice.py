@@ -193,6 +193,7 @@ def test_both_have_the_same_response(drawing: Drawing, make: Make) -> None:
     assert_same(*ran(make, drawing, 6.0, 0.05), within=3e-7)
 
 
+@pytest.mark.thorough
 @ENGINES
 def test_both_speed_up_alike(make: Make) -> None:
     """A body beside the axis of an accelerated crank is left behind as the welded link is."""
@@ -223,6 +224,7 @@ def test_both_deflect_alike_in_a_speed_sweep(prestress: Any, name: str, make: Ma
     assert_same(body, weld.sel(link=body["link"]))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("make", "name"),
     [

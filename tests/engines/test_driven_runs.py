@@ -109,6 +109,7 @@ def test_a_heavy_flywheel_turns_as_prescribed(kind: Any) -> None:
     assert away[0] / away[1] == pytest.approx(10.0, rel=0.1)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("motor", "gravity", "kinds"),
     [

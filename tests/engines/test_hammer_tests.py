@@ -149,6 +149,7 @@ def test_three_modes_are_identified_all_over_the_turn(name, method):
 RUNNING = RunningHammerRequest(20.0, COUPLER, ROCKER, damping_ratio=0.1, bandwidth=60.0, orders=1)
 
 
+@pytest.mark.thorough
 def test_sidebands_identified_in_runs_are_those_of_the_harmonic_balance():
     """Of orders -1, 0 and 1 at 20 rad/s within 5 %; frozen linkages answer up to 24 % otherwise."""
     test = running_hammer_test(
@@ -167,6 +168,7 @@ def test_sidebands_identified_in_runs_are_those_of_the_harmonic_balance():
     assert data.sizes["impact"] >= 2 * data.attrs["highest_fitted_order"] + 1
 
 
+@pytest.mark.thorough
 @BOTH
 def test_a_rotating_arm_has_no_sidebands(engine):
     """Its equations are constant: one receptance, of the order 0."""

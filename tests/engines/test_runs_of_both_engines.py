@@ -86,6 +86,7 @@ def test_a_fiftieth_of_a_turn_from_the_equilibrium_is_alike(name: str) -> None:
     assert simulated < 1e-6
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["L-arm with bodies"])
 def test_a_crank_that_speeds_up_bends_its_links_alike(name: str) -> None:
     """From rest within a tenth of a second; what stands off a link's axis is left behind."""

@@ -21,6 +21,7 @@ def maps() -> list[xr.Dataset]:
     ]
 
 
+@pytest.mark.thorough
 def test_a_band_that_is_narrower_than_the_step_is_found_named_and_closed(
     maps: list[xr.Dataset],
 ) -> None:

@@ -57,6 +57,7 @@ def test_each_plot_of_the_room_is_among_them() -> None:
     assert {plot.__name__ for plot in FIGURES} == names
 
 
+@pytest.mark.thorough
 @WIDTHS
 def test_figure_is_read_at_a_width_of_a_page(plot: Plot, width: float) -> None:
     """No text is cut off or touches another; letters have 6.5 points; the mechanism is named."""

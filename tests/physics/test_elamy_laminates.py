@@ -104,6 +104,7 @@ def test_one_element_a_link_is_11_percent_high():
     assert max(errors) == pytest.approx(0.11, abs=0.01)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("case", "laminate"), [(2, "C1"), (3, "C6")])
 def test_linkages_with_rigid_joints_are_those_of_the_study_and_stiffer_than_hinged(case, laminate):
     stored = CompositeStudy.load(STORED).dataset["rigid_joints_frequency"]

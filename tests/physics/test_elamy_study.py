@@ -67,6 +67,7 @@ def theirs(published) -> dict[str, Claim]:
 # --- the study itself ---------------------------------------------------------------------------
 
 
+@pytest.mark.thorough
 def test_the_study_is_the_one_that_is_stored(data, tmp_path, request):
     """Frequencies, damping, motion, strength, properties and their spreads to 1e-6.
 

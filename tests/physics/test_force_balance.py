@@ -170,6 +170,7 @@ def weighed(mechanism: Mechanism, moments: np.ndarray, weights: tuple[float, ...
     return sum(w * after / before for w, before, after in zip(weights, *rows, strict=True))
 
 
+@pytest.mark.thorough
 def test_no_counterweights_near_a_compromise_are_better() -> None:
     """In any direction by a fiftieth: the sum rises with the square of the step."""
     mechanism, weights = fourbar(gravity=(0.0, -9.81)), (1.0, 0.3, 0.7)

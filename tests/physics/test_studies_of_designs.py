@@ -207,6 +207,7 @@ def listed(link: str, start: float, end: float, count: int) -> Variable:
     return Variable(link, (f"links.{link}.in_plane_thickness",), LENGTH, "values", values)
 
 
+@pytest.mark.thorough
 def test_the_front_of_two_goals_is_that_of_an_exhaustive_grid():
     pytest.importorskip("pymoo")
     whole = study(
@@ -256,6 +257,7 @@ def thickest(percentile: float | None, samples: int, *, mechanism: bool) -> Opti
     )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "mechanism", [False, pytest.param(True, marks=pytest.mark.thorough)], ids=["product", "links"]
 )

@@ -132,6 +132,7 @@ def apart(first: np.ndarray, second: np.ndarray, speed: float) -> float:
     return float(max(distance.min(axis=0).max(), distance.min(axis=1).max()))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("seed", "kind", "element"),
     [
@@ -170,6 +171,7 @@ def test_the_map_finds_the_critical_speeds(seed: int) -> None:
     assert bands.sizes["band"] == 1
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "seed", [0, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(1, 4))]
 )

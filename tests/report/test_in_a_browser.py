@@ -12,6 +12,9 @@ import pytest
 from tests.support import results
 from tests.support.report_page import Page
 
+# The page of all results takes twenty seconds.
+pytestmark = pytest.mark.thorough
+
 WIDE, PHONE = {"width": 1400, "height": 900}, {"width": 390, "height": 800}
 READY = "html[data-ready=yes]"
 TURN_TO = """angle => { const slider = document.getElementById('angle');

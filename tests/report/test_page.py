@@ -137,6 +137,7 @@ def test_names_of_a_model_are_text(write: Write) -> None:
     assert "<b>" not in page.text
 
 
+@pytest.mark.thorough
 def test_links_that_do_not_bend_have_no_curve(write: Write) -> None:
     data = flexmech.plots.chosen(results.response().dataset, engine="reference")
     rigid = data.assign(deflection=data["deflection"].where(data["link"] != "crank", 0.0))

@@ -14,6 +14,9 @@ from tests.report.conftest import OF_THE_FOURBAR, Write
 from tests.support import results
 from tests.support.report_page import Page
 
+# The page of all results takes twenty seconds.
+pytestmark = pytest.mark.thorough
+
 Values = Callable[[xr.Dataset], xr.DataArray]
 REFERENCE, EXUDYN = {"engine": "reference"}, {"engine": "exudyn"}
 
