@@ -35,6 +35,7 @@ SCENARIOS = REPOSITORY / "scenarios"
 SETTINGS = Path(__file__).with_name("scenario_numbers.py")
 PRINTED = "printed.txt"
 CAMPAIGNS = {
+    "best_stacking_under_scatter": "two minutes of processor time",
     "least_mass_fourbar": "two minutes of processor time",
     "lightest_stable_fourbar": "six minutes of processor time",
 }

@@ -27,7 +27,6 @@ TOLD = 5.0
 # What takes longest starts first, so that no core waits for it in the end.
 LONG = (
     "instability_confirmed",
-    "best_stacking_under_scatter",
     "running_hammer_test",
     "running_fourbars",
     "moisture_and_stability",
