@@ -30,7 +30,7 @@ from tests.support.mechanisms import case
 
 # Of the peak deflection: what a script and the program may differ by.
 SAME = 1e-6
-SHORT = ResponseRequest(ConstantSpeed(20.0), revolutions=0.02, step=np.pi / 10 / 720)
+SHORT = ResponseRequest(ConstantSpeed(20.0), revolutions=0.025, step=np.pi / 10 / 720)
 
 
 @pytest.mark.parametrize(
@@ -100,7 +100,8 @@ def test_a_script_runs_as_the_program_does(name: str, element: str, tmp_path: Pa
     assert "import flexmech" not in file.read_text(encoding="utf-8")
     assert_well_formatted(file)
     printed, found = run_script(tmp_path)
-    columns = [column for column in wanted if column.endswith("deflection_m")]
+    # A script tells of links that bend alone.
+    columns = [column for column in found if column.endswith("deflection_m")]
     assert columns
     for column in ("time_s", "crank_angle_deg", *columns):
         peak = np.abs(wanted[column]).max()
