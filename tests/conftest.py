@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import functools
 import gc
-import importlib
 import os
 import sys
 import tempfile
-import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -86,29 +84,6 @@ def rough_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
         roughly(figure, path, dpi=dpi)
 
     monkeypatch.setattr(style, "_write_png", written)
-
-
-SCENARIOS = MODELS.parent / "scenarios"
-
-
-@pytest.fixture
-def scenario(monkeypatch: pytest.MonkeyPatch, rough_pictures: None) -> Callable[[str], Any]:
-    """Imports a scenario by its name, and those that it imports."""
-    monkeypatch.syspath_prepend(str(SCENARIOS))
-    return importlib.import_module
-
-
-@pytest.fixture(scope="session")
-def expected_number() -> Callable[[str], Any]:
-    """The number of a scenario, as the gallery shows it, within its tolerance."""
-    text = (SCENARIOS / "expected_numbers.toml").read_text()
-    numbers = tomllib.loads(text)
-
-    def within(scenario: str) -> Any:
-        number = numbers[scenario]
-        return pytest.approx(number["value"], abs=number["tolerance"], rel=0)
-
-    return within
 
 
 @pytest.fixture
