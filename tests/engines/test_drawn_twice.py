@@ -16,6 +16,7 @@ import pytest
 
 from flexmech import (
     AttachedBody,
+    ComputationError,
     ExudynEngine,
     HammerRequest,
     LinkPoint,
@@ -282,9 +283,12 @@ def test_random_bodies(seed: int, make: Make) -> None:
         else four_bar_with(body(0.3), float(random.uniform(0.3, 0.7)), 1.5e-3)
     )
     for speed in (0.0, *random.uniform(2.0, 9.0, 2)):
-        first, second = (
-            natural_frequencies(engine, ANGLES, speed) for engine in engines(make, drawing, 5)
-        )
+        try:
+            first, second = (
+                natural_frequencies(engine, ANGLES, speed) for engine in engines(make, drawing, 5)
+            )
+        except ComputationError as refusal:
+            pytest.skip(f"a body that hangs far for its length is refused: {refusal}")
         np.testing.assert_allclose(first, second, rtol=SAME)
 
 
