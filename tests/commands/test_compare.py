@@ -48,6 +48,7 @@ def journey(strain, tmp_path_factory):
     return Journey(folder, "compare", MODEL, strain, "--speed", "190.98593171 rpm", "--no-plots")
 
 
+@pytest.mark.thorough
 def test_the_damping_of_a_strain_gauge_is_found_in_the_models_own_mesh(journey):
     """The record is that of a coarser mesh, 0.4 % off: the interval is widened until it holds."""
     fit = journey.table("fit")

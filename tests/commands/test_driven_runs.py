@@ -74,6 +74,7 @@ def test_a_run_by_a_law_has_its_speed_power_and_rest(journey: Journey) -> None:
     assert (data["residual_amplitude_at_end"] < data["residual_amplitude"]).all()
 
 
+@pytest.mark.thorough
 def test_a_shaped_run_is_a_run_by_the_shaped_law(journey: Journey) -> None:
     """Which a model file can state; its delay is told in ms."""
     data = journey.result().dataset
@@ -140,6 +141,7 @@ def test_a_blow_is_for_an_engine_that_simulates() -> None:
     assert any("its speed jumps by -6 rad/s" in str(line) for line in told)
 
 
+@pytest.mark.thorough
 def test_a_run_under_a_motor_has_its_speed_torque_and_current(tmp_path: Path) -> None:
     motor = MotorDrive(DcMotor(1.2, 0.06, 12.0, gear_ratio=10.0, inertia=2e-5))
     words = ("--revolutions", "0.2", "--samples", "60", "--modes", "2", "--step", "0.4 ms")

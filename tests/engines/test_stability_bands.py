@@ -33,6 +33,7 @@ def test_a_band_that_is_narrower_than_the_step_is_found_named_and_closed(
     assert 0.004 < float(band["band_closing_damping_ratio"]) < 0.01
 
 
+@pytest.mark.thorough
 def test_edges_by_both_engines_agree_within_their_errors(maps: list[xr.Dataset]) -> None:
     first, second = (found.isel(band=0) for found in maps)
     for edge in ("band_lower", "band_upper"):
@@ -76,6 +77,7 @@ def test_growth_ends_at_the_closing_damping_ratio(maps: list[xr.Dataset]) -> Non
     assert grows[0] > 0 > grows[1]
 
 
+@pytest.mark.thorough
 def test_multipliers_are_the_same_in_both_frames() -> None:
     engine = ReferenceEngine(case("aluminium four-bar").mechanism, 4)
     link, ground = (

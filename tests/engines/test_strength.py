@@ -79,6 +79,7 @@ def test_both_engines_have_the_same_forces_and_load_factors(asked: StrengthReque
     assert np.abs(least / reference - 1).max() > 0.05
 
 
+@pytest.mark.thorough
 def test_forces_of_a_run_are_those_of_its_curvature() -> None:
     """D'Alembert's forces of a periodic run with a body off a link's axis."""
     body = AttachedBody("coupler", 0.1, 0.05, 1e-5, (0.0, 0.02))
@@ -112,6 +113,7 @@ def test_a_run_from_straight_links_is_worse() -> None:
     assert rung < 0.8 * steady
 
 
+@pytest.mark.thorough
 def test_each_part_fails_at_its_speed_factor() -> None:
     """Seen by equilibria at the faster speed; it is not the root of the load factor."""
     mechanism = aluminium()

@@ -118,6 +118,7 @@ def test_joints_at_both_ends_hold_the_twist_of_a_link() -> None:
     assert Mechanism(linkage, dict.fromkeys(LINKS, stated)).sections["coupler"] == stated
 
 
+@pytest.mark.thorough
 def test_the_equilibrium_of_a_slow_off_axis_linkage_is_that_of_straight_links() -> None:
     sections = dict.fromkeys(LINKS, off_axis((30,), 4.0))
     engine = ReferenceEngine(Mechanism(FourBar(0.18, 0.06, 0.18, 0.15), sections), 2, "timoshenko")

@@ -85,6 +85,7 @@ def test_the_periodic_motion_is_what_free_vibration_leaves(with_angle):
     assert apart[-40:].max() < 0.2 * np.abs(strain).max() < apart.max()
 
 
+@pytest.mark.thorough
 def test_the_crank_angle_of_a_record_without_it_is_found():
     """Within 2 deg, beside damping and a zero that has not drifted."""
     record = gauge_record(2, first=77, angle=False)
@@ -193,6 +194,7 @@ def mobility_record(noise: float = 0.0, factor: float = 1.0) -> MeasuredRecord:
     )
 
 
+@pytest.mark.thorough
 def test_damping_times_of_links_are_found_back_from_a_mobility():
     """To 0.5 % from exact values, and within their errors from noisy ones."""
     asked = {"angle": ANGLE, "quantity": TWO, "fit": ("damping", "damping:coupler")}
@@ -202,6 +204,7 @@ def test_damping_times_of_links_are_found_back_from_a_mobility():
         assert abs(noisy.fitted(name).value - true) < FAR * noisy.fitted(name).standard_error
 
 
+@pytest.mark.thorough
 def test_a_calibration_3_percent_off_is_a_gain_and_no_damping():
     plain, off = (
         compared(mobility_record(factor=factor), angle=ANGLE, quantity=TWO) for factor in (1, 1.03)

@@ -98,6 +98,7 @@ def test_whatever_the_masses_of_a_four_bar_nothing_is_left(seed: int) -> None:
 
 
 @pytest.mark.parametrize("name", ["aluminium_fourbar", "composite_fourbar", "sandwich_fourbar"])
+@pytest.mark.thorough
 def test_the_file_that_is_written_shakes_no_frame(name: str, tmp_path: Path) -> None:
     """At speeds and accelerations that it was not balanced at, too."""
     given_one = load_mechanism(example_model(name))

@@ -208,6 +208,7 @@ def test_a_spring_in_a_joint_is_wound_up() -> None:
     assert 0.1 * run.stall.crank_angle == pytest.approx(stored, rel=1e-8)
 
 
+@pytest.mark.thorough
 def test_settled_motion_is_what_a_long_run_tends_to() -> None:
     """Weight and masses give back over a turn what they take; a flywheel evens the speed out."""
     run = run_of(FOUR_BAR, SETTLING, time=4.0)

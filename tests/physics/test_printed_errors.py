@@ -73,6 +73,7 @@ def test_the_error_of_a_mode_that_stretches_is_true_to_a_quarter(
     assert printed[2] == pytest.approx(true[2], rel=0.25)
 
 
+@pytest.mark.thorough
 def test_the_error_of_links_that_springs_bend_is_that_of_the_mesh(aluminium: Mechanism) -> None:
     """Component modes of straight links are off by more than the mesh: they have no part in it."""
     spring = JointSpring("B", torsional_stiffness=0.05, free_angle=-1.0)

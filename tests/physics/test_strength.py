@@ -319,6 +319,7 @@ def test_a_running_arm_is_pulled_by_its_own_mass_and_yields_above_its_strength()
     assert warning.startswith("the arm yields: its stress reaches 3.510 MPa")
 
 
+@pytest.mark.thorough
 def test_a_force_across_its_tip_bends_a_running_arm_most_at_its_clamp() -> None:
     """F L h / (2 I), at a speed at which inertia counts for nothing."""
     force, second_moment = 10.0, 20e-3 * 4e-3**3 / 12
