@@ -21,7 +21,7 @@ from making.verification import verification_page, verification_results
 
 __all__ = ["run_everything", "write_pages"]
 
-# In s; of what takes longer the time is told.
+# In s; the build prints the time of what takes longer.
 TOLD = 5.0
 
 # What takes longest starts first, so that no core waits for it in the end.

@@ -7,7 +7,7 @@ from itertools import zip_longest
 
 __all__ = ["difference"]
 
-# Of a number, and of the last digit that is printed of it.
+# Relative to the number, and in units of its last printed digit.
 RELATIVE = 1e-3
 LAST_DIGITS = 1.01
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")

@@ -92,12 +92,14 @@ def numbers_of(ended: Ended) -> Stored:
 
 def differences(command: str, stored: Stored, numbers: Stored) -> list[str]:
     """Tables and columns that are missing or differ; more of them are no difference."""
-    deviations = {
-        f"{command} {table}: {column}": _deviation(
-            f"{command} {table}: {column}", column, stored[table], numbers.get(table, {})
-        )
+    names = {
+        f"{command} {table}: {column}": (table, column)
         for table in stored
         for column in stored[table]
+    }
+    deviations = {
+        name: _deviation(name, column, stored[table], numbers.get(table, {}))
+        for name, (table, column) in names.items()
     }
     return [
         f"{name}: {d}" for name, d in deviations.items() if d and not re.fullmatch(LEFT_OUT, name)
