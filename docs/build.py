@@ -4,9 +4,9 @@ The first page is then ``docs/_build/html/index.html``.
 
 First all code of the README and the pages runs once: blocks, sessions of the tutorials, scenarios,
 the verification. Printed sessions are held against their pages, and numbers of scenarios against
-``scenarios/expected_numbers.toml``; a message names page, block and command of what fails or differs, and
-ends the build with exit code 1, as does any warning of Sphinx. What was computed is kept in
-``docs/_build/kept/`` until flexmech, its models or the versions beneath it change, with numbers in
+``scenarios/expected_numbers.toml``. A message names page, block and command of what fails or
+differs, and the build ends with exit code 1, as it does after any warning of Sphinx. What was
+computed is kept in ``docs/_build/kept/`` until flexmech, its models or the versions beneath it change, with numbers in
 files ``numbers.json``; ``--fresh`` runs everything again.
 
 ``--sessions`` builds nothing: it runs the sessions of the tutorials (some five minutes), or of the
