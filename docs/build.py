@@ -6,8 +6,8 @@ First all code of the README and the pages runs once: blocks, sessions of the tu
 the verification. Printed sessions are held against their pages, and numbers of scenarios against
 ``scenarios/expected_numbers.toml``. A message names page, block and command of what fails or
 differs, and the build ends with exit code 1, as it does after any warning of Sphinx. What was
-computed is kept in ``docs/_build/kept/`` until flexmech, its models or the versions beneath it change, with numbers in
-files ``numbers.json``; ``--fresh`` runs everything again.
+computed is kept in ``docs/_build/kept/``, with numbers in files ``numbers.json``, until flexmech,
+its models or the versions beneath it change; ``--fresh`` runs everything again.
 
 ``--sessions`` builds nothing: it runs the sessions of the tutorials (some five minutes), or of the
 pages that are named, and writes the lines that their commands print today into the pages.
