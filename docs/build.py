@@ -1,4 +1,4 @@
-"""Build the documentation: ``python docs/build.py [--fresh | --sessions ... | --campaigns]``.
+"""Build the documentation: ``python docs/build.py [--fresh]``.
 
 The first page is then ``docs/_build/html/index.html``.
 
@@ -12,7 +12,7 @@ its models or the versions beneath it change; ``--fresh`` runs everything again.
 ``--sessions`` builds nothing: it runs the sessions of the tutorials (some five minutes), or of the
 pages that are named, and writes the lines that their commands print today into the pages.
 ``--campaigns`` runs the scenarios that take too long for a build and keeps what they give in
-``docs/kept/``.
+``docs/kept/``. ``--pictures`` draws the pictures of ``docs/pictures/`` anew: a build compares them.
 """
 
 from __future__ import annotations
@@ -28,8 +28,10 @@ from sphinx.cmd.build import main as sphinx_build
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
+from making.blocks import block_failures  # noqa: E402
 from making.gallery import CAMPAIGNS, keep_campaign  # noqa: E402
 from making.pages import run_everything  # noqa: E402
+from making.pictures import README, write_pictures  # noqa: E402
 from making.sessions import session_pages, write_sessions  # noqa: E402
 
 
@@ -61,6 +63,7 @@ if __name__ == "__main__":
         help="write what the sessions of the tutorials print today into the pages",
     )
     what.add_argument("--campaigns", action="store_true", help="run scenarios that take long")
+    what.add_argument("--pictures", action="store_true", help="draw docs/pictures/ anew")
     asked = parser.parse_args()
     if asked.sessions is not None:
         pages = [page for page in session_pages() if page.stem in asked.sessions]
@@ -69,5 +72,9 @@ if __name__ == "__main__":
     elif asked.campaigns:
         for name in CAMPAIGNS:
             keep_campaign(name)
+    elif asked.pictures:
+        if failures := block_failures(README):
+            sys.exit("\n".join(failures))
+        write_pictures()
     else:
         sys.exit(build(fresh=asked.fresh))

@@ -20,7 +20,7 @@ from typing import Any
 from making.sessions import FENCED
 from making.state import REPOSITORY, cache_folder, environment
 
-__all__ = ["block_failures", "pages_with_blocks"]
+__all__ = ["block_failures", "block_folder", "pages_with_blocks"]
 
 DOCS = REPOSITORY / "docs"
 RUN = ("python", "sh", "toml")
@@ -40,10 +40,15 @@ def pages_with_blocks() -> list[Path]:
     return [page for page in [*pages, *written] if any(kind in RUN for kind, _ in _blocks(page))]
 
 
+def block_folder(page: Path) -> Path:
+    """Folder in which the blocks of a page run, with what they leave there."""
+    digest = hashlib.sha256(page.read_bytes()).hexdigest()[:8]
+    return cache_folder() / "blocks" / f"{page.stem}-{digest}"
+
+
 def block_failures(page: Path) -> list[str]:
     """What fails of a page; its blocks run only if they, or what they depend on, have changed."""
-    digest = hashlib.sha256(page.read_bytes()).hexdigest()[:8]
-    folder = cache_folder() / "blocks" / f"{page.stem}-{digest}"
+    folder = block_folder(page)
     if folder.exists():
         return []
     started = folder.with_name(f"{folder.name}.unfinished")

@@ -14,6 +14,7 @@ from making.commands import command_page
 from making.figures_of_the_papers import figures_page, study_results
 from making.gallery import gallery_pages, scenario_failures, scenario_names
 from making.model_file import model_file_page
+from making.pictures import changed_pictures
 from making.public_names import public_name_page
 from making.sessions import session_failures, session_pages, session_pictures
 from making.study_file import study_file_page
@@ -37,6 +38,7 @@ LONG = (
 def run_everything() -> list[str]:
     """Run what the pages show, as many at a time as there are cores; what fails, line by line.
 
+    Pictures of the repository are compared last, with what the README's blocks have drawn.
     Verification, study, sessions, blocks of code and scenarios run in processes of their own, for
     each of which a thread waits, and are kept: the pages find them.
     """
@@ -48,7 +50,8 @@ def run_everything() -> list[str]:
     runs += [partial(scenario_failures, name) for name in names if name not in LONG]
     runs.append(partial(_failures, study_results))
     with ThreadPoolExecutor(os.cpu_count()) as waiting:
-        return [failure for failures in waiting.map(_timed, runs) for failure in failures]
+        failed = [failure for failures in waiting.map(_timed, runs) for failure in failures]
+    return failed or changed_pictures()
 
 
 def _timed(run: Callable[[], list[str]]) -> list[str]:
