@@ -51,6 +51,10 @@ def off_axis() -> Mechanism:
 
 
 REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
+    "prestress of a map at a position": (
+        lambda: natural_frequencies(engine(), 0.0, 20.0, prestress="trajectory"),
+        "prestress",
+    ),
     "stability at zero speed": (lambda: StabilityRequest([0.0, 5.0]), "holds zero"),
     "stability both ways": (lambda: StabilityRequest([-5.0, 5.0]), "turn both ways"),
     "stability twice": (lambda: StabilityRequest([5.0, 5.0]), "repeats a speed"),

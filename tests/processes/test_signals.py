@@ -138,7 +138,6 @@ def in_another_thread() -> None:
 )
 @pytest.mark.parametrize("way", ["SIGTERM", "SIGKILL", "SIGINT in another thread"])
 def test_workers_at_work_end_with_the_map(way: str, tmp_path: Path) -> None:
-    """The process waits for them: what comes while it splits them off is lost in callbacks."""
     other = in_another_thread if way.endswith("thread") else None
     number = signal.Signals[way.split()[0]]
     long = ("--speeds", "20:60:0.1", "--modes", "6", "--elements", "16")
@@ -164,6 +163,22 @@ def test_workers_at_work_end_with_the_map(way: str, tmp_path: Path) -> None:
         return
     assert (ended.code, ended.stderr.count("\n")) == (128 + number, 1), ended.stderr
     assert ended.stderr.startswith(LINES[number])
+
+
+def as_a_worker_is_split_off() -> None:
+    """Take SIGINT in a callback of the fork: Python drops what is raised there."""
+    os.register_at_fork(before=lambda: os.kill(os.getpid(), signal.SIGINT))
+
+
+@pytest.mark.skipif(
+    sys.platform != "linux" or len(os.sched_getaffinity(0)) < 2, reason="one process does it all"
+)
+def test_a_signal_as_workers_are_split_off_ends_the_map(tmp_path: Path) -> None:
+    model = MODELS / "steel_fourbar.toml"
+    quick = ("--speeds", "20:60:10", "--modes", "1", "--elements", "2", "--engine", "reference")
+    ended = run(tmp_path, "stability", model, *quick, first=as_a_worker_is_split_off)
+    assert (ended.code, ended.stderr.count("\n")) == (128 + signal.SIGINT, 1), ended.stderr
+    assert ended.stderr.startswith(LINES[signal.SIGINT])
 
 
 def ignores_signals(process: int) -> bool:

@@ -16,12 +16,12 @@ from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
 from flexmech.analyses.frequencies.reduction import converged_modes
 from flexmech.analyses.requests import as_many_modes, engine_of, in_radians
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.choices import Prestress
+from flexmech.choices import PRESTRESS_LEVELS, Prestress
 from flexmech.errors import FlexmechError, InputError
 from flexmech.linear_system import Engine, RotationTerms, same_of_all
 from flexmech.mechanism import Mechanism
 from flexmech.threads import one_thread
-from flexmech.validation import checked_array
+from flexmech.validation import check_choice, checked_array
 
 # Relative error of an extreme between crank angles; it is refined to a tenth of this.
 EXTREMES_WITHIN = 1e-5
@@ -67,6 +67,7 @@ def natural_frequencies(
     >>> flexmech.natural_frequencies(engine, 0.0, modes=2).round(2)
     array([44.31, 48.08])
     """
+    check_choice(prestress, PRESTRESS_LEVELS, "prestress")
     engine = engine_of(engine)
     angle = in_radians("crank_angle", crank_angle)
     speed = checked_array(crank_speed, "crank_speed", "rad/s")
@@ -233,6 +234,7 @@ def strain_energy_damping(
     >>> (100 * flexmech.strain_energy_damping(engine, 0.0, modes=2)).round(2)
     array([0.12, 0.1 ])
     """
+    check_choice(prestress, PRESTRESS_LEVELS, "prestress")
     engine = engine_of(engine)
     angle = in_radians("crank_angle", crank_angle)
     speed = checked_array(crank_speed, "crank_speed", "rad/s")

@@ -65,7 +65,8 @@ def in_order(task: Callable[[Item], Answer], items: Sequence[Item]) -> Iterator[
         context = multiprocessing.get_context("fork")
         with ProcessPoolExecutor(workers, context, _begin, (os.getpid(),)) as pool:
             try:
-                with warnings.catch_warnings():
+                # Python drops an exception that a signal raises while a process is split off.
+                with uninterrupted(), warnings.catch_warnings():
                     # Progress runs in a thread of its own, which the processes do not use.
                     warnings.simplefilter("ignore", DeprecationWarning)
                     waiting = [pool.submit(_do, number) for number in range(len(items))]
