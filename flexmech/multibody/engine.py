@@ -48,7 +48,8 @@ from flexmech.multibody.linearize import internal_forces, running_tangents, stat
 from flexmech.multibody.running.loads import TorqueTable
 from flexmech.multibody.running.model import RunningModel
 from flexmech.multibody.running.motor import MotorOnHub
-from flexmech.multibody.running.simulation import PointRecorder, Simulation
+from flexmech.multibody.running.point_recorder import PointRecorder
+from flexmech.multibody.running.simulation import Simulation
 from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
 from flexmech.time_domain import Impact, LinkState, Recorder, Trajectory
@@ -240,12 +241,20 @@ class ExudynEngine(Engine):
             check_number(band, "band", "Hz", POSITIVE)
         recorder = Recorder(sample_time, step, band)
         torque = self._torque_on_free_shaft(drive, step, recorder.steps)
-        model = RunningModel(
-            self.mechanism, self.elements, self.element, drive, self.clamped_links, impacts, torque
-        )
+        model = self._running(drive, recorder.steps * step, impacts, torque)
         Simulation(model, step, recorder.steps, integrator).run(start, recorder, progress)
         trajectory = recorder.finish()
         return replace(trajectory, energy_error=float("nan")) if impacts else trajectory
+
+    def _running(
+        self,
+        drive: Drive,
+        duration: float,
+        impacts: Sequence[Impact] = (),
+        torque: TorqueTable | MotorOnHub | None = None,
+    ) -> RunningModel:
+        made_of = self.mechanism, self.elements, self.element
+        return RunningModel(*made_of, drive, self.clamped_links, duration, impacts, torque)
 
     def _torque_on_free_shaft(
         self, drive: Drive, step: float, steps: int
@@ -302,9 +311,7 @@ class ExudynEngine(Engine):
         self.require_prescribed_shaft("a record of points")
         self.require_standing_frame("a record of points")
         check_number(step, "step", "s", POSITIVE)
-        model = RunningModel(
-            self.mechanism, self.elements, self.element, drive, self.clamped_links, impacts
-        )
+        model = self._running(drive, steps * step, impacts)
         recorder = PointRecorder(self.mechanism.linkage.topology, self.clamped_links, points)
         Simulation(model, step, steps, "trapezoidal").run(start, recorder, progress)
         return recorder.finish()
@@ -346,7 +353,7 @@ class ExudynEngine(Engine):
         self.require_standing_frame("the exported system")
         check_number(step, "step", "s", POSITIVE)
         check_choice(integrator, INTEGRATORS, "integrator")
-        model = RunningModel(self.mechanism, self.elements, self.element, drive, self.clamped_links)
+        model = self._running(drive, steps * step)
         simulation = Simulation(model, step, steps, integrator)
         return ExudynSystem.of(simulation, drive, start, stride)
 

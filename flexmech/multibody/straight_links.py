@@ -44,6 +44,8 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
             turns = np.arange(2, size, kind.per_node)
             inertia.centrifugal_mass[turns, turns] += part.bodies.segment
         last = size - kind.per_node
+        link_mass = assembly.mechanism.link_mass(name)
+        rotary = 0.0 if kind.has_rotary_inertia else link_mass.rotary_inertia
         link = LinkModel(
             name=name,
             mass=own[0],
@@ -66,8 +68,9 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
             ),
             fields=kind.rigid_fields(part.positions),
             vectors=np.stack([x, y]),
+            uncounted_rotary_inertia=rotary,
         )
-        models.append(link.carrying(assembly.mechanism.link_mass(name)))
+        models.append(link.carrying(link_mass))
     return tuple(models)
 
 
