@@ -103,7 +103,7 @@ def build_chain(
     lumps = [(int(np.argmin(np.abs(nodes - position))), lump) for position, lump in points]
     has_line = bool(mass.mass_per_length)
     model = _straight_link(name, nodes, beams, lumps, has_line=has_line)
-    if not (has_line and shapes.has_rotary_inertia):
+    if not shapes.has_rotary_inertia:
         model = replace(model, uncounted_rotary_inertia=mass.rotary_inertia)
     return Chain(model.carrying(mass), nodes, beams, mass.mass_per_length)
 

@@ -203,8 +203,9 @@ class LinkMass:
         """The link with its distributed mass lumped in points.
 
         Kumar & Chandrakar, Figure 1.5: one element of the crank and four of the coupler and of
-        the rocker give twelve lumped masses. Mass, first moments and the rotary inertia of the
-        sections stay; the second moment grows by ``mass * length**2 / (6 * elements**2)``.
+        the rocker give twelve lumped masses. Mass and first moments stay; the second moment
+        grows by ``mass * length**2 / (6 * elements**2)`` and loses the rotary inertia of the
+        sections, which points have not.
 
         Parameters
         ----------
@@ -220,13 +221,15 @@ class LinkMass:
             return self
         if self.offset:
             bodies = [LinkBody(x, mass, offset=(0.0, self.offset)) for x, mass in lumps]
-            return replace(self, mass_per_length=0.0, offset=0.0, bodies=(*bodies, *self.bodies))
+            every = (*bodies, *self.bodies)
+            return replace(self, mass_per_length=0.0, offset=0.0, bodies=every, rotary_inertia=0.0)
         places, masses = zip(*lumps, strict=True)
         return replace(
             self,
             mass_per_length=0.0,
             point_positions=(*places, *self.point_positions),
             point_masses=(*masses, *self.point_masses),
+            rotary_inertia=0.0,
         )
 
 

@@ -35,7 +35,7 @@ CRANK, ROD, TORQUE, END = 0.1, 0.3, 0.1, 3.0
 # A point mass on an arm without matter: whatever a section adds to inertia, it adds nothing here.
 LENGTH, MASS = 0.4, 0.02
 INERTIA = MASS * LENGTH**2
-_SECTION = replace(arm().sections["arm"], mass_per_length=1e-12)
+_SECTION = replace(arm().sections["arm"], mass_per_length=1e-12, rotary_inertia=1e-18)
 ARM = Mechanism(
     RotatingArm(LENGTH), {"arm": _SECTION}, link_masses=(PointMass("arm", LENGTH, MASS),)
 )

@@ -144,6 +144,7 @@ def test_what_lies_between_two_cuts_is_in_balance(name: str) -> None:
             inertia = weighted.sum(axis=1)
             bent = np.einsum("q,aqi,ai->a", x - first, weighted, across)
             bent -= mass.offset * np.sum(inertia * along, axis=1)
+            bent += mass.rotary_inertia * step * motion.angular_acceleration[:, number]
             gained = [part[:, k + 1] - part[:, k] for part in (axial, shear, moment)]
             gained[2] = gained[2] + step * shear[:, k + 1]
             wanted = np.sum(inertia * along, axis=1), np.sum(inertia * across, axis=1), bent

@@ -324,11 +324,11 @@ def load_history(
 
 
 def section_couples(
-    shaft: Shaft, crank_lead: float, crank_angles: Any, angle: Any, rotary_inertia: float
+    shaft: Shaft, crank_lead: float, crank_angles: Any, angle: Any, inertia: float
 ) -> Any:
-    """User function of the force on an end of a link by the couples that accelerate its sections.
+    """User function of the force on a link's end by the couples that turn its sections.
 
-    They are constant along the link and act as two forces across it, at its ends.
+    These are constant along the link and act as two forces across it, at its ends.
 
     Parameters
     ----------
@@ -339,13 +339,13 @@ def section_couples(
         First and last crank angle, in rad; a turn apart where the crank turns round.
     angle : list of float
         Angle of the link in rad between these: coefficients of Chebyshev polynomials.
-    rotary_inertia : float
-        Of the sections, in kg m; with the other sign at the link's start.
+    inertia : float
+        Rotary inertia of the sections in kg m; with the other sign at the link's start.
     """
     series = np.polynomial.Chebyshev(angle, crank_angles)
     first, last = crank_angles
     at = np.linspace(first, last, 1441)
-    across = -rotary_inertia * np.array([-np.sin(series(at)), np.cos(series(at))])
+    across = -inertia * np.array([-np.sin(series(at)), np.cos(series(at))])
     by_gain, by_square = across * series.deriv()(at), across * series.deriv(2)(at)
     turns = last - first > 2 * math.pi - 1e-9
     known: tuple[float, list[float]] = (math.nan, [])
