@@ -69,12 +69,13 @@ def operating_speeds(dataset: xr.Dataset) -> list[float]:
 
 
 def answer(dataset: xr.Dataset) -> tuple[str, ...]:
-    """Whether the operating speeds are clear of the orders, and which speeds to avoid."""
+    """Flutter, whether the operating speeds are clear of the orders, and which to avoid."""
     speeds = sorted(operating_speeds(dataset), key=abs, reverse=True)
     told = len(speeds) if len(speeds) <= _MOST_TOLD else 1
     sentences = [_at_speed(dataset, speed) for speed in speeds[:told]]
     sentences += [_at_others(dataset, speeds[told:])] if speeds[told:] else []
-    return (*sentences, _speeds_to_avoid(dataset))
+    flutters = filter(None, [str(dataset.attrs.get("flutter", ""))])
+    return (*flutters, *sentences, _speeds_to_avoid(dataset))
 
 
 def numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:

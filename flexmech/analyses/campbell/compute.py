@@ -26,7 +26,8 @@ from flexmech.analyses.datasets import (
     records,
     with_units,
 )
-from flexmech.analyses.frequencies.formulation import Formulation
+from flexmech.analyses.frequencies.flutter import flutter_at
+from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.remarks import environment_lines, left_out_attributes
 from flexmech.analyses.requests import Engines, as_many_modes, engines_of
 from flexmech.analyses.response.measurements import probes
@@ -247,11 +248,12 @@ def _diagram(
             count = _Counter(report, each.name, len(request.crank_speeds))
             diagrams.append(engine_diagram(each, request, tolerance, count, unit))
             count.finish()
-        steady, attributes = None, {}
+        attributes = {"flutter": _flutter(diagrams, request)}
+        steady = None
         if response:
             first = diagrams[0]
             loss = CountedLoss.of(first.engine)
-            attributes = loss.attributes
+            attributes |= loss.attributes
             solved = request.crank_speeds[first.sampled.exists[first.places]]
             speeds = response_speeds(solved)
             count = _Counter(report, "periodic motion", len(speeds))
@@ -259,6 +261,13 @@ def _diagram(
             damped = loss.engine(first.engine)
             steady = steady_response(damped, speeds, prestress, count, unit)
     return dataset_of(diagrams, request, steady).assign_attrs(attributes)
+
+
+def _flutter(diagrams: Sequence[EngineDiagram], request: CampbellRequest) -> str:
+    """Flutter in words, at the speeds that are checked; empty where there is none."""
+    first = diagrams[0]
+    systems = [Systems(each.engine, request.formulation) for each in diagrams]
+    return flutter_at(systems, request.turn, first.checked_speeds, request.shown_unit)
 
 
 @dataclass
