@@ -33,7 +33,7 @@ def column(part: float) -> Mechanism:
 
 
 def becks_eigenvalue(part: float) -> complex:
-    """The lowest one that grows, in 1/s, by the determinant of Beck's boundary conditions (1952)."""
+    """The lowest one that grows, in 1/s, by Beck's determinant (1952)."""
 
     def determinant(w: complex) -> complex:
         root = np.sqrt(part**2 / 4 + w**2)

@@ -62,7 +62,8 @@ def dataset_of(
     -------
     xarray.Dataset
         Frequencies over (engine, crank_speed, branch), not a number in gaps; critical speeds over
-        ``critical`` and gaps over ``gap``, each with the engine that it is of.
+        ``critical`` and gaps over ``gap``, each with the engine that it is of. Between the speeds
+        asked for ``band_frequency`` is over ``band_speed`` and ``end``.
     """
     engines = [diagram.engine for diagram in diagrams]
     checked = np.unique(np.concatenate([each.checked_speeds for each in diagrams]))
@@ -82,6 +83,10 @@ def dataset_of(
             "mean_frequency": (over, values[:, :, 1]),
             "highest_frequency": (over, values[:, :, 2]),
             "solved": (over[:2], np.stack([_solved(each) for each in diagrams])),
+            "band_frequency": (
+                ("engine", "band_speed", "end", "branch"),
+                np.stack([each.sampled.values for each in diagrams]),
+            ),
             "discretisation_error": (("engine", "check_speed", "branch"), mesh_error),
             "fit_error": ("engine", [each.sampled.fit_error for each in diagrams]),
             "projection_error": ("engine", [each.projection_error for each in diagrams]),
@@ -98,6 +103,8 @@ def dataset_of(
         coords={
             **engine_coordinates(engines),
             "crank_speed": request.crank_speeds,
+            "band_speed": diagrams[0].sampled.crank_speed,
+            "end": ["lowest", "mean", "highest"],
             "check_speed": checked,
             "branch": np.arange(1, request.formulation.modes + 1),
             "order": request.orders,
