@@ -68,7 +68,7 @@ from .shaping import plot_shaped as plot_shaped
 from .spectra import plot_spectrogram as plot_spectrogram
 from .spectra import plot_spectrum as plot_spectrum
 from .stability import plot_stability as plot_stability
-from .stability import plot_stability_against as plot_stability_against
+from .stability_against import plot_stability_against as plot_stability_against
 from .strength import plot_internal_forces as plot_internal_forces
 from .strength import plot_strength as plot_strength
 from .style import LIGHT_GREY as LIGHT_GREY

@@ -106,3 +106,17 @@ def test_check_and_campbell_say_first_that_the_linkage_flutters() -> None:
     for result in said:
         assert "flutters at crank angle 0 deg" in result.summary().answer[0]
         assert f"{becks_eigenvalue(25.0).real:.3g} 1/s" in result.summary().answer[0]
+
+
+def test_a_fluttering_column_grows_at_every_slow_speed_and_its_band_stays_in_the_range() -> None:
+    """At 1 rad/s it grows by exp(780) within a turn, which no number holds."""
+    engine = ReferenceEngine(column(25.0), 8, "euler")
+    found = flexmech.stability(engine, [0.5, 1.0, 2.0], prestress="axial", modes=2)
+    rate = becks_eigenvalue(25.0).real
+    assert found.dataset["growth_rate"].values == pytest.approx(rate, rel=1e-3)
+    assert found.dataset["unstable"].values.tolist() == [["yes", "yes", "yes"]]
+    [band] = found.bands().to_dict("records")
+    assert (band["from_rad_s"], band["to_rad_s"], band["cut"]) == (0.5, 2.0, "from to")
+    assert "fastest at 0.5 to 2 rad/s, where the range ends" in found.summary().answer[-1]
+    for figure in found.figures().values():
+        figure.canvas.draw()

@@ -167,7 +167,8 @@ class _Place:
         """Distance of the measure's own sign change, where the slope at the edge tells nothing."""
         distances = [2 * self.width]
         for end in (self.edge - 2 * self.width, self.edge + 2 * self.width):
-            if growth(end) * there < 0:
+            # Beyond standstill the linkage turns the other way.
+            if end * self.edge > 0 and growth(end) * there < 0:
                 ends = sorted((self.edge, end))
                 root = scipy.optimize.brentq(growth, *ends, xtol=1e-3 * self.width)
                 distances.append(abs(float(root) - self.edge))
