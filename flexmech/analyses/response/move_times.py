@@ -16,8 +16,8 @@ import xarray as xr
 
 from flexmech.analyses.response.plan import STEPS_PER_PERIOD, RunPlan
 from flexmech.analyses.response.request import ResponseRequest
-from flexmech.analyses.response.residual import StandingModes
 from flexmech.analyses.response.shaping import LawShaper
+from flexmech.analyses.response.standing_modes import StandingModes
 from flexmech.analyses.response.start import equilibria_at, linear_start, simulation_start
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.dynamical_systems import VibrationState
