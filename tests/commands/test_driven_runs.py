@@ -179,6 +179,9 @@ STATED = {
     f"motor = {{ {DC} }}\n{CONTROL}\nstart_angle = '1 rad'": MotorDrive(
         DcMotor(1.2, 0.06, 24.0, 1e-3), SpeedControl(0.5, 2.0, 10.0), 1.0
     ),
+    f"motor = {{ {DC}, initial_current = '0 A' }}": MotorDrive(
+        DcMotor(1.2, 0.06, 24.0, 1e-3, initial_current=0.0)
+    ),
     'motor = { torque_speed = [["0 rad/s", "-0.1 N m"]], inertia = "1 kg m^2", '
     'coupling_stiffness = "5 N m/rad", coupling_damping = "0.1 N m s/rad" }': MotorDrive(
         TorqueMotor((0.0,), (-0.1,), inertia=1.0, coupling_stiffness=5.0, coupling_damping=0.1)

@@ -136,7 +136,7 @@ def _along_law(mechanism: Mechanism, drive: Drive, request: KinematicsRequest) -
     if not isinstance(drive, MotorRun):
         return found
     given = motor_variables(drive, drive.motor_output(time), drive.rotor_speed(time))
-    found = found.merge(given).merge(settled_variables(drive))
+    found = found.merge(given).merge(settled_variables(drive, mechanism))
     return found.assign_attrs(motor_attributes(drive))
 
 

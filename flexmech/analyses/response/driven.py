@@ -45,7 +45,9 @@ def law_variables(engine: Engine, request: ResponseRequest) -> xr.Dataset:
     # Of a free shaft the driving torque is what the shaft is given, its inertia's share included.
     if (inertia := engine.mechanism.shaft_inertia) and engine.shaft == "prescribed":
         found["shaft_inertia_torque"] = "time", inertia * acceleration
-    return found.merge(settled_variables(drive)) if isinstance(drive, MotorRun) else found
+    if not isinstance(drive, MotorRun):
+        return found
+    return found.merge(settled_variables(drive, engine.mechanism))
 
 
 def drive_attributes(request: ResponseRequest) -> dict[str, str | float]:
