@@ -173,6 +173,7 @@ def _history(
             }
         )
         .assign(_shaft(trajectory, run.trajectory))
+        .assign({} if trajectory.frame is None else _errors("rotation", run.rotation_error))
         .merge(frame_variables(engine, trajectory, run.trajectory))
         .merge(shaking)
     )

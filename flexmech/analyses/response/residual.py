@@ -36,7 +36,7 @@ def edges(
     What is known of a history is the sum of its decaying waves, each of which keeps the amplitude
     that it has at the time; what else the history holds is taken as it is. A decaying wave about a
     state of rest thus stays between the state plus and minus its amplitude, and touches both. Where
-    less than a period follows, the last period counts ({eq}`eq-envelope`).
+    less than a period follows, the last period counts.
 
     Parameters
     ----------

@@ -102,7 +102,7 @@ class StandingModes:
     ) -> FloatArray:
         """Amplitude of each mode in the deflection of each link, from its state at the stop.
 
-        It tells how far the mode goes on to vibrate, without a run of the rest ({eq}`eq-residual`).
+        It tells how far the mode goes on to vibrate, without a run of the rest.
 
         Parameters
         ----------
