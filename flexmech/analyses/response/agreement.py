@@ -296,7 +296,7 @@ def _unexplained(estimated: xr.DataArray, dataset: xr.Dataset) -> str:
 
 
 def _large_rotation(dataset: xr.Dataset) -> str:
-    """Why to trust the engine in which a frame turns by any angle; nothing where it turns little."""
+    """Why to trust the engine in which a frame turns by any angle; nothing of small rotations."""
     turned = float(dataset.get("rotation_error", xr.DataArray(0.0)).max())
     simulated = dataset["engine"].values[dataset["nonlinear"].values.astype(bool)]
     if turned <= LARGE_ROTATION or len(simulated) != 1:
