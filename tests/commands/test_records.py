@@ -32,6 +32,8 @@ def record(folder: Path, text: str) -> MeasuredRecord:
         ("strain [µm/m]", "strain", "", 1e-6),
         ("Strain [με]", "Strain", "", 1e-6),
         ("acceleration (m/s²)", "acceleration", "m/s^2", 1.0),
+        ("acceleration [g]", "acceleration", "m/s^2", 9.80665),
+        ("Accelerance (g/N)", "Accelerance", "m/(N s^2)", 9.80665),
         ("pin_A_x_N", "pin_A_x", "N", 1.0),
         ("coupler_mid_strain", "coupler_mid_strain", "", 1.0),
     ],

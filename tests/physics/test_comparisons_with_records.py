@@ -159,7 +159,7 @@ def test_frequencies_without_a_mode_are_laid_beside_the_only_mode_near_them():
     assert any("mode 2" in warning for warning in result.summary().warnings)
     numbered = compared(frequency_record(angle, second / 1.05, second), speed=0.0)
     assert not any("mode 2" in warning for warning in numbered.summary().warnings)
-    with pytest.raises(InputError, match="from mode 2 by 5 %.*column 'mode'"):
+    with pytest.raises(InputError, match=r"from mode 2 by 5 %.*column 'mode'"):
         compared(frequency_record(angle, second / 1.05, numbered=False), speed=0.0)
 
 

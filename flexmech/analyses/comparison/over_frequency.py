@@ -23,6 +23,7 @@ from flexmech.analyses.comparison.problem import (
     RecordProblem,
     rows_taken_at,
 )
+from flexmech.analyses.comparison.quantities import COMPANIONS
 from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.arrays import FloatArray, IntArray
@@ -251,13 +252,12 @@ def _column(record: MeasuredRecord, name: str | None) -> MeasuredQuantity:
             f'response, as in --quantity "{own[0].name}@coupler:0.5,rocker:0.5"'
         )
     if not own:
-        reasons = [
-            r for n, r in record.unreadable.items() if n.lower().endswith(("_real", "_imag"))
-        ]
+        parts = [n for n in record.unreadable if n.lower().endswith(("_real", "_imag"))]
+        others = [n for n in record.unreadable if n.lower() not in COMPANIONS]
+        for unreadable in (*parts, *others):
+            raise InputError(record.unreadable[unreadable])
         raise InputError(
-            reasons[0]
-            if reasons
-            else f"{record.source}: holds no frequency-response function; give its real and "
+            f"{record.source}: holds no frequency-response function; give its real and "
             "imaginary part as two columns, such as receptance_real_m_N and receptance_imag_m_N"
         )
     if own[0].unit not in _KINDS:
