@@ -28,6 +28,7 @@ from flexmech.choices import KEPT_MODES, MapPrestress, MovingFrame, Prestress, S
 from flexmech.errors import ComputationError
 from flexmech.interruption import tidying
 from flexmech.linear_system import Engine, stressed_along_turn
+from flexmech.linkages import refuse_passing
 from flexmech.threads import one_thread
 from flexmech.time_domain import SampledTurn
 
@@ -161,6 +162,7 @@ def stability(
         damping_ratio,
         unit,
     )
+    refuse_passing(engines[0].mechanism.linkage, np.array([0.0, 2 * np.pi]))
     second = None if against is None else Against.of(engines[0].mechanism, against)
     report = progress or silent
     maps: list[EngineStability] = []

@@ -12,7 +12,9 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
+from flexmech.linkages.change_points import passing
 from flexmech.linkages.motion import RigidMotion, checked_drive
 from flexmech.linkages.planar.assembly import Assembly
 from flexmech.linkages.planar.drawing import Drawing, PlanarJoint, PlanarLink
@@ -36,8 +38,8 @@ _PARTS: tuple[tuple[str, type, str], ...] = (
 class PlanarLinkage:
     """Links between points, drawn at one crank angle.
 
-    The linkage moves on the branch of the drawing: at no crank angle does a joint change the
-    side on which it is drawn.
+    The linkage moves on the branch of the drawing: no joint changes the side on which it is drawn
+    but at a change point, where the motion goes on smoothly.
 
     Parameters
     ----------
@@ -173,6 +175,11 @@ class PlanarLinkage:
         theta, omega, alpha = checked_drive(crank_angle, crank_speed, crank_acceleration)
         return self._assembly.motion(theta, omega, alpha)
 
+    @property
+    def change_angles(self) -> FloatArray:
+        """Crank angles in rad of a turn at which joints change sides smoothly; (P,)."""
+        return self._assembly.change_angles
+
     def resized(self, lengths: Mapping[str, float], ground_growth: float) -> PlanarLinkage:
         """Linkage whose beams have other lengths, on a larger ground.
 
@@ -225,11 +232,10 @@ class PlanarLinkage:
         if self.drawing.is_stationary:
             return "it stands still: nothing drives it"
         angles = np.radians(np.arange(0.0, 360.0))
-        return (
-            "the crank turns fully"
-            if self._assembly.assemblable(angles).all()
-            else ("the crank does not turn fully")
-        )
+        if self.change_angles.size:
+            return f"{passing(self.change_angles)}, and does not turn fully"
+        turns = self._assembly.assemblable(angles).all()
+        return "the crank turns fully" if turns else "the crank does not turn fully"
 
     def to_table(self) -> TomlTable:
         """Table ``[linkage]`` of a model file; links and joints have tables of their own."""
