@@ -19,11 +19,14 @@ from flexmech.analyses.strength.forces import Cuts, forces_over_the_turn, intern
 from flexmech.analyses.strength.joint_loads import JointLoads, LoadsOfTurn
 from flexmech.analyses.strength.judged_mechanism import JudgedMechanism
 from flexmech.analyses.strength.margins import (
+    PinFailure,
+    failures_of,
     fatigue_margins,
     link_margins,
     margin_names,
     margin_variables,
     pin_margins,
+    weakest_checks,
 )
 from flexmech.analyses.strength.request import StrengthRequest
 from flexmech.analyses.strength.result import Strength
@@ -112,6 +115,7 @@ def strength(
     if source == "quasi-static":
         straight = _of_rigid_links(judged, request.crank_angles, turning)
         attributes |= {"of_rigid_links": straight_line(straight)}
+    _refuse_nothing(dataset)
     names = margin_names(dataset)
     return Strength(
         with_units(dataset, "strength").assign_attrs(
@@ -166,18 +170,31 @@ def _by_engines(
 
     thinned = replace(request, crank_angles=_searched_angles(dataset, request.crank_angles))
 
+    weakest: dict[float, dict[str, int]] = {}
+
     def least(factor: float) -> dict[str, float]:
         faster = source.of(engines[:1], thinned, factor * speed)
         engine = faster.engines[0]
         loads = faster.loads(engine, judged.cuts, report)
         found = _judged_by(judged, engine.name, faster.crank_angles, loads)
+        weakest[factor] = weakest_checks(found)
         return _load_factors(_with_margins(found))
 
     if at_rest:
         search = search_roots(least, _load_factors(_with_margins(each[0])))
     else:
         search = search_speed(least, float(dataset["margin_load_factor"][0]))
-    factors = [search.speed_factor.get(name, np.nan) for name in margin_names(dataset)]
+    weakest[1.0] = weakest_checks(each[0])
+    dataset = _with_margins(dataset, failures_of(search.speed_factor, weakest))
+    factors = [
+        own if kind == "pin" else search.speed_factor.get(name, np.nan)
+        for name, kind, own in zip(
+            margin_names(dataset),
+            dataset["margin_kind"].values.tolist(),
+            dataset["margin_speed_factor"].values.tolist(),
+            strict=True,
+        )
+    ]
     dataset = dataset.assign(
         margin_speed_factor=("margin", factors),
         searched_speed_factor=("search", search.factor),
@@ -205,6 +222,17 @@ def _searched_angles(dataset: xr.Dataset, angles: FloatArray) -> FloatArray:
     return np.asarray(angles[np.unique([*every, len(angles) - 1, *worst])])
 
 
+def _refuse_nothing(dataset: xr.Dataset) -> None:
+    """Refuse loads that stress nothing: no margin follows from them."""
+    stressed = dataset["margin_index"].values > 0
+    if not np.any(stressed | np.isfinite(dataset["margin_load_factor"].values)):
+        raise InputError(
+            "crank_speed: nothing loads links or pins at this speed, so that no margin follows; "
+            "give a crank speed, or write in the model file, under [operation], crank_speeds = "
+            '["300 rpm"]; what stands still needs gravity or a load'
+        )
+
+
 def _load_factors(dataset: xr.Dataset) -> dict[str, float]:
     """Least load factor of each part."""
     return dict(zip(margin_names(dataset), dataset["margin_load_factor"].values, strict=True))
@@ -228,9 +256,11 @@ def _judged_by(
     )
 
 
-def _with_margins(dataset: xr.Dataset) -> xr.Dataset:
-    """The dataset with the margins of all kinds of parts."""
-    rows = link_margins(dataset), pin_margins(dataset), fatigue_margins(dataset)
+def _with_margins(
+    dataset: xr.Dataset, failures: Mapping[str, PinFailure] | None = None
+) -> xr.Dataset:
+    """The dataset with the margins of all kinds of parts; of pins as their speeds were searched."""
+    rows = link_margins(dataset), pin_margins(dataset, failures), fatigue_margins(dataset)
     return dataset.assign(margin_variables(*rows))
 
 

@@ -271,7 +271,8 @@ def _engine_lines(data: xr.Dataset) -> list[str]:
                 for engine in data["engine"].values.tolist()
             )
             lines.append(f"load factor of {part_name(link, kind)}: {', '.join(told)}")
-    for pin in pin_margins(data):
+    pins = {pin.part: pin for pin in reversed(pin_margins(data))}
+    for pin in reversed(pins.values()):
         own = data["pin_load_factor"][:, data["pin_joint"].values == pin.part]
         told = (
             f"{engine} {_factor(float(own.sel(engine=engine).min()))}"
@@ -307,7 +308,7 @@ def _layer_text(data: xr.Dataset, number: int) -> str:
 
 
 def _factor(value: float) -> str:
-    return "-" if math.isnan(value) else rounded(value, math.nan, _DIGITS)
+    return "-" if not math.isfinite(value) else rounded(value, math.nan, _DIGITS)
 
 
 def _text(data: xr.Dataset, name: str, number: int) -> str:
