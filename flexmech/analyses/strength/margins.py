@@ -248,7 +248,8 @@ def failures_of(
     for joint in next(iter(weakest.values())):
         factor = speed_factors.get(part_name(joint, "pin"), math.nan)
         if math.isfinite(factor):
-            near = min(weakest, key=lambda own, at=factor: abs(own - at))
+            distances = {speed: abs(speed - factor) for speed in weakest}
+            near = min(distances, key=distances.__getitem__)
             found[joint] = PinFailure(weakest[near][joint], factor)
     return found
 
