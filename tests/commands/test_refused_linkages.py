@@ -46,6 +46,15 @@ def test_a_wrong_linkage_is_refused_by_its_key(
     assert remedy in told
 
 
+def test_a_chain_with_a_length_whose_points_are_not_drawn_is_refused(tmp_path: Path) -> None:
+    """Its end is where a link with a length would have been placed."""
+    text = template("planar").replace('B = ["263.8 mm", "266.5 mm"]\n', "")
+    for points, length in (('["A", "B", "C"]', "150 mm"), ('["O4", "B"]', "110 mm")):
+        text = text.replace(f"points = {points}", f'points = {points}\nlength = "{length}"')
+    told = refused(text, tmp_path)
+    assert told.startswith("links.coupler: length and angle are of a link with two points; draw")
+
+
 @pytest.mark.parametrize(
     ("content", "said"),
     [

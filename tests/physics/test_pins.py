@@ -268,10 +268,8 @@ def test_a_pin_has_a_row_for_the_check_that_loads_and_for_the_one_that_speed_bre
 
     unit = found(allowable_bearing_pressure=1e3, allowable_pv=1e3).tables()["pins"]
     stress = unit.groupby("check")["stress_Pa"].max()
-    both = found(
-        allowable_bearing_pressure=1.5 * stress["bearing pressure"],
-        allowable_pv=1.7 * stress["p v"],
-    )
+    pressure, wear = 1.5 * stress["bearing pressure"], 1.7 * stress["p v"]
+    both = found(allowable_bearing_pressure=pressure, allowable_pv=wear)
     margins = both.tables()["margins"]
     rows = margins[margins["kind"] == "pin"].set_index("mode_of_failure")
     assert rows["load_factor"].to_dict() == pytest.approx({"bearing pressure": 1.5, "p v": 1.7})

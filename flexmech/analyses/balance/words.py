@@ -18,6 +18,8 @@ _MM, _GRAM = 1e3, 1e3
 _AT = "force at "
 # Part of the elastic linkage's shaking force that is left, from which the balance misses its aim.
 _MISSED = 0.5
+# Mass of counterweights over the mass that moves without them: that of real ones is below three.
+_MOST_ADDED = 10.0
 # A direction this close to one along the link, in deg, is along it.
 _ALONG = 1e-6
 
@@ -217,6 +219,23 @@ def _details(data: xr.Dataset) -> list[Table | str]:
 
 
 def _warnings(changes: dict[str, _Change]) -> tuple[str, ...]:
+    return (*_heavy_warnings(changes), *_elastic_warnings(changes))
+
+
+def _heavy_warnings(changes: dict[str, _Change]) -> tuple[str, ...]:
+    """Of counterweights that are out of proportion to what they balance."""
+    moving = changes["moving_mass"]
+    added = moving.after - moving.before
+    if added <= _MOST_ADDED * moving.before:
+        return ()
+    return (
+        f"the counterweights of {plain(added)} g are {added / moving.before:.3g} times as heavy as "
+        "all that moves: no shaft or frame bears that; give a greater --radius, or check masses "
+        "and lengths of the model",
+    )
+
+
+def _elastic_warnings(changes: dict[str, _Change]) -> tuple[str, ...]:
     elastic, rigid = changes.get("elastic_shaking_force"), changes["shaking_force"]
     if elastic is None or rigid.after >= _MISSED * rigid.before:
         return ()

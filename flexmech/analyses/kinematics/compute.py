@@ -176,7 +176,7 @@ def _turns_fully(linkage: Linkage) -> bool:
         return linkage.crank_turns_fully
     if isinstance(linkage, PlanarLinkage) and linkage.drawing.is_stationary:
         return True
-    return bool(assemblable(linkage, _TURN).all())
+    return bool(not linkage.change_angles.size and assemblable(linkage, _TURN).all())
 
 
 def _refuse_loads_over_time(mechanism: Mechanism) -> None:

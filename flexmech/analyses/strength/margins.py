@@ -248,8 +248,8 @@ def failures_of(
     for joint in next(iter(weakest.values())):
         factor = speed_factors.get(part_name(joint, "pin"), math.nan)
         if math.isfinite(factor):
-            distances = {speed: abs(speed - factor) for speed in weakest}
-            near = min(distances, key=distances.__getitem__)
+            apart = {abs(own - factor): own for own in weakest}
+            near = apart[min(apart)]
             found[joint] = PinFailure(weakest[near][joint], factor)
     return found
 

@@ -102,6 +102,13 @@ class Assembly:
         around = np.mod(self.drawn_at + np.concatenate([np.zeros(0), *every]), TURN)
         return np.unique(np.where(TURN - around < LOCKING_SINE, 0.0, around))
 
+    def transmission_angles(self, theta: FloatArray) -> dict[str, FloatArray]:
+        """Transmission angle of each dyad at crank angles, by its joint; each of shape (A,)."""
+        known = self.body_motion(theta - self.drawn_at)
+        dyads = (step for step in self.steps if not isinstance(step, NewtonGroup))
+        found = {dyad.refusal.joint: dyad.transmission_angle(known) for dyad in dyads}
+        return {joint: angle for joint, angle in found.items() if angle is not None}
+
     def _reached(self, angle: FloatArray, steps: int | None) -> NDArray[np.bool_]:
         """Whether the first steps of the plan can be taken at angles (A,) from the drawing."""
         try:

@@ -23,7 +23,13 @@ from flexmech.linkages.planar.resizing import resized_points
 from flexmech.linkages.topology import Topology
 from flexmech.model_text import TomlTable, quantity
 from flexmech.units import ANGLE, LENGTH
-from flexmech.validation import check_angle, check_instance, check_pair, checked_tuple
+from flexmech.validation import (
+    check_angle,
+    check_instance,
+    check_pair,
+    checked_array,
+    checked_tuple,
+)
 
 # Fields that hold several things: of which type, and what to give.
 _PARTS: tuple[tuple[str, type, str], ...] = (
@@ -174,6 +180,29 @@ class PlanarLinkage:
         """
         theta, omega, alpha = checked_drive(crank_angle, crank_speed, crank_acceleration)
         return self._assembly.motion(theta, omega, alpha)
+
+    def transmission_angles(self, crank_angle: ArrayLike) -> dict[str, FloatArray]:
+        """Transmission angle at each joint that a dyad closes, between 0 and 90 degrees.
+
+        Between its two links, or between the link that pushes a slider and the normal of its line:
+        90 degrees less the pressure angle. Of bodies without a closed form there is none.
+
+        Parameters
+        ----------
+        crank_angle : array_like, shape (A,)
+            In rad.
+
+        Returns
+        -------
+        dict of str to ndarray, shape (A,)
+            In rad, by the joint.
+
+        Raises
+        ------
+        InputError
+            Where the linkage cannot be assembled or locks.
+        """
+        return self._assembly.transmission_angles(checked_array(crank_angle, "crank_angle", "rad"))
 
     @property
     def change_angles(self) -> FloatArray:
