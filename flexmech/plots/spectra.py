@@ -50,7 +50,8 @@ def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     Of a periodic motion the amplitudes stand as stems at the orders of the crank, those of
     further engines as open marks; what is between the orders, as thin lines, does not repeat.
     Shaded bands are the ranges that the predicted natural frequencies pass through over a turn,
-    or over the crank angles that a law passes; the axis on top counts the harmonics of the crank's turning frequency.
+    or over the crank angles that a law passes; the axis on top counts the harmonics of the crank's
+    turning frequency.
 
     Parameters
     ----------

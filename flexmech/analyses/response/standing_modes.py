@@ -99,8 +99,8 @@ class StandingModes:
         displacement: Sequence[FloatArray],
         rate: Sequence[FloatArray],
         at_rest: Sequence[FloatArray],
-    ) -> FloatArray:
-        """Amplitude of each mode in the deflection of each link, from its state at the stop.
+    ) -> NDArray[np.complex128]:
+        """Complex amplitude of each mode in each link's deflection, from the state at the stop.
 
         It tells how far the mode goes on to vibrate, without a run of the rest.
 
@@ -112,8 +112,8 @@ class StandingModes:
 
         Returns
         -------
-        ndarray, shape (n_links, m)
-            In m.
+        ndarray of complex, shape (n_links, m)
+            In m, of the time since that state.
         """
         moved = [q - rest for q, rest in zip(displacement, at_rest, strict=True)]
         position, velocity = (
@@ -124,7 +124,7 @@ class StandingModes:
         vibrates = turning > 0
         quarter = np.zeros_like(position)
         np.divide(velocity + self.decay * position, turning, out=quarter, where=vibrates)
-        return np.asarray(np.abs(self.bending.T) * np.hypot(position, quarter) * vibrates)
+        return np.asarray(self.bending.T * (position - 1j * quarter) * vibrates)
 
     def waves(self, trajectory: Trajectory, begin: float) -> NDArray[np.complex128]:
         """Complex amplitude of each mode in the deflection of each link at the stop.
