@@ -167,7 +167,17 @@ class Clearance:
     def of(
         cls, longer: FloatArray | float, shorter: FloatArray | float, length: float, size: float
     ) -> Clearance:
-        """Clearance by two lengths, that of both where the loci touch, and the size; in m."""
+        """Clearance by the lengths that are compared.
+
+        Parameters
+        ----------
+        longer, shorter : ndarray, shape (A,), or float
+            In m: they are equal where the loci touch.
+        length : float
+            Of both where they touch, in m.
+        size : float
+            Of the linkage, in m.
+        """
         difference = (longer - shorter) * (longer + shorter) / size**2
         return cls(np.asarray(difference), length / size)
 

@@ -68,7 +68,20 @@ class LinearTerms:
         factors: Mapping[str, float],
         record: FloatArray | ComplexArray,
     ) -> dict[str, float]:
-        """Factors of some names at which the sum is nearest to a record (N,), by least squares."""
+        """Factors of some names at which the sum is nearest to a record, by least squares.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Terms whose factors are sought.
+        factors : mapping of str to float
+            Factors of the other terms.
+        record : ndarray, shape (N,)
+
+        Returns
+        -------
+        dict of str to float
+        """
         rest = dict(factors) | dict.fromkeys(names, 0.0)
         wanted = _parts(self.bound(record - self.curve(rest, record))).ravel()
         columns = [_parts(self.bound(self.terms[name])).ravel() for name in names]

@@ -214,6 +214,14 @@ class TwoLoci:
         path = self._path(bodies, angle, self.side * sides)
         return {own.body: own.motion(bodies, path) for own in self.placed}
 
+    def transmission_angle(self, bodies: Known) -> FloatArray | None:
+        """Acute angle in rad at which the loci meet, (B,); None of two lines, which are drawn."""
+        if not isinstance(self.first, Circle):
+            return None
+        place = bodies[self.placed[0].body].point(self.drawn)
+        normals = (locus.gradient(bodies, place) for locus in (self.first, self.second))
+        return np.asarray(np.arcsin(np.minimum(np.abs(cross(*normals)), 1.0)))
+
     def clearances(self, bodies: Known) -> list[Clearance]:
         """How far the loci are from touching; none of two lines, which meet in one point."""
         first, second = self.first, self.second
@@ -327,6 +335,13 @@ class SlidingBody:
         """The body."""
         return (self.body,)
 
+    def transmission_angle(self, bodies: Known) -> FloatArray:
+        """Acute angle in rad from the normal of the arm to the line, (B,)."""
+        pivot = bodies[self.pivot_body].point(self.pivot)
+        arm = bodies[self.slider_body].point(self.slider) - pivot
+        along = bodies[self.body].turn * self.along
+        return np.asarray(np.arccos(np.minimum(np.abs(cross(along, arm)) / np.abs(arm), 1.0)))
+
     def clearances(self, bodies: Known) -> list[Clearance]:
         """How far the line, on a circle about the pivot, is from touching the slider's point."""
         pivot = bodies[self.pivot_body].point(self.pivot)
@@ -335,7 +350,17 @@ class SlidingBody:
         return [Clearance.of(distance, beside, beside, self.size)]
 
     def motion(self, bodies: Known, angle: FloatArray, sides: FloatArray) -> dict[int, BodyMotion]:
-        """Motion of the body; sides (B,) as in :meth:`TwoLoci.motion`."""
+        """Motion of the body.
+
+        Parameters
+        ----------
+        bodies : mapping of int to BodyMotion
+            Those known so far.
+        angle : ndarray, shape (B,)
+            Crank angle less that of the drawing in rad.
+        sides : ndarray, shape (B,)
+            1 where the slider is on the side of the drawing, -1 where it is on the other one.
+        """
         centre = PointPath.of(bodies[self.pivot_body], self.pivot)
         point = PointPath.of(bodies[self.slider_body], self.slider)
         drawn = self.slider - self.pivot
