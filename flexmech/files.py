@@ -234,6 +234,42 @@ def _locked(folder: Path) -> Iterator[None]:
             os.close(lock)
 
 
+class FolderLock:
+    """Lock of a folder, which no other program gets until it is released or this one has ended.
+
+    Some file systems, and Windows, know no locks of folders: nobody is kept out there.
+
+    Parameters
+    ----------
+    folder : Path
+        Which may be renamed meanwhile.
+
+    Raises
+    ------
+    BlockingIOError
+        If another program has it.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._descriptor: int | None = None
+        if sys.platform == "win32":
+            return
+        try:
+            self._descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            self.release()
+            raise
+        except OSError:
+            self.release()  # a file system without locks
+
+    def release(self) -> None:
+        """Let others have it."""
+        if self._descriptor is not None:
+            os.close(self._descriptor)
+            self._descriptor = None
+
+
 def _lock(folder: Path, *, wait: bool) -> int | None:
     """Descriptor that holds the lock of a folder until it is closed; None if there is none.
 
