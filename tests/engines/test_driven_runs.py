@@ -258,6 +258,27 @@ def test_all_readings_of_a_damped_ring_are_its_amplitude_at_the_stop(damping: fl
     assert float((off - after["residual_envelope"]).max()) < 1e-9
 
 
+def test_residual_vibration_between_the_times_of_a_move_is_that_of_runs_there() -> None:
+    """Three times in a period of the mode tell it within 1 % of the greatest; fewer are dots."""
+    section = ARM.sections["arm"]
+    frequency = float(BETA[0] ** 2 * np.sqrt(section.bending_stiffness / section.mass_per_length))
+    frequency /= 2 * np.pi
+    law = LawDrive("cycloid", 1e-3, time=0.15)
+    periods = np.arange(1.2, 4.2, 0.3)
+    told = []
+    for parts in (periods, periods[:-1] + 0.17, periods[::2]):
+        request = ResponseRequest(
+            law, samples=60, modes=1, step=1e-3, move_times=tuple(parts / frequency)
+        )
+        told.append(response(ReferenceEngine(ARM, 2, "euler"), request))
+    curve = told[0].dataset["move_curve"].sel(law="plain", curve_mode=1).isel(link=0)
+    wanted = told[1].dataset["move_amplitude"].sel(law="plain", mode=1).isel(link=0)
+    at = np.interp(wanted["move_time"], curve["curve_move_time"], curve)
+    np.testing.assert_allclose(at, wanted, atol=1e-2 * float(curve.max()))
+    assert "move_curve" not in told[2].dataset
+    assert any("too far apart" in str(line) for line in told[2].summary().details)
+
+
 @pytest.mark.parametrize(
     ("kind", "damping", "tolerated"),
     [

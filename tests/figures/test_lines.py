@@ -210,6 +210,20 @@ DRAWN: dict[Plot, list[Row]] = {
                 1e3 * d["deflection"].sel(link="coupler").where(d["time"] >= LAW.time, drop=True)
             ),
         ),
+        *(
+            Row(
+                1,
+                "Coupler middle deflection (mm)",
+                lambda d, side=side: (
+                    1e3
+                    * (d["residual_middle"] + side * d["residual_envelope"])
+                    .isel(engine=0)
+                    .sel(link="coupler")
+                    .dropna("time")
+                ),
+            )
+            for side in (-1.0, 1.0)
+        ),
     ],
     plots.plot_response: [
         Row(0, "Crank tip deflection (mm)", lambda d: 1e3 * d["deflection"].sel(link="crank")),
@@ -252,7 +266,9 @@ DRAWN: dict[Plot, list[Row]] = {
                 1e3
                 * d["spectrum"]
                 .sel(link="coupler")
-                .where(d["spectrum_frequency"] <= 1.3 * d["natural_frequency"].max(), drop=True)
+                .where(
+                    d["spectrum_frequency"] <= 1.3 * d["highest_natural_frequency"].max(), drop=True
+                )
             ),
         ),
     ],

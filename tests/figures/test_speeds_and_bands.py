@@ -5,12 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import flexmech
 from flexmech import InputError, plots
 from tests.support.figure_checks import heading, legend_texts, panels, tick_texts, top_axis
 from tests.support.figures import data_of, figure_of
 from tests.support.results import frequencies
+from tests.support.strategies import fourbar
 
 RPM = 30 / np.pi
+ENDS = ("lowest", "highest")
 
 
 def test_critical_speeds_lie_on_the_rays_of_their_orders() -> None:
@@ -126,8 +129,19 @@ def test_the_spectrum_names_the_orders_of_the_crank_and_shades_natural_frequenci
     axes = panels(figure)[1]
     for patch, mode in zip(axes.patches, data["mode"].values, strict=True):
         box = patch.get_extents().transformed(axes.transData.inverted())
-        predicted = data["natural_frequency"].sel(mode=mode)
-        np.testing.assert_allclose([box.x0, box.x1], [predicted.min(), predicted.max()])
+        ends = [float(data[f"{end}_natural_frequency"].sel(mode=mode)) for end in ENDS]
+        np.testing.assert_allclose([box.x0, box.x1], ends)
+
+
+def test_bands_of_a_spectrum_are_those_of_the_whole_turn_however_short_the_run() -> None:
+    engine = flexmech.ReferenceEngine(fourbar(), 2)
+    angles = np.radians(np.arange(0.0, 360.0, 2.0))
+    over_turn = flexmech.natural_frequencies(engine, angles, 10.0, modes=3)
+    for turns in (0.3, 1.0):
+        asked = flexmech.ResponseRequest(10.0, revolutions=turns, samples=90, modes=3, step=1e-3)
+        data = flexmech.response(engine, asked).dataset
+        for end, most in zip(ENDS, (over_turn.min(axis=0), over_turn.max(axis=0)), strict=True):
+            np.testing.assert_allclose(data[f"{end}_natural_frequency"], most, rtol=2e-3)
 
 
 def test_the_spectrogram_holds_levels_below_the_greatest_of_its_panel() -> None:
