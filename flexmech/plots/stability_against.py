@@ -29,6 +29,9 @@ ZERO_GROWTH: Look = {"color": "0.1", "lw": 1.0}
 # Numbers of parameters in the unit that they are read in.
 READ: dict[str, tuple[float, str]] = {"m": (1e3, "mm"), "Pa": (1e-9, "GPa"), "s": (1e3, "ms")}
 PERCENT = ("damping-ratio", "moisture")
+# Crank speeds that are marked; more stand so near each other that a band between them is narrow.
+FEW_SPEEDS = 60
+COMPUTED: Look = {"ls": "", "marker": "|", "color": "0.1", "ms": 6.0, "mew": 1.0, "zorder": 6}
 # Decay next to the zero line, as a part of the greatest growth: round-off makes no line.
 DECAY = 1e-3
 
@@ -37,7 +40,9 @@ def plot_stability_against(dataset: xr.Dataset, *, ax: AxesLike | None = None) -
     """Draw where vibrations grow over crank speed and a second parameter, a panel an engine.
 
     The darker, the faster; white is stable, and the line between the two is that of growth rate
-    zero. Hatched is where there is no equilibrium.
+    zero. Hatched is where there is no equilibrium. Over the damping ratio the unstable bands
+    between the crank speeds are shown too. Over other parameters few crank speeds are marked
+    below: between them nothing is known.
 
     Parameters
     ----------
@@ -60,24 +65,48 @@ def plot_stability_against(dataset: xr.Dataset, *, ax: AxesLike | None = None) -
             "this map has no second parameter; ask for it, as in "
             'flexmech.stability(engine, speeds, against=("damping-ratio", ratios))'
         )
-    data = dataset.sortby("crank_speed").transpose(..., "parameter", "crank_speed")
-    rate, state = data["against_growth_rate"].values, data["against_unstable"].values
-    engines, speed = dataset.sizes["engine"], speeds_of(data)
+    speed, rate, state = _at_all_speeds(dataset)
+    engines, data = dataset.sizes["engine"], dataset
+    marked = len(speed) <= FEW_SPEEDS and "against_band_growth_rate" not in dataset
     factor, label = _parameter(dataset)
     parameter = factor * data["parameter"].values
     top = float(np.nanmax(np.where(state == "yes", rate, np.nan), initial=0.0))
     norm = Normalize(0.0, top or 1.0)
     with sheet(grid(engines, 1, engines * PANEL_HEIGHT + 0.5, sharex=True), ax=ax) as drawn:
         handles = [line_handle("growth rate zero", **ZERO_GROWTH), *gap_handles(state)]
+        handles += [line_handle("computed; between: unknown", **COMPUTED)] if marked else []
         drawn.header(handles, f"Growth over crank speed and {_words(dataset)}", of=dataset)
         for number, axes in enumerate(drawn.panels):
             _draw_against(axes, speed, parameter, rate[number], state[number], norm)
+            if marked:
+                below = axes.get_xaxis_transform()
+                axes.plot(speed, np.zeros(len(speed)), transform=below, clip_on=False, **COMPUTED)
             if engines > 1:
                 axes.set_title(engine_label(dataset, number), loc="left")
         drawn.label_x(f"Crank speed ({speed_unit(dataset)})")
         drawn.label_y(label)
         drawn.colour_bar(ScalarMappable(norm, COLOURS), "Growth rate (1/s)")
     return drawn.figure
+
+
+def _at_all_speeds(dataset: xr.Dataset) -> tuple[FloatArray, FloatArray, NDArray[np.str_]]:
+    """Speeds (n,) in the user's unit, ascending, growth rates and states (engine, parameter, n)."""
+    parts = [(speeds_of(dataset), "crank_speed", "against_")]
+    if "against_band_growth_rate" in dataset:
+        parts.append((speeds_of(dataset, "against_speed"), "against_speed", "against_band_"))
+    speed = np.concatenate([values for values, _, _ in parts])
+    rate, state = (
+        np.concatenate(
+            [
+                dataset[prefix + name].transpose("engine", "parameter", along).values
+                for _, along, prefix in parts
+            ],
+            axis=-1,
+        )
+        for name in ("growth_rate", "unstable")
+    )
+    order = np.argsort(speed)
+    return speed[order], rate[..., order], state[..., order]
 
 
 def _draw_against(

@@ -99,10 +99,20 @@ def test_growth_against_a_second_parameter_is_coloured_where_it_grows() -> None:
     data = data_of(plots.plot_stability_against)
     axes = panels(figure_of(plots.plot_stability_against))[0]
     values = axes.collections[0].get_array()
-    grows = data["against_unstable"].values[0] == "yes"
+    prefixes = {"crank_speed": "against", "against_speed": "against_band"}
+    states, rates, speeds = (
+        np.concatenate([of(along, prefix) for along, prefix in prefixes.items()], axis=-1)
+        for of in (
+            lambda along, prefix: data[f"{prefix}_unstable"].values[0],
+            lambda along, prefix: data[f"{prefix}_growth_rate"].values[0],
+            lambda along, prefix: data[along].values,
+        )
+    )
+    order = np.argsort(speeds)
+    grows = states[:, order] == "yes"
     assert 0 < grows.sum() < grows.size
     np.testing.assert_array_equal(~np.ma.getmaskarray(values), grows)
-    wanted = data["against_growth_rate"].values[0][grows]
+    wanted = rates[:, order][grows]
     np.testing.assert_allclose(np.ma.compressed(values), wanted)
     with pytest.raises(InputError, match="no second parameter"):
         plots.plot_stability_against(data.drop_dims("parameter"))

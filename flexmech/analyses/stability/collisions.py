@@ -155,8 +155,6 @@ def meetings(speeds: Sequence[TrackedSpeed], branches: int) -> list[MeetingPair]
     pairs = [(a, b) for a in range(branches) for b in range(a, branches)]
     found: dict[tuple[int, int], list[Meeting]] = {pair: [] for pair in pairs}
     for lower, upper in pairwise(speeds):
-        if lower.is_unstable and upper.is_unstable:
-            continue
         first, last = lower.frequency[::2], _continued(lower, upper)
         for a, b in pairs:
             crank = abs(lower.crank_speed) / (2 * np.pi), abs(upper.crank_speed) / (2 * np.pi)

@@ -178,7 +178,8 @@ def stability(
             if maps[-1].interrupted:
                 break
         if second is not None and not maps[-1].interrupted:
-            over_both = map_against(engines, request, second, report)
+            bands = [band for each in maps for band in each.bands]
+            over_both = map_against(engines, request, second, bands, report)
             extra = extra.merge(over_both).assign_attrs(over_both.attrs)
     dataset = dataset_of(maps, request)
     attributes = dataset.attrs | extra.attrs | attributes

@@ -157,7 +157,8 @@ class _Place:
         growth = SignedGrowth(solver)
         try:
             there = growth.at(moving or solver.moving(self.edge))
-            by_slope = abs(there - here) / self.slope
+            # Beside an edge of next to no width growth may be level.
+            by_slope = abs(there - here) / self.slope if self.slope else np.inf
             return by_slope if by_slope <= LINEAR * self.width else self._sought(growth, there)
         except ComputationError:
             # There it has no equilibrium: the edge may be anywhere in the bracket.
