@@ -160,7 +160,10 @@ def _margins_table(data: xr.Dataset) -> pd.DataFrame:
         "layer": "margin_layer",
         "crank_angle_deg": "margin_crank_angle",
         "mode_of_failure": "margin_mode",
+        "relative_error": "margin_error",
     }
+    if "margin_error" not in data:  # a file of an earlier version
+        del columns["relative_error"]
     table = table_of(data, ("margin",), columns)
     layers = table["layer"].astype("Int64")
     return table.assign(layer=layers.mask(layers == NO_LAYER))
