@@ -68,14 +68,14 @@ class LinearTerms:
         factors: Mapping[str, float],
         record: FloatArray | ComplexArray,
     ) -> dict[str, float]:
-        """Factors of some names at which the sum is nearest to a record, by least squares.
+        """Factors at which the sum is nearest to a record, by least squares.
 
         Parameters
         ----------
         names : sequence of str
-            Terms whose factors are sought.
+            Of the factors that are free.
         factors : mapping of str to float
-            Factors of the other terms.
+            The others.
         record : ndarray, shape (N,)
 
         Returns
