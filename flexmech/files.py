@@ -10,6 +10,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from datetime import UTC, datetime
 from pathlib import Path
 
 from flexmech.errors import InputError, one_line
@@ -70,6 +71,65 @@ def given_path(path: str | os.PathLike[str]) -> Path:
         shown = one_line(os.fspath(path), _MOST_SHOWN)
         raise InputError(f"{shown}: cannot be reached ({reason}); give another path") from error
     return found
+
+
+def bytes_of(file: Path, shown: str, what: str, most: int) -> bytes:
+    """What a file that a user gave holds, read up to a bound.
+
+    Parameters
+    ----------
+    file : Path
+    shown : str
+        What messages call it.
+    what : str
+        What it is taken for, as "a model file".
+    most : int
+        Bytes, more than any such file has.
+
+    Returns
+    -------
+    bytes
+
+    Raises
+    ------
+    InputError
+        If it is a device or pipe, or larger.
+    OSError
+        If it cannot be read.
+    """
+    if file.exists() and not (file.is_file() or file.is_dir()):
+        raise InputError(f"{shown}: is a device or pipe; name {what} that is a file")
+    with file.open("rb") as stream:
+        content = stream.read(most + 1)
+    if len(content) > most:
+        raise InputError(
+            f"{shown}: is larger than {what} can be ({most // 1_000_000} MB); give fewer lines"
+        )
+    return content
+
+
+def written_at() -> datetime:
+    """Date of files that are written now, or that of the variable ``SOURCE_DATE_EPOCH``, in UTC.
+
+    Returns
+    -------
+    datetime.datetime
+
+    Raises
+    ------
+    InputError
+        If that variable is no date.
+    """
+    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")
+    if not epoch:
+        return datetime.now(UTC)
+    try:
+        return datetime.fromtimestamp(int(epoch), UTC)
+    except (ValueError, OverflowError, OSError) as error:
+        raise InputError(
+            f"SOURCE_DATE_EPOCH: got {one_line(epoch, _MOST_SHOWN)!r}, which is no date; give "
+            "seconds from 1970 on, such as 1700000000, or unset this environment variable"
+        ) from error
 
 
 def check_writable(folder: Path, patterns: Iterable[str]) -> None:

@@ -26,6 +26,8 @@ from flexmech.measured_data.record import GREATEST, MeasuredQuantity, MeasuredRe
 from flexmech.measured_data.uff_contents import UffFile, UffFunction
 from flexmech.measured_data.uff_datasets import contents_of, datasets_of
 
+# Of a universal file: some hundred functions of ten thousand lines, as text.
+MOST_BYTES = 200_000_000
 EXTRA = 'a universal file needs pyuff, which is not installed: pip install "flexmech[modal-test]"'
 
 
@@ -95,6 +97,11 @@ def read_uff(path: str | PathLike[str]) -> UffFile:
     file = given_path(path)
     if not file.is_file():
         raise InputError(f"{file}: there is no such file; name a universal file (.uff, .unv)")
+    if file.stat().st_size > MOST_BYTES:
+        raise InputError(
+            f"{file}: is larger than a universal file can be here ({MOST_BYTES // 1_000_000} MB); "
+            "export fewer functions or lines"
+        )
     try:
         with _plain_exponents(file) as plain:
             reader = pyuff.UFF(str(plain))

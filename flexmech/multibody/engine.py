@@ -44,6 +44,7 @@ from flexmech.linkages import Drive, LockedCrank, MotorRun, RigidMotion
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.beams import refuse_sections
 from flexmech.multibody.exudyn_system import ExudynSystem
+from flexmech.multibody.library import check_exudyn
 from flexmech.multibody.linearize import internal_forces, running_tangents, static_equilibrium
 from flexmech.multibody.running.loads import TorqueTable
 from flexmech.multibody.running.model import RunningModel
@@ -69,7 +70,8 @@ class ExudynEngine(Engine):
     Raises
     ------
     InputError
-        If the element is unknown or cannot have such a section, or there is no element.
+        If exudyn is not installed, the element is unknown or cannot have such a section, or there
+        is no element.
 
     Examples
     --------
@@ -111,6 +113,7 @@ class ExudynEngine(Engine):
         shaft: ShaftChoice = "prescribed",
         mass: MassChoice = "distributed",
     ) -> None:
+        check_exudyn()
         super().__init__(mechanism, elements, element, component_modes, modes, shaft, mass)
         refuse_sections(mechanism, self.element)
 

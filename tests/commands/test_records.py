@@ -19,6 +19,15 @@ def record(folder: Path, text: str) -> MeasuredRecord:
     return read_record(path)
 
 
+def test_what_has_no_end_or_is_too_large_is_no_record(tmp_path):
+    large = tmp_path / "record.csv"
+    with large.open("wb") as file:
+        file.truncate(50_000_001)
+    for path, said in ((large, "larger than a record can be"), ("/dev/zero", "device or pipe")):
+        with pytest.raises(InputError, match=said):
+            read_record(path)
+
+
 @pytest.mark.parametrize(
     ("header", "name", "unit", "factor"),
     [

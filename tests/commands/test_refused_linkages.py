@@ -80,6 +80,28 @@ def test_a_file_of_loads_is_refused_by_its_line(content: str, said: str, tmp_pat
 
 
 @pytest.mark.parametrize(
+    ("table", "key"),
+    [
+        ('[drive]\ntable = "FILE"', "drive: table: file"),
+        (
+            '[loads.push]\npoint = "A"\nlink = "crank"\nover = "time"\nfile = "FILE"',
+            "loads.push: file",
+        ),
+    ],
+)
+def test_what_has_no_end_or_is_too_large_is_not_read_as_a_table(
+    table: str, key: str, tmp_path: Path
+) -> None:
+    with (tmp_path / "large.csv").open("wb") as large:
+        large.truncate(10_000_001)
+    for file, said in (("/dev/zero", "device or pipe"), ("large.csv", "larger than")):
+        stated = table.replace("FILE", file)
+        told = refused(f"{template('four-bar')}\n{stated}\n", tmp_path)
+        assert told.startswith(f"{key} {file}: is ")
+        assert said in told
+
+
+@pytest.mark.parametrize(
     ("content", "said"),
     [
         ("time_s,crank_angle_deg\n0,0\n1,9\n1,9\n2,30\n", "1 s follows 1 s in row 3"),

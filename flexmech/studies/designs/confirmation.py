@@ -10,6 +10,7 @@ from typing import get_args
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.csv_text import csv_text
 from flexmech.analyses.result import Result
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.choices import EngineName
@@ -184,7 +185,7 @@ def candidate_kept(
     table = designs_table(designs_dataset(study, design[None], row), {"violation": "violation"})
     file = given_path(folder) / CANDIDATES
     form = f"%.{Result.significant_digits}g"
-    write_whole(file, table.to_csv(index=False, float_format=form, lineterminator="\n"))
+    write_whole(file, csv_text(table, form))
     earlier = file.with_name("optimum.toml")
     stale = f"; {earlier} is of an earlier run" if earlier.exists() else ""
     return f"; its row is in {file}{stale}"
