@@ -46,7 +46,7 @@ MOST_SEARCHED = 73
 TOLD = 1e-6
 """Relative error of a load factor: less is below the digits of all that is printed."""
 # Rigid links cost nothing: until nothing changes.
-_ROUNDS = 6
+_ROUNDS = 8
 RIGID = "rigid"
 """In place of an engine: the links are taken as rigid."""
 

@@ -8,7 +8,7 @@ over the crank angle and along the link, are sampled too.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,7 +26,10 @@ STEP = np.radians(5.0)
 """Between crank angles at which parts are judged, at most."""
 _PARTS = 32
 # Below this a factor does not change any more but by round-off.
-_SETTLED = 1e-9
+_SETTLED = 1e-12
+
+Factor = tuple[Name, str]
+"""A factor of a part, and which one."""
 
 
 @dataclass(frozen=True)
@@ -110,15 +113,15 @@ def seek(
     fine = request.elements * math.ceil(_PARTS / request.elements)
     places: dict[str, tuple[float, ...]] = {}
     found: list[Weakest] = []
-    factors: dict[tuple[Name, bool], float] = {}
+    factors: dict[Factor, float] = {}
     change: dict[Name, float] = {}
     for number in range(rounds + 1):
         cuts = {name: cuts_of(mechanism, name, fine, places.get(name, ())) for name in judged.cuts}
         loads = source.loads(cuts)
         still = None if static is None else static.loads(cuts)
         found = list(weakest_parts(judged, source.crank_angles, loads, still))
-        change = _changes(factors, {(part.name, part.of_speed): part.factor for part in found})
-        factors = {(part.name, part.of_speed): part.factor for part in found}
+        change = _changes(factors, _factors(found))
+        factors = _factors(found)
         if number == rounds or (number and max(change.values(), default=0.0) < _SETTLED):
             break
         places = with_places(places, found)
@@ -165,19 +168,21 @@ def changes_of(judged: JudgedMechanism, coarse: Sought, finer: SampledLoads) -> 
     finer.add(angles)
     some = np.searchsorted(coarse.crank_angles, angles)
     both = (
-        {(part.name, False): part.factor for part in weakest_parts(judged, angles, loads, None)}
+        _factors(weakest_parts(judged, angles, loads, None))
         for loads in (coarse.loads.at(some), finer.loads(coarse.cuts))
     )
     return _changes(*both)
 
 
-def _changes(
-    before: Mapping[tuple[Name, bool], float], now: Mapping[tuple[Name, bool], float]
-) -> dict[Name, float]:
+def _factors(found: Iterable[Weakest]) -> dict[Factor, float]:
+    return {(part.name, part.of): part.factor for part in found}
+
+
+def _changes(before: Mapping[Factor, float], now: Mapping[Factor, float]) -> dict[Name, float]:
     """Greatest relative change of the factors of each part."""
     found: dict[Name, float] = {}
-    for (name, of_speed), factor in now.items():
-        earlier = before.get((name, of_speed), math.nan)
+    for (name, of), factor in now.items():
+        earlier = before.get((name, of), math.nan)
         same = earlier == factor or not (math.isfinite(earlier) and math.isfinite(factor))
         apart = 0.0 if same else abs(factor - earlier) / max(abs(factor), abs(earlier))
         found[name] = max(found.get(name, 0.0), apart)

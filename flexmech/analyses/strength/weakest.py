@@ -16,9 +16,11 @@ from flexmech.analyses.strength.judged_mechanism import JudgedMechanism
 from flexmech.analyses.strength.judged_pins import judge_pins
 from flexmech.arrays import FloatArray, IntArray
 
-# Of a step: a vertex nearer to a sample is that sample.
+# Of the range of samples: a vertex nearer to a sample is that sample, whose stress is less than its
+# own by the square of that alone.
 _SAME = 1e-6
 _TURN = 2 * np.pi
+_OF = {False: "loads", True: "speed"}
 
 Name = tuple[str, str]
 """Kind and name of a part, as of its margin."""
@@ -34,8 +36,8 @@ class Weakest:
         Kind and part.
     factor : float
         Load or speed factor.
-    of_speed : bool
-        Which of both.
+    of : str
+        Which of the part's factors: those of loads and of speed, and of a pin by each check.
     at : tuple of float
         Crank angles of it in rad; of fatigue those of both ends of the greatest cycle.
     place : float
@@ -48,7 +50,7 @@ class Weakest:
 
     name: Name
     factor: float
-    of_speed: bool
+    of: str
     at: tuple[float, ...] = ()
     place: float = math.nan
     crank_angles: tuple[float, ...] = ()
@@ -97,7 +99,8 @@ def weakest_parts(
 
             angles = _vertices(crank_angles, int(worst[number]), at, turns=True)
             pin, here = ("pin", check.joint), (float(crank_angles[worst[number]]),)
-            yield Weakest(pin, float(factor[number]), of_speed, here, math.nan, angles)
+            of = f"{_OF[of_speed]} {number}"
+            yield Weakest(pin, float(factor[number]), of, here, math.nan, angles)
     still = None if static is None else static.links
     for name, one in judged.enduring.judge(crank_angles, loads.links, still).items():
         yield _of_fatigue(judged, name, one, crank_angles, loads)
@@ -119,7 +122,7 @@ def _of_link(
     place, layer, surface = (int(n) for n in np.unravel_index(np.argmin(factor), factor.shape))
     least = float(factor[place, layer, surface])
     if not np.isfinite(least) or not least:
-        return Weakest(("link", name), least, of_speed)
+        return Weakest(("link", name), least, _OF[of_speed])
     own, still = loads.links[name], None if static is None else static.links[name].loads
     asked, residual = judged.request.criterion, judged.residual[name]
 
@@ -137,7 +140,7 @@ def _of_link(
     x = own.place
     places = _vertices(x, place, lambda some: float(factors(np.array([angle]), some)[0]))
     here = (float(crank_angles[angle]),)
-    return Weakest(("link", name), least, of_speed, here, float(x[place]), angles, places)
+    return Weakest(("link", name), least, _OF[of_speed], here, float(x[place]), angles, places)
 
 
 def _of_fatigue(
@@ -152,7 +155,7 @@ def _of_fatigue(
     place, layer, surface = (int(n) for n in np.unravel_index(np.argmin(factor), factor.shape))
     least, own = float(factor[place, layer, surface]), loads.links[name]
     if not np.isfinite(least) or not least:
-        return Weakest(("fatigue", name), least, False)
+        return Weakest(("fatigue", name), least, _OF[False])
     stress = stress_along(judged.enduring.layers[name], own.loads)[..., layer, surface]
     here: list[float] = []
     angles: list[float] = []
@@ -171,7 +174,7 @@ def _of_fatigue(
     swing = np.ptp(stress, axis=0)
     places = _vertices(own.place, place, lambda some: 1.0 / float(swing[some][0] or 1.0))
     x = float(own.place[place])
-    return Weakest(("fatigue", name), least, False, tuple(here), x, tuple(angles), places)
+    return Weakest(("fatigue", name), least, _OF[False], tuple(here), x, tuple(angles), places)
 
 
 def _vertices(
@@ -202,17 +205,21 @@ def _vertices(
     tuple of float
         One or none.
     """
-    last = len(samples) - 1
-    sides, shift = np.array([number - 1, number, number + 1]), np.zeros(3)
-    if number in (0, last) and turns and is_whole(float(samples[-1] - samples[0])):
-        sides, shift = np.array([last - 1, number, 1]), np.zeros(3)
-        shift[0 if number == 0 else 2] = -_TURN if number == 0 else _TURN
-    if last < 2 or sides[0] < 0 or sides[2] > last:
+    count, span = len(samples), float(samples[-1] - samples[0])
+    numbers, x = np.arange(count), samples
+    if turns and is_whole(span):
+        # The end of a turn is its beginning.
+        numbers = np.concatenate([numbers[:-1], numbers, numbers[1:]])
+        x = np.concatenate([samples[:-1] - _TURN, samples, samples[1:] + _TURN])
+        number += count - 1
+    same, here = _SAME * max(span, np.finfo(float).tiny), x[number]
+    left, right = np.flatnonzero(x < here - same), np.flatnonzero(x > here + same)
+    jumps = np.flatnonzero(np.diff(samples) == 0)
+    if not left.size or not right.size or np.any(samples[jumps] == here):
         return ()
-    x = samples[sides] + shift
+    sides = np.array([left[-1], number, right[0]])
+    x, sides = x[sides], numbers[sides]
     before, after = np.diff(x)
-    if not before or not after:
-        return ()
     factors = np.array([factor_at(sides[n : n + 1]) for n in range(3)])
     with np.errstate(divide="ignore", invalid="ignore"):
         values = 1.0 / factors if inverse else -factors
@@ -223,8 +230,7 @@ def _vertices(
     if bend >= 0:
         return ()
     vertex = (x[0] + x[1]) / 2 - rise / (2 * bend)
-    near = min(abs(vertex - x[1]) / min(before, after), 1.0)
-    if not x[0] < vertex < x[2] or near <= _SAME:
+    if not x[0] < vertex < x[2] or np.abs(vertex - x).min() <= same:
         return ()
     beyond = _TURN * (float(vertex > samples[-1]) - float(vertex < samples[0]))
     return (float(vertex - beyond * turns),)
