@@ -8,6 +8,7 @@ import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import LinkModel, LinkReadings, rigid_link
+from flexmech.linear_system.links.link_model import NONE
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.linearize import linearized
 from flexmech.multibody.link_parts import RigidPart
@@ -65,6 +66,7 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
                 kind.shape_functions,
                 slope=kind.clamped,
                 deflection=kind.deflection,
+                polar=NONE if part.polar is None else part.polar.first,
             ),
             fields=kind.rigid_fields(part.positions),
             vectors=np.stack([x, y]),

@@ -177,6 +177,7 @@ class DisplacedLinks:
             shift = np.stack([back * place, rise * place], axis=-1) + q[:, None, :2]
             return np.concatenate([shift, np.broadcast_to(turn, shift.shape[:2])[..., None]], -1)
         readings = model.readings
+        q = readings.with_slope_vectors(q)
         length = readings.nodes[-1]
         turned = readings.rotations_at(place / length)
         rows = np.concatenate([readings.displacement_at(place / length), turned[:, None]], axis=1)
