@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import flexmech
-from flexmech import InputError, plots
+from flexmech import InputError, MovingFrequencies, plots
 from tests.support.figure_checks import heading, legend_texts, panels, tick_texts, top_axis
 from tests.support.figures import data_of, figure_of
 from tests.support.results import frequencies
@@ -14,6 +14,26 @@ from tests.support.strategies import fourbar
 
 RPM = 30 / np.pi
 ENDS = ("lowest", "highest")
+
+
+def test_frequencies_at_few_crank_angles_are_curves_over_the_speed() -> None:
+    data = frequencies().dataset.isel(crank_angle=[2, 0]).assign_attrs(speed_unit="rpm")
+    figure = plots.plot_frequencies_over_speed(data)
+    angles = np.degrees(data["crank_angle"].values)
+    assert legend_texts(figure)[:2] == [f"{angle:.6g} deg" for angle in sorted(angles)]
+    for mode, axes in enumerate(panels(figure)):
+        for place, angle in enumerate(sorted(data["crank_angle"].values)):
+            along = data["frequency"].isel(engine=0, mode=mode).sel(crank_angle=angle)
+            line = axes.lines[place * data.sizes["engine"]]
+            np.testing.assert_allclose(line.get_xdata(), RPM * data["crank_speed"].values)
+            np.testing.assert_allclose(line.get_ydata(), along)
+    result = MovingFrequencies(data)
+    assert "frequencies" not in result.figures()  # two points each, over the crank angle
+    assert "frequencies_over_speed" in result.figures()
+    assert heading(result.plot()) == heading(figure)
+    over_the_turn = frequencies().figures()
+    assert "frequencies" in over_the_turn
+    assert "frequencies_over_speed" not in over_the_turn
 
 
 def test_critical_speeds_lie_on_the_rays_of_their_orders() -> None:
