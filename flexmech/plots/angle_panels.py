@@ -307,6 +307,18 @@ def series_and_engines(
     """Legend entries of series by name, then of the engines: lines of one, marks of others.
 
     The marks of the series are those of the second engine, or of few points along the coordinate.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    names : sequence of str
+        Of the series.
+    along : str
+        Coordinate of the x axis.
+
+    Returns
+    -------
+    list of Artist
     """
     engines, few = dataset.sizes["engine"], few_points(dataset[along].values)
     handles = []
