@@ -270,7 +270,7 @@ def test_the_noise_of_h1_has_the_covariance_of_windows_and_pulse(noise, of_force
         assert size[3] > 2 * size[0]
 
 
-@pytest.mark.parametrize("decay_rate", [4.0, pytest.param(0.5, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("decay_rate", [4.0, pytest.param(6.0, marks=pytest.mark.thorough)])
 def test_what_is_identified_scatters_as_its_standard_errors_say(decay_rate):
     """Of ten records a standard deviation is between 0.5 and 1.7 times the true one (98 %).
 

@@ -14,6 +14,7 @@ from flexmech.analyses.comparison.parameters import (
     DAMPING,
     GAIN,
     OFFSET,
+    RATIOS,
     fitted_engine,
     fitted_names,
 )
@@ -80,6 +81,11 @@ class ReceptanceProblem(RecordProblem):
     def first_frequency(self) -> float:
         """First natural frequency at this crank angle in rad/s."""
         return float(2 * np.pi * self._natural_frequencies(1)[0])
+
+    @property
+    def damping_ratios(self) -> tuple[float, ...]:
+        """Of both signs: no search crosses zero, where the computed resonances are infinite."""
+        return (*RATIOS, *(-ratio for ratio in RATIOS))
 
     def labelled(self, dataset: xr.Dataset, fit: Fit) -> xr.Dataset:
         """The dataset with its frequencies."""

@@ -20,9 +20,8 @@ START_ANGLE = "start_angle"
 LINEAR = {GAIN: 1.0, OFFSET: 0.0}
 # Damping ratio of the first mode that the unit of a fitted damping time stands for.
 USUAL_RATIO = 0.005
-# Damping ratios from which the fit may begin, of steel to polymers; negative ones too, since no
-# search crosses zero, where the computed resonances are infinite.
-_RATIOS = tuple(sign * ratio for sign in (1, -1) for ratio in (0.001, 0.003, 0.01, 0.03))
+# Damping ratios from which the fit may begin, of steel to polymers.
+RATIOS = (0.001, 0.003, 0.01, 0.03)
 # Crank angles at which a record may begin: every 2.5 deg, a fraction of the first mode's period.
 _ANGLES = 144
 # Part of the model's stiffness below which no measured link is.
@@ -127,6 +126,7 @@ def free_parameters(
     unit_time: float,
     unit: str,
     size: float,
+    ratios: Sequence[float] = RATIOS,
 ) -> tuple[Parameter, ...]:
     """Parameters of a fit, from the best of the crank angles and damping times tried.
 
@@ -141,6 +141,8 @@ def free_parameters(
         Of the record.
     size : float
         Of the record's values, the scale of its offset.
+    ratios : sequence of float
+        Damping ratios of the first mode that are tried.
 
     Returns
     -------
@@ -156,7 +158,7 @@ def free_parameters(
     found = {name: replace(kinds[name.partition(":")[0]], name=name) for name in names}
     trials = {
         START_ANGLE: (360 / _ANGLES * np.arange(_ANGLES)).tolist(),
-        DAMPING: [unit_time * ratio / USUAL_RATIO for ratio in _RATIOS],
+        DAMPING: [unit_time * ratio / USUAL_RATIO for ratio in ratios],
     }
     for kind, choices in trials.items():
         which = [name for name in names if name.startswith(kind)]

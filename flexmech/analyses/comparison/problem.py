@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from flexmech.analyses.comparison.fit import Fit, Parameter
 from flexmech.analyses.comparison.parameters import (
     LINEAR,
+    RATIOS,
     USUAL_RATIO,
     free_parameters,
 )
@@ -158,7 +159,13 @@ class RecordProblem(ABC):
     def parameters(self) -> tuple[Parameter, ...]:
         """What is fitted, and from where."""
         size = float(np.std(self.record))
-        return free_parameters(self.parameter_names, self.misfit, self.unit_time, self.unit, size)
+        names, ratios = self.parameter_names, self.damping_ratios
+        return free_parameters(names, self.misfit, self.unit_time, self.unit, size, ratios)
+
+    @property
+    def damping_ratios(self) -> tuple[float, ...]:
+        """Damping ratios of the first mode from which the fit may begin."""
+        return RATIOS
 
     @property
     def linear_unknowns(self) -> int:
