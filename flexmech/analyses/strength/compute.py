@@ -204,6 +204,7 @@ def _by_engines(
     else:
         search = search_speed(least, float(dataset["margin_load_factor"][0]))
     weakest[1.0] = weakest_checks(each[0])
+    dataset = dataset.drop_vars("margin_error")
     dataset = _with_margins(dataset, failures_of(search.speed_factor, weakest))
     # The speeds of pins may have brought rows of a second check.
     dataset = _with_errors(dataset, known)
@@ -237,10 +238,15 @@ def _gap_attribute(gaps: list[FloatArray]) -> dict[str, str]:
 
 
 def _searched_angles(dataset: xr.Dataset, angles: FloatArray) -> FloatArray:
-    """Crank angles of equilibria at other speeds: not all of many, but the worst of each part."""
+    """Crank angles of equilibria at other speeds: not all of many, but the worst of every part.
+
+    A pin has one for each of its checks: the speed may choose another check than the loads.
+    """
     every = np.arange(0, len(angles), math.ceil(len(angles) / MOST_SEARCHED))
     some = angles[np.unique([*every, len(angles) - 1])]
-    return np.union1d(some, dataset["margin_crank_angle"].values)
+    names = ("margin_crank_angle", "pin_worst_angle")
+    worst = [dataset[name].values.ravel() for name in names if name in dataset]
+    return np.unique(np.concatenate([some, *worst]))
 
 
 def _refuse_nothing(dataset: xr.Dataset) -> None:

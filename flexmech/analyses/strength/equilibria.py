@@ -139,7 +139,19 @@ class Equilibria:
         return found, changes_of(judged, found, self._source(finer, report))
 
     def again(self, engine: Engine, found: Sought, report: LabelledProgress) -> LoadsOfTurn:
-        """Loads of another engine at the crank angles and places that were found by one."""
+        """Loads of another engine at the crank angles and places that were found by one.
+
+        Parameters
+        ----------
+        engine : Engine
+        found : Sought
+            Crank angles and cuts that the first engine was judged at.
+        report : LabelledProgress
+
+        Returns
+        -------
+        LoadsOfTurn
+        """
         source = self._source(engine, report)
         source.add(found.crank_angles)
         return source.loads(found.cuts)

@@ -138,7 +138,19 @@ class Runs:
         return found, {name: float(error) for name, error in errors.items()}
 
     def again(self, engine: Engine, found: Sought, report: LabelledProgress) -> LoadsOfTurn:
-        """Loads of another engine at the crank angles and places that were found by one."""
+        """Loads of another engine at the crank angles and places that were found by one.
+
+        Parameters
+        ----------
+        engine : Engine
+        found : Sought
+            Crank angles and cuts that the first engine was judged at.
+        report : LabelledProgress
+
+        Returns
+        -------
+        LoadsOfTurn
+        """
         source = self._source(engine, run_engine(engine, self.request, self.plan, report))
         source.add(found.crank_angles)
         return source.loads(found.cuts)
