@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import gc
 import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from flexmech import ComputationError, InputError, load_mechanism
+from flexmech import ComputationError, InputError, ReferenceEngine, load_mechanism
 from flexmech.studies import (
     DesignSweep,
     Goal,
@@ -19,11 +20,12 @@ from flexmech.studies import (
     Variable,
     load_study,
     optimum_study,
+    sweep,
     sweep_study,
     uncertainty_study,
 )
 from flexmech.units import ANGULAR_SPEED, LENGTH
-from tests.support.command import Ended, run_command
+from tests.support.command import MODELS, Ended, run_command
 from tests.support.journeys import Journey
 from tests.support.study_data import FILE, THICKNESS, study, study_file, thickness
 
@@ -258,3 +260,25 @@ def test_a_sample_with_failures_is_refused_with_their_share(tmp_path):
     length = Variable("length", ("linkage.coupler",), LENGTH, "uniform", (0.25, 0.75))
     with pytest.raises(InputError, match=r"\d+ % of the designs.*failure_values"):
         uncertainty_study(study(length), 16)
+
+
+# --- memory -------------------------------------------------------------------------------------
+
+
+def test_a_computed_design_is_freed_before_the_next_one():
+    """Nothing of it refers to itself: the command line searches memory for that seldom."""
+    outputs = {
+        "bent": Output("peak_deflection", speed=10.0),
+        "f": Output("lowest_frequency", speed=10.0, angles=4),
+    }
+    arm = load_mechanism(MODELS / "rotating_arm.toml")
+    gc.collect()
+    before = sum(isinstance(one, ReferenceEngine) for one in gc.get_objects())
+    gc.disable()
+    try:
+        result = sweep(arm, {"crank-speed": [2.0]}, outputs)
+        after = sum(isinstance(one, ReferenceEngine) for one in gc.get_objects())
+    finally:
+        gc.enable()
+    assert (result.dataset["status"] == "ok").all()
+    assert after == before
