@@ -77,19 +77,33 @@ def test_the_front_of_stress_and_mass_is_that_of_the_curve_between_its_ends():
         assert not np.any(stress(lighter) < stress(one) * (1 - 0.01))
 
 
-def test_two_thicknesses_and_a_stacking_that_fails_beyond_a_corner():
-    """The lightest of a sum within a product, which is where both are equal; a corner fails."""
+def test_of_two_thicknesses_the_lightest_are_equal_where_a_corner_fails():
+    """The least sum within a product; a third thickness has one value."""
 
     def of_two(designs: np.ndarray) -> np.ndarray:
-        first, second = 1e3 * designs.T
+        first, second, _ = 1e3 * designs.T
         values = np.stack([1e9 / (first * second), first + second], axis=1)
         values[(first < 1.5) & (second < 1.5)] = np.nan
         return values
 
-    pair = thickness(1e-3, 5e-3), thickness(1e-3, 5e-3, link="rocker")
+    pair = (
+        thickness(1e-3, 5e-3),
+        thickness(1e-3, 5e-3, link="rocker"),
+        thickness(4e-3, distribution="values", link="crank"),
+    )
     limits = (Limit("stress", greatest=1e9 / 9),)
     whole = study(*pair, outputs=OUTPUTS, limits=limits, goals=(Goal("mass"),))
     best, search = searched(whole, of_two)
-    assert best.sum() == pytest.approx(6e-3, rel=2e-3)
-    assert best.prod() >= 9e-6
+    assert best[0, :2].sum() == pytest.approx(6e-3, rel=2e-3)
+    assert best[0, :2].prod() >= 9e-6
     assert search.count <= most_by_model(whole)
+
+
+def test_of_listed_values_each_is_computed_once():
+    listed = thickness(4e-3, 6e-3, 8e-3, distribution="values")
+    limits = (Limit("stress", greatest=130e6),)
+    best, search = searched(
+        study(listed, outputs=OUTPUTS, limits=limits, goals=(Goal("mass"),)), of_one
+    )
+    assert best[0, 0] == 6e-3
+    assert search.count == 3

@@ -145,8 +145,8 @@ class Equilibria:
         ----------
         engine : Engine
         found : Sought
-            Crank angles and cuts that the first engine was judged at.
-        report : LabelledProgress
+        report : callable
+            Progress.
 
         Returns
         -------

@@ -144,8 +144,8 @@ class Runs:
         ----------
         engine : Engine
         found : Sought
-            Crank angles and cuts that the first engine was judged at.
-        report : LabelledProgress
+        report : callable
+            Progress.
 
         Returns
         -------

@@ -48,6 +48,8 @@ class OutputModel:
     logarithmic : ndarray of bool, shape (m,)
         Of outputs that are positive, whose logarithms are interpolated: peaks of resonances are
         less steep in them.
+    varying : ndarray of bool, shape (c,)
+        Coordinates that differ among the designs that are known.
     known : ndarray, shape (n, c)
         All points that were computed.
     failed : ndarray of bool, shape (n,)
@@ -55,6 +57,7 @@ class OutputModel:
 
     interpolator: RBFInterpolator
     logarithmic: NDArray[np.bool_]
+    varying: NDArray[np.bool_]
     known: FloatArray
     failed: NDArray[np.bool_]
 
@@ -75,11 +78,16 @@ class OutputModel:
         """
         failed = found.status != 0
         known, values = points[~failed], found.values[~failed]
-        if len(known) <= points.shape[1] + 1:
+        varying = np.ptp(known, axis=0) > 0 if len(known) else np.zeros(points.shape[1], dtype=bool)
+        if not varying.any() or len(known) <= varying.sum() + 1:
             return None
         logarithmic = (values > 0).all(axis=0)
         values = np.where(logarithmic, np.log(np.where(logarithmic, values, 1.0)), values)
-        return cls(RBFInterpolator(known, values, kernel="cubic"), logarithmic, points, failed)
+        try:
+            between = RBFInterpolator(known[:, varying], values, kernel="cubic")
+        except np.linalg.LinAlgError:  # of points on one line or plane
+            return None
+        return cls(between, logarithmic, varying, points, failed)
 
     def at(self, points: FloatArray) -> Evaluated:
         """Outputs of points (n, c) by the model; where the nearest known design fails, so do they.
@@ -92,7 +100,7 @@ class OutputModel:
         -------
         Evaluated
         """
-        values = self.interpolator(points)
+        values = self.interpolator(points[:, self.varying])
         values = np.where(self.logarithmic, np.exp(np.where(self.logarithmic, values, 0.0)), values)
         nearest = cdist(points, self.known).argmin(axis=1)
         return Evaluated(values, self.failed[nearest].astype(np.intp), [""] * len(points))
