@@ -211,11 +211,16 @@ def test_where_no_design_keeps_the_limit_the_nearest_stands_in_a_file(tmp_path):
 
 @pytest.mark.thorough
 def test_an_optimum_that_fails_at_finer_angles_is_no_optimum(tmp_path):
-    """The heaviest linkage whose torque is kept at eight crank angles, and not at sixteen."""
-    text = TEXT.replace("angles = 24", "angles = 8").replace('"0.33 N m"', '"0.15 N m"')
-    told, best = failed(tmp_path, text.replace('output = "mass"', 'output = "mass"\nsense = "max"'))
-    assert "torque" in told
-    assert best["violation"][0] == pytest.approx(best["torque_N_m"][0] / 0.15 - 1)
+    """The lightest linkage whose frequency is kept at four single positions, and not at eight."""
+    f1 = 'f1 = { quantity = "lowest_frequency", speed = "20 rad/s", angles = 4 }\n'
+    text = TEXT.replace(TORQUE, f1)
+    told, best = failed(
+        tmp_path,
+        text.replace('output = "torque"\nbelow = "0.33 N m"', 'output = "f1"\nabove = "40 Hz"'),
+    )
+    assert "f1" in told
+    assert "tighten its limit by" in told
+    assert best["violation"][0] == pytest.approx(1 - best["f1_Hz"][0] / 40.0)
     assert best["violation"][0] > 1e-3
 
 
