@@ -184,8 +184,8 @@ def _peak(data: xr.Dataset, name: str, what: str, unit: str) -> _Change:
 
 
 def _peaks(data: xr.Dataset, name: str) -> list[float] | None:
-    """Greatest values of both states; None in a file of an earlier version."""
-    if "greatest" not in data:
+    """Greatest values of both states; None where they were not sought, as in earlier versions."""
+    if "greatest" not in data or name not in data["quantity"].values:
         return None
     return [float(value) for value in data["greatest"].sel(quantity=name).values]
 
