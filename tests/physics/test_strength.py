@@ -390,6 +390,18 @@ def test_the_printed_error_of_factors_holds_against_a_fine_model() -> None:
     assert coarse.summary().trust.startswith("load factors are known to 0.0")
 
 
+def test_a_linkage_that_cannot_be_moved_between_the_angles_is_judged_at_them_alone() -> None:
+    """Its crank swings up to 87 degrees to both sides."""
+    swinging = flexmech.FourBar(0.3, 0.2, 0.15, 0.2)
+    mechanism = replace(yielding_fourbar().mechanism, linkage=swinging)
+    angles = np.radians([5.0, 10.0, 350.0])
+    found = rigid(mechanism, StrengthRequest(angles, 10.0))
+    assert "of the crank angles asked for alone" in found.summary().trust
+    assert set(found.dataset["margin_crank_angle"].values) <= set(angles)
+    alone = rigid(mechanism, StrengthRequest(angles[:1], 10.0)).summary().trust
+    assert alone == "load factors are known to 0.0001 %"
+
+
 @pytest.mark.thorough
 def test_the_printed_error_of_factors_of_a_vibration_holds_against_a_fine_model() -> None:
     request = StrengthRequest(crank_speed=20.0, source="periodic", search_speed=False)

@@ -35,7 +35,7 @@ from flexmech.analyses.strength.sampled_loads import LoadsAtAngles
 from flexmech.analyses.strength.sought import angles_between, seek
 from flexmech.analyses.strength.speed_search import search_roots, search_speed
 from flexmech.analyses.strength.weakest import Name
-from flexmech.analyses.strength.words import straight_line
+from flexmech.analyses.strength.words import ASKED, straight_line
 from flexmech.arrays import FloatArray, LabelledProgress, silent
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine, checked_mechanism
@@ -123,6 +123,9 @@ def strength(
         straight = _of_rigid_links(judged, request.crank_angles, turning)
         attributes |= {"of_rigid_links": straight_line(straight)}
     _refuse_nothing(dataset)
+    if source in ("quasi-static", "rigid") and len(request.crank_angles) > 1:
+        _, between = angles_between(wet, request.crank_angles)
+        attributes |= {} if between else {"judged_at": ASKED}
     names = margin_names(dataset)
     return Strength(
         with_units(dataset, "strength").assign_attrs(
@@ -145,13 +148,14 @@ def strength(
 
 def _of_rigid_links(judged: JudgedMechanism, angles: FloatArray, speed: float) -> xr.Dataset:
     """What the loads of links that are taken as rigid make of links and pins."""
-    mechanism, every = judged.mechanism, angles_between(judged.mechanism, angles)
+    mechanism = judged.mechanism
+    every, between = angles_between(mechanism, angles)
     moving = LoadsAtAngles.of_rigid_links(mechanism, speed)
     still = LoadsAtAngles.of_rigid_links(mechanism, 0.0) if _grows(mechanism, speed) else None
     for source in (moving, still):
         if source is not None:
             source.add(every)
-    found = seek(judged, moving, still, rounds=_ROUNDS, between=len(angles) > 1)
+    found = seek(judged, moving, still, rounds=_ROUNDS, between=between)
     dataset = _judged_by(judged, RIGID, angles, found.crank_angles, found.loads, found.static)
     return _with_errors(_with_margins(dataset), found.change)
 

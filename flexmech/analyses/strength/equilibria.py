@@ -133,8 +133,9 @@ class Equilibria:
             As :meth:`loads`.
         """
         source = self._source(engine, report)
-        source.add(angles_between(engine.mechanism, self.crank_angles))
-        found = seek(judged, source, rounds=_ROUNDS, between=len(self.crank_angles) > 1)
+        every, between = angles_between(engine.mechanism, self.crank_angles)
+        source.add(every)
+        found = seek(judged, source, rounds=_ROUNDS, between=between)
         finer = engine.with_(elements=2 * engine.elements)
         return found, changes_of(judged, found, self._source(finer, report))
 

@@ -55,7 +55,7 @@ class Sought:
     change: dict[Name, float]
 
 
-def angles_between(mechanism: Mechanism, crank_angles: FloatArray) -> FloatArray:
+def angles_between(mechanism: Mechanism, crank_angles: FloatArray) -> tuple[FloatArray, bool]:
     """Crank angles asked for, and others between them, no more than five degrees apart.
 
     Parameters
@@ -68,11 +68,14 @@ def angles_between(mechanism: Mechanism, crank_angles: FloatArray) -> FloatArray
     -------
     ndarray, shape (B,)
         Those asked for alone where the linkage cannot be moved through the others.
+    bool
+        Whether it can be moved from the first of them to the last, so that parts may be weaker
+        between them; of one angle there is nothing between.
     """
     first, last = crank_angles[0], crank_angles[-1]
     steps = math.ceil(round((last - first) / STEP, 6))
     if not steps:
-        return crank_angles
+        return crank_angles, False
     even = np.linspace(first, last, steps + 1)
     # Those that differ by round-off from one that was asked for are that one.
     new = np.abs(even[:, None] - crank_angles).min(axis=1) > STEP * 1e-6
@@ -80,8 +83,8 @@ def angles_between(mechanism: Mechanism, crank_angles: FloatArray) -> FloatArray
     try:
         mechanism.linkage.motion(every)
     except InputError:
-        return crank_angles
-    return every
+        return crank_angles, False
+    return every, True
 
 
 def seek(
