@@ -98,6 +98,9 @@ KEPT_MODES = 8
 MODES = 4
 """Natural frequencies asked for by default, in maps and responses alike."""
 
+MOST_SEED = 2**63 - 1
+"""Of random numbers: files of results keep no greater integers."""
+
 MOST_ELEMENTS = 500
 """Elements a link: with so many, three links' matrices of a batch of 16 positions take 1 GB, and
 several of them are held at a time."""

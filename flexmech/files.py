@@ -10,6 +10,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from datetime import UTC, datetime
 from pathlib import Path
 
 from flexmech.errors import InputError, one_line
@@ -70,6 +71,65 @@ def given_path(path: str | os.PathLike[str]) -> Path:
         shown = one_line(os.fspath(path), _MOST_SHOWN)
         raise InputError(f"{shown}: cannot be reached ({reason}); give another path") from error
     return found
+
+
+def bytes_of(file: Path, shown: str, what: str, most: int) -> bytes:
+    """What a file that a user gave holds, read up to a bound.
+
+    Parameters
+    ----------
+    file : Path
+    shown : str
+        What messages call it.
+    what : str
+        What it is taken for, as "a model file".
+    most : int
+        Bytes, more than any such file has.
+
+    Returns
+    -------
+    bytes
+
+    Raises
+    ------
+    InputError
+        If it is a device or pipe, or larger.
+    OSError
+        If it cannot be read.
+    """
+    if file.exists() and not (file.is_file() or file.is_dir()):
+        raise InputError(f"{shown}: is a device or pipe; name {what} that is a file")
+    with file.open("rb") as stream:
+        content = stream.read(most + 1)
+    if len(content) > most:
+        raise InputError(
+            f"{shown}: is larger than {what} can be ({most // 1_000_000} MB); give fewer lines"
+        )
+    return content
+
+
+def written_at() -> datetime:
+    """Date of files that are written now, or that of the variable ``SOURCE_DATE_EPOCH``, in UTC.
+
+    Returns
+    -------
+    datetime.datetime
+
+    Raises
+    ------
+    InputError
+        If that variable is no date.
+    """
+    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")
+    if not epoch:
+        return datetime.now(UTC)
+    try:
+        return datetime.fromtimestamp(int(epoch), UTC)
+    except (ValueError, OverflowError, OSError) as error:
+        raise InputError(
+            f"SOURCE_DATE_EPOCH: got {one_line(epoch, _MOST_SHOWN)!r}, which is no date; give "
+            "seconds from 1970 on, such as 1700000000, or unset this environment variable"
+        ) from error
 
 
 def check_writable(folder: Path, patterns: Iterable[str]) -> None:
@@ -232,6 +292,42 @@ def _locked(folder: Path) -> Iterator[None]:
     finally:
         if lock is not None:
             os.close(lock)
+
+
+class FolderLock:
+    """Lock of a folder, which no other program gets until it is released or this one has ended.
+
+    Some file systems, and Windows, know no locks of folders: nobody is kept out there.
+
+    Parameters
+    ----------
+    folder : Path
+        Which may be renamed meanwhile.
+
+    Raises
+    ------
+    BlockingIOError
+        If another program has it.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._descriptor: int | None = None
+        if sys.platform == "win32":
+            return
+        try:
+            self._descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            self.release()
+            raise
+        except OSError:
+            self.release()  # a file system without locks
+
+    def release(self) -> None:
+        """Let others have it."""
+        if self._descriptor is not None:
+            os.close(self._descriptor)
+            self._descriptor = None
 
 
 def _lock(folder: Path, *, wait: bool) -> int | None:

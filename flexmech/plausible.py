@@ -92,6 +92,7 @@ _OF_DIMENSION = {
         Plausible(units.VOLTAGE, "1e6 V"),
         Plausible(units.RESISTANCE, "1e9 ohm", "1e-9 ohm"),
         Plausible(units.INDUCTANCE, "1e6 H"),
+        Plausible(units.CURRENT, "1e6 A"),
         Plausible(units.TORQUE_CONSTANT, "1e6 N m/A", "1e-12 N m/A"),
         Plausible(units.VOLTAGE_GAIN, "1e12 V s/rad"),
         Plausible(units.VOLTAGE_INTEGRAL_GAIN, "1e12 V/rad"),

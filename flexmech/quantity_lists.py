@@ -36,7 +36,7 @@ class Quantities:
 def parse_quantities(
     text: str, dimension: Dimension, default_unit: str, *, most: int = 10_000
 ) -> Quantities:
-    """Read quantities from a comma list or from a range START:STOP:STEP.
+    """Read quantities from a comma list of numbers and of ranges START:STOP:STEP.
 
     A unit that only the last entry has covers all of them: "0,50,100 rpm". Otherwise each entry
     other than 0 has its own.
@@ -44,7 +44,8 @@ def parse_quantities(
     Parameters
     ----------
     text : str
-        Such as ``"0,50,100 rpm"``, ``"0:300:50 rpm"`` or ``"10 rad/s,300 rpm"``.
+        Such as ``"0,50,100 rpm"``, ``"0:300:50 rpm"``, ``"10 rad/s,300 rpm"`` or
+        ``"10:170:10,190:350:10"``.
     dimension : Dimension
         Without a zero of its own: no temperature.
     default_unit : str
@@ -64,29 +65,32 @@ def parse_quantities(
         If a value is missing or no such quantity, the range is empty, endless or too long, or
         some entries have a unit and others have none.
     """
-    separator = ":" if ":" in text else ","
-    parts = text.split(separator)
-    if separator == ":" and len(parts) != 3:
-        raise InputError(
-            f"got {shown(text)}, which has {len(parts)} parts; write START:STOP:STEP, for example "
-            f'"0:300:50 {default_unit}"'
-        )
-    if not all(part.strip() for part in parts):
+    pieces = [piece.split(":") for piece in text.split(",")]
+    for parts in pieces:
+        if len(parts) not in (1, 3):
+            raise InputError(
+                f"got {shown(text)}, which has {len(parts)} parts; write START:STOP:STEP, for "
+                f'example "0:300:50 {default_unit}"'
+            )
+    if not all(part.strip() for parts in pieces for part in parts):
         raise InputError(
             f"got {shown(text)}, in which a value is missing; write START:STOP:STEP, for example "
             f'"0:300:50 {default_unit}", or a comma list such as "0,50,100 {default_unit}"'
         )
-    entries = [split_quantity(part.strip(), dimension) for part in parts]
-    unit = _unit_of_bare(text, separator, entries) or default_unit
-    factors = [unit_factor(text, own or unit, dimension) for _, own in entries]
-    numbers = [number for number, _ in entries]
-    if separator == ":":
-        # In the last unit, which all three parts usually have.
+    entries = [[split_quantity(part.strip(), dimension) for part in parts] for parts in pieces]
+    unit = _unit_of_bare(text, entries) or default_unit
+    numbers: list[Decimal] = []
+    factors: list[Decimal] = []
+    for piece in entries:
+        # Of a range, in the last unit, which all three parts usually have.
+        given = [unit_factor(text, own or unit, dimension) for _, own in piece]
         same = [
-            number * (factor / factors[-1]) for number, factor in zip(numbers, factors, strict=True)
+            number * (factor / given[-1]) for (number, _), factor in zip(piece, given, strict=True)
         ]
-        numbers = _counted(text, *same, most=most)
-        factors = [factors[-1]] * len(numbers)
+        numbers += _counted(text, *same, most=most) if len(same) > 1 else same
+        if len(numbers) > most and len(same) > 1:
+            raise _too_long(text, most)
+        factors += [given[-1]] * (len(numbers) - len(factors))
     pairs, own = list(zip(numbers, factors, strict=True)), unit_factor(text, unit, dimension)
     return Quantities(
         tuple(finite_value(number, factor, text) for number, factor in pairs),
@@ -96,12 +100,13 @@ def parse_quantities(
     )
 
 
-def _unit_of_bare(text: str, separator: str, entries: Sequence[tuple[Decimal, str]]) -> str:
+def _unit_of_bare(text: str, pieces: Sequence[Sequence[tuple[Decimal, str]]]) -> str:
     """Unit of the entries that have none: the last one that is written; empty if there is none."""
+    entries = [entry for piece in pieces for entry in piece]
     written = [unit for _, unit in entries if unit]
     covers_all = len(written) == 1 and entries[-1][1] != ""
     if written and not covers_all and any(number and not unit for number, unit in entries):
-        bare = separator.join(str(number) for number, _ in entries)
+        bare = ",".join(":".join(str(number) for number, _ in piece) for piece in pieces)
         remedy = f'write the unit once, at the end: "{bare} {written[-1]}"'
         raise InputError(
             f"got {shown(text)}, in which some values have a unit and others have none; "
@@ -121,15 +126,19 @@ def _counted(
             f"got {shown(text)}; STOP must not be less than START, for example -90:90:5"
         )
     if (stop - start) >= most * step:
-        raise InputError(
-            f"got {shown(text)}, which is too long; choose a STEP that gives at most {most} values"
-        )
+        raise _too_long(text, most)
     steps = (stop - start) / step
     count = int(steps + _HIT)
     numbers = [start + number * step for number in range(count + 1)]
     if abs(steps - count) <= _HIT:
         numbers[-1] = stop
     return numbers
+
+
+def _too_long(text: str, most: int) -> InputError:
+    return InputError(
+        f"got {shown(text)}, which is too long; choose a STEP that gives at most {most} values"
+    )
 
 
 def parse_counts(text: str) -> tuple[int, ...]:

@@ -77,6 +77,7 @@ TORSIONAL_STIFFNESS = Dimension("a torsional stiffness", "N m/rad", ("2 N m/rad"
 VOLTAGE = Dimension("a voltage", "V", ("24 V", "0.4 kV"))
 RESISTANCE = Dimension("a resistance", "ohm", ("1.2 ohm", "800 mohm"))
 INDUCTANCE = Dimension("an inductance", "H", ("1 mH", "2e-4 H"))
+CURRENT = Dimension("a current", "A", ("0 A", "2.5 A"))
 TORQUE_CONSTANT = Dimension("a torque constant", "N m/A", ("0.06 N m/A", "60 mN m/A"))
 VOLTAGE_GAIN = Dimension("a gain of speed control", "V s/rad", ("0.5 V s/rad", "0.05 V/rpm"))
 VOLTAGE_INTEGRAL_GAIN = Dimension("an integral gain of speed control", "V/rad", ("2 V/rad",))

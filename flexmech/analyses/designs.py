@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import TypeVar
 
 import numpy as np
@@ -38,22 +39,25 @@ def of_designs(engines: Sequence[Engine], compute: Compute[Found]) -> list[Found
         What is found of each design, or why nothing is.
     """
     found: dict[int, Found | FlexmechError] = {}
-
-    def at_once(numbers: IntArray) -> list[Found | FlexmechError]:
-        own = [engines[number] for number in numbers]
-        stacked = likeness(own[0]) is not None
-        try:
-            return [*compute(stack_engines(own) if stacked else own[0], numbers)]
-        except FlexmechError as error:
-            if len(numbers) == 1:
-                return [error]
-        # Which of them fails is found by halves.
-        half = len(numbers) // 2
-        return [*among_alike(numbers[:half], at_once), *among_alike(numbers[half:], at_once)]
-
+    at_once = partial(_at_once, engines, compute)
     for numbers in _groups(engines):
         found |= dict(zip(numbers.tolist(), among_alike(numbers, at_once), strict=True))
     return [found[number] for number in range(len(engines))]
+
+
+def _at_once(
+    engines: Sequence[Engine], compute: Compute[Found], numbers: IntArray
+) -> list[Found | FlexmechError]:
+    """What is found of the designs of one stack; which of them fails is found by halves."""
+    own = [engines[number] for number in numbers]
+    stacked = likeness(own[0]) is not None
+    try:
+        return [*compute(stack_engines(own) if stacked else own[0], numbers)]
+    except FlexmechError as error:
+        if len(numbers) == 1:
+            return [error]
+    half, again = len(numbers) // 2, partial(_at_once, engines, compute)
+    return [*among_alike(numbers[:half], again), *among_alike(numbers[half:], again)]
 
 
 def _groups(engines: Sequence[Engine]) -> Iterator[IntArray]:

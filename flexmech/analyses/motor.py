@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Mapping
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
@@ -10,9 +13,12 @@ from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.remarks import speed_with_unit
 from flexmech.arrays import FloatArray
 from flexmech.linkages import DcMotor, MotorOutput, MotorRun, SettledRun, speed_range
+from flexmech.mechanism import Mechanism
 
 # Relative error of the rigid linkage's motion under a motor: below all digits that are printed.
 _TOLD = 1e-6
+# Of a peak over a settled turn: samples half a degree apart miss as much of its tenth harmonic.
+_BETWEEN = 1e-3
 # By which a run of one turn may lack of it, once elastic links have moved the shaft.
 _A_TURN = 1e-3
 _VARIABLES = ("motor_torque", "motor_speed", "motor_power", "motor_current")
@@ -37,6 +43,11 @@ def motor_attributes(run: MotorRun) -> dict[str, str | float]:
     """
     told: dict[str, str | float] = {"gear_ratio": run.drive.motor.gear_ratio}
     told["run_duration"] = run.duration
+    motor = run.drive.motor
+    if motor.has_current and not isinstance(run, SettledRun):
+        needed = float(run.equation.load.needed(run.start_angle, 0.0, 0.0))
+        told["first_current"] = float(run.motor_output(0.0).current)
+        told["holding_current"] = motor.holding_current(run.equation.train.held_by_current(needed))
     if (stall := run.stall) is not None:
         return told | {
             "stall_time": stall.time,
@@ -46,6 +57,8 @@ def motor_attributes(run: MotorRun) -> dict[str, str | float]:
         }
     if (settled := run.settled) is not None:
         told |= {
+            "settled_in_run": int(run.has_settled),
+            "crank_speed_of_run_end": float(run.crank_speed(run.duration)),
             "settled_speed": settled.mean_speed,
             "settled_fluctuation": settled.fluctuation,
             "settled_power": settled.mean_power,
@@ -59,12 +72,14 @@ def motor_attributes(run: MotorRun) -> dict[str, str | float]:
     return told
 
 
-def settled_variables(run: MotorRun) -> xr.Dataset:
-    """Crank speed, and torque and current of the motor, over a turn of the settled motion.
+def settled_variables(run: MotorRun, mechanism: Mechanism) -> xr.Dataset:
+    """Crank speed, motor and joint forces over a turn of the rigid linkage's settled motion.
 
     Parameters
     ----------
     run : MotorRun
+    mechanism : Mechanism
+        With the run as its drive.
 
     Returns
     -------
@@ -74,9 +89,15 @@ def settled_variables(run: MotorRun) -> xr.Dataset:
     settled = run.settled
     if settled is None:
         return xr.Dataset()
-    variables = {
+    acceleration = settled.equation.rates(settled.time, settled.values)[1]
+    motion = mechanism.linkage.motion(settled.crank_angle, settled.speed, acceleration)
+    force = mechanism.inverse_dynamics(motion).joint_force
+    names = mechanism.linkage.topology.joint_names
+    sizes = [np.hypot(force[name][:, 0], force[name][:, 1]) for name in names]
+    variables: dict[str, tuple[str | tuple[str, ...], FloatArray]] = {
         "settled_crank_speed": ("settled_angle", settled.speed),
         "settled_motor_torque": ("settled_angle", settled.output.torque),
+        "settled_joint_force": (("settled_angle", "joint"), np.stack(sizes, axis=1)),
     }
     if isinstance(run.drive.motor, DcMotor):
         variables["settled_motor_current"] = ("settled_angle", settled.output.current)
@@ -162,6 +183,14 @@ def motor_answer(data: xr.Dataset) -> tuple[str, ...]:
     if "settled_speed" in told:
         part = rounded(100 * told["settled_fluctuation"], 0.0, 3)
         speed = speed_with_unit(data, told["settled_speed"])
+        if not told["settled_in_run"]:
+            end = speed_with_unit(data, told["crank_speed_of_run_end"])
+            force, joint = _settled_force(data)
+            return (
+                f"The run ends at {end}, before the motor has settled: settled, it turns the rigid "
+                f"linkage at {speed}, which fluctuates by {part} % of it over the turn, with joint "
+                f"forces of up to {force}, at {joint}. What follows is of the run.",
+            )
         return (
             f"Settled, the motor turns the rigid linkage at {speed}, which fluctuates by {part} % "
             "of it over the turn.",
@@ -169,7 +198,7 @@ def motor_answer(data: xr.Dataset) -> tuple[str, ...]:
     end = abs(float(data["motor_speed"].isel(time=-1).max())) / told["gear_ratio"]
     return (
         f"The motor has brought the crank to {speed_with_unit(data, end)} after "
-        f"{told['run_duration']:.4g} s, and settles at no speed.",
+        f"{told['run_duration']:.4g} s; no speed at which it settles was found.",
     )
 
 
@@ -189,6 +218,8 @@ def motor_lines(data: xr.Dataset) -> list[str]:
         if name in data
     )
     lines = [f"motor on its own shaft: {peaks}"]
+    if "first_current" in told:
+        lines.append(_current_text(told))
     if "settled_speed" in told:
         for name, what in (("settled", "the rigid linkage"), ("elastic_settled", "elastic links")):
             if f"{name}_speed" not in told:
@@ -246,7 +277,27 @@ def motor_numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
         speed, part = float(told["settled_speed"]), float(told["settled_fluctuation"])
         found.append(Quantity("settled_crank_speed", speed, "rad/s", abs(speed) * _TOLD))
         found.append(Quantity("speed_fluctuation", part, "", part * _TOLD))
+        force = float(data["settled_joint_force"].max())
+        found.append(Quantity("settled_joint_force", force, "N", force * _BETWEEN))
     return tuple(found)
+
+
+def _settled_force(data: xr.Dataset) -> tuple[str, str]:
+    """Greatest joint force of the settled motion of the rigid linkage, and the joint."""
+    greatest = data["settled_joint_force"].max("settled_angle")
+    place = int(greatest.values.argmax())
+    return f"{rounded(float(greatest[place]), 0.0, 4)} N", str(data["joint"].values[place])
+
+
+def _current_text(told: Mapping[Hashable, Any]) -> str:
+    """The current at time zero, and that which holds the crank then."""
+    first, holding = (
+        rounded(float(told[name]), 0.0, 4) for name in ("first_current", "holding_current")
+    )
+    if first == holding:
+        held = f"holds the crank against its loads by its first current, {holding} A"
+        return f"motor: {held}; state initial_current in [drive] motor for another"
+    return f"motor: its first current is {first} A; {holding} A holds the crank against its loads"
 
 
 def _peaks(data: xr.Dataset, name: str) -> str:

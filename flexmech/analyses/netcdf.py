@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Hashable, Iterator, Mapping
 from contextlib import contextmanager
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +11,7 @@ import h5py
 import xarray as xr
 
 from flexmech.errors import FlexmechError, InputError, one_line
+from flexmech.files import written_at
 
 # The first with integers of 64 bits is 1.9.
 CONVENTIONS = "CF-1.11"
@@ -35,13 +34,16 @@ def file_attributes(title: str, command_line: str = "") -> dict[str, str]:
     -------
     dict of str to str
         With the date in UTC, or that of the environment variable ``SOURCE_DATE_EPOCH``.
+
+    Raises
+    ------
+    InputError
+        If that variable is no date.
     """
-    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")
-    now = datetime.fromtimestamp(int(epoch), UTC) if epoch.isdecimal() else datetime.now(UTC)
     found = {
         "Conventions": CONVENTIONS,
         "title": title,
-        "date": now.strftime("%Y-%m-%dT%H:%M:%SZ"),
+        "date": written_at().strftime("%Y-%m-%dT%H:%M:%SZ"),
     }
     return found | ({"command_line": command_line} if command_line else {})
 

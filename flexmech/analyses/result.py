@@ -13,6 +13,7 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
+from flexmech.analyses.csv_text import csv_text
 from flexmech.analyses.netcdf import (
     FILE_ATTRIBUTES,
     file_attributes,
@@ -163,7 +164,7 @@ class Result(ABC):
         with moved_into(folder) as temporary:
             for name, table in self.tables().items():
                 written = self._written(name, table)
-                text = written.to_csv(index=False, float_format=form, lineterminator="\n")
+                text = csv_text(written, form)
                 path(f"{name}.csv").write_text(text, encoding="utf-8", newline="\n")
             for name, dataset in self.datasets().items():
                 path(f"{name}.nc").write_bytes(netcdf_bytes(dataset, attributes))

@@ -163,6 +163,8 @@ class BeamShapes(ABC):
         cross-section plane.
     stiff_in_shear : bool
         Whether the section's rotation is the slope of the axis.
+    has_rotary_inertia : bool
+        Whether vibration has the rotary inertia of the sections; the rigid motion always has it.
     curvature : int, optional
         Which of a node's coordinates is the curvature; None where elements share none.
     """
@@ -172,6 +174,7 @@ class BeamShapes(ABC):
     clamped: tuple[int, ...]
     warping: tuple[int, ...] = ()
     stiff_in_shear: bool = False
+    has_rotary_inertia: bool = True
     curvature: int | None = None
 
     @abstractmethod

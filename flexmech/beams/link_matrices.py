@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
@@ -103,6 +103,8 @@ def build_chain(
     lumps = [(int(np.argmin(np.abs(nodes - position))), lump) for position, lump in points]
     has_line = bool(mass.mass_per_length)
     model = _straight_link(name, nodes, beams, lumps, has_line=has_line)
+    if not shapes.has_rotary_inertia:
+        model = replace(model, uncounted_rotary_inertia=mass.rotary_inertia)
     return Chain(model.carrying(mass), nodes, beams, mass.mass_per_length)
 
 
@@ -147,6 +149,9 @@ def stack_chains(
         node = np.abs(nodes - place[:, None]).argmin(axis=1)
         lumps.append((node, np.array([mass.point_masses[number] for mass in masses])))
     model = _straight_link(name, nodes, beams, lumps, has_line=True)
+    if not shapes.has_rotary_inertia:
+        rotary = np.array([mass.rotary_inertia for mass in masses])
+        model = replace(model, uncounted_rotary_inertia=rotary)
     return Chain(model, nodes, beams, np.array([mass.mass_per_length for mass in masses]))
 
 

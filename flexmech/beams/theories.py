@@ -24,6 +24,7 @@ class EulerBernoulli(BeamShapes):
     angles = (2,)
     clamped = (2,)
     stiff_in_shear = True
+    has_rotary_inertia = False
 
     def fields(self, fraction: FloatArray, length: FloatArray, section: BeamSection) -> BeamFields:
         """See :class:`BeamShapes`."""

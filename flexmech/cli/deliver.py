@@ -12,6 +12,7 @@ import shlex
 import shutil
 import sys
 import textwrap
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -44,6 +45,8 @@ _SHORTEST_WORDS = 10
 # Columns of the terminal between two of the table's.
 _FRAME = 3
 Found = TypeVar("Found", bound="Result")
+# In s, of lines that tell progress where there is no terminal.
+_BETWEEN_LINES = 30.0
 _running: ContextVar[str] = ContextVar("_running", default="")
 
 
@@ -111,6 +114,7 @@ def deliver(
     further: Callable[[Found, Path, LabelledProgress | None], list[Path]] | None = None,
     remark: str = "",
     saving: Mapping[str, Any] | None = None,
+    in_lines: bool = False,
 ) -> Found:
     """Compute a result, write its files and print its summary.
 
@@ -134,6 +138,8 @@ def deliver(
         Line before the summary.
     saving : mapping, optional
         Further options of the result's own way to save.
+    in_lines : bool
+        Whether progress is told in lines where there is no terminal for a bar.
 
     Returns
     -------
@@ -150,7 +156,7 @@ def deliver(
         with naming("--out"):
             out = given_path(out)
             check_writable(out, kind.file_patterns(formats))
-    with progress_bar() as progress:
+    with progress_bar(in_lines=in_lines) as progress:
         with telling(model, speeds.unit, record):
             result = compute(progress)
             # Nothing is written before everything is computed.
@@ -273,10 +279,20 @@ def _print_table(table: Table) -> None:
 
 
 @contextmanager
-def progress_bar() -> Iterator[LabelledProgress | None]:
-    """Show a progress bar for each label on stderr; None where that is no terminal."""
+def progress_bar(*, in_lines: bool = False) -> Iterator[LabelledProgress | None]:
+    """Show a progress bar for each label on stderr, or lines or nothing where that is no terminal.
+
+    Parameters
+    ----------
+    in_lines : bool
+        Whether lines, one every half minute.
+
+    Yields
+    ------
+    callable or None
+    """
     if not sys.stderr.isatty():
-        yield None
+        yield _told_in_lines(time.monotonic()) if in_lines else None
         return
     from rich import progress
     from rich.console import Console
@@ -296,3 +312,17 @@ def progress_bar() -> Iterator[LabelledProgress | None]:
             bars.update(tasks[label], completed=done, total=total)
 
         yield show
+
+
+def _told_in_lines(begun: float) -> LabelledProgress:
+    """Progress in a line on stderr, every half minute."""
+    last = begun
+
+    def tell(label: str, done: int, total: int) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if now - last >= _BETWEEN_LINES:
+            last = now
+            typer.echo(f"{label}: {done} of {total} after {now - begun:.0f} s", err=True)
+
+    return tell

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from typer import Argument, Option, echo
 
 from flexmech import studies
-from flexmech.choices import EngineName
+from flexmech.choices import MOST_SEED, EngineName
 from flexmech.cli import options
 from flexmech.cli.deliver import deliver, typed_path
 from flexmech.cli.reading import Together
@@ -20,7 +20,7 @@ StudyPath = Annotated[Path, Argument(help="Study file.", metavar="STUDY", parser
 
 
 def asked_campaign(
-    seed: Annotated[int | None, Option(min=0)] = None,
+    seed: Annotated[int | None, Option(min=0, max=MOST_SEED)] = None,
     engine: EngineName | None = None,
     workers: Annotated[int, Option(min=1, max=1024)] = 1,
     cluster: str | None = None,
@@ -52,7 +52,7 @@ def asked_campaign(
         folder = studies.folder_of_designs(output.folder, resume=resume, force=force)
         with studies.workers(workers, cluster) as executor:
             work = partial(compute, study, executor=executor, folder=folder, resume=resume)
-            deliver(kind, lambda bar: work(progress=bar), output, model=file)
+            deliver(kind, lambda bar: work(progress=bar), output, model=file, in_lines=True)
 
     return run
 

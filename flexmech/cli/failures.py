@@ -12,6 +12,7 @@ import typer
 
 from flexmech.cli.stopping import Stopped, answered_signals, interrupted_line
 from flexmech.errors import ComputationError, FlexmechError, InputError, one_line
+from flexmech.files import written_at
 
 Parameters = ParamSpec("Parameters")
 
@@ -27,6 +28,8 @@ def reports_failures(command: Callable[Parameters, None]) -> Callable[Parameters
     def wrapped(*args: Parameters.args, **kwargs: Parameters.kwargs) -> None:
         earlier = len(answered_signals())
         try:
+            # A date that is none is refused before the long work, and before others read it.
+            written_at()
             command(*args, **kwargs)
         except typer.Exit:
             raise

@@ -36,7 +36,7 @@ def hammer(
     damping_ratio: options.DampingRatio = None,
     running: Annotated[typed.Speeds | None, typed.RUNNING] = None,
     uff: Annotated[bool, Option("--uff")] = False,
-    seed: Annotated[int, Option(min=0)] = 0,
+    seed: Annotated[int, Option(min=0, max=choices.MOST_SEED)] = 0,
     *,
     output: options.AskedOutput,
 ) -> None:

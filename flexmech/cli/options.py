@@ -33,7 +33,10 @@ Link = Annotated[str | None, Option(help="This link alone, such as coupler.", me
 # Where, and at what speed.
 Angles = Annotated[
     list[float],
-    Option(help="Crank angles in degrees: START:STOP:STEP, or a comma list."),
+    Option(
+        help="Crank angles in degrees: START:STOP:STEP, a comma list, or both, as in "
+        '"10:170:10,190:350:10".'
+    ),
     typed.ANGLES,
 ]
 Speeds = Annotated[

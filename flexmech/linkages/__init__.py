@@ -32,6 +32,7 @@ from flexmech.linkages.linkage import (
     drawn_joints,
     linkage_positions,
     picture_crank_angle,
+    refuse_passing,
 )
 from flexmech.linkages.linkage_stack import LinkageStack, connections
 from flexmech.linkages.motion import RigidMotion
@@ -142,6 +143,7 @@ __all__ = [
     "lumped_elements",
     "moving_points",
     "picture_crank_angle",
+    "refuse_passing",
     "repeated",
     "rocker_swing",
     "settled_motion",

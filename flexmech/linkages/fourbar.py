@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from flexmech.arrays import ROUND_OFF, SAME_PLACE, FloatArray
 from flexmech.errors import AssemblyError, InputError, LockingError
+from flexmech.linkages.change_points import ChangePoints, passing
 from flexmech.linkages.fourbar_motion import FourBarDimensions
 from flexmech.linkages.motion import LOCKING_SINE, RigidMotion, checked_drive
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Topology
@@ -34,7 +35,9 @@ class FourBar:
     ground, crank, coupler, rocker : float
         Link lengths r1, r2, r3, r4 in m.
     branch : {"open", "crossed"}
-        "open" has B to the left of the line from A to O4 (above it at crank angle zero).
+        "open" has B to the left of the line from A to O4 (above it at crank angle zero). At a
+        change point the motion goes on smoothly, to the other side of that line; if one is at
+        crank angle zero, the side is that of crank angles above it.
     sprung : tuple of str
         Of the joints A, B and O4, those with springs in place of a rigid bearing. A
         mechanism names those with a radial stiffness by itself.
@@ -141,6 +144,26 @@ class FourBar:
         }
         return kinds[shortest]
 
+    @cached_property
+    def change_points(self) -> ChangePoints:
+        """Crank angles at which coupler and rocker change sides; none if they stay on one side.
+
+        A linkage with a change point at 0 and at 180 degrees, such as a parallelogram, returns
+        after a turn; a kite whose crank is as long as its ground after two.
+        """
+        tolerance = SAME_PLACE * sum(self.lengths.values())
+        stretched = abs(self.ground + self.crank - self.coupler - self.rocker) <= tolerance
+        folded = abs(abs(self.ground - self.crank) - abs(self.coupler - self.rocker)) <= tolerance
+        if folded:
+            at = [0.0, np.pi] if stretched else [0.0]
+            return ChangePoints(np.pi / 2 if stretched else np.pi, np.array(at))
+        return ChangePoints(0.0, np.array([np.pi] if stretched else []))
+
+    @property
+    def change_angles(self) -> FloatArray:
+        """Crank angles in rad of the change points; (P,)."""
+        return self.change_points.angles
+
     @property
     def crank_turns_fully(self) -> bool:
         """Whether the crank can make a full turn without locking."""
@@ -195,7 +218,7 @@ class FourBar:
         """
         theta2 = checked_array(crank_angle, "crank_angle", "rad")
         self._refuse_locking(theta2)
-        theta3, _ = self.dimensions.follower_angles(theta2)
+        theta3, _ = self._dimensions_at(theta2).follower_angles(theta2)
         turned = theta3 - theta2
         return np.asarray(np.arctan2(np.abs(np.sin(turned)), -np.cos(turned)))
 
@@ -237,11 +260,16 @@ class FourBar:
         """
         theta2, omega2, alpha2 = checked_drive(crank_angle, crank_speed, crank_acceleration)
         self._refuse_locking(theta2)
-        return self.dimensions.motion(theta2, omega2, alpha2)
+        return self._dimensions_at(theta2).motion(theta2, omega2, alpha2)
+
+    def _dimensions_at(self, theta: FloatArray) -> FourBarDimensions:
+        """Lengths and side at crank angles (...)."""
+        sides = self.dimensions.side * self.change_points.sides(theta)
+        return replace(self.dimensions, side=sides)
 
     @property
     def dimensions(self) -> FourBarDimensions:
-        """Lengths and branch as numbers."""
+        """Lengths and branch as numbers; the side is that between the first change points."""
         side = 1.0 if self.branch == "open" else -1.0
         return FourBarDimensions(self.ground, self.crank, self.coupler, self.rocker, side)
 
@@ -268,10 +296,11 @@ class FourBar:
         lengths = ", ".join(f"{name} {size * 1e3:.6g} mm" for name, size in self.lengths.items())
         least, greatest = np.degrees(self.transmission_angle_limits())
         turns = "turns fully" if self.crank_turns_fully else "does not turn fully"
+        at = f"{passing(self.change_angles)}, and" if self.change_angles.size else "the crank"
         return [
             f"kind: four-bar, {self.branch} branch",
             f"lengths: {lengths}",
-            f"Grashof class: {self.grashof_class}; the crank {turns}",
+            f"Grashof class: {self.grashof_class}; {at} {turns}",
             f"transmission angle: {least:.4g} to {greatest:.4g} deg",
         ]
 
@@ -291,12 +320,12 @@ class FourBar:
             )
 
     def _refuse_locking(self, theta: FloatArray) -> None:
+        self.change_points.refuse(theta, "all links come into one line")
         locked = 1 - self._transmission_cosine(theta) ** 2 < LOCKING_SINE**2
         if np.any(locked):
             angle = _degrees(theta[locked].flat[0])
-            what = "meets a change point" if self.grashof_class == "change-point" else "locks"
             raise LockingError(
-                f"the linkage {what} at crank angle {angle:g} deg: coupler and rocker are in "
+                f"the linkage locks at crank angle {angle:g} deg: coupler and rocker are in "
                 "one line (transmission angle 0 or 180 deg) and the crank cannot drive it "
                 "through; leave that crank angle out or change the link lengths"
             )

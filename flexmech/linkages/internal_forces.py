@@ -70,8 +70,10 @@ class LinkForces:
         Returns
         -------
         ndarray, shape (...) or (..., k)
-            Positive along the y axis of the link's frame. Where the mass lies on the axis, it
-            is the slope of :meth:`bending_moment` with the other sign.
+            Positive along the y axis of the link's frame. Where the mass lies on the axis and
+            the link turns at constant speed, it is the slope of :meth:`bending_moment` with the
+            other sign; an angular acceleration adds to that slope by the rotary inertia of the
+            sections.
         """
         return self._force(link, np.asarray(x, dtype=float), normal)
 
@@ -144,9 +146,9 @@ def _mass_before(mass: LinkMass, place: FloatArray) -> FloatArray:
     """Mass of a link before cuts, first moments along and across, polar second one, (4, ...)."""
     of_designs = place.ndim > 1
     line = np.reshape(mass.mass_per_length, (-1, 1) if of_designs else ()) * place
-    sums: FloatArray = np.stack(
-        [line, line * place / 2, line * mass.offset, line * (place**2 / 3 + mass.offset**2)]
-    )
+    rotary = np.reshape(mass.rotary_inertia, (-1, 1) if of_designs else ()) * place
+    second = line * (place**2 / 3 + mass.offset**2) + rotary
+    sums: FloatArray = np.stack([line, line * place / 2, line * mass.offset, second])
     for at, lump in zip(mass.point_positions, mass.point_masses, strict=True):
         own = np.stack([lump, lump * at, 0 * lump, lump * at**2])
         before = np.reshape(at, (-1, 1) if of_designs else ()) < place

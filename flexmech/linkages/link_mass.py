@@ -70,6 +70,8 @@ class LinkMass:
         Distance of the distributed mass from the line between the ends in m.
     bodies : tuple of LinkBody
         Rigid bodies that are fixed to the link.
+    rotary_inertia : float
+        Rotary inertia of the sections per length, about the axis of the distributed mass, in kg m.
     """
 
     length: float
@@ -78,6 +80,7 @@ class LinkMass:
     point_masses: tuple[float, ...] = ()
     offset: float = 0.0
     bodies: tuple[LinkBody, ...] = ()
+    rotary_inertia: float = 0.0
 
     @classmethod
     def of_points(
@@ -87,6 +90,7 @@ class LinkMass:
         points: Sequence[tuple[float, float]],
         offset: float = 0.0,
         bodies: Sequence[LinkBody] = (),
+        rotary_inertia: float = 0.0,
     ) -> LinkMass:
         """Mass of a link with points far enough apart for a beam element between them.
 
@@ -100,7 +104,7 @@ class LinkMass:
 
         Parameters
         ----------
-        length, mass_per_length, offset : float
+        length, mass_per_length, offset, rotary_inertia : float
             As in :class:`LinkMass`.
         points : sequence of (float, float)
             Distance from the link's start in m and mass in kg, in any order.
@@ -125,7 +129,8 @@ class LinkMass:
             near = abs(nearest - body.position) < least
             fixed.append(body.fixed_at(nearest) if near else body)
             places.append(fixed[-1].position)
-        return cls(length, mass_per_length, positions, masses, offset, tuple(fixed))
+        points_apart = (positions, masses, offset, tuple(fixed))
+        return cls(length, mass_per_length, *points_apart, rotary_inertia)
 
     @property
     def moment_across(self) -> float:
@@ -139,11 +144,13 @@ class LinkMass:
         Parameters
         ----------
         order : {0, 1, 2}
-            The second moment is about the link's start, with what lies off the axis.
+            The second moment is about the link's start, with what lies off the axis and with the
+            rotary inertia of the sections.
         """
         distributed = self.mass_per_length * self.length ** (order + 1) / (order + 1)
         if order == 2:
             distributed += self.mass_per_length * self.length * self.offset**2
+            distributed += self.section_inertia
         points = zip(self.point_positions, self.point_masses, strict=True)
         total = distributed + sum(mass * x**order for x, mass in points)
         for body in self.bodies:
@@ -160,6 +167,11 @@ class LinkMass:
         if mass == 0:
             return self.length / 2, 0.0
         return self.moment(1) / mass, self.moment_across / mass
+
+    @property
+    def section_inertia(self) -> float:
+        """Rotary inertia of all sections in kg m^2, each about its own centre of mass."""
+        return self.rotary_inertia * self.length
 
     @property
     def central_inertia(self) -> float:
@@ -192,7 +204,8 @@ class LinkMass:
 
         Kumar & Chandrakar, Figure 1.5: one element of the crank and four of the coupler and of
         the rocker give twelve lumped masses. Mass and first moments stay; the second moment
-        grows by ``mass * length**2 / (6 * elements**2)``.
+        grows by ``mass * length**2 / (6 * elements**2)`` and loses the rotary inertia of the
+        sections, which points have not.
 
         Parameters
         ----------
@@ -208,13 +221,15 @@ class LinkMass:
             return self
         if self.offset:
             bodies = [LinkBody(x, mass, offset=(0.0, self.offset)) for x, mass in lumps]
-            return replace(self, mass_per_length=0.0, offset=0.0, bodies=(*bodies, *self.bodies))
+            every = (*bodies, *self.bodies)
+            return replace(self, mass_per_length=0.0, offset=0.0, bodies=every, rotary_inertia=0.0)
         places, masses = zip(*lumps, strict=True)
         return replace(
             self,
             mass_per_length=0.0,
             point_positions=(*places, *self.point_positions),
             point_masses=(*masses, *self.point_masses),
+            rotary_inertia=0.0,
         )
 
 

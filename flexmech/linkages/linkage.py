@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexmech.arrays import FloatArray
-from flexmech.errors import InputError
+from flexmech.errors import InputError, LockingError
+from flexmech.linkages.change_points import TURN, in_degrees
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.topology import LinkEnd, Topology
 from flexmech.model_text import TomlTable
@@ -30,6 +31,14 @@ class Linkage(Protocol):
     @property
     def topology(self) -> Topology:
         """Links and connections."""
+        ...
+
+    @property
+    def change_angles(self) -> FloatArray:
+        """Crank angles in rad of a turn at which the motion goes over to another branch; (P,).
+
+        Smoothly, but its forces and its elastic links are not determined there.
+        """
         ...
 
     def resized(self, lengths: Mapping[str, float], ground_growth: float) -> Self:
@@ -201,6 +210,32 @@ def _is_assemblable(linkage: Linkage, crank_angle: ArrayLike) -> bool:
     return True
 
 
+def refuse_passing(linkage: Linkage, crank_angles: FloatArray) -> None:
+    """Refuse a way of the crank through a change point, for links that are elastic.
+
+    Parameters
+    ----------
+    linkage : Linkage
+    crank_angles : ndarray, shape (A,)
+        Along the way in rad; the way leads from the least to the greatest of them.
+
+    Raises
+    ------
+    LockingError
+        Names the first change point on it.
+    """
+    low, high = float(crank_angles.min()), float(crank_angles.max())
+    ahead = np.mod(linkage.change_angles - low, TURN)
+    if np.any(ahead <= high - low):
+        at = in_degrees(low + float(ahead.min()))
+        raise LockingError(
+            f"the crank passes a change point at crank angle {at}: "
+            "all forces that hold the links there are in one line, so that elastic links may leave "
+            "it in either branch and their motion is not determined; let the crank swing on one "
+            "side of it, or change the dimensions"
+        )
+
+
 def drawn_joints(topology: Topology) -> dict[str, Any]:
     """Data of links and joints for pictures, in values that JSON can store.
 
@@ -238,7 +273,8 @@ def _at(topology: Topology, place: LinkEnd) -> list[float]:
 # Of a turn, at which angles are followed: half a degree. No link may turn by half a turn from one
 # to the next, as it would in a linkage that passes a dead point within a quarter of a degree.
 STEPS = 720
-TURN = 2 * np.pi
+# Of a step: how far beside a change point a place stands for it.
+_BESIDE = 1 / 16
 
 
 def continuous_angles(linkage: Linkage, motion: RigidMotion) -> FloatArray:
@@ -260,10 +296,8 @@ def continuous_angles(linkage: Linkage, motion: RigidMotion) -> FloatArray:
     ndarray, shape (..., n_links)
         In rad; ``motion.angle`` but for whole turns.
     """
-    step = TURN / STEPS
-    around = np.asarray(step * np.arange(STEPS + 1), dtype=float)
-    possible = assemblable(linkage, around)
-    turns, places = np.divmod(np.rint(motion.crank_angle / step).astype(int), STEPS)
+    around, possible = _placed_around(linkage)
+    turns, places = np.divmod(np.rint(motion.crank_angle * (STEPS / TURN)).astype(int), STEPS)
     if np.all(possible):
         unwrapped = np.unwrap(linkage.motion(around).angle, axis=0)
         gained = TURN * np.round((unwrapped[-1] - unwrapped[0]) / TURN)
@@ -274,6 +308,25 @@ def continuous_angles(linkage: Linkage, motion: RigidMotion) -> FloatArray:
         near = np.where(np.isnan(near), motion.angle, near)
     counted: FloatArray = motion.angle + TURN * np.round((near - motion.angle) / TURN)
     return counted
+
+
+def _placed_around(linkage: Linkage) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Crank angles of the steps of a turn, and whether the linkage can be assembled there.
+
+    In place of a change point an angle beside it, and in place of an angle beyond the change point
+    that limits a posture the same angle of the turn before or after.
+    """
+    step = TURN / STEPS
+    around = np.asarray(step * np.arange(STEPS + 1), dtype=float)
+    possible = assemblable(linkage, around)
+    if linkage.change_angles.size:
+        for turn in (0.0, -TURN, TURN):
+            for shift in (turn, turn + step * _BESIDE):
+                placed = ~possible
+                if placed.any():
+                    placed[placed] = assemblable(linkage, around[placed] + shift)
+                around, possible = around + shift * placed, possible | placed
+    return around, possible
 
 
 def _in_ranges(
@@ -288,7 +341,7 @@ def _in_ranges(
         if possible[part[0]]:
             angles = np.unwrap(linkage.motion(around[part]).angle, axis=0)
             if 0 in part:
-                kept = linkage.motion(0.0).angle
+                kept = linkage.motion(around[0]).angle
                 angles = angles + TURN * np.round((kept - angles[part == 0][0]) / TURN)
             unwrapped[part] = angles
     # Between the last step of a range and its end.

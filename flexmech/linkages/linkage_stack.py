@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 
 import numpy as np
@@ -52,15 +52,20 @@ class LinkageStack:
         """
         shape = (len(self.linkages), -1)
         angle, speed = crank_angle.reshape(shape), crank_speed.reshape(shape)
-        if self._four_bars is None:
+        four_bars = self._four_bars
+        if four_bars is None:
             pairs = zip(self.linkages, angle, speed, strict=True)
             return RigidMotion.of_designs([one.motion(*each) for one, *each in pairs])
-        cosine = self._four_bars.cosine_at_b(np.cos(angle))
+        cosine = four_bars.cosine_at_b(np.cos(angle))
         fails = (np.abs(cosine) > 1.0 + ROUND_OFF) | (1 - cosine**2 < LOCKING_SINE**2)
-        for number in np.flatnonzero(fails.any(axis=1)).tolist():
+        changes = [one.change_points for one in self.linkages if isinstance(one, FourBar)]
+        changing = np.array([own.angles.size > 0 for own in changes])
+        for number in np.flatnonzero(fails.any(axis=1) | changing).tolist():
             # Says why.
             self.linkages[number].motion(angle[number])
-        moving = vars(self._four_bars.motion(angle, speed, np.zeros_like(angle)))
+        sides = np.array([own.sides(of) for own, of in zip(changes, angle, strict=True)])
+        four_bars = replace(four_bars, side=four_bars.side * sides)
+        moving = vars(four_bars.motion(angle, speed, np.zeros_like(angle)))
         every = {
             name: values.reshape(-1, *values.shape[2:])
             for name, values in moving.items()

@@ -6,8 +6,10 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.motion import RigidMotion, checked_drive, direction, normal
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Topology
@@ -105,6 +107,11 @@ class RotatingArm:
                 ..., None, :
             ],
         )
+
+    @property
+    def change_angles(self) -> FloatArray:
+        """None: a single link is in one posture at each crank angle."""
+        return np.zeros(0)
 
     def resized(self, lengths: Mapping[str, float], ground_growth: float) -> RotatingArm:
         """Arm of another length on a larger hub.

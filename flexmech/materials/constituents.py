@@ -257,6 +257,7 @@ class Matrix(Constituent):
         Returns
         -------
         Matrix
+            Itself, with its wet expansion, where it is dry and at the reference temperature.
 
         Raises
         ------
@@ -264,6 +265,8 @@ class Matrix(Constituent):
             If the resin is above its wet glass transition.
         """
         kept = self.hygrothermal.retention(temperature, moisture, reference)
+        if moisture == 0.0 and temperature == reference:
+            return self
         strength = self.tensile_strength
         return replace(
             self,

@@ -13,7 +13,7 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.files import given_path
+from flexmech.files import bytes_of, given_path
 from flexmech.measured_data.headers import Header, read_header
 from flexmech.measured_data.record import GREATEST, Abscissa, MeasuredQuantity, MeasuredRecord
 from flexmech.measured_data.uff_files import read_uff_record
@@ -26,6 +26,8 @@ _NUMBER = re.compile(NUMBER)
 _EMPTY = frozenset({"", "nan", "na", "n/a", "null", "none"})
 # Real and imaginary part of one complex quantity, before its unit.
 _PARTS = ("_real", "_imag")
+# Of a record: a million lines of a few columns. In fields a line takes ten times its bytes.
+MOST_BYTES = 50_000_000
 REMEDY = "name the unit of every column, as in 'time [s], strain (um/m)' or 'time_s'"
 
 
@@ -127,12 +129,14 @@ def _last_digit(cell: str) -> float:
 def _table(file: Path) -> list[tuple[int, list[str]]]:
     """Lines of a file that are neither empty nor comments, with their numbers, in fields."""
     try:
-        text = file.read_text(encoding="utf-8-sig")
+        text = bytes_of(file, str(file), "a record", MOST_BYTES).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(
             f"{file}: is no text in UTF-8; save it as CSV in UTF-8, or give a UFF file with the "
             "ending .uff or .unv"
         ) from error
+    except InputError:
+        raise
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(f"{file}: cannot be read: {reason}; give the record's file") from error

@@ -19,7 +19,7 @@ _KNOWN: dict[str, tuple[str, float]] = {
         "rad": dict.fromkeys(("deg", "°", "degree", "degrees"), radians(1.0)),
         "m": {"mm": 1e-3, "um": 1e-6},
         "N m": {"Nm": 1.0},
-        "m/s^2": {"m/s2": 1.0},
+        "m/s^2": {},
         **{si: {} for si in ("N", "m/s", "rad/s", "m/N", "m/(N s)", "m/(N s^2)")},
         RATIO: {
             **dict.fromkeys(("m/m", "1", "-"), 1.0),
@@ -54,6 +54,7 @@ _SI_NAMES = {
     "kilogram * meter / second ** 2": "N",
     "kilogram * meter ** 2 / second ** 2": "N m",
     "second ** 2 / kilogram": "m/N",
+    "second ** 2 / kilogram / meter": "1/N",
     "second / kilogram": "m/(N s)",
     "1 / kilogram": "m/(N s^2)",
 }
@@ -61,6 +62,11 @@ _SI_NAMES = {
 _RATIOS = re.compile(r"(.*_)?(strain|coherence|mode|damping_ratio|order|turn|mac)")
 _BRACKETS = re.compile(r"(?P<name>.*?)\s*(\[(?P<square>[^\]]*)\]|\((?P<round>.*)\))")
 _QUOTIENT = re.compile(r"(?P<name>.*?\S)\s+/\s+(?P<unit>\S.*)")
+# A "g" behind the name of an acceleration, alone or over a force, is standard gravity and no gram.
+_ACCELERATION = re.compile(r"acc|inertance", re.IGNORECASE)
+_GRAVITY = re.compile(r"(?<![\w.])([mu]?)[gG](_?[n0])?(?!\w)")
+# "s2" and "sec2" are squares of a second.
+_SECONDS = re.compile(r"(?<![\w.])(s|sec)2(?!\w)")
 # Both signs for micro, Greek and Latin, and the Greek epsilon of strains.
 _MICRO = str.maketrans({"µ": "u", "μ": "u", "ϵ": "ε", "·": " ", "⋅": " "})
 
@@ -105,13 +111,16 @@ def read_header(text: str) -> Header:
     --------
     >>> read_header("strain (um/m)")
     Header(name='strain', unit='', factor=1e-06)
+    >>> read_header("acceleration [g]")
+    Header(name='acceleration', unit='m/s^2', factor=9.80665)
     """
     bare = text.strip()
     if match := _BRACKETS.fullmatch(bare):
         unit = match["square"] if match["square"] is not None else match["round"]
-        return Header(_name(match["name"]), *_unit(unit, bare))
+        return Header(_name(match["name"]), *_unit(unit, bare, match["name"]))
     if match := _QUOTIENT.fullmatch(bare):
-        return Header(_name(match["name"]), *_unit(match["unit"].strip("()"), bare))
+        unit = match["unit"].strip("()")
+        return Header(_name(match["name"]), *_unit(unit, bare, match["name"]))
     for suffix in sorted(_SUFFIXES, key=len, reverse=True):
         if bare.endswith(f"_{suffix}") and len(bare) > len(suffix) + 1:
             return Header(_name(bare[: -len(suffix) - 1]), *_unit(_SUFFIXES[suffix], bare))
@@ -123,9 +132,12 @@ def _name(text: str) -> str:
     return re.sub(r"\s+", "_", text.strip())
 
 
-def _unit(text: str, header: str) -> tuple[str, float]:
+def _unit(text: str, header: str, name: str = "") -> tuple[str, float]:
     """SI unit of a written unit, and the SI value of one of it."""
     unit = text.strip().translate(_MICRO)
+    if _ACCELERATION.search(name):
+        unit = _GRAVITY.sub(r"\1standard_gravity", unit)
+    unit = _SECONDS.sub(r"\1^2", unit)
     if unit == "uepsilon":
         unit = "microstrain"
     if unit and unit in _KNOWN:

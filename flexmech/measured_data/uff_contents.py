@@ -125,6 +125,8 @@ class UffFunction:
     unit : str, optional
         SI unit, empty for a ratio. None where the file tells none. What is written follows from
         the quantities.
+    problem : str
+        Of a function that was read: why it has no unit.
     """
 
     kind: UffFunctionKind
@@ -138,6 +140,7 @@ class UffFunction:
     name: str
     remark: str = ""
     unit: str | None = None
+    problem: str = ""
 
     def __post_init__(self) -> None:
         if self.position.ndim != 1 or self.position.shape != self.values.shape:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError, one_line
 from flexmech.measured_data.uff_contents import (
     UffDegreeOfFreedom,
@@ -23,7 +23,7 @@ from flexmech.measured_data.uff_units import (
     QUANTITIES,
     SI,
     UffUnits,
-    ordinate_unit,
+    function_unit,
     quantity_of,
     si_unit,
 )
@@ -309,14 +309,15 @@ def _read_trace(dataset: DataSet, _units: UffUnits | None) -> UffTrace:
 
 
 def _read_function(dataset: DataSet, units: UffUnits | None) -> UffFunction:
-    unit, factor = ordinate_unit(dataset, units)
+    unit, factor, problem = function_unit(dataset, units)
+    position, values = _counted(dataset)
     code = int(dataset["abscissa_spec_data_type"])
     kind = int(dataset["func_type"])
     return UffFunction(
         kind=next((name for name, known in KINDS.items() if known == kind), "general"),
         abscissa="time" if code == 17 else "frequency" if code == 18 else "other",
-        position=np.asarray(dataset["x"], dtype=float),
-        values=np.asarray(dataset["data"]) * factor,
+        position=position,
+        values=values * factor,
         quantity=quantity_of(int(dataset["ordinate_spec_data_type"])),
         over=quantity_of(int(dataset["orddenom_spec_data_type"])),
         response=_read_degree_of_freedom("rsp", dataset),
@@ -324,7 +325,20 @@ def _read_function(dataset: DataSet, units: UffUnits | None) -> UffFunction:
         name=_text(dataset["id1"]),
         remark=_text(dataset["id2"]),
         unit=unit,
+        problem=problem,
     )
+
+
+def _counted(dataset: DataSet) -> tuple[FloatArray, FloatArray | ComplexArray]:
+    """Abscissa and values (N,), as many as data set 58 says: its last line may be padded."""
+    count = int(dataset["num_pts"])
+    position, values = np.asarray(dataset["x"], dtype=float), np.asarray(dataset["data"])
+    if len(values) < count:
+        raise InputError(
+            f"the function {_text(dataset['id1'])!r} has {len(values)} of the {count} values that "
+            "its data set 58 announces; export it anew"
+        )
+    return position[:count], values[:count]
 
 
 def _read_degree_of_freedom(prefix: str, dataset: DataSet) -> UffDegreeOfFreedom:

@@ -8,10 +8,14 @@ and its step, nodes, frames and modes with 6.
 
 from __future__ import annotations
 
+import re
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.util import find_spec
 from os import PathLike
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -22,6 +26,8 @@ from flexmech.measured_data.record import GREATEST, MeasuredQuantity, MeasuredRe
 from flexmech.measured_data.uff_contents import UffFile, UffFunction
 from flexmech.measured_data.uff_datasets import contents_of, datasets_of
 
+# Of a universal file: some hundred functions of ten thousand lines, as text.
+MOST_BYTES = 200_000_000
 EXTRA = 'a universal file needs pyuff, which is not installed: pip install "flexmech[modal-test]"'
 
 
@@ -91,22 +97,55 @@ def read_uff(path: str | PathLike[str]) -> UffFile:
     file = given_path(path)
     if not file.is_file():
         raise InputError(f"{file}: there is no such file; name a universal file (.uff, .unv)")
+    if file.stat().st_size > MOST_BYTES:
+        raise InputError(
+            f"{file}: is larger than a universal file can be here ({MOST_BYTES // 1_000_000} MB); "
+            "export fewer functions or lines"
+        )
     try:
-        reader = pyuff.UFF(str(file))
-        datasets = [reader.read_sets(number) for number in range(reader.get_n_sets())]
+        with _plain_exponents(file) as plain:
+            reader = pyuff.UFF(str(plain))
+            datasets = [reader.read_sets(number) for number in range(reader.get_n_sets())]
         if not datasets:
             raise InputError(
                 f"{file}: holds no data set of a universal file; its lines of '    -1' are missing"
             )
         return contents_of(datasets)
-    except InputError:
-        raise
+    except InputError as error:
+        raise error if str(file) in error.message else error.within(str(file)) from error
     except Exception as error:
         # pyuff raises bare Exceptions, and whatever NumPy raises, for what it cannot read.
         raise InputError(
             f"{file}: cannot be read as a universal file: {one_line(str(error))}; export it anew, "
             "as text (ASCII)"
         ) from error
+
+
+@contextmanager
+def _plain_exponents(file: Path) -> Iterator[Path]:
+    """The file, or a copy whose numbers have the exponents that pyuff reads.
+
+    Fortran writes ``1.5D-03`` for a number of double precision. A binary data set is left alone.
+    """
+    content = file.read_bytes()
+    if _BINARY.search(content) or not _DOUBLE.search(content):
+        yield file
+        return
+    lines = content.splitlines(keepends=True)
+    with TemporaryDirectory() as folder:
+        copy = Path(folder) / file.name
+        copy.write_bytes(
+            b"".join(
+                _DOUBLE.sub(rb"\1E", line) if _NUMBERS.fullmatch(line) else line for line in lines
+            )
+        )
+        yield copy
+
+
+# Marks of a binary data set 58, an exponent of double precision, and a line of numbers alone.
+_BINARY = re.compile(rb"^ *58b", re.MULTILINE | re.IGNORECASE)
+_DOUBLE = re.compile(rb"(\d*\.\d*)[Dd](?=[+-]?\d)")
+_NUMBERS = re.compile(rb"[\s0-9.+\-DdEe]+")
 
 
 def read_uff_record(path: str | PathLike[str]) -> MeasuredRecord:
@@ -144,10 +183,7 @@ def read_uff_record(path: str | PathLike[str]) -> MeasuredRecord:
     quantities, unreadable = [], {}
     for name, each in zip(_names(taken), taken, strict=True):
         if each.unit is None:
-            unreadable[name] = (
-                f"{path}: the function {name!r} has no unit; export it with data set 164, or with "
-                "the units of its axes"
-            )
+            unreadable[name] = f"{path}: the function {name!r} {each.problem or 'has no unit'}"
         elif not _same(each.position, position):
             unreadable[name] = (
                 f"{path}: the function {name!r} has another {over} than the first; export it alone"

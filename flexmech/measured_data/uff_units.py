@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -111,11 +112,40 @@ def _unit(quantity: UffQuantity, over: UffQuantity) -> str | None:
     return known.unit if over == "none" else known.over_force
 
 
-def ordinate_unit(dataset: Mapping[str, Any], units: UffUnits | None) -> tuple[str | None, float]:
+class FunctionUnit(NamedTuple):
+    """Unit of a function that was read.
+
+    Parameters
+    ----------
+    unit : str or None
+        SI unit, empty for a ratio; None where none is known.
+    factor : float
+        SI value of one of the file's units.
+    problem : str
+        Why there is no unit, and the remedy; empty where there is one.
+    """
+
+    unit: str | None
+    factor: float = 1.0
+    problem: str = ""
+
+
+_UNKNOWN = FunctionUnit(
+    None, problem="has no unit; export it with data set 164, or with the units of its axes"
+)
+# Relative: units of data set 164 and of a label that differ by less are one unit, whose factor was
+# rounded.
+_SAME = 1e-3
+# Codes of data set 58 of what a function is over, and their SI units.
+_ABSCISSA_UNITS = {17: "s", 18: "Hz"}
+
+
+def function_unit(dataset: Mapping[str, Any], units: UffUnits | None) -> FunctionUnit:
     """SI unit of a function that was read, and the SI value of one of the file's units.
 
     The codes of the data types and data set 164 tell it; without data set 164 the labels of the
-    axes do, where they are units.
+    axes do, where they are units. A label that contradicts the codes or data set 164 leaves the
+    function without a unit: no one knows which of the two is right.
 
     Parameters
     ----------
@@ -126,32 +156,117 @@ def ordinate_unit(dataset: Mapping[str, Any], units: UffUnits | None) -> tuple[s
 
     Returns
     -------
-    tuple of str or None and float
-        None where nothing tells a unit.
+    FunctionUnit
     """
+    over = _ABSCISSA_UNITS.get(int(dataset["abscissa_spec_data_type"]))
+    axis = _label(dataset, "abscissa", "none")
+    if over is not None and axis is not None and not _alike(axis, over, 1.0):
+        return FunctionUnit(
+            None,
+            problem=f"has an axis in {axis.text}, and universal files count in {over}; export it "
+            f"with an axis in {over}",
+        )
     quantity = quantity_of(int(dataset["ordinate_spec_data_type"]))
-    over = quantity_of(int(dataset["orddenom_spec_data_type"]))
-    unit = None if "other" in (quantity, over) else _unit(quantity, over)
+    below = quantity_of(int(dataset["orddenom_spec_data_type"]))
     if int(dataset["func_type"]) == 6:  # a coherence has no unit, whatever its axes are called
-        return "", 1.0
-    if unit == "" and quantity != "none":
-        return "", 1.0
-    if units is not None and unit is not None and quantity != "none":
-        of, per = QUANTITIES[quantity], QUANTITIES[over]
-        factor = units.length ** (of.length - per.length) * units.force ** (of.force - per.force)
-        return unit, 1.0 / factor
-    numerator = _label(dataset, "ordinate")
-    if numerator is None:
-        return None, 1.0
-    denominator = _label(dataset, "orddenom")
-    text = numerator if denominator is None else f"({numerator})/({denominator})"
+        return FunctionUnit("")
+    above, under = _label(dataset, "ordinate", quantity), _label(dataset, "orddenom", below)
+    if below == "none" and under is not None and under.unit == QUANTITIES["force"].unit:
+        below = "force"
+    unit = None if "other" in (quantity, below) else _unit(quantity, below)
+    if unit is None or quantity == "none":
+        return _by_labels(dataset)
+    terms: list[tuple[_Label | None, str, float, int]]
+    if above is not None and above.unit == unit != QUANTITIES[quantity].unit:
+        # The label of the numerator holds the whole ratio.
+        terms = [(above, unit, _size(quantity, units) / _size(below, units), 1)]
+    else:
+        terms = [
+            (above, QUANTITIES[quantity].unit, _size(quantity, units), 1),
+            (under, QUANTITIES[below].unit, _size(below, units), -1),
+        ]
+    factor = 1.0
+    for label, expected, size, power in terms:
+        # Of a ratio, such as a strain, data set 164 says nothing.
+        told = units is not None and expected != ""
+        if label is not None and label.unit != expected:
+            problem = f"by its data type it is in {expected or 'no unit'}; correct one of the two"
+            return FunctionUnit(None, problem=f"is labelled in {label.text}, and {problem}")
+        if told and label is not None and not _alike(label, expected, size):
+            return FunctionUnit(None, problem=_contradiction(label, expected, size))
+        if told:
+            factor *= size**power
+        elif label is not None:
+            factor *= label.factor**power
+        elif expected:
+            return _UNKNOWN
+    return FunctionUnit(unit, factor)
+
+
+def _contradiction(label: _Label, unit: str, size: float) -> str:
+    """What is wrong where a label and data set 164 are of different units."""
+    ratio = label.factor / size
+    said = unit if size == 1 else f"{size:.6g} {unit}"
+    return (
+        f"is labelled in {label.text}, and data set 164 says {said}, a factor of "
+        f"{max(ratio, 1 / ratio):.6g}; correct one of the two, or export it without data set 164 "
+        "if the label is right"
+    )
+
+
+def _by_labels(dataset: Mapping[str, Any]) -> FunctionUnit:
+    """Unit of a function whose data types tell none, by the labels of its axes."""
+    texts = [_text(dataset, axis) for axis in ("ordinate", "orddenom")]
+    if texts[0] is None:
+        return _UNKNOWN
+    text = texts[0] if texts[1] is None else f"({texts[0]})/({texts[1]})"
+    axis = str(dataset.get("ordinate_axis_lab", "")).strip()
     try:
-        header = read_header(f"{dataset['id1'] or 'function'} [{text}]")
+        header = read_header(f"{dataset['id1'] or 'function'} {axis} [{text}]")
     except InputError:
-        return None, 1.0
-    return header.unit, header.factor
+        return _UNKNOWN
+    return FunctionUnit(header.unit, header.factor)
 
 
-def _label(dataset: Mapping[str, Any], axis: str) -> str | None:
+def _size(quantity: UffQuantity, units: UffUnits | None) -> float:
+    """SI value of one of the file's units of a quantity, by data set 164."""
+    of, by = QUANTITIES[quantity], units or SI
+    return float(by.length**-of.length * by.force**-of.force)
+
+
+class _Label(NamedTuple):
+    """Unit in a label of an axis: as it is written, in SI, and the SI value of one of it."""
+
+    text: str
+    unit: str
+    factor: float
+
+
+def _label(dataset: Mapping[str, Any], axis: str, quantity: UffQuantity) -> _Label | None:
+    """The label of an axis, where it is a unit."""
+    text = _text(dataset, axis)
+    if text is None:
+        return None
+    if quantity in ("force", "none"):
+        text = _POUND.sub("lbf", text)
+    try:
+        # What a "g" is, is told by the name before it.
+        header = read_header(f"{quantity} [{text}]")
+    except InputError:
+        return None
+    return None if header.unit is None else _Label(text, header.unit, header.factor)
+
+
+# Labels that name no unit; "engineering units" are those of whatever was calibrated.
+_NO_UNIT = frozenset({"", "NONE", "EU"})
+# As American laboratories write a pound of force.
+_POUND = re.compile(r"(?<![\w.])lbs?(?!\w)")
+
+
+def _text(dataset: Mapping[str, Any], axis: str) -> str | None:
     text = str(dataset.get(f"{axis}_axis_units_lab", "")).strip()
-    return text if text and text.upper() != "NONE" else None
+    return text if text.upper() not in _NO_UNIT else None
+
+
+def _alike(label: _Label, unit: str, size: float) -> bool:
+    return label.unit == unit and abs(label.factor / size - 1) <= _SAME

@@ -228,8 +228,16 @@ class Mechanism:
             if body.link == link
         ]
         section = self.sections.get(link)
-        line, axis = (section.mass_per_length, section.mass_axis) if section else (0.0, 0.0)
-        return LinkMass.of_points(length, line, points, axis, bodies)
+        if section is None:
+            return LinkMass.of_points(length, 0.0, points, bodies=bodies)
+        return LinkMass.of_points(
+            length,
+            section.mass_per_length,
+            points,
+            section.mass_axis,
+            bodies,
+            section.rotary_inertia,
+        )
 
     def inverse_dynamics(
         self, motion: RigidMotion, time: ArrayLike = 0.0, lumped: Sequence[int] | None = None

@@ -19,6 +19,7 @@ from flexmech.modal_testing.harmonic_orders import (
 from flexmech.modal_testing.identified import IdentifiedModes
 from flexmech.modal_testing.identify import ORDERS, IdentificationMethod, identify
 from flexmech.modal_testing.lscf import StabilisationChart
+from flexmech.modal_testing.noise import FrfNoise
 from flexmech.modal_testing.shapes import complexity_factor, mac
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "ExponentialWindow",
     "ForceWindow",
     "FrfEstimate",
+    "FrfNoise",
     "HarmonicEstimate",
     "IdentificationMethod",
     "IdentifiedModes",

@@ -14,13 +14,16 @@ Source of the estimates: J. S. Bendat and A. G. Piersol, Random Data, 4th editio
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
 from scipy import signal
 
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError
+from flexmech.modal_testing.noise import FrfNoise
 
 
 @dataclass(frozen=True)
@@ -171,6 +174,8 @@ class FrfEstimate:
         of the response makes it too great.
     coherence : ndarray, shape (F,)
         H1 over H2, from 0 to 1; one record alone gives 1 everywhere.
+    noise : FrfNoise
+        How noise of the records stands in ``h1``.
     added_damping : float
         Decay rate of the exponential window in 1/s. The functions are those at
         ``s = added_damping + 2 pi i frequency``: poles that are identified in them are moved back
@@ -181,7 +186,28 @@ class FrfEstimate:
     h1: ComplexArray
     h2: ComplexArray
     coherence: FloatArray
+    noise: FrfNoise
     added_damping: float = 0.0
+
+    def at(self, kept: NDArray[np.bool_]) -> FrfEstimate:
+        """The estimate at some of its frequencies.
+
+        Parameters
+        ----------
+        kept : ndarray of bool, shape (F,)
+
+        Returns
+        -------
+        FrfEstimate
+        """
+        return replace(
+            self,
+            frequency=self.frequency[kept],
+            h1=self.h1[kept],
+            h2=self.h2[kept],
+            coherence=self.coherence[kept],
+            noise=self.noise.at(kept),
+        )
 
 
 def estimate_frf(
@@ -250,7 +276,23 @@ def estimate_frf(
         np.asarray(cross / own_force),
         h2,
         np.clip(coherence, 0.0, 1.0),
+        _noise(forces, decay, cut),
         exponential_window.decay_rate if exponential_window else 0.0,
+    )
+
+
+def _noise(forces: FloatArray, decay: FloatArray, cut: FloatArray) -> FrfNoise:
+    """How noise stands in H1 of hits with forces (A, N); after the hit the force is noise alone."""
+    spectra = scipy.fft.rfft(forces * (decay * cut), axis=1)
+    size, together = np.sqrt(np.sum(abs(spectra) ** 2, axis=0)), np.sum(spectra, axis=0)
+    after = forces[:, cut == 0.0]
+    return FrfNoise(
+        np.arange(size.size),
+        # Where nothing is excited the estimate is noise without bound.
+        np.maximum(size, np.finfo(float).tiny) * np.exp(1j * np.angle(together)),
+        decay,
+        decay * cut,
+        float(np.sqrt(np.mean(after**2))) if after.size else 0.0,
     )
 
 

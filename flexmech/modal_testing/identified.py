@@ -61,6 +61,8 @@ class IdentifiedModes:
         In Hz, from and to.
     misfit : float
         Root mean square of what the model leaves of the receptances in the band, over theirs.
+    pole_covariance : ndarray, shape (k, 2, 2)
+        Of the real and imaginary part of each pole by noise, in 1/s^2.
     chart : StabilisationChart, optional
         Poles of all orders, of ``"lscf"`` alone.
     """
@@ -75,6 +77,7 @@ class IdentifiedModes:
     method: str
     band: tuple[float, float]
     misfit: float
+    pole_covariance: FloatArray
     chart: StabilisationChart | None = None
 
     @property
@@ -86,6 +89,26 @@ class IdentifiedModes:
     def damping_ratio(self) -> FloatArray:
         """Damping ratios ``-Re pole / |pole|``, shape (k,)."""
         return np.asarray(-self.pole.real / abs(self.pole))
+
+    @property
+    def frequency_error(self) -> FloatArray:
+        """Standard errors of the natural frequencies by noise in Hz, shape (k,)."""
+        size = 2 * np.pi * np.asarray(abs(self.pole), dtype=float)
+        along = np.stack([self.pole.real, self.pole.imag], axis=1)
+        return self._standard_error(along / size[:, None])
+
+    @property
+    def damping_ratio_error(self) -> FloatArray:
+        """Standard errors of the damping ratios by noise, shape (k,)."""
+        # Of the ratio -Re/|pole| by the real and the imaginary part.
+        size = self.pole.imag / np.asarray(abs(self.pole), dtype=float) ** 3
+        along = np.stack([-self.pole.imag, self.pole.real], axis=1)
+        return self._standard_error(along * size[:, None])
+
+    def _standard_error(self, slope: FloatArray) -> FloatArray:
+        """Of numbers that change by slopes (k, 2) with the real and imaginary part of a pole."""
+        variance = np.einsum("ki,kij,kj->k", slope, self.pole_covariance, slope)
+        return np.asarray(np.sqrt(variance), dtype=float)
 
     @property
     def found(self) -> NDArray[np.bool_]:

@@ -13,7 +13,8 @@ from flexmech.errors import InputError
 from flexmech.modal_testing.circle_fit import circle_fit_poles, highest_near, peaks
 from flexmech.modal_testing.identified import IdentifiedModes, fit_residues, modal_sum
 from flexmech.modal_testing.lscf import has_lscf, lscf_poles, stabilisation_chart
-from flexmech.modal_testing.refine import refined_poles, significant_poles
+from flexmech.modal_testing.noise import FrfNoise
+from flexmech.modal_testing.refine import pole_covariance, refined_poles, significant_poles
 
 IdentificationMethod = Literal["lscf", "circle-fit"]
 
@@ -48,6 +49,7 @@ def identify(
     expected: ArrayLike | None = None,
     method: IdentificationMethod | None = None,
     added_damping: float = 0.0,
+    noise: FrfNoise | None = None,
     orders: int = ORDERS,
 ) -> IdentifiedModes:
     """Identify modes from receptances of one impact point (or, as well, of one response point).
@@ -69,6 +71,10 @@ def identify(
         Without it that of :func:`best_method`.
     added_damping : float
         Decay rate in 1/s of the exponential window: it is taken off.
+    noise : FrfNoise, optional
+        How noise of the records stands in the receptances, as :func:`estimate_frf` knows it: by it
+        modes are told from noise, and poles have standard errors. Without it, white noise of the
+        response under a force that excites all frequencies alike.
     orders : int
         Highest number of modes of a model, for ``"lscf"``.
 
@@ -108,7 +114,13 @@ def identify(
         pole = circle_fit_poles(kept, values, at, added_damping)
     s = added_damping + 2j * np.pi * kept
     pole = _with_guesses(pole[np.isfinite(pole)], wanted, kept)
-    pole = _fitted(s, values, pole)
+    if noise is not None and noise.line.shape != frequency.shape:
+        raise InputError(
+            f"noise at {noise.line.size} frequencies and receptances at {frequency.size}: give "
+            "that of the same frequencies"
+        )
+    kind = FrfNoise.of_lines(kept, added_damping) if noise is None else noise.at(inside)
+    pole = _fitted(s, values, pole, kind)
     pole = pole[np.argsort(abs(pole), kind="stable")]
     residue, outside = fit_residues(s, values, pole)
     left = values - modal_sum(s, pole, residue) - outside.at(s)
@@ -117,6 +129,9 @@ def identify(
     # One more column without a number is that of expected modes that were not found.
     poles = np.append(pole, np.nan)
     residues = np.concatenate([residue, np.full((len(values), 1), np.nan)], axis=1)
+    covariance = np.concatenate(
+        [pole_covariance(s, values, pole, kind), np.full((1, 2, 2), np.nan)]
+    )
     return IdentifiedModes(
         pole=poles[asked],
         residue=residues[:, asked],
@@ -128,6 +143,7 @@ def identify(
         method=method,
         band=(low, high),
         misfit=float(np.linalg.norm(left) / np.linalg.norm(values)),
+        pole_covariance=covariance[asked],
         chart=chart,
     )
 
@@ -176,14 +192,16 @@ def _with_guesses(
     return np.concatenate([pole, np.array(guesses, dtype=np.complex128)])
 
 
-def _fitted(s: ComplexArray, receptance: ComplexArray, pole: ComplexArray) -> ComplexArray:
+def _fitted(
+    s: ComplexArray, receptance: ComplexArray, pole: ComplexArray, noise: FrfNoise
+) -> ComplexArray:
     """Poles that are refined together, and are modes and not noise."""
     added_damping = float(s[0].real)
     while True:
         # Two poles of one mode would be driven apart, and the search would not come to an end.
         refined = refined_poles(s, receptance, _distinct(pole, added_damping))
         refined = refined[np.isfinite(refined)]
-        kept = significant_poles(s, receptance, _distinct(refined, added_damping))
+        kept = significant_poles(s, receptance, _distinct(refined, added_damping), noise)
         if kept.size == refined.size:
             return kept
         # What was dropped had drawn the others along.

@@ -10,10 +10,10 @@ and residual terms are those of a linear least-squares problem; only the poles a
 G. H. Golub and V. Pereyra, SIAM Journal on Numerical Analysis 10 (1973), 413-432 (variable
 projection), with the derivative of L. Kaufman, BIT 15 (1975), 49-57.
 
-Taken out of the model, a pole leaves more of the receptances unexplained. Of noise alone that gain
-over its variance is chi-squared with as many degrees of freedom as a mode has numbers: a residue at
-each point, and a pole. The greatest of as many trials as there are spectral lines is what noise can
-look like at best.
+Noise alone gives a pole residues whose squares over their covariance are chi-squared with as many
+degrees of freedom as a mode has numbers: a residue at each point, and a pole. The greatest of as
+many trials as there are spectral lines is what noise can look like at best. The covariance is that
+of noise of the records (:mod:`.noise`): it is neither equal nor independent over the lines.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from scipy.stats import chi2
 
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.modal_testing.identified import residue_columns
+from flexmech.modal_testing.noise import FrfNoise
 
 # A bound of work: from poles of another method the squares fall to their least in a few.
 MOST_STEPS = 30
@@ -79,7 +80,7 @@ class _Projection:
     def __init__(self, s: ComplexArray, receptance: ComplexArray, size: FloatArray) -> None:
         self._s, self._size = s, size
         self._values = np.concatenate([receptance.real, receptance.imag], axis=1).T
-        self._scale = float(np.linalg.norm(self._values))
+        self.scale = float(np.linalg.norm(self._values))
         self._last: tuple[FloatArray, tuple[FloatArray, ComplexArray]] | None = None
 
     def parameters(self, pole: ComplexArray) -> FloatArray:
@@ -92,7 +93,7 @@ class _Projection:
     def residual(self, x: FloatArray) -> FloatArray:
         basis, _ = self._basis(x)
         left = self._values - basis @ (basis.T @ self._values)
-        return np.asarray(left.T.ravel() / self._scale)
+        return np.asarray(left.T.ravel() / self.scale)
 
     def derivative(self, x: FloatArray) -> FloatArray:
         pole = self.poles(x)
@@ -106,7 +107,7 @@ class _Projection:
                 moved = moved + np.conj(turn * residue[:, number, None]) * mirrored[:, number]
                 slope = np.concatenate([moved.real, moved.imag], axis=1).T * size
                 slope -= basis @ (basis.T @ slope)
-                columns.append(-slope.T.ravel() / self._scale)
+                columns.append(-slope.T.ravel() / self.scale)
         return np.stack(columns, axis=1)
 
     def _basis(self, x: FloatArray) -> tuple[FloatArray, ComplexArray]:
@@ -126,7 +127,7 @@ class _Projection:
 
 
 def significant_poles(
-    s: ComplexArray, receptance: ComplexArray, pole: ComplexArray
+    s: ComplexArray, receptance: ComplexArray, pole: ComplexArray, noise: FrfNoise
 ) -> ComplexArray:
     """Poles without those that noise explains as well; the least one is taken out first.
 
@@ -136,6 +137,8 @@ def significant_poles(
         In 1/s; none of them 0.
     receptance : ndarray of complex, shape (points, F)
     pole : ndarray of complex, shape (k,)
+    noise : FrfNoise
+        At these frequencies.
 
     Returns
     -------
@@ -143,23 +146,91 @@ def significant_poles(
     """
     points, lines = receptance.shape
     least = chi2.isf(FALSE_ALARM / lines, 2 * points + 2)
-    values = np.concatenate([receptance.real, receptance.imag], axis=1).T
     while pole.size:
-        with_all = _left(s, pole, values)
-        free = values.size - 2 * points * (pole.size + 1) - 2 * pole.size
-        variance = with_all / max(free, 1)
-        gain = np.array(
-            [_left(s, np.delete(pole, one), values) - with_all for one in range(pole.size)]
-        )
-        weakest = int(np.argmin(gain))
-        if gain[weakest] > least * variance:
+        significance = _significance(s, receptance, pole, noise)
+        weakest = int(np.argmin(significance))
+        if significance[weakest] > least:
             break
         pole = np.delete(pole, weakest)
     return pole
 
 
-def _left(s: ComplexArray, pole: ComplexArray, values: FloatArray) -> float:
-    """Sum of squares that the best residues of some poles leave."""
-    matrix = residue_columns(s, pole)
-    basis, _ = np.linalg.qr(matrix / np.linalg.norm(matrix, axis=0))
-    return float(np.sum((values - basis @ (basis.T @ values)) ** 2))
+def _significance(
+    s: ComplexArray, receptance: ComplexArray, pole: ComplexArray, noise: FrfNoise
+) -> FloatArray:
+    """Squares of each pole's residues over their covariance by noise, added up; shape (k,)."""
+    fit = _LinearFit(s, receptance, pole, noise)
+    found = np.zeros(pole.size)
+    for number in range(pole.size):
+        rows = fit.rows([number, pole.size + number])
+        seen = noise.of_response(rows)
+        for values, level, each in zip(fit.values.T, fit.levels, receptance, strict=True):
+            hit = noise.force_level * noise.of_force(rows, each)
+            covariance = level**2 * (seen @ seen.T) + hit @ hit.T
+            size = rows @ values
+            found[number] += size @ np.linalg.solve(covariance, size)
+    return found
+
+
+def pole_covariance(
+    s: ComplexArray, receptance: ComplexArray, pole: ComplexArray, noise: FrfNoise
+) -> FloatArray:
+    """Covariance of the real and imaginary part of each pole of least squares, by noise.
+
+    Parameters
+    ----------
+    s : ndarray of complex, shape (F,)
+        In 1/s; none of them 0.
+    receptance : ndarray of complex, shape (points, F)
+    pole : ndarray of complex, shape (k,)
+        Of least squares.
+    noise : FrfNoise
+        At these frequencies.
+
+    Returns
+    -------
+    ndarray, shape (k, 2, 2)
+        In 1/s^2.
+    """
+    if not pole.size:
+        return np.zeros((0, 2, 2))
+    size = np.asarray(abs(pole), dtype=float)
+    problem = _Projection(s, receptance, size)
+    # Kaufman's slopes are those of the least squares with the residues following.
+    slopes = problem.derivative(problem.parameters(pole)) * problem.scale
+    basis, triangle = np.linalg.qr(slopes)
+    rows = np.linalg.solve(triangle, basis.T).reshape(2 * pole.size, len(receptance), -1)
+    fit = _LinearFit(s, receptance, pole, noise)
+    whole = sum(
+        noise.covariance(rows[:, point], receptance[point], fit.levels[point])
+        for point in range(len(receptance))
+    )
+    pairs = np.asarray(whole).reshape(2, pole.size, 2, pole.size)
+    each = np.arange(pole.size)
+    return np.asarray(pairs[:, each, :, each] * (size**2)[:, None, None])
+
+
+class _LinearFit:
+    """Residues and residual terms of poles by least squares, and the noise that they leave."""
+
+    def __init__(
+        self, s: ComplexArray, receptance: ComplexArray, pole: ComplexArray, noise: FrfNoise
+    ) -> None:
+        matrix = residue_columns(s, pole)
+        self._size = np.linalg.norm(matrix, axis=0)
+        self._basis, self._triangle = np.linalg.qr(matrix / self._size)
+        self.values = np.concatenate([receptance.real, receptance.imag], axis=1).T
+        left = self.values - self._basis @ (self._basis.T @ self.values)
+        remaining = left.size - self._basis.shape[1] * len(receptance)
+        # Where as many numbers are fitted as there are, nothing is known of the noise.
+        free = max(remaining - 2 * pole.size, 1) / max(remaining, 1)
+        self.levels = [
+            noise.response_level(rest, self._basis, each, free)
+            for rest, each in zip(left.T, receptance, strict=True)
+        ]
+
+    def rows(self, numbers: list[int]) -> FloatArray:
+        """What multiplies the receptance in some of the residues, (r, 2 F)."""
+        unit = np.eye(len(self._triangle))[numbers]
+        inverse = np.linalg.solve(self._triangle.T, unit.T).T
+        return np.asarray(inverse @ self._basis.T / self._size[numbers][:, None])

@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 from flexmech.errors import InputError
+from flexmech.files import bytes_of
 from flexmech.units import NUMBER
 
 # Of a file of a load or a drive: a hundred thousand rows, a thousand times as fine as a turn asks
@@ -39,12 +40,13 @@ def csv_lines(path: Path, shown: str, what: str) -> tuple[list[str], list[list[s
         If the file is too large, cannot be read, or is no CSV text in UTF-8.
     """
     try:
-        if path.stat().st_size > MOST_BYTES:
-            raise InputError(f"file {shown}: is larger than any {what}; give fewer rows")
-        text = path.read_text(encoding="utf-8-sig")
+        content = bytes_of(path, f"file {shown}", f"the table of a {what}", MOST_BYTES)
+        text = content.decode("utf-8-sig")
         titles, *rows = [*csv.reader(text.rstrip().splitlines(), strict=True)] or [[]]
     except UnicodeDecodeError as error:
         raise InputError(f"file {shown}: is no text in UTF-8; save it as CSV in UTF-8") from error
+    except InputError:
+        raise
     except (OSError, ValueError, csv.Error) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(f"file {shown}: cannot be read: {reason}; give a CSV file") from error

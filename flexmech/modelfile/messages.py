@@ -218,9 +218,11 @@ def _text(finding: ErrorDetails) -> str:
     if kind == "missing":
         last = finding["loc"][-1]
         # Of a list, whose length the format prescribes, an entry is missing.
-        return _missing(last) if isinstance(last, str) else "is missing; give one more value"
+        if not isinstance(last, str):
+            return "is missing; give one more value"
+        return _missing(last, finding["loc"])
     if kind == "union_tag_not_found":
-        return _missing(_tag_name(finding))
+        return _missing(_tag_name(finding), finding["loc"])
     if kind in ("union_tag_invalid", "literal_error"):
         return _not_a_choice(finding)
     if kind == "too_long":
@@ -240,16 +242,16 @@ def _not_a_choice(finding: ErrorDetails) -> str:
     return f"got {got!r}; {suggestion(got, known)}"
 
 
-def _missing(name: str) -> str:
+def _missing(name: str, place: Collection[int | str]) -> str:
     if name in ("linkage", "links"):
         return f"is missing; add a table [{name}]"
-    example = _examples().get(name)
+    example = _examples(place).get(name)
     remedy = f"add it, for example {name} = {example}" if example else "add it"
     return f"is missing; {remedy}"
 
 
-def _examples() -> dict[str, str]:
-    """Collect an example for each key of the format, by its name."""
+def _examples(place: Collection[int | str]) -> dict[str, str]:
+    """Collect an example for each key of the format, by its name, as at a place of the file."""
     examples = {
         "name": '"my mechanism"',
         "source": '"drawing 12-345"',
@@ -265,11 +267,20 @@ def _examples() -> dict[str, str]:
         "stacking": '"[C/G/C]"',
     }
     for table in _tables(ModelFile):
+        if "linkage" in place and _is_of_another_linkage(table, place):
+            continue
         for name, field in table.model_fields.items():
             for mark in field.metadata:
                 if isinstance(mark, QuantityField):
                     examples[name] = mark.dimension.example
     return examples
+
+
+def _is_of_another_linkage(table: type[BaseModel], place: Collection[int | str]) -> bool:
+    """Whether a table is one of a kind of linkage that is not at a place of the file."""
+    kind = table.model_fields.get("kind")
+    kinds = () if kind is None else typing.get_args(kind.annotation)
+    return bool(kinds) and not any(own in place for own in kinds)
 
 
 def _tables(annotation: Any) -> Iterator[type[BaseModel]]:

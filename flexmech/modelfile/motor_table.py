@@ -16,12 +16,13 @@ from flexmech.validation import POSITIVE
 
 Resistance = Annotated[float, base.QuantityField(units.RESISTANCE, POSITIVE)]
 Inductance = Annotated[float, base.QuantityField(units.INDUCTANCE, POSITIVE)]
+Current = Annotated[float, base.QuantityField(units.CURRENT)]
 TorqueConstant = Annotated[float, base.QuantityField(units.TORQUE_CONSTANT, POSITIVE)]
 Voltage = Annotated[float, base.QuantityField(units.VOLTAGE)]
 Coupling = Annotated[float, base.QuantityField(units.TORSIONAL_STIFFNESS, POSITIVE)]
 Ratio = Annotated[float, base.QuantityField(units.RATIO, POSITIVE)]
 
-_DC = ("resistance", "inductance", "torque_constant", "voltage")
+_DC = ("resistance", "inductance", "torque_constant", "voltage", "initial_current")
 
 
 class MotorTable(base.Table):
@@ -43,6 +44,10 @@ class MotorTable(base.Table):
     )
     voltage: Voltage | None = base.optional(
         "Of a DC motor; with speed_control the greatest one either way"
+    )
+    initial_current: Current | None = base.optional(
+        "Of a DC motor with inductance at time zero, 0 A of one that is switched on then; if left "
+        "out the one that holds the crank against its loads, as after a brake"
     )
     gear_ratio: Ratio = base.optional("Motor speed over crank speed", 1.0)
     inertia: base.Inertia = base.optional("Of the rotor about its axis", 0.0, "0 kg m^2")
@@ -92,7 +97,12 @@ class MotorTable(base.Table):
             assert self.torque_constant is not None
             assert self.voltage is not None
             return DcMotor(
-                self.resistance, self.torque_constant, self.voltage, self.inductance or 0.0, **gear
+                self.resistance,
+                self.torque_constant,
+                self.voltage,
+                self.inductance or 0.0,
+                self.initial_current,
+                **gear,
             )
         assert self.torque_speed is not None
         rows = [_row(number, row) for number, row in enumerate(self.torque_speed)]

@@ -272,6 +272,8 @@ class _Placing:
     def _check_drawn(self) -> None:
         """Refuse lengths, angles and offsets that disagree with the places of points."""
         for name, ends in self.links.items():
+            if not all(each in self.places for each in ends):
+                continue
             link, (start, end) = self.tables.links[name], (self.places[each] for each in ends)
             length, apart = link.length or 0.0, end - start
             drawn = next(

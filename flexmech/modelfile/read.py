@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from flexmech.errors import InputError
-from flexmech.files import given_path
+from flexmech.files import bytes_of, given_path
 from flexmech.linkages import PlanarLinkage
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile.build import build_mechanism
@@ -21,6 +21,9 @@ from flexmech.modelfile.linkage_tables import PlanarTable
 from flexmech.modelfile.messages import Findings, input_error, refuse_unseen_characters
 from flexmech.modelfile.placing import TwoPlaces, placed_points
 from flexmech.validation import check_instance
+
+MOST_BYTES = 10_000_000
+"""Of a model file or a study: a hundred times the longest tables that are written in one."""
 
 
 def load_mechanism(path: str | os.PathLike[str]) -> Mechanism:
@@ -54,15 +57,13 @@ def load_mechanism(path: str | os.PathLike[str]) -> Mechanism:
     shown = os.fspath(path)
     if file.is_dir():
         raise InputError(f"{shown}: is a folder; name a model file, such as model.toml, in it")
-    if file.exists() and not file.is_file():
-        raise InputError(f"{shown}: is a device or pipe; name a model file, such as model.toml")
-    if not file.is_file():
+    if not file.exists():
         raise InputError(
             f"{shown}: there is no such file; check the path, or write a new model file with "
             "'flexmech new four-bar FILE'"
         )
     try:
-        content = file.read_bytes()
+        content = bytes_of(file, shown, "a model file", MOST_BYTES)
     except OSError as error:
         raise InputError(
             f"{shown}: cannot be read ({error.strerror}); check the file's permissions"

@@ -32,6 +32,8 @@ class BeamKind(ABC):
         Whether a node's section is rigid and turns what sits off the neutral axis.
     carries_mass : bool
         Whether the elements carry the link's mass; if not, bodies at the nodes do.
+    has_rotary_inertia : bool
+        Whether vibration has the rotary inertia of the sections; the rigid motion always has it.
     """
 
     per_node: int
@@ -40,6 +42,7 @@ class BeamKind(ABC):
     deflection: int | None
     turns_arms: bool
     carries_mass: bool
+    has_rotary_inertia: bool
 
     @abstractmethod
     def add_node(self, items: SystemItems, name: str, x: float, y: float) -> ItemNumber:

@@ -32,6 +32,7 @@ class AncfCable(BeamKind):
     deflection = 1
     turns_arms = False
     carries_mass = True
+    has_rotary_inertia = False
 
     def add_node(self, items: SystemItems, name: str, x: float, y: float) -> ItemNumber:
         """See :class:`BeamKind`."""
@@ -133,6 +134,7 @@ class GeometricallyExactBeam(BeamKind):
     deflection = None
     turns_arms = True
     carries_mass = False
+    has_rotary_inertia = True
 
     def add_node(self, items: SystemItems, name: str, x: float, y: float) -> ItemNumber:
         """See :class:`BeamKind`."""

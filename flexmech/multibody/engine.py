@@ -44,11 +44,13 @@ from flexmech.linkages import Drive, LockedCrank, MotorRun, RigidMotion
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.beams import refuse_sections
 from flexmech.multibody.exudyn_system import ExudynSystem
+from flexmech.multibody.library import check_exudyn
 from flexmech.multibody.linearize import internal_forces, running_tangents, static_equilibrium
 from flexmech.multibody.running.loads import TorqueTable
 from flexmech.multibody.running.model import RunningModel
 from flexmech.multibody.running.motor import MotorOnHub
-from flexmech.multibody.running.simulation import PointRecorder, Simulation
+from flexmech.multibody.running.point_recorder import PointRecorder
+from flexmech.multibody.running.simulation import Simulation
 from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
 from flexmech.time_domain import Impact, LinkState, Recorder, Trajectory
@@ -68,7 +70,8 @@ class ExudynEngine(Engine):
     Raises
     ------
     InputError
-        If the element is unknown or cannot have such a section, or there is no element.
+        If exudyn is not installed, the element is unknown or cannot have such a section, or there
+        is no element.
 
     Examples
     --------
@@ -110,6 +113,7 @@ class ExudynEngine(Engine):
         shaft: ShaftChoice = "prescribed",
         mass: MassChoice = "distributed",
     ) -> None:
+        check_exudyn()
         super().__init__(mechanism, elements, element, component_modes, modes, shaft, mass)
         refuse_sections(mechanism, self.element)
 
@@ -240,12 +244,20 @@ class ExudynEngine(Engine):
             check_number(band, "band", "Hz", POSITIVE)
         recorder = Recorder(sample_time, step, band)
         torque = self._torque_on_free_shaft(drive, step, recorder.steps)
-        model = RunningModel(
-            self.mechanism, self.elements, self.element, drive, self.clamped_links, impacts, torque
-        )
+        model = self._running(drive, recorder.steps * step, impacts, torque)
         Simulation(model, step, recorder.steps, integrator).run(start, recorder, progress)
         trajectory = recorder.finish()
         return replace(trajectory, energy_error=float("nan")) if impacts else trajectory
+
+    def _running(
+        self,
+        drive: Drive,
+        duration: float,
+        impacts: Sequence[Impact] = (),
+        torque: TorqueTable | MotorOnHub | None = None,
+    ) -> RunningModel:
+        made_of = self.mechanism, self.elements, self.element
+        return RunningModel(*made_of, drive, self.clamped_links, duration, impacts, torque)
 
     def _torque_on_free_shaft(
         self, drive: Drive, step: float, steps: int
@@ -302,9 +314,7 @@ class ExudynEngine(Engine):
         self.require_prescribed_shaft("a record of points")
         self.require_standing_frame("a record of points")
         check_number(step, "step", "s", POSITIVE)
-        model = RunningModel(
-            self.mechanism, self.elements, self.element, drive, self.clamped_links, impacts
-        )
+        model = self._running(drive, steps * step, impacts)
         recorder = PointRecorder(self.mechanism.linkage.topology, self.clamped_links, points)
         Simulation(model, step, steps, "trapezoidal").run(start, recorder, progress)
         return recorder.finish()
@@ -346,7 +356,7 @@ class ExudynEngine(Engine):
         self.require_standing_frame("the exported system")
         check_number(step, "step", "s", POSITIVE)
         check_choice(integrator, INTEGRATORS, "integrator")
-        model = RunningModel(self.mechanism, self.elements, self.element, drive, self.clamped_links)
+        model = self._running(drive, steps * step)
         simulation = Simulation(model, step, steps, integrator)
         return ExudynSystem.of(simulation, drive, start, stride)
 

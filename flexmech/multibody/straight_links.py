@@ -8,6 +8,7 @@ import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import LinkModel, LinkReadings, rigid_link
+from flexmech.linear_system.links.link_model import NONE
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.linearize import linearized
 from flexmech.multibody.link_parts import RigidPart
@@ -44,6 +45,8 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
             turns = np.arange(2, size, kind.per_node)
             inertia.centrifugal_mass[turns, turns] += part.bodies.segment
         last = size - kind.per_node
+        link_mass = assembly.mechanism.link_mass(name)
+        rotary = 0.0 if kind.has_rotary_inertia else link_mass.rotary_inertia
         link = LinkModel(
             name=name,
             mass=own[0],
@@ -63,11 +66,13 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
                 kind.shape_functions,
                 slope=kind.clamped,
                 deflection=kind.deflection,
+                polar=NONE if part.polar is None else part.polar.first,
             ),
             fields=kind.rigid_fields(part.positions),
             vectors=np.stack([x, y]),
+            uncounted_rotary_inertia=rotary,
         )
-        models.append(link.carrying(assembly.mechanism.link_mass(name)))
+        models.append(link.carrying(link_mass))
     return tuple(models)
 
 

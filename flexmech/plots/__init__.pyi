@@ -26,6 +26,7 @@ from .frame import plot_frame_motion as plot_frame_motion
 from .frequencies import plot_damping_ratio as plot_damping_ratio
 from .frequencies import plot_frequencies as plot_frequencies
 from .frequencies import plot_modal_damping as plot_modal_damping
+from .frequencies_over_speed import plot_frequencies_over_speed as plot_frequencies_over_speed
 from .frf import plot_comparison as plot_comparison
 from .frf import plot_frf as plot_frf
 from .frf import plot_frf_parts as plot_frf_parts
@@ -68,7 +69,7 @@ from .shaping import plot_shaped as plot_shaped
 from .spectra import plot_spectrogram as plot_spectrogram
 from .spectra import plot_spectrum as plot_spectrum
 from .stability import plot_stability as plot_stability
-from .stability import plot_stability_against as plot_stability_against
+from .stability_against import plot_stability_against as plot_stability_against
 from .strength import plot_internal_forces as plot_internal_forces
 from .strength import plot_strength as plot_strength
 from .style import LIGHT_GREY as LIGHT_GREY

@@ -301,12 +301,26 @@ def _mark(marker: str, color: str, engine: int) -> Look:
     return look | {"markerfacecolor": fill, "markeredgewidth": 0.9}
 
 
-def series_and_engines(dataset: xr.Dataset, names: Sequence[str]) -> list[Artist]:
+def series_and_engines(
+    dataset: xr.Dataset, names: Sequence[str], along: str = "crank_angle"
+) -> list[Artist]:
     """Legend entries of series by name, then of the engines: lines of one, marks of others.
 
-    The marks of the series are those of the second engine, or of few angles.
+    The marks of the series are those of the second engine, or of few points along the coordinate.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    names : sequence of str
+        Of the series.
+    along : str
+        Coordinate of the x axis.
+
+    Returns
+    -------
+    list of Artist
     """
-    engines, few = dataset.sizes["engine"], few_points(dataset["crank_angle"].values)
+    engines, few = dataset.sizes["engine"], few_points(dataset[along].values)
     handles = []
     for number, name in enumerate(names):
         style, look = series_style(number), series_line(number)

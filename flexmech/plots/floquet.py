@@ -135,11 +135,16 @@ def plot_floquet_harmonics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -
 
 
 def _limits(dataset: xr.Dataset, frequency: FloatArray) -> tuple[float, float]:
-    """Of the frequency axis: around the means of the moving frequencies, and their highest."""
-    if not dataset.sizes["moving_speed"]:
-        return float(np.nanmin(frequency)) / ROOM, float(np.nanmax(frequency)) * ROOM
-    mean, highest = dataset["mean_frequency"], dataset["highest_frequency"]
-    return LOWEST_PART * float(mean.min()), ROOM * float(highest.max())
+    """Of the frequency axis: around the means of the moving frequencies, and their highest.
+
+    Those of a linkage that is statically unstable are zero, and have no place on the axis.
+    """
+    mean = dataset["mean_frequency"].values
+    if not (mean > 0).any():
+        oscillating = frequency[frequency > 0] if (frequency > 0).any() else np.ones(1)
+        return float(oscillating.min()) / ROOM, float(oscillating.max()) * ROOM
+    highest = float(dataset["highest_frequency"].max())
+    return LOWEST_PART * float(mean[mean > 0].min()), ROOM * highest
 
 
 def _draw_moving(axes: Axes, dataset: xr.Dataset) -> None:
@@ -159,7 +164,8 @@ def _number_branches(axes: Axes, dataset: xr.Dataset) -> None:
     if not dataset.sizes["moving_speed"]:
         return
     mean = values_of(dataset["mean_frequency"], "branch", "moving_speed")[:, -1]
-    upward = np.argsort(mean)
+    # Where the linkage is statically unstable there is no frequency.
+    upward = np.argsort(mean)[int((mean <= 0).sum()) :]
     bottom, top = np.log(axes.get_ylim())
     heights = np.exp(spread(np.log(mean[upward]), NUMBER_HEIGHT * (top - bottom)))
     look: Look = {"fontsize": style.LABEL_POINTS, "va": "center", "textcoords": "offset points"}

@@ -227,7 +227,7 @@ def plot_modal_damping(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
 
 
 def plot_damping_ratio(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
-    """Draw the damping ratio -Re(lambda)/abs(lambda) of Kelvin-Voigt damping, one panel a speed.
+    """Draw the damping ratio -Re(lambda)/abs(lambda) of frozen positions, one panel a speed.
 
     As :func:`plot_modal_damping`. With rotation terms frozen eigenvalues have damping ratios of
     either sign that are no damping; an undamped mechanism has these alone.
@@ -243,7 +243,10 @@ def plot_damping_ratio(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     -------
     Figure
     """
-    return _draw_damping(dataset, "damping_ratio", "Kelvin-Voigt damping of frozen positions", ax)
+    title = "Kelvin-Voigt damping of frozen positions"
+    if dataset.attrs.get("damped_by", "Kelvin-Voigt") != "Kelvin-Voigt":
+        title = "Damping ratios of frozen positions"
+    return _draw_damping(dataset, "damping_ratio", title, ax)
 
 
 def _draw_damping(dataset: xr.Dataset, name: str, title: str, ax: AxesLike | None) -> Figure:

@@ -70,9 +70,9 @@ def plot_residual(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Response`` result under a law that stops: ``deflection`` and ``residual_envelope``
-        (engine, time, link) in m, which is drawn in grey about the
-        middle of the first engine's deflection.
+        Of a ``Response`` result under a law that stops: ``deflection``, and ``residual_envelope``
+        about ``residual_middle`` (engine, time, link) in m; the first engine's envelope is drawn in
+        grey.
     ax : sequence of Axes, optional
         The user's, one for each link that bends. Left out: a new figure is made.
 
@@ -93,9 +93,7 @@ def plot_residual(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
             what = f"{reading.link_label(dataset, link)}\ndeflection"
             factor = draw_engines(axes, own["deflection"], reading.LENGTH_UNITS, what)
             first = own.isel(engine=0)
-            bent = first["deflection"].values
-            settled = bent[bent.size // 2 :]
-            middle = float(settled.max() + settled.min()) / 2
+            middle = first["residual_middle"].values
             for side in (-1.0, 1.0):
                 edge = factor * (middle + side * first["residual_envelope"].values)
                 axes.plot(time, edge, **ENVELOPE, zorder=1.5)

@@ -7,6 +7,7 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
+from flexmech.arrays import FloatArray
 from flexmech.plots import reading, scales
 from flexmech.plots.layout import AxesLike, sheet, tiles
 from flexmech.plots.style import MID_GREY, POINT_SIZE, Look, line_handle, series_style
@@ -72,13 +73,16 @@ def plot_move_times(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
 
     A panel for each mode that rings noticeably, in the deflection of the link that shows it most.
     The time is that until the stop, a shaper's included. Lines are by the equations in link frames,
-    points by an engine that simulates; a dotted line is the time that the model file states.
+    points by an engine that simulates; a dotted line is the time that the model file states. A
+    mode that rises and falls faster than the times of the move can tell is drawn as dots.
 
     Parameters
     ----------
     dataset : Dataset
         Of a ``Response`` result with ``move_amplitude`` (law, move_time, link, mode) in m and
-        ``whole_move_time`` (law, move_time) in s.
+        ``whole_move_time`` (law, move_time) in s; ``move_curve`` (law, curve_move_time, link,
+        curve_mode) in m and ``curve_whole_time`` (law, curve_move_time) in s of the modes that its
+        times resolve.
     ax : sequence of Axes, optional
         The user's, one for each mode that is drawn. Left out: a new figure is made.
 
@@ -103,8 +107,9 @@ def plot_move_times(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
             link = str(own["link"].values[int(np.argmax(peaks))])
             factor, unit = reading.fitting_unit(np.array([greatest]), reading.LENGTH_UNITS)
             for name in names:
-                line = factor * own.sel(link=link, law=name).values
-                axes.plot(whole.sel(law=name).values, line, **_LOOKS[name])
+                place, line = move_line(dataset, name, mode, link)
+                look = _LOOKS[name] if place.size > whole.sizes["move_time"] else _dots(name)
+                axes.plot(place, factor * line, **look)
                 if simulated is None:
                     continue
                 at = whole.sel(law=name, move_time=simulated["simulated_move_time"].values)
@@ -121,6 +126,41 @@ def plot_move_times(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
             axes.set_ylabel(f"{reading.link_label(dataset, link)} ({unit})")
         drawn.label_x("Time until the stop (s)")
     return drawn.figure
+
+
+def move_line(
+    dataset: xr.Dataset, law: str, mode: int, link: str | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Amplitude of a mode over the time until the stop: a curve, or its values where it has none.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        As of :func:`plot_move_times`.
+    law : str
+    mode : int
+    link : str, optional
+        Left out: the greatest of all links.
+
+    Returns
+    -------
+    time : ndarray, shape (n,)
+        In s.
+    amplitude : ndarray, shape (n,)
+        In m.
+    """
+    found, whole = dataset["move_amplitude"].sel(mode=mode), dataset["whole_move_time"]
+    if "move_curve" in dataset and mode in dataset["curve_mode"].values:
+        found = dataset["move_curve"].sel(curve_mode=mode)
+        whole = dataset["curve_whole_time"]
+    found = found.max("link") if link is None else found.sel(link=link)
+    return whole.sel(law=law).values, found.sel(law=law).values
+
+
+def _dots(law: str) -> Look:
+    """Of amplitudes between which nothing is known."""
+    look: Look = {"ls": "", "marker": ".", "markersize": POINT_SIZE, "color": _LOOKS[law]["color"]}
+    return look
 
 
 def _points(law: str, engine: int) -> Look:

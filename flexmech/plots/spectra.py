@@ -49,14 +49,14 @@ def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
 
     Of a periodic motion the amplitudes stand as stems at the orders of the crank, those of
     further engines as open marks; what is between the orders, as thin lines, does not repeat.
-    Shaded bands are the ranges that the predicted natural frequencies pass through over the
-    run; the axis on top counts the harmonics of the crank's turning frequency.
+    Shaded bands are the ranges that the predicted natural frequencies pass through over a turn,
+    or over the crank angles that a law passes; the axis on top counts the harmonics of the crank's
+    turning frequency.
 
     Parameters
     ----------
     dataset : Dataset
-        Of a ``Response`` result. One without natural frequencies (of a run too short for
-        a spectrogram) is drawn without bands.
+        Of a ``Response`` result.
     ax : Axes or sequence of Axes, optional
         The user's, one a link. Left out: a new figure is made.
 
@@ -64,9 +64,10 @@ def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    limit = _highest_frequency(dataset, "spectrum_frequency")
-    within = dataset.sel(spectrum_frequency=slice(0.0, limit))
     bands, links = _bands(dataset), reading.bending_links(dataset)
+    highest = max((high for _, high in bands.values()), default=np.inf)
+    limit = min(float(dataset["spectrum_frequency"].max()), REACH * highest)
+    within = dataset.sel(spectrum_frequency=slice(0.0, limit))
     with sheet(_layout(len(links), 1.5, 2.2), ax=ax, fewer=ONE_LINK) as drawn:
         turns = int(dataset.attrs.get("spectrum_turns", 0))
         handles = engine_lines(dataset)
@@ -201,11 +202,12 @@ def _highest_seen(dataset: xr.Dataset, links: list[str]) -> float:
 
 
 def _bands(dataset: xr.Dataset) -> dict[int, tuple[float, float]]:
-    """Lowest and highest natural frequency of each mode by any engine."""
-    if "natural_frequency" not in dataset:
+    """Lowest and highest natural frequency of each mode; none of a file of an earlier version."""
+    if "lowest_natural_frequency" not in dataset:
         return {}
-    frequency = dataset["natural_frequency"].transpose("mode", ...)
-    return {int(each["mode"]): (float(each.min()), float(each.max())) for each in frequency}
+    ends = (dataset[f"{end}_natural_frequency"].values for end in ("lowest", "highest"))
+    modes = dataset["mode"].values
+    return {int(mode): (float(a), float(b)) for mode, a, b in zip(modes, *ends, strict=True)}
 
 
 def _label_bands(axes: Axes, bands: dict[int, tuple[float, float]]) -> None:

@@ -1,16 +1,13 @@
-"""Stability maps: growth rate, multipliers and unstable bands; growth over a second parameter."""
+"""Stability maps: growth rate, multipliers and unstable bands over crank speed."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import LinearSegmentedColormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
@@ -20,7 +17,7 @@ from flexmech.errors import InputError
 from flexmech.plots import scales, style
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import cell_edges, engine_label, speed_unit, speeds_of, subscripts
-from flexmech.plots.style import Look, line_handle, series_handles, series_line, series_style
+from flexmech.plots.style import Look, series_handles, series_line, series_style
 from flexmech.units import from_si
 
 # Kinds of bands: what meets in words, and a hatch, so that kinds differ without colour too.
@@ -51,20 +48,9 @@ ZERO: Look = {"color": "0.55", "lw": 0.6, "zorder": 1}
 ROOM = 1.55
 # Of the axis in 1/s: growth below it is round-off of multipliers that do not grow.
 LEAST_GROWTH = 1e-3
+# Greatest modulus on a linear axis; logarithm of the greatest drawn: some are beyond all numbers.
+MOST_LINEAR, LARGEST_LOGARITHM = 1e3, 200.0
 BOTH = "give two Axes: one for the growth rate and one for the modulus"
-
-# Of a panel of an engine in inches: two fill two thirds of a page.
-PANEL_HEIGHT = 2.9
-# Grows darker throughout, and begins where it is told from white.
-COLOURS = LinearSegmentedColormap.from_list(
-    "growth", mpl.colormaps["YlOrBr"](np.linspace(0.15, 1.0, 256))
-)
-ZERO_GROWTH: Look = {"color": "0.1", "lw": 1.0}
-# Numbers of parameters in the unit that they are read in.
-READ: dict[str, tuple[float, str]] = {"m": (1e3, "mm"), "Pa": (1e-9, "GPa"), "s": (1e3, "ms")}
-PERCENT = ("damping-ratio", "moisture")
-# Decay next to the zero line, as a part of the greatest growth: round-off makes no line.
-DECAY = 1e-3
 
 
 class UnstableBand(NamedTuple):
@@ -125,7 +111,8 @@ def growth_curve(dataset: xr.Dataset, engine: int = 0) -> tuple[FloatArray, Floa
     Returns
     -------
     ndarray, ndarray, ndarray, shape (n,)
-        Crank speed in the user's unit, ascending; growth rate in 1/s; modulus of a multiplier.
+        Crank speed in the user's unit, ascending; growth rate in 1/s; modulus of a multiplier, of
+        7e86 at most.
     """
     own = dataset.isel(engine=engine)
     bands = dataset.isel(band=np.flatnonzero(dataset["band_engine"] == own["engine"]))
@@ -141,7 +128,7 @@ def growth_curve(dataset: xr.Dataset, engine: int = 0) -> tuple[FloatArray, Floa
     # Stable: where a speed asked for is an edge, its own value comes first.
     order = np.argsort(every, kind="stable")
     every, growth = every[order], growth[order]
-    modulus = np.exp(growth * 2 * np.pi / np.abs(every))
+    modulus = np.exp(np.minimum(growth * 2 * np.pi / np.abs(every), LARGEST_LOGARITHM))
     return from_si(1.0, speed_unit(dataset)) * every, growth, modulus
 
 
@@ -298,102 +285,11 @@ def _scale(axes: Axes, values: FloatArray, middle: float) -> None:
     Beyond, where straight links buckle, the curve may leave the axes; so may strong decay.
     """
     high = max(LEAST_GROWTH, float(values.max(initial=0.0)))
+    if middle and high > MOST_LINEAR:
+        scales.log_scale(axes, high**-0.06, high**ROOM)
+        return
     low = float(values.min(initial=-high))
     if high > LEAST_GROWTH:
         low = max(float(values.min(initial=0.0)), -high)
     axes.set_ylim(middle + low - 0.06 * (high - low), middle + high + (ROOM - 1) * (high - low))
     scales.plain_numbers(axes)
-
-
-def plot_stability_against(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
-    """Draw where vibrations grow over crank speed and a second parameter, a panel an engine.
-
-    The darker, the faster; white is stable, and the line between the two is that of growth rate
-    zero. Hatched is where there is no equilibrium.
-
-    Parameters
-    ----------
-    dataset : Dataset
-        Of a ``StabilityMap`` result that was asked for a second parameter.
-    ax : Axes or sequence of Axes, optional
-        The user's, one an engine. Left out: a new figure is made.
-
-    Returns
-    -------
-    Figure
-
-    Raises
-    ------
-    InputError
-        If there is no second parameter.
-    """
-    if "against_growth_rate" not in dataset:
-        raise InputError(
-            "this map has no second parameter; ask for it, as in "
-            'flexmech.stability(engine, speeds, against=("damping-ratio", ratios))'
-        )
-    data = dataset.sortby("crank_speed").transpose(..., "parameter", "crank_speed")
-    rate, state = data["against_growth_rate"].values, data["against_unstable"].values
-    engines, speed = dataset.sizes["engine"], speeds_of(data)
-    factor, label = _parameter(dataset)
-    parameter = factor * data["parameter"].values
-    top = float(np.nanmax(np.where(state == "yes", rate, np.nan), initial=0.0))
-    norm = Normalize(0.0, top or 1.0)
-    with sheet(grid(engines, 1, engines * PANEL_HEIGHT + 0.5, sharex=True), ax=ax) as drawn:
-        handles = [line_handle("growth rate zero", **ZERO_GROWTH), *gap_handles(state)]
-        drawn.header(handles, f"Growth over crank speed and {_words(dataset)}", of=dataset)
-        for number, axes in enumerate(drawn.panels):
-            _draw_against(axes, speed, parameter, rate[number], state[number], norm)
-            if engines > 1:
-                axes.set_title(engine_label(dataset, number), loc="left")
-        drawn.label_x(f"Crank speed ({speed_unit(dataset)})")
-        drawn.label_y(label)
-        drawn.colour_bar(ScalarMappable(norm, COLOURS), "Growth rate (1/s)")
-    return drawn.figure
-
-
-def _draw_against(
-    axes: Axes,
-    speed: FloatArray,
-    parameter: FloatArray,
-    rate: FloatArray,
-    state: NDArray[np.str_],
-    norm: Normalize,
-) -> None:
-    edges = cell_edges(speed), cell_edges(parameter)
-    grows = np.where(state == "yes", rate, np.nan)
-    axes.pcolormesh(*edges, np.ma.masked_invalid(grows), cmap=COLOURS, norm=norm, rasterized=True)
-    missing = np.ma.masked_where(state != "no equilibrium", np.ones(rate.shape))
-    if missing.count():
-        cells = axes.pcolor(*edges, missing, cmap=ListedColormap([GAP["facecolor"]]), lw=0)
-        cells.set(hatch=GAP["hatch"], edgecolor=GAP["edgecolor"])
-    least = DECAY * norm.vmax if norm.vmax else DECAY
-    signed = np.where(state == "no", np.minimum(rate, -least), rate)
-    both = (state == "yes").any() and (state == "no").any()
-    if both and min(rate.shape) > 1:
-        known = np.ma.masked_where((state != "yes") & (state != "no"), signed)
-        axes.contour(
-            speed,
-            parameter,
-            known,
-            [0.0],
-            colors=[ZERO_GROWTH["color"]],
-            linewidths=ZERO_GROWTH["lw"],
-        )
-    axes.set_xlim(*edges[0][[0, -1]])
-    axes.set_ylim(*edges[1][[0, -1]])
-    scales.plain_numbers(axes)
-
-
-def _parameter(dataset: xr.Dataset) -> tuple[float, str]:
-    """Factor and label of the parameter's axis, in the unit that it is read in."""
-    name, unit = str(dataset.attrs["against"]), str(dataset["parameter"].attrs.get("units", "1"))
-    if name in PERCENT:
-        return 100.0, f"{_words(dataset).capitalize()} (%)"
-    factor, unit = READ.get(unit, (1.0, unit))
-    words = _words(dataset).capitalize()
-    return factor, words if unit == "1" else f"{words} ({unit})"
-
-
-def _words(dataset: xr.Dataset) -> str:
-    return str(dataset["parameter"].attrs.get("long_name", "parameter"))

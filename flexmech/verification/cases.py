@@ -120,7 +120,7 @@ class VerificationCase:
         """
         nothing = np.full(1, np.nan)
         if self.lacking:
-            lacking = ", ".join(_EXTRAS[name] for name in self.lacking)
+            lacking = ", ".join(_EXTRAS.get(name, name) for name in self.lacking)
             return Outcome(self, nothing, nothing, f"not installed: {lacking}")
         try:
             expected = self.expected_values()

@@ -8,7 +8,22 @@ import numpy as np
 import pytest
 
 import flexmech
-from flexmech import BeamSection, CouplerCurve, CouplerPoint, FourBar, Material, PointMass
+from flexmech import (
+    AttachedBody,
+    BeamSection,
+    ConstantSpeed,
+    CouplerCurve,
+    CouplerPoint,
+    FatigueStrength,
+    FourBar,
+    LawDrive,
+    Material,
+    Mechanism,
+    PlanarJoint,
+    PlanarLink,
+    PlanarLinkage,
+    PointMass,
+)
 from tests.support.command import MODELS
 from tests.support.journeys import Journey, tells
 
@@ -198,13 +213,71 @@ def unusual(aluminium):
         "477.5 times": replace(usual, operating_speeds=(3000.0,)),
         "crank: stretched": replace(usual, operating_speeds=(7000.0,)),
         "damping of up to": replace(usual, sections={**aluminium.sections, "crank": damped}),
+        "crank: tensile strength 200 MPa is below the yield strength 240 MPa": replace(
+            usual, sections={**aluminium.sections, "crank": TEARS_FIRST}
+        ),
+        "crank: an inertia of 4 kg m^2 with 0.4 kg": replace(
+            usual, bodies=(AttachedBody("crank", 0.0, 0.4, 4.0),)
+        ),
+        "rocker: an inertia of 4e-10 kg m^2 with 0.4 kg": replace(
+            usual, bodies=(AttachedBody("rocker", 0.0, 0.4, 4e-10),)
+        ),
+        "crank: a body of 80 kg is": replace(
+            usual, bodies=(AttachedBody("crank", 0.0, 80.0, 0.01),)
+        ),
+        # Half way at twice the mean speed: r (2 * 120 deg / 0.15 ms)^2.
+        "4.68e+07 m/s^2": replace(usual, drive=LawDrive("cycloid", np.radians(120), 0.15e-3)),
+        "of a period of the first natural frequency": replace(
+            usual, drive=ConstantSpeed(10.0, run_up_time=1e-4)
+        ),
+        "joint B: transmission angle 14.59 deg (pressure angle 75.41 deg)": slider_crank(0.062),
+        "joint B: transmission angle 5.732 deg (pressure angle 84.27 deg)": slider_crank(
+            0.2, offset=0.139
+        ),
+        "change points at 0 and 180 deg": drawn_parallelogram(),
     }
+
+
+TEARS_FIRST = BeamSection.rectangle(
+    Material(70e9, 2700.0, yield_strength=240e6, fatigue=FatigueStrength(200e6, 97e6, 5e8)),
+    4e-3,
+    25e-3,
+)
+
+
+def slider_crank(rod, offset=0.0):
+    """Of a crank of 60 mm, with its slider's line to the left of the shaft."""
+    return of_points(
+        {"O2": (0, 0), "A": (0.06, 0), "B": (0.06 + np.sqrt(rod**2 - offset**2), offset)},
+        {"crank": ("O2", "A"), "rod": ("A", "B")},
+        PlanarJoint("B", "slider", direction=0.0),
+        ground=("O2",),
+    )
+
+
+def drawn_parallelogram():
+    return of_points(
+        {"O2": (0, 0), "A": (0, 0.1), "B": (0.3, 0.1), "O4": (0.3, 0)},
+        {"crank": ("O2", "A"), "coupler": ("A", "B"), "rocker": ("O4", "B")},
+        ground=("O2", "O4"),
+    )
+
+
+def of_points(points, links, *joints, ground):
+    linkage = PlanarLinkage(
+        points=points,
+        links=tuple(PlanarLink(*link) for link in links.items()),
+        ground=ground,
+        joints=(PlanarJoint("O2", "clamp"), *joints),
+    )
+    section = BeamSection.rectangle(Material(70e9, 2700.0), 4e-3, 12e-3)
+    return Mechanism(linkage, dict.fromkeys(links, section), operating_speeds=(1.0,))
 
 
 def test_an_unusual_number_is_remarked_on_and_a_usual_one_is_not(aluminium):
     for words, mechanism in unusual(aluminium).items():
         remarks = flexmech.check_mechanism(flexmech.ReferenceEngine(mechanism, 1, "euler")).remarks
         assert any(words in line for line in remarks), (words, remarks)
-    for name in ("composite_fourbar", "rotating_arm"):
+    for name in ("composite_fourbar", "rotating_arm", "carton_pusher", "slider_crank"):
         mechanism = flexmech.load_mechanism(MODELS / f"{name}.toml")
         assert flexmech.check_mechanism(flexmech.ReferenceEngine(mechanism, 1)).remarks == ()

@@ -134,7 +134,7 @@ def test_modes_that_ring_are_shaped_for_where_none_are_chosen() -> None:
 def test_a_blow_is_for_an_engine_that_simulates() -> None:
     """A table that is held at its end jumps there by its last speed, 6 rad/s."""
     assert HELD.law.blow == pytest.approx((0.3, -6.0))
-    asked = ResponseRequest(HELD, samples=40, step=2.5e-3)
+    asked = ResponseRequest(HELD, samples=40, step=1e-3)
     with pytest.raises(InputError, match="reference engine"):
         response(ReferenceEngine(fourbar(), 1), asked)
     told = response(ExudynEngine(fourbar(), 1), asked).summary().details
@@ -178,6 +178,9 @@ STATED = {
     ),
     f"motor = {{ {DC} }}\n{CONTROL}\nstart_angle = '1 rad'": MotorDrive(
         DcMotor(1.2, 0.06, 24.0, 1e-3), SpeedControl(0.5, 2.0, 10.0), 1.0
+    ),
+    f"motor = {{ {DC}, initial_current = '0 A' }}": MotorDrive(
+        DcMotor(1.2, 0.06, 24.0, 1e-3, initial_current=0.0)
     ),
     'motor = { torque_speed = [["0 rad/s", "-0.1 N m"]], inertia = "1 kg m^2", '
     'coupling_stiffness = "5 N m/rad", coupling_damping = "0.1 N m s/rad" }': MotorDrive(

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import re
+
 import numpy as np
 import pytest
 
@@ -42,16 +45,32 @@ def test_the_tables_of_a_locked_linkage(journey):
     assert 0.9 < frf["coherence"].max() <= 1.0
     modes = journey.table("identified")
     assert ",".join(modes) == (
-        "crank_angle_deg,mode,frequency_Hz,damping_ratio,eigen_frequency_Hz,eigen_damping_ratio,mac"
+        "crank_angle_deg,mode,frequency_Hz,damping_ratio,frequency_error_Hz,damping_ratio_error,"
+        "eigen_frequency_Hz,eigen_damping_ratio,mac"
     )
     assert sorted(set(modes["crank_angle_deg"])) == [30.0, 96.9]
     first = modes["mode"] == 1
     for column, within in (("frequency_Hz", 0.01), ("damping_ratio", 0.1)):
         found, eigen = modes[column][first], modes[f"eigen_{column}"][first]
         np.testing.assert_allclose(found, eigen, rtol=within)
+        stem, unit, _ = column.partition("_Hz")
+        error = modes[f"{stem}_error{unit}"][first]
+        assert ((error > 0) & (error < within * eigen / 3)).all()
     assert (modes["mac"][first] > 0.99).all()
     # The damping ratio asked for is that of the first mode, on average over the turn.
     assert modes["eigen_damping_ratio"][first] == pytest.approx(0.02, rel=0.1)
+
+
+def test_standard_errors_by_noise_are_printed_beside_what_is_identified(command):
+    """Of one crank angle the answer has twice as much to either side: a 95 % interval."""
+    model = ("hammer", "models/composite_fourbar.toml", "--angle", "96.9", "--no-plots", *COARSE)
+    ended = command(*model, "--damping-ratio", "2%", "--noise", "1%", "--json")
+    told = json.loads(ended.stdout)
+    numbers = {one["name"]: one["value"] for one in told["numbers"] if one["of"] == "mode 1"}
+    found = re.search(r"mode 1 at ([0-9.]+) ± ([0-9.]+) Hz", " ".join(told["answer"]))
+    value, reach = map(float, found.groups())
+    assert value == pytest.approx(numbers["identified_frequency"], abs=reach)
+    assert reach == pytest.approx(2 * numbers["identified_frequency_error"], rel=0.5)
 
 
 def test_shapes_stand_at_the_points_of_the_grid(journey):

@@ -138,6 +138,10 @@ def test_under_a_law_tables_are_over_time(driven: Journey) -> None:
     power = data["driving_power"].values
     assert np.abs(drive["power_W"]).max() == pytest.approx(np.abs(power).max(), rel=1e-8)
     (line,) = (line for line in driven.said["answer"] if line.startswith("The shaft gives"))
+    # Between the samples as well.
+    mechanism, time = fourbar(), np.linspace(0.0, 0.25, 20001)
+    motion = LAW.motion(mechanism.linkage, time)
+    power = mechanism.inverse_dynamics(motion).driving_torque * motion.crank_speed
     assert tells(line, power.max())
     assert tells(line, power.min())
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -42,6 +44,31 @@ def test_a_campbell_diagram_has_its_files_and_tells_its_gap(command: Any) -> Non
     first = float(diagram.dataset["gap_first"][0])
     assert diagram.bands()["crank_speed_rad_s"].max() < first
     assert diagram.critical_speeds()["to_rad_s"].max() < first
+
+
+@pytest.mark.parametrize("orders", [[1], [5, 6]])
+def test_what_could_not_be_computed_is_never_clear(orders: list[int]) -> None:
+    """Without tension the arm turns over at its frequency at rest: nothing is known beyond."""
+    arm = replace(load_mechanism("models/rotating_arm.toml"), operating_speeds=(20.0, 110.0))
+    engine = ReferenceEngine(arm, elements=2)
+    speeds = [0.0, 40.0, 80.0, 120.0]
+    found = campbell(engine, speeds, orders=orders, modes=1, prestress="none", crank_angles=[0.0])
+    [hertz] = natural_frequencies(engine, 0.0, modes=1)
+    fastest, step = 2 * np.pi * hertz, 40.0 / 43  # of the search between the speeds asked for
+    known = np.isfinite(found.dataset["band_frequency"].values).all(axis=(0, 2, 3))
+    last = found.dataset["band_speed"].values[known].max()
+    assert 80 < fastest - step <= last < fastest
+    *at_speeds, avoid = found.summary().answer
+    assert at_speeds[0].startswith("Whether 110 rad/s is critical is not known")
+    assert at_speeds[1].startswith("20 rad/s is ")
+    assert avoid.endswith(f"; from {last:.6g} to 120 rad/s nothing was computed.")
+    clear = re.findall(r"clear is .*? to ([0-9.]+) rad/s|from 0 to ([0-9.]+) rad/s is cri", avoid)
+    assert len(clear) == 1
+    assert float("".join(clear[0])) <= 1.005 * last
+    # And the frequency at an operating speed is that there, not that at the last speed asked for.
+    told = {one.name: one.value for one in found.summary().numbers}
+    [there] = natural_frequencies(engine, 0.0, 20.0, modes=1, prestress="none")
+    assert told["lowest_frequency_at_operating_speed"] == pytest.approx(there, rel=3e-4)
 
 
 def test_rays_meet_bands_at_the_lowest_and_leave_them_at_the_highest_frequency(

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import contextlib
+import csv
 import json
 import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from PIL import Image
 from typer.testing import CliRunner
 
 import flexmech
 from flexmech.cli import app
-from tests.support.command import MODELS
+from flexmech.modelfile import template
+from tests.support.command import MODELS, run_command
 
 STEEL, ARM = "models/steel_fourbar.toml", "models/rotating_arm.toml"
 
@@ -94,6 +97,23 @@ def test_a_file_names_the_command_line_as_a_shell_takes_it(tmp_path):
     (found,) = flexmech.stored_results(out).all
     line = f"flexmech section {model} --no-plots --out '{out}'"
     assert found.stored_as["command_line"] == line
+
+
+@pytest.mark.parametrize("name", ["=HYPERLINK(1)", "+rod", "-rod", "@SUM(A1)"])
+def test_a_name_is_no_formula_in_a_table(name, tmp_path):
+    """In cells and in the title of a column; numbers below zero stay numbers."""
+    text = template("slider-crank").replace("[links.rod]", f'[links."{name}"]')
+    model = tmp_path / "model.toml"
+    model.write_text(text, encoding="utf-8")
+    rigid = run_command(tmp_path / "rigid", "kinematics", model, "--angles", "0,90", "--no-plots")
+    words = (f"--link={name}", "--point", "30 mm,0 deg", "--angles", "0,90", "--no-plots")
+    path = run_command(tmp_path / "path", "coupler-curve", model, *words)
+    assert (rigid.exit_code, path.exit_code) == (0, 0)
+    for file in (*rigid.folder.glob("*.csv"), *path.folder.glob("*.csv")):
+        for cell in (c for row in csv.reader(file.open(encoding="utf-8")) for c in row):
+            assert cell[:1] not in ("=", "+", "-", "@") or np.isfinite(float(cell)), (file, cell)
+    assert f"'{name}" in rigid.table("kinematics")["link"]
+    assert f"'{name}_deg" in path.table("coupler_curve")
 
 
 def test_pictures_have_the_formats_and_the_width_asked_for(command, rough_pictures):

@@ -19,6 +19,15 @@ def record(folder: Path, text: str) -> MeasuredRecord:
     return read_record(path)
 
 
+def test_what_has_no_end_or_is_too_large_is_no_record(tmp_path):
+    large = tmp_path / "record.csv"
+    with large.open("wb") as file:
+        file.truncate(50_000_001)
+    for path, said in ((large, "larger than a record can be"), ("/dev/zero", "device or pipe")):
+        with pytest.raises(InputError, match=said):
+            read_record(path)
+
+
 @pytest.mark.parametrize(
     ("header", "name", "unit", "factor"),
     [
@@ -32,6 +41,8 @@ def record(folder: Path, text: str) -> MeasuredRecord:
         ("strain [µm/m]", "strain", "", 1e-6),
         ("Strain [με]", "Strain", "", 1e-6),
         ("acceleration (m/s²)", "acceleration", "m/s^2", 1.0),
+        ("acceleration [g]", "acceleration", "m/s^2", 9.80665),
+        ("Accelerance (g/N)", "Accelerance", "m/(N s^2)", 9.80665),
         ("pin_A_x_N", "pin_A_x", "N", 1.0),
         ("coupler_mid_strain", "coupler_mid_strain", "", 1.0),
     ],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+import sys
 import tomllib
 from pathlib import Path
 
@@ -85,6 +86,23 @@ def test_a_wrong_command_line_is_refused_by_its_option(
     assert option in told
     assert remedy in told.replace(option, "", 1)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("epoch", ["99999999999999", "1" * 40, "yesterday"])
+def test_a_date_of_files_that_is_none_is_refused(epoch, tmp_path, monkeypatch):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", epoch)
+    words = ("section", str(MODELS / "steel_fourbar.toml"), "--out", str(tmp_path / "out"))
+    assert refused(*words).startswith(f"error: SOURCE_DATE_EPOCH: got '{epoch}', which is no date")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("command", ["frequencies", "response"])
+def test_without_exudyn_its_engine_is_refused(command, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "exudyn", None)
+    words = (command, str(MODELS / "steel_fourbar.toml"), "--out", str(tmp_path / "out"))
+    told = refused(*words)
+    assert "pip install exudyn" in told
+    assert "--engine reference" in told
 
 
 def test_a_crank_that_cannot_turn_is_refused_with_the_angle(tmp_path):

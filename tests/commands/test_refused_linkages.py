@@ -46,6 +46,15 @@ def test_a_wrong_linkage_is_refused_by_its_key(
     assert remedy in told
 
 
+def test_a_chain_with_a_length_whose_points_are_not_drawn_is_refused(tmp_path: Path) -> None:
+    """Its end is where a link with a length would have been placed."""
+    text = template("planar").replace('B = ["263.8 mm", "266.5 mm"]\n', "")
+    for points, length in (('["A", "B", "C"]', "150 mm"), ('["O4", "B"]', "110 mm")):
+        text = text.replace(f"points = {points}", f'points = {points}\nlength = "{length}"')
+    told = refused(text, tmp_path)
+    assert told.startswith("links.coupler: length and angle are of a link with two points; draw")
+
+
 @pytest.mark.parametrize(
     ("content", "said"),
     [
@@ -68,6 +77,28 @@ def test_a_file_of_loads_is_refused_by_its_line(content: str, said: str, tmp_pat
     assert told.startswith("loads.push: ")
     assert "file push.csv: " in told or "load push" in told
     assert said in told
+
+
+@pytest.mark.parametrize(
+    ("table", "key"),
+    [
+        ('[drive]\ntable = "FILE"', "drive: table: file"),
+        (
+            '[loads.push]\npoint = "A"\nlink = "crank"\nover = "time"\nfile = "FILE"',
+            "loads.push: file",
+        ),
+    ],
+)
+def test_what_has_no_end_or_is_too_large_is_not_read_as_a_table(
+    table: str, key: str, tmp_path: Path
+) -> None:
+    with (tmp_path / "large.csv").open("wb") as large:
+        large.truncate(10_000_001)
+    for file, said in (("/dev/zero", "device or pipe"), ("large.csv", "larger than")):
+        stated = table.replace("FILE", file)
+        told = refused(f"{template('four-bar')}\n{stated}\n", tmp_path)
+        assert told.startswith(f"{key} {file}: is ")
+        assert said in told
 
 
 @pytest.mark.parametrize(

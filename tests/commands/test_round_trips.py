@@ -59,9 +59,7 @@ def test_templates_survive_the_way_through_text():
 )
 def test_a_swollen_mechanism_survives(model, state):
     dry = flexmech.load_mechanism(MODELS / f"{model}.toml")
-    same = mechanism_in_state(dry, HygrothermalState())
-    for link, section in dry.sections.items():
-        assert same.sections[link].bending_stiffness == section.bending_stiffness
+    assert mechanism_in_state(dry, HygrothermalState()) == dry
     swollen = mechanism_in_state(dry, state)
     assert swollen != dry
     assert_survives(swollen)

@@ -75,6 +75,7 @@ WRONG = {
         "take 8 or 16",
     ),
     "a negative seed": ("seed = 1", "seed = -1", "seed: got -1; give 0 or more"),
+    "a seed of twenty digits": ("seed = 1", f"seed = {10**19}", "seed must be at most 9223372036"),
     "no TOML": ("seed = 1", "seed = 1 mm", "is not valid TOML"),
     "no model": ("aluminium_fourbar", "gold_fourbar", "gold_fourbar.toml"),
 }

@@ -136,6 +136,8 @@ def test_millimetres_and_millinewtons_of_data_set_164_become_si(file, tmp_path):
     )
     assert metres in text
     other = tmp_path / "mm.uff"
+    for axis, label in (("Force", "N"), ("Velocity", "m/s"), ("Displacement", "m")):
+        text = text.replace(f"{axis:21}{label} ", f"{axis:21}m{label}")
     other.write_text(text.replace(metres, millimetres))
     si, mm = read_uff(file), read_uff(other)
     np.testing.assert_allclose(mm.nodes.position, si.nodes.position / 1000.0)
@@ -157,6 +159,98 @@ def test_without_data_set_164_the_labels_of_the_axes_tell_the_unit(tmp_path):
     assert read_uff(file).functions[1].unit is None
     with pytest.raises(InputError, match="data set 164"):
         read_uff_record(file).quantity("seen")
+
+
+ACCELERANCE = replace(RECEPTANCE, quantity="acceleration", name="H")
+AXIS = {"acceleration": "Acceleration         m/s^2", "force": "Force                N    "}
+
+
+def relabelled(folder, units: bool = True, **labels: str):
+    """A file of an accelerance with other labels of its axes, with data set 164 or without."""
+    file = write_uff(folder / "labels.uff", UffFile(functions=(ACCELERANCE,)))
+    text = file.read_text()
+    for axis, label in labels.items():
+        assert AXIS[axis] in text
+        text = text.replace(AXIS[axis], f"{AXIS[axis][:21]}{label:5}")
+    if not units:
+        start = text.index("    -1\n   164")
+        text = text[:start] + text[text.index("    -1\n", start + 8) + len("    -1\n") :]
+    file.write_text(text)
+    return file
+
+
+@pytest.mark.parametrize(
+    ("labels", "factor"),
+    [
+        ({"acceleration": "g"}, 9.80665),
+        ({"acceleration": "mg"}, 9.80665e-3),
+        ({"acceleration": "g/N", "force": "NONE"}, 9.80665),
+        ({"acceleration": "g", "force": "lbf"}, 9.80665 / 4.4482216152605),
+        ({"acceleration": "in/s2", "force": "lb"}, 0.0254 / 4.4482216152605),
+    ],
+)
+def test_labels_without_data_set_164_count_and_those_against_it_are_refused(
+    tmp_path, labels, factor
+):
+    """A g of an acceleration is standard gravity, and a pound of a force is a pound of force."""
+    read = read_uff(relabelled(tmp_path, False, **labels)).functions[0]
+    assert read.unit == "m/(N s^2)"
+    np.testing.assert_allclose(read.values, factor * ACCELERANCE.values)
+    ratio = {"g": "9.80665", "mg": "101.972"}.get(labels["acceleration"], "a factor of")
+    with pytest.raises(InputError, match=f"'H' is labelled in .*data set 164 says .*{ratio}"):
+        read_uff_record(relabelled(tmp_path, **labels)).quantity("H")
+
+
+@pytest.mark.parametrize(
+    ("labels", "words"),
+    [
+        ({"acceleration": "mm"}, "labelled in mm, and by its data type it is in m/s.2"),
+        ({"acceleration": "m/s2", "force": "V"}, "labelled in V"),
+    ],
+)
+def test_labels_of_another_kind_than_the_data_type_are_refused(tmp_path, labels, words):
+    for units in (True, False):
+        with pytest.raises(InputError, match=words):
+            read_uff_record(relabelled(tmp_path, units, **labels)).quantity("H")
+    plain = read_uff(relabelled(tmp_path, acceleration="EU")).functions[0]
+    assert plain.unit == "m/(N s^2)"
+
+
+def test_an_axis_in_kilohertz_is_refused(tmp_path):
+    file = relabelled(tmp_path)
+    file.write_text(
+        file.read_text().replace("Frequency            Hz ", "Frequency            kHz")
+    )
+    with pytest.raises(InputError, match="axis in kHz, and universal files count in Hz"):
+        read_uff_record(file).quantity("H")
+
+
+def test_a_function_without_any_unit_is_named_by_compare(tmp_path, command):
+    file = relabelled(tmp_path, False, acceleration="NONE", force="NONE")
+    ended = command("compare", "models/aluminium_fourbar.toml", file, "--angle", "60")
+    assert (ended.exit_code, ended.stdout) == (2, "")
+    assert "'H' has no unit; export it with data set 164" in ended.stderr
+
+
+def test_numbers_are_read_as_fortran_writes_them_and_as_many_as_announced(tmp_path):
+    """D for the exponent of double precision, in text in small letters too; zeros fill a line."""
+    file = write_uff(tmp_path / "x.uff", UffFile(functions=(RECEPTANCE, COHERENCE)))
+    wrote, text = read_uff(file), file.read_text()
+    lines = [
+        line.replace("e-", "D-").replace("e+", "d+") if line[:1] in " -" and "e" in line else line
+        for line in text.splitlines()
+    ]
+    odd = next(n for n, line in enumerate(lines) if "        77         1" in line)
+    last = next(n for n in range(odd, len(lines)) if lines[n] == "    -1") - 1
+    lines[last] = f"{lines[last]:40}" + 2 * f"{0.0:20.11e}"
+    file.write_text("\n".join(lines) + "\n")
+    read = read_uff(file)
+    for one, same in zip(wrote.functions, read.functions, strict=True):
+        np.testing.assert_array_equal(same.values, one.values)
+        np.testing.assert_array_equal(same.position, one.position)
+    file.write_text(text.replace("        77         1", "        97         1"))
+    with pytest.raises(InputError, match="77 of the 97 values"):
+        read_uff(file)
 
 
 def test_a_record_is_made_of_the_functions_over_one_abscissa(file, tmp_path):

@@ -198,8 +198,11 @@ SIGMA = (np.cosh(BETA) + np.cos(BETA)) / (np.sinh(BETA) + np.sin(BETA))
 ARM = Mechanism(RotatingArm(1.0), {"arm": strip(10e-3)})
 
 
-def waves_at_tip(drive: LawDrive) -> tuple[np.ndarray, np.ndarray]:
-    """Angular frequencies and complex amplitudes of three modes by Duhamel's integral."""
+def waves_at_tip(drive: LawDrive, damping: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Angular frequencies and complex amplitudes of three modes by Duhamel's integral.
+
+    Of the first mode with a damping ratio, at the time zero.
+    """
     section, place = ARM.sections["arm"], np.linspace(0.0, 1.0, 4001)
     argument = BETA[:, None] * place
     modes = np.cosh(argument) - np.cos(argument)
@@ -207,8 +210,12 @@ def waves_at_tip(drive: LawDrive) -> tuple[np.ndarray, np.ndarray]:
     share = np.trapezoid(place * modes, place) / np.trapezoid(modes**2, place)
     frequency = BETA**2 * np.sqrt(section.bending_stiffness / section.mass_per_length)
     move = np.linspace(0.0, drive.time, 20_001)
-    shaken = drive.crank_acceleration(move) * np.exp(-1j * frequency[:, None] * move)
-    return frequency, -(modes[:, -1] * share / frequency) * np.trapezoid(shaken, move)
+    ratio = damping * frequency / frequency[0]
+    turning = frequency * np.sqrt(np.maximum(1 - ratio**2, 1e-9))
+    rate = ratio * frequency - 1j * turning
+    shaken = drive.crank_acceleration(move) * np.exp(rate[:, None] * (move - drive.time))
+    shaken *= np.exp(-1j * turning * drive.time)[:, None]
+    return turning, -(modes[:, -1] * share / turning) * np.trapezoid(shaken, move)
 
 
 @pytest.mark.parametrize("kind", [LAWS[0], LAWS[-1]])
@@ -226,6 +233,50 @@ def test_an_arm_rings_after_the_stop_as_duhamels_integral_says(kind: Any) -> Non
     wanted = (amplitudes @ np.exp(1j * np.multiply.outer(angular, after["time"].values))).imag
     np.testing.assert_allclose(after["deflection"], wanted, atol=5e-3 * np.abs(wanted).max())
     assert data["modal_amplitude"].values[0] == pytest.approx(abs(amplitudes[0]), rel=5e-3)
+
+
+@pytest.mark.parametrize("damping", [0.031, 0.12])
+def test_all_readings_of_a_damped_ring_are_its_amplitude_at_the_stop(damping: float) -> None:
+    """Envelope of the deflection, fitted mode, and state at the stop: Duhamel's integral."""
+    section = ARM.sections["arm"]
+    rate = float(BETA[0] ** 2 * np.sqrt(section.bending_stiffness / section.mass_per_length))
+    section = section.with_damping_time(2 * damping / rate)
+    drive = LawDrive("modified sine", 1e-3, time=1.1 * 2 * np.pi / rate, dwell=0.4)
+    request = ResponseRequest(drive, samples=200, modes=2, step=2e-4, move_times=(drive.time,))
+    arm = replace(ARM, sections={"arm": section})
+    data = response(ReferenceEngine(arm, 4, "euler"), request).dataset.isel(engine=0, link=0)
+    wanted = abs(waves_at_tip(drive, damping)[1][0])
+    fitted = float(data["modal_amplitude"].sel(mode=1))
+    assert fitted == pytest.approx(wanted, rel=3e-3)
+    assert float(data["residual_amplitude"]) == pytest.approx(fitted, rel=3e-3)
+    assert float(data["move_amplitude"].sel(mode=1).item()) == pytest.approx(fitted, rel=5e-4)
+    decayed = fitted * np.exp(-damping * rate * drive.dwell)
+    assert float(data["residual_amplitude_at_end"]) == pytest.approx(decayed, rel=3e-3)
+    # The deflection stays within its envelope.
+    after = data.sel(time=data["time"] >= drive.time)
+    off = abs(after["deflection"] - after["residual_middle"])
+    assert float((off - after["residual_envelope"]).max()) < 1e-9
+
+
+def test_residual_vibration_between_the_times_of_a_move_is_that_of_runs_there() -> None:
+    """Three times in a period of the mode tell it within 1 % of the greatest; fewer are dots."""
+    section = ARM.sections["arm"]
+    frequency = float(BETA[0] ** 2 * np.sqrt(section.bending_stiffness / section.mass_per_length))
+    frequency /= 2 * np.pi
+    law = LawDrive("cycloid", 1e-3, time=0.15)
+    periods = np.arange(1.2, 4.2, 0.3)
+    told = []
+    for parts in (periods, periods[:-1] + 0.17, periods[::2]):
+        request = ResponseRequest(
+            law, samples=60, modes=1, step=1e-3, move_times=tuple(parts / frequency)
+        )
+        told.append(response(ReferenceEngine(ARM, 2, "euler"), request))
+    curve = told[0].dataset["move_curve"].sel(law="plain", curve_mode=1).isel(link=0)
+    wanted = told[1].dataset["move_amplitude"].sel(law="plain", mode=1).isel(link=0)
+    at = np.interp(wanted["move_time"], curve["curve_move_time"], curve)
+    np.testing.assert_allclose(at, wanted, atol=1e-2 * float(curve.max()))
+    assert "move_curve" not in told[2].dataset
+    assert any("too far apart" in str(line) for line in told[2].summary().details)
 
 
 @pytest.mark.parametrize(

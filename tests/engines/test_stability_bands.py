@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
 
-from flexmech import ReferenceEngine, stability
+from flexmech import ReferenceEngine, StabilityMap, stability
 from tests.support.mechanisms import case
 
 SPEEDS = [74.0, 76.0, 78.0]
@@ -107,10 +109,68 @@ def test_about_the_periodic_motion_growth_is_nearly_that_about_the_equilibrium()
 
 @pytest.mark.thorough
 def test_a_speed_without_equilibrium_is_told_and_the_map_goes_on() -> None:
-    engine = ReferenceEngine(case("aluminium four-bar").mechanism, 2)
-    found = stability(engine, [60.0, 150.0], modes=1, damping_ratio=0.3).dataset
+    aluminium = replace(case("aluminium four-bar").mechanism, operating_speeds=(148.0,))
+    result = stability(ReferenceEngine(aluminium, 2), [60.0, 150.0], modes=1, damping_ratio=0.3)
+    found = result.dataset
     assert np.isfinite(float(found["growth_rate"][0, 0]))
     assert "crank angle" in str(found["reason"][0, 1].item())
+    assert "148 rad/s is stable is not known" in result.summary().answer[0]
+
+
+def test_a_band_between_two_others_is_found_where_each_speed_asked_for_lies_in_one() -> None:
+    """Twice the second frequency is nine times the crank's near 68.5 rad/s, between 65.6 and 70.2.
+
+    A map in steps of a tenth finds the three bands one by one.
+    """
+    engine = ReferenceEngine(case("aluminium four-bar").mechanism, 2)
+    ratios = [0.0, 0.01]
+    found = stability(
+        engine, [65.563, 70.19], prestress="axial", modes=2, against=("damping-ratio", ratios)
+    )
+    assert found.dataset["unstable"].values.tolist() == [["yes", "yes"]]
+    bands = found.bands().round(2)
+    edges = bands[["from_rad_s", "to_rad_s"]].values.tolist()
+    assert edges == [[65.56, 65.57], [68.35, 68.76], [70.12, 70.19]]
+    assert bands["order"].tolist() == [9, 9, 8]
+    # The map over damping grows in the same bands as the curve, and no other growth is faster.
+    data = found.dataset
+    inside = data["against_speed"].values
+    rate = data["against_band_growth_rate"].values[0]
+    grows = data["against_band_unstable"].values[0] == "yes"
+    within = [any(low < w < high for low, high in found.bands()[["from_rad_s", "to_rad_s"]].values)
+              for w in inside]  # fmt: skip
+    np.testing.assert_array_equal(grows[0], within)
+    assert rate[0].max() == pytest.approx(bands["largest_growth_rate_1_s"].max(), rel=0.02)
+    assert not grows[1].any()  # 0.269 % closes all of them
+    # What steps may not see is part of the answer.
+    assert "closes all that were found" in found.summary().answer[1]
+    assert "can be missed" in found.summary().answer[2]
+
+
+def test_speeds_without_equilibrium_are_not_said_to_be_stable() -> None:
+    """A map as it is where the linkage has no equilibrium from some speed on."""
+    aluminium = replace(case("aluminium four-bar").mechanism, operating_speeds=(24.0,))
+    engine = ReferenceEngine(aluminium, 1)
+    data = stability(engine, [20.0, 21.0, 25.0], prestress="axial", modes=1).dataset
+    assert "24 rad/s is in no unstable band" in StabilityMap(data).summary().answer[0]
+    data = data.isel(curve=data["curve_speed"].values < 23)
+    states = np.array([["no", "no", "no equilibrium"]])
+    data = data.assign(unstable=(data["unstable"].dims, states))
+    operating, stable, _ = StabilityMap(data).summary().answer
+    assert operating.startswith("Whether 24 rad/s is stable is not known")
+    last = data["curve_speed"].values.max()
+    assert stable == f"No vibration is found to grow from 20 to {last:.6g} rad/s."
+
+
+def test_a_map_beyond_the_buckling_of_straight_links_ends_with_bands_in_its_range() -> None:
+    """There the modes that are kept change from speed to speed, and growth is level at an edge."""
+    engine = ReferenceEngine(case("aluminium four-bar").mechanism, 1)
+    found = stability(engine, [145.0, 150.0], prestress="axial", modes=1)
+    assert found.dataset["unstable"].values.tolist() == [["no equilibrium"] * 2]
+    edges = found.bands()[["from_rad_s", "to_rad_s"]].values
+    assert len(edges) == 2
+    assert ((edges >= 145) & (edges <= 150)).all()
+    assert np.isfinite(found.bands()["error_rad_s"]).all()
 
 
 @pytest.mark.thorough

@@ -47,6 +47,11 @@ def size(name: str, **place: object) -> Values:
     return lambda d: np.hypot(*(d[name].sel(component=c, **place) for c in ("x", "y")))
 
 
+def along(force: xr.DataArray) -> xr.DataArray:
+    """An internal force at the places of its link: another link may have more."""
+    return force.dropna("station")
+
+
 def receptance(data: xr.Dataset, which: str = "receptance") -> xr.DataArray:
     """Of the first crank angle."""
     return (data[f"{which}_real"] + 1j * data[f"{which}_imag"]).isel(crank_angle=0)
@@ -152,8 +157,12 @@ DRAWN: dict[Plot, list[Row]] = {
         Row(1, "Natural frequency (Hz)", lambda d: d["frequency"][:, 0, 0, :, 1]),
     ],
     plots.plot_internal_forces: [
-        Row(2, "Bending moment M (N m)", lambda d: d["bending_moment"][0, 0].max("crank_angle")),
-        Row(6, "Axial force N (N)", lambda d: d["axial_force"][0, 2].min("crank_angle")),
+        Row(
+            2,
+            "Bending moment M (N m)",
+            lambda d: along(d["bending_moment"][0, 0]).max("crank_angle"),
+        ),
+        Row(6, "Axial force N (N)", lambda d: along(d["axial_force"][0, 2]).min("crank_angle")),
     ],
     plots.plot_joint_forces: [
         Row(2, "Force (N)", lambda d: d["joint_force"].sel(joint="B")),
@@ -210,6 +219,20 @@ DRAWN: dict[Plot, list[Row]] = {
                 1e3 * d["deflection"].sel(link="coupler").where(d["time"] >= LAW.time, drop=True)
             ),
         ),
+        *(
+            Row(
+                1,
+                "Coupler middle deflection (mm)",
+                lambda d, side=side: (
+                    1e3
+                    * (d["residual_middle"] + side * d["residual_envelope"])
+                    .isel(engine=0)
+                    .sel(link="coupler")
+                    .dropna("time")
+                ),
+            )
+            for side in (-1.0, 1.0)
+        ),
     ],
     plots.plot_response: [
         Row(0, "Crank tip deflection (mm)", lambda d: 1e3 * d["deflection"].sel(link="crank")),
@@ -252,7 +275,9 @@ DRAWN: dict[Plot, list[Row]] = {
                 1e3
                 * d["spectrum"]
                 .sel(link="coupler")
-                .where(d["spectrum_frequency"] <= 1.3 * d["natural_frequency"].max(), drop=True)
+                .where(
+                    d["spectrum_frequency"] <= 1.3 * d["highest_natural_frequency"].max(), drop=True
+                )
             ),
         ),
     ],

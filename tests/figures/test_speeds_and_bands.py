@@ -5,12 +5,35 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexmech import InputError, plots
+import flexmech
+from flexmech import InputError, MovingFrequencies, plots
 from tests.support.figure_checks import heading, legend_texts, panels, tick_texts, top_axis
 from tests.support.figures import data_of, figure_of
 from tests.support.results import frequencies
+from tests.support.strategies import fourbar
 
 RPM = 30 / np.pi
+ENDS = ("lowest", "highest")
+
+
+def test_frequencies_at_few_crank_angles_are_curves_over_the_speed() -> None:
+    data = frequencies().dataset.isel(crank_angle=[2, 0]).assign_attrs(speed_unit="rpm")
+    figure = plots.plot_frequencies_over_speed(data)
+    angles = np.degrees(data["crank_angle"].values)
+    assert legend_texts(figure)[:2] == [f"{angle:.6g} deg" for angle in sorted(angles)]
+    for mode, axes in enumerate(panels(figure)):
+        for place, angle in enumerate(sorted(data["crank_angle"].values)):
+            along = data["frequency"].isel(engine=0, mode=mode).sel(crank_angle=angle)
+            line = axes.lines[place * data.sizes["engine"]]
+            np.testing.assert_allclose(line.get_xdata(), RPM * data["crank_speed"].values)
+            np.testing.assert_allclose(line.get_ydata(), along)
+    result = MovingFrequencies(data)
+    assert "frequencies" not in result.figures()  # two points each, over the crank angle
+    assert "frequencies_over_speed" in result.figures()
+    assert heading(result.plot()) == heading(figure)
+    over_the_turn = frequencies().figures()
+    assert "frequencies" in over_the_turn
+    assert "frequencies_over_speed" not in over_the_turn
 
 
 def test_critical_speeds_lie_on_the_rays_of_their_orders() -> None:
@@ -96,10 +119,20 @@ def test_growth_against_a_second_parameter_is_coloured_where_it_grows() -> None:
     data = data_of(plots.plot_stability_against)
     axes = panels(figure_of(plots.plot_stability_against))[0]
     values = axes.collections[0].get_array()
-    grows = data["against_unstable"].values[0] == "yes"
+    prefixes = {"crank_speed": "against", "against_speed": "against_band"}
+    states, rates, speeds = (
+        np.concatenate([of(along, prefix) for along, prefix in prefixes.items()], axis=-1)
+        for of in (
+            lambda along, prefix: data[f"{prefix}_unstable"].values[0],
+            lambda along, prefix: data[f"{prefix}_growth_rate"].values[0],
+            lambda along, prefix: data[along].values,
+        )
+    )
+    order = np.argsort(speeds)
+    grows = states[:, order] == "yes"
     assert 0 < grows.sum() < grows.size
     np.testing.assert_array_equal(~np.ma.getmaskarray(values), grows)
-    wanted = data["against_growth_rate"].values[0][grows]
+    wanted = rates[:, order][grows]
     np.testing.assert_allclose(np.ma.compressed(values), wanted)
     with pytest.raises(InputError, match="no second parameter"):
         plots.plot_stability_against(data.drop_dims("parameter"))
@@ -126,8 +159,19 @@ def test_the_spectrum_names_the_orders_of_the_crank_and_shades_natural_frequenci
     axes = panels(figure)[1]
     for patch, mode in zip(axes.patches, data["mode"].values, strict=True):
         box = patch.get_extents().transformed(axes.transData.inverted())
-        predicted = data["natural_frequency"].sel(mode=mode)
-        np.testing.assert_allclose([box.x0, box.x1], [predicted.min(), predicted.max()])
+        ends = [float(data[f"{end}_natural_frequency"].sel(mode=mode)) for end in ENDS]
+        np.testing.assert_allclose([box.x0, box.x1], ends)
+
+
+def test_bands_of_a_spectrum_are_those_of_the_whole_turn_however_short_the_run() -> None:
+    engine = flexmech.ReferenceEngine(fourbar(), 2)
+    angles = np.radians(np.arange(0.0, 360.0, 2.0))
+    over_turn = flexmech.natural_frequencies(engine, angles, 10.0, modes=3)
+    for turns in (0.3, 1.0):
+        asked = flexmech.ResponseRequest(10.0, revolutions=turns, samples=90, modes=3, step=1e-3)
+        data = flexmech.response(engine, asked).dataset
+        for end, most in zip(ENDS, (over_turn.min(axis=0), over_turn.max(axis=0)), strict=True):
+            np.testing.assert_allclose(data[f"{end}_natural_frequency"], most, rtol=2e-3)
 
 
 def test_the_spectrogram_holds_levels_below_the_greatest_of_its_panel() -> None:

@@ -164,6 +164,19 @@ def test_designs_swept_together_have_the_frequencies_of_each_alone(aluminium: Me
     assert together["second"].values[2] == pytest.approx(float(alone[0, 0, 1]), rel=2e-5)
 
 
+@pytest.mark.parametrize("modes", [3, 4])
+def test_links_of_two_elements_whose_modes_miss_nothing_stay_as_they_are(modes: int) -> None:
+    """What their few coordinates miss is round-off, and the eigenvalue of a matrix its own."""
+    engine = ReferenceEngine(load_mechanism("models/steel_fourbar.toml"), elements=2)
+    angles = np.radians(np.arange(0.0, 360.0, 30.0))
+    for speed in range(112, 133, 2):
+        found, whole = (
+            natural_frequencies(one, angles, speed, modes=modes)
+            for one in (engine, engine.unreduced())
+        )
+        np.testing.assert_allclose(found, whole, rtol=2e-5)
+
+
 @pytest.mark.parametrize("terms", ["all", "coriolis,tangential"])
 def test_the_effect_of_speed_is_split_into_terms_that_add_up(
     aluminium: Mechanism, terms: str

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from flexmech.modal_testing import FrfNoise
 from flexmech.modal_testing.circle_fit import circle_fit_poles, peaks
 from flexmech.modal_testing.identified import fit_residues, modal_sum
 from flexmech.modal_testing.lscf import stabilisation_chart
@@ -12,6 +13,7 @@ from flexmech.modal_testing.refine import refined_poles, significant_poles
 
 LINES = np.arange(1, 401) * 0.25
 S = 2j * np.pi * LINES
+EVEN = FrfNoise.of_lines(LINES, 0.0)
 
 
 def pole_at(frequency: float, ratio: float) -> complex:
@@ -91,10 +93,31 @@ def test_noise_looks_like_a_mode_once_in_a_thousand_bands(energy, kept):
     exact = modes_of(pole)
     exact *= np.sqrt(energy / np.sum(abs(exact) ** 2))
     counts = [
-        significant_poles(S, exact + noise(seed, 1, 400), np.array([pole])).size
+        significant_poles(S, exact + noise(seed, 1, 400), np.array([pole]), EVEN).size
         for seed in range(30)
     ]
     assert (sum(counts) > 15) == kept
+
+
+def test_noise_under_an_exponential_window_is_no_mode():
+    """Lines are alike to 2a/|2a + i k dw|: the pole of the highest one is never significant.
+
+    Were they independent, it would be in most of the records.
+    """
+    rate, samples = 2.0, 2048
+    time = np.arange(samples) / 200.0
+    window, lines = np.exp(-rate * time), np.arange(1, 401) / time[-1] * (1 - 1 / samples)
+    s, found = rate + 2j * np.pi * lines, {"known": 0, "independent": 0}
+    for seed in range(20):
+        white = np.random.default_rng(seed).standard_normal(samples)
+        spectrum = np.fft.rfft(white * window)[1:401]
+        apart = spectrum[1:] * spectrum[:-1].conj()
+        assert abs(apart.mean()) > 0.4 * np.mean(abs(spectrum) ** 2)
+        pole = np.array([2j * np.pi * lines[abs(spectrum).argmax()] - 1e-3])
+        for name, decay in (("known", rate), ("independent", 0.0)):
+            kind = FrfNoise.of_lines(lines, decay)
+            found[name] += significant_poles(s, spectrum[None], pole, kind).size
+    assert found["known"] == 0 < 10 < found["independent"]
 
 
 def test_modes_above_the_band_leave_residues_below_right_to_5e_5():

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import json
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from threading import Timer
 from typing import Any
 
 import numpy as np
@@ -16,13 +17,13 @@ import pytest
 import zarr
 
 from flexmech import ComputationError, InputError
-from flexmech.studies import Correlation, Goal, Limit, optimum_study, sweep_study
-from flexmech.studies.designs.campaign import TASK
-from flexmech.studies.designs.evaluation import Evaluated
+from flexmech.studies import Correlation, Goal, Limit, Output, optimum_study, sweep_study
+from flexmech.studies.designs.evaluation import Evaluated, Task
 from flexmech.studies.designs.scatter import Scatter
 from tests.support.study_data import Scripted, bytes_of, density, study, thickness
 
-COUNT, STORE = 3 * TASK + 5, "designs.zarr"
+CHUNK = 256
+COUNT, STORE = 3 * CHUNK + 5, "designs.zarr"
 SWEEP = study(thickness(1e-3, 3e-3), thickness(1e-3, 3e-3, link="rocker"))
 
 
@@ -36,14 +37,20 @@ class StoppedError(Exception):
     """What ends a campaign in its midst."""
 
 
+@dataclass
 class Counting(Scripted):
-    """Workers that count their tasks."""
+    """Workers that note how many designs each of their tasks has, but those of finer models."""
 
-    tasks = 0
+    seconds: float = 0.0
+    tasks: list[int] = field(default_factory=list)
 
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
-        self.tasks += 1
-        return super().submit(fn, *args, **kwargs)
+        found = super().submit(fn, *args, **kwargs).result().found
+        future: Future[Any] = Future()
+        future.set_result(Task(found, self.seconds * len(args[1])))
+        if args[2] == 1:
+            self.tasks.append(len(args[1]))
+        return future
 
 
 class Backwards(Scripted):
@@ -52,11 +59,16 @@ class Backwards(Scripted):
     def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
         future: Future[Any] = Future()
         waiting = self.__dict__.setdefault("waiting", [])
-        waiting.append((future, args))
-        if len(waiting) == 4:
-            for each, given in reversed(waiting):
-                each.set_result(super().submit(fn, *given).result())
+        if not waiting:
+            Timer(0.02, self._finish).start()
+        waiting.append((future, super().submit(fn, *args).result()))
         return future
+
+    def _finish(self) -> None:
+        waiting = self.__dict__["waiting"]
+        while waiting:
+            future, found = waiting.pop()
+            future.set_result(found)
 
 
 class Failing(Executor):
@@ -82,11 +94,11 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def interrupted(folder: Path, tasks: int) -> None:
-    """A campaign that is stopped when so many tasks were done, the last not yet kept."""
+def interrupted(folder: Path, chunks: int) -> None:
+    """A campaign that is stopped when so many chunks were done, the last task not yet kept."""
 
     def stop(label: str, done: int, total: int) -> None:
-        if done >= tasks * TASK:
+        if done >= chunks * CHUNK:
             raise StoppedError
 
     with pytest.raises(StoppedError):
@@ -118,19 +130,21 @@ def test_bytes_are_those_of_one_process_of_threads_and_of_tasks_that_end_backwar
     assert bytes_of(tmp_path / "one") == bytes_of(tmp_path / "two")
 
 
-@pytest.mark.parametrize("tasks", [1, 3])
+@pytest.mark.parametrize("chunks", [1, 3])
 def test_after_an_interruption_what_is_left_is_computed_and_bytes_are_the_same(
-    whole, tmp_path, tasks
+    whole, tmp_path, chunks
 ):
-    interrupted(tmp_path, tasks)
+    interrupted(tmp_path, chunks)
     assert bytes_of(tmp_path) != bytes_of(whole)
+    kept = int(zarr.open_group(store=tmp_path / STORE, mode="r")["done"][:].sum())
+    assert 0 < kept < chunks * CHUNK
     resumed = Counting(scripted)
     campaign(tmp_path, resumed, resume=True)
-    assert resumed.tasks in (4 - tasks, 5 - tasks)
+    assert sum(resumed.tasks) == COUNT - kept
     assert bytes_of(tmp_path) == bytes_of(whole)
     idle = Counting(scripted)
     assert campaign(tmp_path, idle, resume=True).dataset.sizes["design"] == COUNT
-    assert idle.tasks == 0
+    assert not idle.tasks
     assert bytes_of(tmp_path) == bytes_of(whole)
 
 
@@ -147,6 +161,54 @@ def test_what_a_killed_process_leaves_is_removed_and_unmarked_tasks_are_done_ane
     campaign(tmp_path, Scripted(scripted), resume=True)
     assert bytes_of(tmp_path) == bytes_of(whole)
     assert [path.name for path in tmp_path.iterdir()] == [STORE]
+
+
+def test_tasks_of_costly_designs_are_one_each_and_those_of_cheap_ones_grow():
+    """A second of work, whatever a design costs; at the end there is some for every worker."""
+    stress = {"mass": Output("peak_stress")}
+    costly, cheap = (Counting(scripted, seconds) for seconds in (2.0, 0.01))
+    sweep_study(replace(SWEEP, outputs=stress), samples=40, executor=costly)
+    assert costly.tasks == [1] * 40
+    sweep_study(SWEEP, samples=COUNT, executor=cheap)
+    assert max(cheap.tasks) <= 100
+    pool = Counting(scripted, 0.001)
+    pool._max_workers = 2
+    sweep_study(SWEEP, samples=COUNT, executor=pool)
+    assert max(pool.tasks) > 4 * pool.tasks[0]
+    assert pool.tasks[-1] <= 16
+    assert sum(pool.tasks) == COUNT
+
+
+def test_what_is_no_executor_is_refused_with_the_name_of_one():
+    class AutoExecutor:
+        """Of submitit: it hands out jobs, which are no futures."""
+
+        def submit(self, *task: object) -> object:
+            return object()
+
+    for begin in (
+        lambda executor: sweep_study(SWEEP, samples=4, executor=executor),
+        lambda executor: optimum_study(SEARCH, executor=executor),
+    ):
+        with pytest.raises(
+            InputError, match=r"AutoExecutor is no concurrent\.futures\.Executor.*executorlib"
+        ):
+            begin(AutoExecutor())
+
+
+def test_a_store_that_another_run_writes_is_refused(tmp_path):
+    """From the first design to the last, and whoever was there first goes on."""
+
+    def begin_another(label: str, done: int, total: int) -> None:
+        if label != "designs" or not 0 < done < total:
+            return
+        for more in ({}, {"resume": True}):
+            with pytest.raises(InputError, match="another run writes its designs there"):
+                campaign(tmp_path, Scripted(scripted), **more)
+
+    found = campaign(tmp_path, Scripted(scripted), progress=begin_another)
+    again = campaign(tmp_path, Scripted(scripted), resume=True)
+    assert again.dataset["mass"].identical(found.dataset["mass"])
 
 
 def test_a_lost_worker_is_told_with_the_remedy_and_a_refusal_is_no_lost_worker(tmp_path):
@@ -188,7 +250,7 @@ def test_a_search_goes_on_from_what_is_kept_and_ends_with_the_same_bytes(tmp_pat
     assert bytes_of(stopped) == bytes_of(done)
     idle = Counting(scripted)
     assert search(done, resume=True, executor=idle).identical(found)
-    assert idle.tasks == 0
+    assert not idle.tasks
     other = replace(SEARCH, limits=(Limit("mass", greatest=0.11),))
     with pytest.raises(InputError, match="limits is "):
         optimum_study(other, folder=done, resume=True)

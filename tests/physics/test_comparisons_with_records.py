@@ -149,12 +149,18 @@ def test_stiffness_of_two_links_is_found_back_from_frequencies_at_speed(kind):
         assert result.fitted(f"stiffness:{link}").value == pytest.approx(factor, rel=1e-6)
 
 
-def test_frequencies_without_a_mode_are_laid_beside_the_nearest_mode():
+def test_frequencies_without_a_mode_are_laid_beside_the_only_mode_near_them():
+    """At 0.2 % of mode 2 they are its own, and that is said; at 5 % they may be anything's."""
     angle = np.radians([0.0, 120.0, 240.0])
     second = natural_frequencies(ENGINE, angle, modes=2)[:, 1]
     result = compared(frequency_record(angle, 1.002 * second, numbered=False), speed=0.0)
     assert result.dataset["mode"].values.tolist() == [2, 2, 2]
     assert result.dataset["residual"].values == pytest.approx(0.002 * second, rel=1e-6)
+    assert any("mode 2" in warning for warning in result.summary().warnings)
+    numbered = compared(frequency_record(angle, second / 1.05, second), speed=0.0)
+    assert not any("mode 2" in warning for warning in numbered.summary().warnings)
+    with pytest.raises(InputError, match=r"from mode 2 by 5 %.*column 'mode'"):
+        compared(frequency_record(angle, second / 1.05, numbered=False), speed=0.0)
 
 
 def test_three_stiffnesses_cannot_be_told_from_one_frequency():
@@ -213,6 +219,45 @@ def test_a_calibration_3_percent_off_is_a_gain_and_no_damping():
         expected = factor * plain.fitted(name).value
         assert off.fitted(name).value == pytest.approx(expected, rel=1e-5)
     assert 2e-5 < plain.fitted("damping").value < 4e-5
+
+
+@pytest.mark.parametrize("factor", [-1.0, 1e-3, 1000.0])
+def test_a_gain_of_any_size_and_sign_changes_no_damping(factor):
+    """The gain is linear: that of noise of 1 % and 4e-5 s in the coupler comes back to 1e-6."""
+    engine = ENGINE.with_(mechanism=damped(ALUMINIUM, **(TIMES | {"coupler": 0.0})))
+    asked = {"angle": ANGLE, "quantity": TWO, "fit": ("damping:coupler", "gain")}
+    record = mobility_record(0.01)
+    scaled = replace(record.quantities[0], values=factor * record.quantities[0].values)
+    plain = compared(record, engine, **asked)
+    off = compared(replace(record, quantities=(scaled,)), engine, **asked)
+    damping = off.fitted("damping:coupler")
+    assert damping.lower < 4e-5 < damping.upper
+    for name, expected in (("gain", factor), ("damping:coupler", 1.0)):
+        one, other = plain.fitted(name), off.fitted(name)
+        assert other.value == pytest.approx(expected * one.value, rel=1e-6)
+        assert other.standard_error == pytest.approx(abs(expected) * one.standard_error, rel=1e-3)
+    assert any("gain" in warning for warning in off.summary().warnings)
+
+
+def test_a_record_that_grows_shows_no_damping():
+    """Every damping time negative, a receptance is conjugate and a mobility that times -1."""
+    record = mobility_record()
+    turned = replace(record.quantities[0], values=-np.conj(record.quantities[0].values))
+    engine = ENGINE.with_(mechanism=damped(ALUMINIUM, crank=0.0))
+    asked = {"angle": ANGLE, "quantity": TWO, "fit": ("damping",)}
+    decays = compared(record, engine, **asked)
+    grows = compared(replace(record, quantities=(turned,)), engine, **asked)
+    assert grows.fitted("damping").value == pytest.approx(-decays.fitted("damping").value)
+    answers = [" ".join(found.summary().answer) for found in (decays, grows)]
+    assert ["shows no damping" in answer for answer in answers] == [False, True]
+
+
+def test_gain_and_zero_of_a_gauge_are_found_at_any_size():
+    """A gauge on the other face that counts a hundred times too much, its zero 1 mm/m off."""
+    record = gauge_record(3, factor=-100.0, offset=1e-3)
+    result = compared(record, speed=SPEED, fit=("damping", "offset", "gain"))
+    for name, true in (("damping", DAMPING_TIME), ("offset", 1e-3), ("gain", -100.0)):
+        assert result.fitted(name).value == pytest.approx(true, rel=0.05)
 
 
 def test_one_of_several_functions_is_chosen_by_its_name():

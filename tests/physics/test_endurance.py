@@ -259,9 +259,12 @@ def test_links_whose_fatigue_is_not_judged_are_told_with_the_reason() -> None:
     sections = {**mechanism.sections, "coupler": mixed}
     rigid = StrengthRequest(crank_speed=20.0, source="rigid")
     part = StrengthRequest(np.radians([0.0, 5.0, 10.0]), 20.0, search_speed=False)
+    coarse = replace(rigid, crank_angles=np.radians([0.0, 90.0, 180.0, 270.0]))
     for model, asked, words in (
         (replace(mechanism, sections=sections), rigid, "composites .*: coupler"),
         (mechanism, part, "do not cover a turn"),
+        (mechanism, replace(part, source="rigid"), "do not cover a turn"),
+        (mechanism, coarse, "steps of 30 deg"),
         (replace(mechanism, loads=(timed,)), rigid, "loads over time.*: push"),
     ):
         left_out = strength(model, asked).dataset.attrs["fatigue_left_out"]

@@ -170,3 +170,32 @@ def test_a_frame_is_written_and_read_as_it_was(models: Path, tmp_path: Path) -> 
 def test_a_frame_alone_has_the_frequencies_of_its_springs() -> None:
     squares = (2 * np.pi * sprung((2e4, 4e4)).natural_frequencies) ** 2
     assert squares == pytest.approx(sorted([4e4 / 2.0, 8e4 / 2.0, 2 * 4e4 * 0.1**2 / 0.03]))
+
+
+def test_linear_equations_of_a_frame_that_turns_are_off_by_its_rotation_in_rad(
+    aluminium: flexmech.Mechanism,
+) -> None:
+    """Beside Exudyn, in which it turns by any angle; a frame that turns far is refused."""
+    heavy = replace(aluminium, gravity=(0.0, -9.81))
+    request = flexmech.ResponseRequest(19.9, revolutions=1.0, samples=90, modes=1, step=4e-4)
+    kinds = (flexmech.ReferenceEngine, flexmech.ExudynEngine)
+    springs = tuple(flexmech.FrameSpring((x, -0.06), (400.0, 800.0)) for x in (0.0, 0.254))
+    frame = flexmech.SprungFrame(2.0, 0.03, (0.127, -0.02), springs)
+    run = flexmech.response([kind(on_springs(heavy, frame), 1) for kind in kinds], request)
+    data = run.dataset
+    turned = float(data["peak_frame_rotation"][0])
+    assert 0.05 < turned < 0.5
+    assert data["rotation_error_of_peak_frame"].values.tolist() == pytest.approx([turned, 0.0])
+    gaps = run.force_agreement()
+    assert gaps is not None
+    away = abs(data["frame_rotation"][0] - data["frame_rotation"][1]).max()
+    off = float(away / abs(data["frame_rotation"][1]).max())
+    assert float(gaps["frame_rotation"]) == pytest.approx(off)
+    assert 0.05 * turned < off < 2 * turned
+    peak = next(one for one in run.summary().numbers if one.name == "peak_frame_rotation")
+    assert abs(np.radians(peak.value) - turned) <= np.radians(peak.error) + 1e-12
+    assert any("hold for small rotations" in line for line in run.summary().warnings)
+    loose = tuple(replace(spring, stiffness=(60.0, 120.0)) for spring in springs)
+    soft = on_springs(heavy, replace(frame, inertia=0.01, springs=loose))
+    with pytest.raises(flexmech.ComputationError, match="exudyn engine"):
+        flexmech.response(flexmech.ReferenceEngine(soft, 1), replace(request, revolutions=2.0))

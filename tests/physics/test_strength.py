@@ -144,6 +144,7 @@ def test_what_lies_between_two_cuts_is_in_balance(name: str) -> None:
             inertia = weighted.sum(axis=1)
             bent = np.einsum("q,aqi,ai->a", x - first, weighted, across)
             bent -= mass.offset * np.sum(inertia * along, axis=1)
+            bent += mass.rotary_inertia * step * motion.angular_acceleration[:, number]
             gained = [part[:, k + 1] - part[:, k] for part in (axial, shear, moment)]
             gained[2] = gained[2] + step * shear[:, k + 1]
             wanted = np.sum(inertia * along, axis=1), np.sum(inertia * across, axis=1), bent
@@ -331,3 +332,81 @@ def test_a_force_across_its_tip_bends_a_running_arm_most_at_its_clamp() -> None:
     pulled = 7800.0 * 5.0**2 * 0.3**2 / 2 - pushed
     assert float(found["peak_stress"]) == pytest.approx(bent + pulled, rel=1e-3)
     assert float(found["peak_stress_place"]) == 0.0
+
+
+# --- peaks between places and crank angles, and how far factors are known -----------------------
+
+
+@pytest.mark.parametrize("elements", [2, 3, 8])
+def test_the_greatest_moment_between_two_places_is_found(elements: int) -> None:
+    """At rest, by the weight w of a length and a force F up at the tip: F^2/(2 w), F/w from it."""
+    weight = DENSITY * WIDTH * HEIGHT * 9.81
+    force = 0.6 * weight * LENGTH
+    load = Load("lift", AttachmentPoint("arm", LENGTH), ((0.0, force),))
+    bent = arm(loads=(load,), gravity=(0.0, -9.81))
+    found = rigid(bent, StrengthRequest(np.zeros(1), 0.0, elements=elements)).dataset
+    stress = 6 * force**2 / (2 * weight) / (WIDTH * HEIGHT**2)
+    assert found["margin_load_factor"].values[0] == pytest.approx(YIELD / stress, rel=1e-8)
+    assert found["margin_position"].values[0] == pytest.approx(LENGTH - force / weight, rel=1e-5)
+    assert found["position"].values[0].tolist() == sorted(found["position"].values[0])
+
+
+def yielding_fourbar(elements: int = 8) -> flexmech.ReferenceEngine:
+    return flexmech.ReferenceEngine(load_mechanism(MODELS / "aluminium_fourbar.toml"), elements)
+
+
+def factors_of(found: Strength) -> dict[str, float]:
+    data = found.dataset
+    parts = data["margin_part"].values.tolist()
+    return dict(zip(parts, data["margin_load_factor"].values.tolist(), strict=True))
+
+
+def test_factors_do_not_depend_on_places_and_crank_angles_asked_for() -> None:
+    """From 2 to 100 places of a link, from steps of 45 degrees to those of one."""
+    turn = [np.radians(np.arange(0.0, 361.0, step)) for step in (45.0, 20.0, 1.0)]
+    found = [
+        factors_of(rigid(yielding_fourbar().mechanism, StrengthRequest(angles, 20.0, elements=n)))
+        for angles, n in zip(turn, (2, 9, 100), strict=True)
+    ]
+    for one in found[:2]:
+        assert one == pytest.approx(found[2], rel=1e-8)
+
+
+def test_the_printed_error_of_factors_holds_against_a_fine_model() -> None:
+    """Of links bent at rest: four times the elements, steps of a degree."""
+    coarse, fine = (
+        strength(
+            yielding_fourbar(elements),
+            StrengthRequest(
+                np.radians(np.arange(0.0, 361.0, step)), 20.0, elements=4, search_speed=False
+            ),
+        )
+        for elements, step in ((4, 30.0), (16, 2.0))
+    )
+    known, exact = coarse.dataset["margin_error"].values, factors_of(fine)
+    errors = [abs(factor / exact[name] - 1) for name, factor in factors_of(coarse).items()]
+    assert (np.array(errors) <= known).all()
+    assert max(known) < 1e-3
+    assert coarse.summary().trust.startswith("load factors are known to 0.0")
+
+
+def test_a_linkage_that_cannot_be_moved_between_the_angles_is_judged_at_them_alone() -> None:
+    """Its crank swings up to 87 degrees to both sides."""
+    swinging = flexmech.FourBar(0.3, 0.2, 0.15, 0.2)
+    mechanism = replace(yielding_fourbar().mechanism, linkage=swinging)
+    angles = np.radians([5.0, 10.0, 350.0])
+    found = rigid(mechanism, StrengthRequest(angles, 10.0))
+    assert "of the crank angles asked for alone" in found.summary().trust
+    assert set(found.dataset["margin_crank_angle"].values) <= set(angles)
+    alone = rigid(mechanism, StrengthRequest(angles[:1], 10.0)).summary().trust
+    assert alone == "load factors are known to 0.0001 %"
+
+
+@pytest.mark.thorough
+def test_the_printed_error_of_factors_of_a_vibration_holds_against_a_fine_model() -> None:
+    request = StrengthRequest(crank_speed=20.0, source="periodic", search_speed=False)
+    coarse, fine = (strength(yielding_fourbar(n), request) for n in (4, 16))
+    known, exact = coarse.dataset["margin_error"].values, factors_of(fine)
+    errors = [abs(factor / exact[name] - 1) for name, factor in factors_of(coarse).items()]
+    assert (np.array(errors) <= known).all()
+    assert max(known) < 0.01

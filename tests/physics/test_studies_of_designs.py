@@ -6,6 +6,7 @@ of the variance are known, Y = sin x1 + 7 sin^2 x2 + 0.1 x3^4 sin x1, each x uni
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -58,6 +59,24 @@ def test_shares_of_ishigamis_function_lie_within_their_intervals(shares, index, 
     assert (found[f"{index}_high"].values >= exact - 1e-12).all()
     assert (found[f"{index}_high"] - found[f"{index}_low"]).max() < 0.25
     np.testing.assert_allclose(found[index], exact, atol=0.02)
+
+
+def test_intervals_of_shares_are_drawn_by_the_seed():
+    """And shares that few samples tell little of are told as intervals, with a warning."""
+    three = study(*(thickness(1e-3, 3e-3, link=link) for link in LINKS))
+    one, again, other = (
+        uncertainty_study(replace(three, seed=seed), 16, executor=Scripted(ishigami))
+        for seed in (1, 1, 2)
+    )
+    assert one.dataset["total_low"].identical(again.dataset["total_low"])
+    assert not one.dataset["total_low"].equals(other.dataset["total_low"])
+    [warning] = one.summary().warnings
+    assert "take --samples" in warning
+    assert re.search(r"\d+ to \d+ % of the variance", one.summary().answer[0])
+
+
+def test_shares_of_many_samples_have_no_warning(shares):
+    assert not shares.summary().warnings
 
 
 def test_mean_and_deviation_are_those_of_ishigamis_function(shares):

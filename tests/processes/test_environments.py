@@ -72,3 +72,37 @@ def test_a_tilde_is_the_home_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     missing = run_command(tmp_path, "check", "~nobody-of-this-name/model.toml")
     assert missing.exit_code == 2
     assert "~nobody-of-this-name/model.toml: there is no such home folder" in missing.stderr
+
+
+BLOCKED = "import sys; sys.modules['exudyn'] = None; from flexmech.cli import main; main()"
+ASKED = ("--elements", "2", "--angles", "0,90", "--speeds", "0", "--no-plots", "--out")
+
+
+def without_exudyn(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """``flexmech frequencies`` on the steel four-bar where exudyn cannot be imported."""
+    model = str(MODELS / "steel_fourbar.toml")
+    return subprocess.run(
+        [sys.executable, "-c", BLOCKED, "frequencies", model, *words, *ASKED, str(folder)],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(MODELS.parent)},
+        timeout=300,
+    )
+
+
+def test_the_reference_engine_runs_without_exudyn(tmp_path: Path) -> None:
+    ended = without_exudyn(tmp_path / "without", "--engine", "reference")
+    assert (ended.returncode, ended.stderr) == (0, "")
+    words = ("frequencies", MODELS / "steel_fourbar.toml", "--engine", "reference", *ASKED)
+    run_command(tmp_path, *words, str(tmp_path / "with"))
+    tables = [(tmp_path / name / "frequencies.csv").read_bytes() for name in ("without", "with")]
+    assert tables[0] == tables[1]
+
+
+def test_a_date_of_files_is_that_of_the_variable(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1700000000")
+    words = ("kinematics", MODELS / "steel_fourbar.toml", "--angles", "0,90", "--no-plots")
+    with xr.open_dataset(run_command(tmp_path, *words).folder / "kinematics.nc") as stored:
+        assert stored.attrs["date"] == "2023-11-14T22:13:20Z"

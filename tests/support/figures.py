@@ -72,6 +72,7 @@ FIGURES: dict[Plot, tuple[Callable[[], object], int]] = {
     plots.plot_forces: (results.response, 7),
     plots.plot_frame_motion: (results.response_on_springs, 5),
     plots.plot_frequencies: (results.frequencies, 4),
+    plots.plot_frequencies_over_speed: (results.frequencies, 4),
     plots.plot_frequency_bands: (results.uncertainty, 3),
     plots.plot_frf: (results.hammer, 6),
     plots.plot_frf_parts: (results.hammer, 6),

@@ -157,18 +157,8 @@ def kinematics() -> flexmech.Kinematics:
 
 @functools.cache
 def balance() -> flexmech.Balance:
-    """Forces of elastic links are invented: smooth, and of a real size."""
-    request = flexmech.BalanceRequest(20.0, crank_angles=TURN, elastic=False)
-    found = flexmech.balance(fourbar(), request)
-    force = np.zeros((2, TURN.size, 2))
-    force[..., 0] = np.array([4.0, 1.0])[:, None] * np.cos(TURN)
-    force[..., 1] = np.array([2.0, 1.5])[:, None] * np.sin(3 * TURN)
-    elastic = found.dataset.assign(
-        elastic_shaking_force=(("state", "elastic_angle", "component"), force),
-        elastic_shaking_moment=(("state", "elastic_angle"), 0.2 * force[..., 0]),
-        first_frequency=("state", [43.7, 20.1]),
-    )
-    return flexmech.Balance(elastic.assign_coords(elastic_angle=TURN))
+    engine = flexmech.ReferenceEngine(fourbar(), 2)
+    return flexmech.balance(engine, flexmech.BalanceRequest(20.0, crank_angles=TURN))
 
 
 @functools.cache

@@ -13,7 +13,7 @@ import numpy as np
 
 from flexmech import load_mechanism
 from flexmech.studies import Output, Study, Variable
-from flexmech.studies.designs.evaluation import Evaluated
+from flexmech.studies.designs.evaluation import Evaluated, Task
 from flexmech.units import DENSITY, LENGTH
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -82,7 +82,7 @@ class Scripted(Executor):
         failed = np.isnan(values).any(axis=1)
         future: Future[Any] = Future()
         reasons = ["no number" if each else "" for each in failed]
-        future.set_result(Evaluated(values, np.where(failed, 5, 0), reasons))
+        future.set_result(Task(Evaluated(values, np.where(failed, 5, 0), reasons), 0.0))
         return future
 
 

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import xarray as xr
+
 from flexmech.analyses.balance.compromise import WeighedSum, least_moments
 from flexmech.analyses.balance.counterweights import Counterweight, balanced
 from flexmech.analyses.balance.dataset import STATES, balance_dataset, elastic_variables
 from flexmech.analyses.balance.elastic import elastic_shaking
 from flexmech.analyses.balance.model_file import balanced_text
+from flexmech.analyses.balance.peaks import elastic_peaks
 from flexmech.analyses.balance.request import WEIGHED, BalanceRequest
 from flexmech.analyses.balance.result import Balance
 from flexmech.analyses.datasets import with_units
@@ -97,7 +100,13 @@ def balance(
                 text = f"elastic links: {error.message}; or ask for rigid ones alone (--rigid)"
                 raise type(error)(text) from error
         report("elastic links", len(STATES), len(STATES))
-        dataset = dataset.merge(elastic_variables(found))
+        peaks = elastic_peaks(found).assign_coords(state=dataset["state"])
+        dataset = xr.merge(
+            [dataset, peaks, elastic_variables(found)],
+            join="outer",
+            compat="no_conflicts",
+            combine_attrs="override",
+        )
     return Balance(with_units(dataset, "balance"))
 
 

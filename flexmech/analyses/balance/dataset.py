@@ -10,6 +10,7 @@ import xarray as xr
 from flexmech.analyses.balance.compromise import inertia_loads
 from flexmech.analyses.balance.counterweights import Counterweight
 from flexmech.analyses.balance.elastic import ElasticShaking
+from flexmech.analyses.balance.peaks import rigid_peaks
 from flexmech.analyses.balance.request import BalanceRequest
 from flexmech.analyses.datasets import origin
 from flexmech.analyses.shaking import harmonic_variables
@@ -56,6 +57,7 @@ def balance_dataset(
     if point is None:
         topology = given.linkage.topology
         point = shaft_axis(topology, given.linkage.motion(request.crank_angles[:1]))
+    dataset = dataset.merge(rigid_peaks(states, request).assign_coords(state=list(STATES)))
     over = "counterweight"
     dataset["moment_point"] = "component", np.array(point)
     dataset["counterweight_mass"] = over, [weight.mass for weight in weights]
@@ -133,6 +135,10 @@ def elastic_variables(found: Sequence[ElasticShaking]) -> xr.Dataset:
             ),
             "elastic_shaking_moment": ((_STATE, over), np.stack([each.moment for each in found])),
             "first_frequency": ((_STATE,), [each.first_frequency for each in found]),
+            "first_frequency_error": (
+                (_STATE,),
+                [each.first_frequency * each.frequency_error for each in found],
+            ),
         },
         coords={_STATE: list(STATES), over: found[0].crank_angle, "component": ["x", "y"]},
     )

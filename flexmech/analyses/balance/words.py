@@ -6,9 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
+from flexmech.analyses.balance.peaks import JOINT_FORCE
 from flexmech.analyses.datasets import DEGREES
-from flexmech.analyses.digits import Quantity, plain
+from flexmech.analyses.digits import Quantity, percent, plain
 from flexmech.analyses.remarks import crank_speed_text
 from flexmech.analyses.shaking import harmonics_line, point_text
 from flexmech.analyses.summary import Row, Summary, Table
@@ -16,8 +18,12 @@ from flexmech.arrays import ROUND_OFF
 
 _MM, _GRAM = 1e3, 1e3
 _AT = "force at "
+# Relative error of extremes, as of ``kinematics``: less is below the digits of all that is printed.
+_TOLD = 1e-6
 # Part of the elastic linkage's shaking force that is left, from which the balance misses its aim.
 _MISSED = 0.5
+# Mass of counterweights over the mass that moves without them: that of real ones is below three.
+_MOST_ADDED = 10.0
 # A direction this close to one along the link, in deg, is along it.
 _ALONG = 1e-6
 
@@ -159,27 +165,56 @@ def _changes(data: xr.Dataset) -> list[_Change]:
 def _joint_changes(data: xr.Dataset) -> list[_Change]:
     found = []
     for joint in data["joint"].values.astype(str).tolist():
-        size = np.linalg.norm(data["joint_force"].sel(joint=joint).values, axis=-1)
-        peaks = size.max(axis=-1).tolist()
+        peaks = _peaks(data, f"{JOINT_FORCE}{joint}")
+        if peaks is None:
+            size = np.linalg.norm(data["joint_force"].sel(joint=joint).values, axis=-1)
+            peaks = size.max(axis=-1).tolist()
         found.append(_Change("joint_force", f"{_AT}{joint}", "N", *peaks))
     return found
 
 
 def _peak(data: xr.Dataset, name: str, what: str, unit: str) -> _Change:
-    values = data[name].transpose("state", ...).values
-    if "component" in data[name].dims:
-        values = np.linalg.norm(values, axis=-1)
-    return _Change(name, what, unit, *np.abs(values).max(axis=-1).tolist())
+    peaks = _peaks(data, name)
+    if peaks is None:
+        values = data[name].transpose("state", ...).values
+        if "component" in data[name].dims:
+            values = np.linalg.norm(values, axis=-1)
+        peaks = np.abs(values).max(axis=-1).tolist()
+    return _Change(name, what, unit, *peaks)
+
+
+def _peaks(data: xr.Dataset, name: str) -> list[float] | None:
+    """Greatest values of both states; None where they were not sought, as in earlier versions."""
+    if "greatest" not in data or name not in data["quantity"].values:
+        return None
+    return [float(value) for value in data["greatest"].sel(quantity=name).values]
 
 
 def _trust(data: xr.Dataset) -> str:
-    rigid = "peaks are those at the crank angles asked for"
-    if "elastic_shaking_force" not in data:
-        return f"{rigid}, of rigid links"
+    if "greatest" not in data:
+        return "peaks are those at the crank angles asked for, of rigid links"
+    names = data["quantity"].values.astype(str)
+    elastic = np.char.startswith(names, "elastic")
+    if not np.isfinite(data["greatest_error"].values).all():
+        rigid = "peaks of rigid links are those at the crank angles asked for"
+    else:
+        rigid = f"numbers of rigid links are known to {percent(_error(data, ~elastic))}"
+    if not elastic.any():
+        return rigid
+    first = float((data["first_frequency_error"] / data["first_frequency"]).max())
+    known = max(_error(data, elastic), first)
     return (
-        f"{rigid}; elastic links: periodic motion of linear equations by the reference engine, "
-        "which shakes more where a multiple of the speed meets a natural frequency"
+        f"{rigid}, those of elastic links to {percent(known)}: periodic motion of linear equations "
+        "by the reference engine, which shakes more where a multiple of the speed meets a natural "
+        "frequency"
     )
+
+
+def _error(data: xr.Dataset, some: NDArray[np.bool_]) -> float:
+    """Greatest relative error of some quantities but of those that are round-off of the other."""
+    value, error = (data[name].values[:, some] for name in ("greatest", "greatest_error"))
+    there = value > ROUND_OFF * value.max(axis=0)
+    return max(float((error[there] / value[there]).max(initial=0.0)), _TOLD)
 
 
 def _details(data: xr.Dataset) -> list[Table | str]:
@@ -217,6 +252,23 @@ def _details(data: xr.Dataset) -> list[Table | str]:
 
 
 def _warnings(changes: dict[str, _Change]) -> tuple[str, ...]:
+    return (*_heavy_warnings(changes), *_elastic_warnings(changes))
+
+
+def _heavy_warnings(changes: dict[str, _Change]) -> tuple[str, ...]:
+    """Of counterweights that are out of proportion to what they balance."""
+    moving = changes["moving_mass"]
+    added = moving.after - moving.before
+    if added <= _MOST_ADDED * moving.before:
+        return ()
+    return (
+        f"the counterweights of {plain(added)} g are {added / moving.before:.3g} times as heavy as "
+        "all that moves: no shaft or frame bears that; give a greater --radius, or check masses "
+        "and lengths of the model",
+    )
+
+
+def _elastic_warnings(changes: dict[str, _Change]) -> tuple[str, ...]:
     elastic, rigid = changes.get("elastic_shaking_force"), changes["shaking_force"]
     if elastic is None or rigid.after >= _MISSED * rigid.before:
         return ()

@@ -8,6 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.campbell.clear import (
+    computed_ranges,
+    is_computed,
+    not_computed,
+    without,
+)
 from flexmech.analyses.campbell.crossings import ray
 from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.remarks import speed_text
@@ -69,12 +75,13 @@ def operating_speeds(dataset: xr.Dataset) -> list[float]:
 
 
 def answer(dataset: xr.Dataset) -> tuple[str, ...]:
-    """Whether the operating speeds are clear of the orders, and which speeds to avoid."""
+    """Flutter, whether the operating speeds are clear of the orders, and which to avoid."""
     speeds = sorted(operating_speeds(dataset), key=abs, reverse=True)
     told = len(speeds) if len(speeds) <= _MOST_TOLD else 1
     sentences = [_at_speed(dataset, speed) for speed in speeds[:told]]
     sentences += [_at_others(dataset, speeds[told:])] if speeds[told:] else []
-    return (*sentences, _speeds_to_avoid(dataset))
+    flutters = filter(None, [str(dataset.attrs.get("flutter", ""))])
+    return (*flutters, *sentences, _speeds_to_avoid(dataset))
 
 
 def numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
@@ -89,7 +96,8 @@ def numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
             )
             for name, end, error in ends
         ]
-    for speed in sorted(operating_speeds(dataset), key=abs)[-1:]:
+    named = [speed for speed in operating_speeds(dataset) if is_computed(dataset, speed)]
+    for speed in sorted(named, key=abs)[-1:]:
         for branch in range(dataset.sizes["branch"]):
             bands, errors = band_at(dataset, speed, branch)
             found += [
@@ -103,8 +111,9 @@ def numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:
 def band_table(dataset: xr.Dataset) -> Table:
     """Frequencies at the greatest operating speed, or at the greatest speed of the diagram."""
     unit = speed_unit(dataset)
-    speeds = operating_speeds(dataset) or dataset["crank_speed"].values.tolist()
-    speed = max(speeds, key=abs)
+    named = [speed for speed in operating_speeds(dataset) if is_computed(dataset, speed)]
+    every = (end for ends in computed_ranges(dataset) for end in ends)
+    speed = max(named or every, key=abs)
     rows = []
     for branch in range(dataset.sizes["branch"]):
         bands, errors = band_at(dataset, speed, branch)
@@ -136,9 +145,8 @@ def band_at(dataset: xr.Dataset, speed: float, branch: int) -> tuple[FloatArray,
     values, errors : ndarray, shape (3,)
         Hz; errors by mesh and fit, and between the speeds by what a cubic curve makes of it.
     """
-    own = dataset.isel(engine=0, branch=branch)
-    speeds = dataset["crank_speed"].values
-    values = np.stack([own[part].values for part in PARTS])
+    speeds = dataset["band_speed"].values
+    values = dataset["band_frequency"].values[0, :, :, branch].T
     known = np.isfinite(values).all(axis=0)
     if not known.any():
         return np.full(3, np.nan), np.full(3, np.nan)
@@ -245,6 +253,8 @@ def _meet(dataset: xr.Dataset) -> str:
 def _at_speed(dataset: xr.Dataset, speed: float) -> str:
     """Whether a speed is clear of the orders, its lowest frequency, and the nearest order."""
     name = _name(dataset, speed)
+    if not is_computed(dataset, speed):
+        return f"Whether {name} is critical is not known: nothing was computed there."
     bands, errors = band_at(dataset, speed, 0)
     ends = [rounded(bands[n], errors[n]) for n in (0, 2)]
     first = f"f1 is {' to '.join(dict.fromkeys(ends))} Hz"
@@ -258,14 +268,19 @@ def _at_speed(dataset: xr.Dataset, speed: float) -> str:
 
 
 def _at_others(dataset: xr.Dataset, speeds: list[float]) -> str:
-    """Which of several speeds are clear of the orders, and which are critical."""
-    met = [bool(_met_at(dataset, speed)) for speed in speeds]
-    parts = []
-    for is_met, word in ((True, "critical"), (False, "clear")):
-        names = [_name(dataset, w) for w, each in zip(speeds, met, strict=True) if each is is_met]
+    """Which of several speeds are clear of the orders, critical, or not computed."""
+    states, parts = [_state(dataset, speed) for speed in speeds], []
+    for word in ("critical", "clear", "not computed"):
+        names = [_name(dataset, w) for w, each in zip(speeds, states, strict=True) if each == word]
         if names:
             parts.append(f"{', '.join(names)} {'is' if len(names) == 1 else 'are'} {word}")
     return f"Of the other operating speeds {'; '.join(parts)}."
+
+
+def _state(dataset: xr.Dataset, speed: float) -> str:
+    if not is_computed(dataset, speed):
+        return "not computed"
+    return "critical" if _met_at(dataset, speed) else "clear"
 
 
 def _name(dataset: xr.Dataset, speed: float) -> str:
@@ -322,40 +337,41 @@ def _meeting(dataset: xr.Dataset, speed: float, order: int, end: int) -> float:
 
     Bands beyond the speeds of the diagram are taken as at its last one.
     """
-    low, high = np.sort(dataset["crank_speed"].values[[0, -1]])
     found = speed
     for _ in range(_STEPS):
-        hertz = float(band_at(dataset, float(np.clip(found, low, high)), 0)[0][end])
+        hertz = float(band_at(dataset, found, 0)[0][end])
         found = math.copysign(2 * math.pi * hertz / order, speed)
     return found
 
 
 def _speeds_to_avoid(dataset: xr.Dataset) -> str:
     """All critical ranges of the diagram as one sentence, and the widest range without one."""
-    low, high = np.sort(dataset["crank_speed"].values[[0, -1]]).tolist()
     unit, orders = speed_unit(dataset), _orders_text(dataset)
-    met = critical_ranges(dataset)
+    met, computed, unknown = critical_ranges(dataset), computed_ranges(dataset), ""
+    if missing := not_computed(dataset):
+        unknown = f"; {missing}"
     groups = [
         [one for one in met if start <= one.start and one.end <= end]
         for start, end in merged((one.start, one.end) for one in met)
     ]
     if not groups:
-        within = f"from {speed_text(low, unit)} to {speed_text(high, unit)} {unit}"
+        ranges = [f"from {' to '.join(speed_text(w, unit) for w in ends)}" for ends in computed]
         return (
-            f"No speed {within} is critical: {orders} of the crank {_meet(dataset)} no frequency."
+            f"No speed {' and '.join(ranges)} {unit} is critical: {orders} of the crank "
+            f"{_meet(dataset)} no frequency{unknown}."
         )
     if len(groups) > _MOST_LISTED:
         avoid = f"{len(groups)} ranges of speed, {_range(dataset, met)}"
     else:
         avoid = ", ".join(_range(dataset, group) for group in groups)
     said = f"Avoid {avoid}: there {orders} of the crank {_meet(dataset)} a frequency"
-    ends = [low, *(end for group in groups for end in _ends(group)), high]
-    clear = max(zip(ends[::2], ends[1::2], strict=True), key=lambda pair: pair[1] - pair[0])
-    if clear[1] <= clear[0]:
-        return f"{said}; no speed of the diagram is clear."
+    clear = without(computed, [_ends(group) for group in groups])
+    if not clear:
+        return f"{said}; no speed of the diagram is clear{unknown}."
     error = max(one.error for one in met)
-    first, last = (rounded(from_si(w, unit), abs(from_si(w, unit)) * error) for w in clear)
-    return f"{said}; the widest range that is clear is {first} to {last} {unit}."
+    widest = max(clear, key=lambda ends: ends[1] - ends[0])
+    first, last = (rounded(from_si(w, unit), abs(from_si(w, unit)) * error) for w in widest)
+    return f"{said}; the widest range that is clear is {first} to {last} {unit}{unknown}."
 
 
 def _ends(group: list[CriticalRange]) -> tuple[float, float]:

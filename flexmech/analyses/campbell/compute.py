@@ -26,7 +26,8 @@ from flexmech.analyses.datasets import (
     records,
     with_units,
 )
-from flexmech.analyses.frequencies.formulation import Formulation
+from flexmech.analyses.frequencies.flutter import flutter_at
+from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.remarks import environment_lines, left_out_attributes
 from flexmech.analyses.requests import Engines, as_many_modes, engines_of
 from flexmech.analyses.response.measurements import probes
@@ -61,7 +62,8 @@ def dataset_of(
     -------
     xarray.Dataset
         Frequencies over (engine, crank_speed, branch), not a number in gaps; critical speeds over
-        ``critical`` and gaps over ``gap``, each with the engine that it is of.
+        ``critical`` and gaps over ``gap``, each with the engine that it is of. Between the speeds
+        asked for ``band_frequency`` is over ``band_speed`` and ``end``.
     """
     engines = [diagram.engine for diagram in diagrams]
     checked = np.unique(np.concatenate([each.checked_speeds for each in diagrams]))
@@ -81,6 +83,10 @@ def dataset_of(
             "mean_frequency": (over, values[:, :, 1]),
             "highest_frequency": (over, values[:, :, 2]),
             "solved": (over[:2], np.stack([_solved(each) for each in diagrams])),
+            "band_frequency": (
+                ("engine", "band_speed", "end", "branch"),
+                np.stack([each.sampled.values for each in diagrams]),
+            ),
             "discretisation_error": (("engine", "check_speed", "branch"), mesh_error),
             "fit_error": ("engine", [each.sampled.fit_error for each in diagrams]),
             "projection_error": ("engine", [each.projection_error for each in diagrams]),
@@ -97,6 +103,8 @@ def dataset_of(
         coords={
             **engine_coordinates(engines),
             "crank_speed": request.crank_speeds,
+            "band_speed": diagrams[0].sampled.crank_speed,
+            "end": ["lowest", "mean", "highest"],
             "check_speed": checked,
             "branch": np.arange(1, request.formulation.modes + 1),
             "order": request.orders,
@@ -247,11 +255,12 @@ def _diagram(
             count = _Counter(report, each.name, len(request.crank_speeds))
             diagrams.append(engine_diagram(each, request, tolerance, count, unit))
             count.finish()
-        steady, attributes = None, {}
+        attributes = {"flutter": _flutter(diagrams, request)}
+        steady = None
         if response:
             first = diagrams[0]
             loss = CountedLoss.of(first.engine)
-            attributes = loss.attributes
+            attributes |= loss.attributes
             solved = request.crank_speeds[first.sampled.exists[first.places]]
             speeds = response_speeds(solved)
             count = _Counter(report, "periodic motion", len(speeds))
@@ -259,6 +268,13 @@ def _diagram(
             damped = loss.engine(first.engine)
             steady = steady_response(damped, speeds, prestress, count, unit)
     return dataset_of(diagrams, request, steady).assign_attrs(attributes)
+
+
+def _flutter(diagrams: Sequence[EngineDiagram], request: CampbellRequest) -> str:
+    """Flutter in words, at the speeds that are checked; empty where there is none."""
+    first = diagrams[0]
+    systems = [Systems(each.engine, request.formulation) for each in diagrams]
+    return flutter_at(systems, request.turn, first.checked_speeds, request.shown_unit)
 
 
 @dataclass

@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_reason
+from flexmech.analyses.campbell.clear import is_computed
 from flexmech.analyses.remarks import speed_text
 from flexmech.analyses.summary import Table
 from flexmech.plots.reading import speed_unit
@@ -29,7 +30,7 @@ def critical_table(dataset: xr.Dataset) -> Table:
     met = dataset["critical_gap"].values == 0
     captions = []
     if not groups:
-        captions.append(f"no order meets a branch from {_speeds(dataset)}")
+        captions.append("no order meets a branch at the speeds that were computed")
     if dataset["critical_starts_inside"].any() or dataset["critical_ends_inside"].any():
         captions.append("<, >: the order is inside the branch's band already or still there")
     headings = ["engine", "branch", "order", f"from {unit}", f"to {unit}"]
@@ -57,6 +58,9 @@ def operating_lines(dataset: xr.Dataset) -> list[str]:
         name = f"{speed_text(speed, unit)} {unit}"
         if not low <= speed <= high:
             found.append(f"{name} is not among the speeds asked for")
+            continue
+        if not is_computed(dataset, speed):
+            found.append(f"at {name} nothing was computed")
             continue
         ends = critical["critical_start"].values, critical["critical_end"].values
         here = critical.isel(critical=np.flatnonzero((ends[0] <= speed) & (speed <= ends[1])))

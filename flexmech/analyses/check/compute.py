@@ -14,6 +14,7 @@ from flexmech.analyses.check.remarks import USUAL_TRANSMISSION_ANGLE, remarks
 from flexmech.analyses.check.result import ModelCheck
 from flexmech.analyses.datasets import provenance, with_units
 from flexmech.analyses.frequencies.discretisation import mesh_error
+from flexmech.analyses.frequencies.flutter import flutter_at
 from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.analyses.requests import engine_of
@@ -99,7 +100,8 @@ def check_mechanism(engine: Engine | Mechanism, crank_angle: float | None = None
     dataset["frequency_angle"] = at
     frequency = None
     try:
-        frequency, error = _oscillating(engine, at)
+        frequency, error, flutters = _oscillating(engine, at)
+        dataset.attrs["flutter"] = flutters
         dataset["frequency"] = ("mode", frequency)
         dataset["discretisation_error"] = ("mode", error)
     except InputError as error:
@@ -115,8 +117,11 @@ def check_mechanism(engine: Engine | Mechanism, crank_angle: float | None = None
     return ModelCheck(with_units(dataset, "check"))
 
 
-def _oscillating(engine: Engine, crank_angle: float) -> tuple[FloatArray, FloatArray]:
-    """Natural frequencies of the lowest modes, of as many as oscillate, and their mesh error."""
+def _oscillating(engine: Engine, crank_angle: float) -> tuple[FloatArray, FloatArray, str]:
+    """Natural frequencies of as many modes as oscillate, their mesh error, and whether one grows.
+
+    The last in words; empty where none does.
+    """
     for modes in range(MODES, 1, -1):
         try:
             return _at_rest(engine, crank_angle, modes)
@@ -126,12 +131,13 @@ def _oscillating(engine: Engine, crank_angle: float) -> tuple[FloatArray, FloatA
     return _at_rest(engine, crank_angle, 1)
 
 
-def _at_rest(engine: Engine, crank_angle: float, modes: int) -> tuple[FloatArray, FloatArray]:
+def _at_rest(engine: Engine, crank_angle: float, modes: int) -> tuple[FloatArray, FloatArray, str]:
     frequency = natural_frequencies(engine, crank_angle, modes=modes)
-    systems = Systems(engine.fit_for(modes), Formulation(modes=modes))
+    systems, at = Systems(engine.fit_for(modes), Formulation(modes=modes)), np.array([crank_angle])
     with one_thread():
-        error = mesh_error(systems, np.array([crank_angle]), 0.0)
-    return frequency, error.frequency[0]
+        error = mesh_error(systems, at, 0.0)
+        flutters = flutter_at([systems], at, np.zeros(1), "rad/s")
+    return frequency, error.frequency[0], flutters
 
 
 def _hygrothermal_lines(mechanism: Mechanism) -> list[str]:

@@ -44,8 +44,8 @@ def linkage_in_short(linkage: Linkage) -> str:
 
 
 def turns_fully(linkage: PlanarLinkage) -> bool:
-    """Whether a drawn linkage can be assembled at all whole degrees of its crank."""
-    return bool(assemblable(linkage, _TURN).all())
+    """Whether a drawn linkage has no change point and can be assembled at all whole degrees."""
+    return bool(not linkage.change_angles.size and assemblable(linkage, _TURN).all())
 
 
 def _planar_kind(linkage: PlanarLinkage) -> str:

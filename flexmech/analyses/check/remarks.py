@@ -14,8 +14,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from flexmech.analyses.check.in_short import turns_fully
+from flexmech.analyses.check.motion_remarks import on_drive, on_transmission
 from flexmech.arrays import FloatArray
 from flexmech.linkages import FourBar, PlanarLinkage
+from flexmech.linkages.change_points import passing
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection
 from flexmech.units import ZERO_CELSIUS, from_si
@@ -40,6 +42,8 @@ _NEARLY_IN_LINE = 1e-3
 # Point masses over the mass of all links: a tool may be ten times as heavy, grams for kilograms a
 # thousand times.
 _MOST_ADDED = 20.0
+# Radius of gyration over the longest link: a hub's is a hundredth, g for kg make a thirtieth of it.
+_LEAST_GYRATION = 1e-3
 # The moon's is 1.6 m/s^2, Jupiter's 25.
 _LEAST_GRAVITY, _MOST_GRAVITY = 1.0, 30.0
 # In K: composites are cured at less, and machines run at more; 20 for 20 degC is below.
@@ -70,8 +74,11 @@ def remarks(mechanism: Mechanism, frequency: FloatArray | None = None) -> tuple[
         found += _on_four_bar(mechanism.linkage, mechanism.operating_speeds)
     if isinstance(mechanism.linkage, PlanarLinkage):
         found += _on_drawing(mechanism.linkage)
+        found += on_transmission(mechanism.linkage, USUAL_TRANSMISSION_ANGLE[0])
         if mechanism.operating_speeds and not mechanism.linkage.drawing.is_stationary:
             found += _on_turning(mechanism.linkage)
+    first = None if frequency is None or not len(frequency) else float(frequency[0])
+    found += on_drive(mechanism, first)
     if frequency is not None and len(frequency) and frequency[0] > 0:
         found += _on_first_frequency(mechanism, float(frequency[0]))
     return tuple(found)
@@ -83,7 +90,23 @@ def _on_sections(mechanism: Mechanism) -> Iterator[str]:
             continue
         section = mechanism.sections[link.name]
         yield from (f"{link.name}: {text}" for text in _on_material(section))
+        yield from (f"{link.name}: {text}" for text in _on_strengths(section))
         yield from (f"{link.name}: {text}" for text in _on_shape(section, link.length))
+
+
+def _on_strengths(section: BeamSection) -> Iterator[str]:
+    """On a material that tears before it yields."""
+    layers = () if section.layers is None else section.layers.laminate.layers
+    for ply in dict.fromkeys(layer.ply for layer in layers):
+        material = ply.isotropic_material
+        if material is None or material.fatigue is None or material.yield_strength is None:
+            continue
+        tensile, yields = material.fatigue.tensile_strength, material.yield_strength
+        if tensile < yields:
+            yield (
+                f"tensile strength {from_si(tensile, 'MPa'):.4g} MPa is below the yield strength "
+                f"{from_si(yields, 'MPa'):.4g} MPa: a material yields before it tears; check both"
+            )
 
 
 def _on_material(section: BeamSection) -> Iterator[str]:
@@ -150,6 +173,24 @@ def _on_masses(mechanism: Mechanism) -> Iterator[str]:
                 f"{where}: a point mass of {mass:.4g} kg is {mass / own:.3g} times the mass of all "
                 "links; check its unit"
             )
+    size, every = max(link.length for link in links), own + sum(masses.values())
+    for body in mechanism.bodies:
+        rest = every - body.mass
+        if rest and body.mass > _MOST_ADDED * rest:
+            yield (
+                f"{body.link}: a body of {body.mass:.4g} kg is {body.mass / rest:.3g} times the "
+                "mass of all else that moves; check its unit"
+            )
+        if not body.inertia or not body.mass:
+            continue
+        radius = math.sqrt(body.inertia / body.mass)
+        if not _LEAST_GYRATION * size <= radius <= size:
+            side = "longer than any link" if radius > size else "hardly more than a point"
+            yield (
+                f"{body.link}: an inertia of {body.inertia:.4g} kg m^2 with {body.mass:.4g} kg is "
+                f"that of a radius of gyration of {_mm(radius)}, {side} (up to {_mm(size)}); check "
+                "their units"
+            )
 
 
 def _on_environment(mechanism: Mechanism) -> Iterator[str]:
@@ -205,7 +246,12 @@ def _on_drawing(linkage: PlanarLinkage) -> Iterator[str]:
 
 def _on_turning(linkage: PlanarLinkage) -> Iterator[str]:
     """On a crank that is to turn and cannot."""
-    if not turns_fully(linkage):
+    if linkage.change_angles.size:
+        yield (
+            f"{passing(linkage.change_angles)}, where small errors of lengths decide how it moves, "
+            "and operating speeds are stated"
+        )
+    elif not turns_fully(linkage):
         yield "the crank cannot turn fully, and operating speeds are stated"
 
 

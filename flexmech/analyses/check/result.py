@@ -128,7 +128,12 @@ class ModelCheck(Result):
 
     def _answer(self) -> tuple[str, ...]:
         attributes = self.dataset.attrs
-        said = (attributes.get("linkage_in_short", ""), self._vibration(), self._undamped())
+        said = (
+            attributes.get("flutter", ""),
+            attributes.get("linkage_in_short", ""),
+            self._vibration(),
+            self._undamped(),
+        )
         return tuple(filter(None, said))
 
     def _vibration(self) -> str:

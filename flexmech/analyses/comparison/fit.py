@@ -1,5 +1,9 @@
 """Least squares with intervals that stay honest where the residual is no white noise.
 
+Parameters that the computed record is linear in are solved for at every step of the search for the
+others (variable projection; G. H. Golub and V. Pereyra, SIAM Journal on Numerical Analysis 10
+(1973), 413-432).
+
 A parameter's covariance is that of the Jacobian for independent errors of one size. Where the
 model is incomplete, neighbouring residuals are alike; then the residual is taken as an
 autoregressive process, and the covariance is that of least squares under such errors (the
@@ -9,8 +13,8 @@ a frequency-response function, their own sizes count. An interval is never made 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -56,6 +60,8 @@ class Parameter:
         Typical size in this unit.
     least : float
         Below which no value makes sense.
+    linear : bool
+        Whether the computed record is linear in it, so that it is solved for and not sought.
     """
 
     name: str
@@ -63,6 +69,7 @@ class Parameter:
     start: float
     scale: float
     least: float = -np.inf
+    linear: bool = False
 
 
 class Problem(Protocol):
@@ -82,6 +89,9 @@ class Problem(Protocol):
 
     def computed(self, values: Sequence[float]) -> FloatArray:
         """Computed record (k, N) at values of the parameters, nearest to the measured one."""
+
+    def with_linear(self, values: Sequence[float]) -> list[float]:
+        """Values with those of the linear parameters replaced by the nearest to the record."""
 
 
 @dataclass(frozen=True)
@@ -134,8 +144,8 @@ def fitted(problem: Problem, progress: StepProgress | None = None) -> Fit:
     ComputationError
         If the fit does not converge, or the record does not tell a parameter.
     """
-    parameters, measured = tuple(problem.parameters), problem.measured
-    values, jacobian = _nearest(problem, progress)
+    parameters, values, jacobian = _nearest(problem, progress)
+    measured = problem.measured
     computed = problem.computed(values.tolist())
     unknowns = len(parameters) + problem.linear_unknowns
     return _judged(parameters, values, measured, computed, jacobian, unknowns)
@@ -157,38 +167,49 @@ def nearest_values(problem: Problem) -> FloatArray:
     ComputationError
         If the fit does not converge.
     """
-    return _nearest(problem, None, _ROUGHLY)[0]
+    return _nearest(problem, None, _ROUGHLY)[1]
 
 
 def _nearest(
     problem: Problem, progress: StepProgress | None, tolerance: float = _EXACTLY
-) -> tuple[FloatArray, FloatArray]:
-    """Values of least squares, (p,), and slopes (k N, p) of the residual by scaled parameters."""
+) -> tuple[tuple[Parameter, ...], FloatArray, FloatArray]:
+    """Parameters, their values of least squares (p,), and slopes (k N, p) of the residual.
+
+    The slopes are by scaled parameters. What the record is linear in is solved for at every step
+    (variable projection), so that its size, its sign and its start do not matter.
+    """
     parameters, measured = tuple(problem.parameters), problem.measured
-    scale, size = np.array([p.scale for p in parameters]), _size(measured)
+    size = _size(measured)
+    sought = np.array([not p.linear for p in parameters], dtype=bool)
+    scale, least, start = (
+        np.array([getattr(p, name) for p in parameters], dtype=float)
+        for name in ("scale", "least", "start")
+    )
     done = 0
 
-    def residual(x: FloatArray) -> FloatArray:
+    def residual(values: FloatArray) -> FloatArray:
         nonlocal done
         done += 1
         if progress is not None:
             progress(min(done, _MOST_EVALUATIONS), _MOST_EVALUATIONS)
-        return np.asarray((measured - problem.computed((x * scale).tolist())).ravel() / size)
+        return np.asarray((measured - problem.computed(values.tolist())).ravel() / size)
 
-    x = np.array([p.start for p in parameters]) / scale
-    jacobian = np.zeros((measured.size, 0))
-    if len(parameters):
-        least = np.array([p.least for p in parameters]) / scale
+    def solved(x: FloatArray) -> FloatArray:
+        values = start.copy()
+        values[sought] = x * scale[sought]
+        return values if sought.all() else np.array(problem.with_linear(values.tolist()))
 
-        def slopes(x: FloatArray) -> FloatArray:
-            return _central(residual, x, least)
+    def left(x: FloatArray) -> FloatArray:
+        return residual(solved(x))
 
-        bounds = (least, np.full(len(x), np.inf))
+    x = start[sought] / scale[sought]
+    if sought.any():
+        bound = least[sought] / scale[sought]
         found = scipy.optimize.least_squares(
-            residual,
-            x,
-            slopes,
-            bounds,
+            left,
+            np.maximum(x, bound),
+            lambda x: _central(left, x, bound),
+            (bound, np.full(len(x), np.inf)),
             xtol=tolerance,
             ftol=tolerance / 100,
             gtol=tolerance / 100,
@@ -200,8 +221,17 @@ def _nearest(
                 "a model nearer to what was measured"
             )
         x = found.x
-        jacobian = slopes(x) if tolerance == _EXACTLY else found.jac
-    return x * scale, jacobian * size
+    values = solved(x)
+    # A linear parameter's own size is its scale: steps of differences are not lost in rounding.
+    parameters = tuple(
+        replace(p, scale=max(p.scale, abs(value))) if p.linear else p
+        for p, value in zip(parameters, values.tolist(), strict=True)
+    )
+    jacobian = np.zeros((measured.size, 0))
+    if len(parameters) and tolerance == _EXACTLY:
+        scale = np.array([p.scale for p in parameters])
+        jacobian = _central(lambda y: residual(y * scale), values / scale, least / scale)
+    return parameters, values, jacobian * size
 
 
 def _judged(
@@ -347,9 +377,10 @@ def autoregression(residual: FloatArray) -> FloatArray:
     return chosen
 
 
-def _central(function: object, x: FloatArray, least: FloatArray) -> FloatArray:
+def _central(
+    function: Callable[[FloatArray], FloatArray], x: FloatArray, least: FloatArray
+) -> FloatArray:
     """Central differences of a function of vectors, one-sided at a bound."""
-    assert callable(function)
     columns = []
     for index in range(len(x)):
         step = np.zeros(len(x))

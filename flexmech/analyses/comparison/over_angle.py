@@ -17,7 +17,7 @@ from flexmech.analyses.comparison.parameters import (
     fitted_engine,
     fitted_names,
 )
-from flexmech.analyses.comparison.problem import RecordProblem, rows_taken_at
+from flexmech.analyses.comparison.problem import LinearTerms, RecordProblem, rows_taken_at
 from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.crank_speeds import RAD_S, in_unit
 from flexmech.analyses.frequencies.positions import natural_frequencies
@@ -34,6 +34,11 @@ _SAME_SPEED = 1e-6
 _MOST_MODE = 50
 # Modes among which a record without their numbers is placed: a test seldom tells more.
 _CANDIDATES = 6
+# Relative: a record is placed at a mode that is so near to it on average, and the only one so near,
+# where the next one is so many times as far.
+_NEAR, _TIMES_FARTHER = 0.025, 3.0
+# Of the nearest modes a message names so many.
+_MODES_TOLD = 3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,11 +68,11 @@ class FrequencyProblem(RecordProblem):
 
     dimension = "sample"
 
-    def curve(self, values: Mapping[str, float]) -> FloatArray:
-        """Computed frequencies (N,)."""
+    def linear_terms(self, values: Mapping[str, float]) -> LinearTerms:
+        """Computed frequencies (N,); no gain is fitted to them."""
         engine = fitted_engine(self.engine, values)
         found = _frequencies(engine, self.crank_speed, self.angle, int(self.mode.max()))
-        return np.asarray(found[np.arange(len(self.angle)), self.mode - 1])
+        return LinearTerms({GAIN: np.asarray(found[np.arange(len(self.angle)), self.mode - 1])})
 
     def labelled(self, dataset: xr.Dataset, fit: Fit) -> xr.Dataset:
         """The dataset with crank angle and mode of each sample."""
@@ -107,8 +112,6 @@ def frequency_problem(
             f"{record.source}: {column!r} has a frequency of {frequency.min():g} Hz; natural "
             "frequencies are positive: leave such rows out"
         )
-    angle = _angles(record)[chosen]
-    mode = _modes(engine, record, speed, angle, frequency, chosen)
     links = engine.mechanism.linkage.topology.link_names
     names = fitted_names(request.fit or (NOTHING,), links)
     if any(name.startswith(DAMPING) for name in names):
@@ -118,6 +121,8 @@ def frequency_problem(
         )
     if OFFSET in names or GAIN in names:
         raise InputError("fit: frequencies have no offset and no gain; fit stiffness:LINK")
+    angle = _angles(record)[chosen]
+    mode = _modes(engine, record, speed, angle, frequency, chosen)
     return FrequencyProblem(
         engine=engine,
         record=frequency,
@@ -201,7 +206,16 @@ def _modes(
                 "'mode' that numbers them from 1"
             )
         computed = _frequencies(engine, speed, angle, _CANDIDATES)
-        apart = np.abs(np.log(computed / frequency[:, None])).mean(axis=0)
+        apart = np.abs(computed / frequency[:, None] - 1).mean(axis=0)
+        nearest, next_one = np.sort(apart)[:2] if len(apart) > 1 else (apart[0], np.inf)
+        if nearest > _NEAR or next_one < max(_NEAR, _TIMES_FARTHER * nearest):
+            told = sorted(np.argsort(apart)[:_MODES_TOLD])
+            far = ", ".join(f"from mode {n + 1} by {100 * apart[n]:.3g} %" for n in told)
+            raise InputError(
+                f"{record.source}: does not say of which modes its frequencies are, and not one "
+                f"mode alone is near them: they differ {far}; add a column 'mode' that numbers "
+                "them from 1 (1 for fundamental frequencies)"
+            )
         return np.full(len(angle), int(apart.argmin()) + 1)
     own = np.asarray(record.quantity("mode").values, dtype=float)[chosen]
     if np.any(own != np.round(own)) or own.min() < 1 or own.max() > _MOST_MODE:

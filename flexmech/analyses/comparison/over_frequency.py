@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,17 +14,24 @@ from flexmech.analyses.comparison.parameters import (
     DAMPING,
     GAIN,
     OFFSET,
+    RATIOS,
     fitted_engine,
     fitted_names,
 )
-from flexmech.analyses.comparison.problem import RecordProblem, rows_taken_at
+from flexmech.analyses.comparison.problem import (
+    LITTLE_EXPLAINED,
+    LinearTerms,
+    RecordProblem,
+    rows_taken_at,
+)
+from flexmech.analyses.comparison.quantities import COMPANIONS
 from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.frequencies.positions import natural_frequencies
-from flexmech.arrays import ComplexArray, FloatArray, IntArray
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.choices import MOST_MODES
 from flexmech.dynamical_systems import direct_receptance
 from flexmech.errors import InputError
-from flexmech.linear_system import GREAT_DETAIL, Engine, LinkPoint, point_rows
+from flexmech.linear_system import GREAT_DETAIL, Engine, LinearSystem, LinkPoint, point_rows
 from flexmech.measured_data import MeasuredQuantity, MeasuredRecord
 
 # What a response over a force is called by its SI unit, and how often it is differentiated.
@@ -75,25 +82,52 @@ class ReceptanceProblem(RecordProblem):
         """First natural frequency at this crank angle in rad/s."""
         return float(2 * np.pi * self._natural_frequencies(1)[0])
 
+    @property
+    def damping_ratios(self) -> tuple[float, ...]:
+        """Of both signs: no search crosses zero, where the computed resonances are infinite."""
+        return (*RATIOS, *(-ratio for ratio in RATIOS))
+
     def labelled(self, dataset: xr.Dataset, fit: Fit) -> xr.Dataset:
         """The dataset with its frequencies."""
         kind, _ = _KINDS[self.unit]
-        return dataset.assign_coords(frequency=self.frequency).assign_attrs(kind=kind)
+        labelled = dataset.assign_coords(frequency=self.frequency).assign_attrs(kind=kind)
+        if GAIN in self.names or fit.unexplained < LITTLE_EXPLAINED:
+            return labelled
+        return labelled.assign_attrs(self._with_gain())
 
-    def curve(self, values: Mapping[str, float]) -> ComplexArray:
-        """Computed frequency-response function for values by name, (N,)."""
-        engine = fitted_engine(self.engine, values)
-        system = engine.linear_system(
+    def _with_gain(self) -> dict[str, float]:
+        """Part of the record that a gain would leave unexplained, and that gain."""
+        other = replace(self, names=(*self.names, GAIN))
+        start = other.with_linear([parameter.start for parameter in other.parameters])
+        values = other.by_name(start)
+        spread = float(np.sum(np.abs(self.record - self.record.mean()) ** 2))
+        return {"turned_unexplained": other.misfit(values) / spread, "gain": values[GAIN]}
+
+    def linear_terms(self, values: Mapping[str, float]) -> LinearTerms:
+        """Computed frequency-response function for values by name, which the gain multiplies."""
+        system = self._system(values)
+        damping = system.damping[0]
+        negative = [n for n, v in values.items() if n.startswith(DAMPING) and v < 0]
+        if negative:
+            # No section has a negative damping time, but the damping matrix is linear in it.
+            without = self._system({**values, **dict.fromkeys(negative, 0.0)}).damping[0]
+            damping = 2 * without - damping
+        rows = [point_rows(system, point, "transverse") for point in (self.response, self.impact)]
+        matrices = (system.mass[0], damping, system.stiffness[0])
+        found = direct_receptance(*matrices, rows[0], rows[1], self.frequency)[:, 0, 0]
+        rate = (2j * np.pi * self.frequency) ** _KINDS[self.unit][1]
+        return LinearTerms({GAIN: np.asarray(rate * found)})
+
+    def _system(self, values: Mapping[str, float]) -> LinearSystem:
+        """Equations of the locked linkage for values by name, damping times by their size."""
+        sizes = {n: abs(v) if n.startswith(DAMPING) else v for n, v in values.items()}
+        engine = fitted_engine(self.engine, sizes)
+        return engine.linear_system(
             self.crank_angle,
             prestress=engine.prestress_at_rest,
             modes=self._modes,
             detail=GREAT_DETAIL,
         )
-        rows = [point_rows(system, point, "transverse") for point in (self.response, self.impact)]
-        matrices = (system.mass[0], system.damping[0], system.stiffness[0])
-        found = direct_receptance(*matrices, rows[0], rows[1], self.frequency)[:, 0, 0]
-        found = values.get(GAIN, 1.0) * found
-        return np.asarray((2j * np.pi * self.frequency) ** _KINDS[self.unit][1] * found)
 
     def _natural_frequencies(self, modes: int) -> FloatArray:
         level = self.engine.prestress_at_rest
@@ -224,13 +258,12 @@ def _column(record: MeasuredRecord, name: str | None) -> MeasuredQuantity:
             f'response, as in --quantity "{own[0].name}@coupler:0.5,rocker:0.5"'
         )
     if not own:
-        reasons = [
-            r for n, r in record.unreadable.items() if n.lower().endswith(("_real", "_imag"))
-        ]
+        parts = [n for n in record.unreadable if n.lower().endswith(("_real", "_imag"))]
+        others = [n for n in record.unreadable if n.lower() not in COMPANIONS]
+        for unreadable in (*parts, *others):
+            raise InputError(record.unreadable[unreadable])
         raise InputError(
-            reasons[0]
-            if reasons
-            else f"{record.source}: holds no frequency-response function; give its real and "
+            f"{record.source}: holds no frequency-response function; give its real and "
             "imaginary part as two columns, such as receptance_real_m_N and receptance_imag_m_N"
         )
     if own[0].unit not in _KINDS:

@@ -18,6 +18,7 @@ from flexmech.analyses.comparison.fit import Fit, Parameter, nearest_values
 from flexmech.analyses.comparison.parameters import (
     DAMPING,
     GAIN,
+    LINEAR,
     OFFSET,
     START_ANGLE,
     damping_times,
@@ -25,7 +26,12 @@ from flexmech.analyses.comparison.parameters import (
     fitted_names,
     stiffness_factors,
 )
-from flexmech.analyses.comparison.problem import CURVES, RecordProblem
+from flexmech.analyses.comparison.problem import (
+    CURVES,
+    LITTLE_EXPLAINED,
+    LinearTerms,
+    RecordProblem,
+)
 from flexmech.analyses.comparison.quantities import Gauge, gauges, matched
 from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.damping_ratios import lowest_frequency
@@ -56,8 +62,6 @@ _MOST_MODELS = 8
 _TURN_SAMPLES = 361
 # Relative difference of the record's own crank speed from the one given that is no rounding.
 _SPEED_TOLERANCE = 0.01
-# Where less than the other part is explained, a gauge turned the other way is tried.
-_LITTLE_EXPLAINED = 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,18 +156,19 @@ class TimeProblem(RecordProblem):
         """Numbers of the free vibration's state."""
         return self._free_states(self._as_modelled)
 
-    def curve(self, values: Mapping[str, float]) -> FloatArray:
-        """Computed record (N,) for values by name, nearest to the measured one."""
+    def linear_terms(self, values: Mapping[str, float]) -> LinearTerms:
+        """Forced motion for values by name, and the span of the free vibrations."""
         forced, free = self._motions(values)
         left, sizes, _ = np.linalg.svd(free, full_matrices=False)
         span = left[:, sizes > _ROUND_OFF * sizes[0]]
-        return np.asarray(forced + span @ (span.T @ (self.record - forced)))
+        return LinearTerms({GAIN: forced, OFFSET: np.ones(len(forced))}, span)
 
     def labelled(self, dataset: xr.Dataset, fit: Fit) -> xr.Dataset:
         """The dataset with time, crank angle, the periodic motion and the curves' spectra."""
         values = self.by_name(fit.values.tolist())
         angle = self._crank_angle(values)
-        dataset["periodic"] = "time", self._motions(values)[0]
+        periodic = values.get(GAIN, LINEAR[GAIN]) * self._motions(values)[0]
+        dataset["periodic"] = "time", periodic + values.get(OFFSET, LINEAR[OFFSET])
         dataset["periodic"].attrs.update(units=self.unit or "1", long_name="periodic motion")
         return (
             dataset.assign_coords(time=self.begin + self.time, crank_angle=("time", angle))
@@ -185,7 +190,6 @@ class TimeProblem(RecordProblem):
         motion = self._motion(values)
         forced, free = motion.readings(phase)
         free = free @ motion.slowest(float(phase[0]), self._free_states(model))
-        forced = values.get(GAIN, 1.0) * forced + values.get(OFFSET, 0.0)
         return forced, free / np.maximum(np.linalg.norm(free, axis=0), np.finfo(float).tiny)
 
     def _motion(self, values: Mapping[str, float]) -> FreeAndForced:
@@ -254,7 +258,7 @@ class TimeProblem(RecordProblem):
 
     def _unexplained_if_reversed(self, unexplained: float) -> float:
         """Part unexplained of the record with the other sign, where little is explained."""
-        if unexplained < _LITTLE_EXPLAINED:
+        if unexplained < LITTLE_EXPLAINED:
             return float("nan")
         other = replace(self, record=-self.record)
         start = {parameter.name: parameter.start for parameter in other.parameters}

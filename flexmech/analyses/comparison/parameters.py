@@ -16,10 +16,12 @@ from flexmech.sections import stiffened_section
 DAMPING, STIFFNESS, OFFSET, GAIN, NOTHING = "damping", "stiffness", "offset", "gain", "none"
 # Crank angle of a record's first sample, where the record does not tell it.
 START_ANGLE = "start_angle"
+# What a computed record is linear in, and the factor where it is not fitted.
+LINEAR = {GAIN: 1.0, OFFSET: 0.0}
 # Damping ratio of the first mode that the unit of a fitted damping time stands for.
 USUAL_RATIO = 0.005
 # Damping ratios from which the fit may begin, of steel to polymers.
-_RATIOS = (0.001, 0.003, 0.01, 0.03)
+RATIOS = (0.001, 0.003, 0.01, 0.03)
 # Crank angles at which a record may begin: every 2.5 deg, a fraction of the first mode's period.
 _ANGLES = 144
 # Part of the model's stiffness below which no measured link is.
@@ -124,6 +126,7 @@ def free_parameters(
     unit_time: float,
     unit: str,
     size: float,
+    ratios: Sequence[float] = RATIOS,
 ) -> tuple[Parameter, ...]:
     """Parameters of a fit, from the best of the crank angles and damping times tried.
 
@@ -138,6 +141,8 @@ def free_parameters(
         Of the record.
     size : float
         Of the record's values, the scale of its offset.
+    ratios : sequence of float
+        Damping ratios of the first mode that are tried.
 
     Returns
     -------
@@ -146,14 +151,14 @@ def free_parameters(
     kinds = {
         DAMPING: Parameter("", "s", unit_time, unit_time),
         STIFFNESS: Parameter("", "", 1.0, _STIFFNESS_STEP, _LEAST_STIFFNESS),
-        OFFSET: Parameter("", unit, 0.0, size),
-        GAIN: Parameter("", "", 1.0, _GAIN_STEP),
+        OFFSET: Parameter("", unit, LINEAR[OFFSET], size, linear=True),
+        GAIN: Parameter("", "", LINEAR[GAIN], _GAIN_STEP, linear=True),
         START_ANGLE: Parameter("", "deg", 0.0, _ANGLE_STEP),
     }
     found = {name: replace(kinds[name.partition(":")[0]], name=name) for name in names}
     trials = {
         START_ANGLE: (360 / _ANGLES * np.arange(_ANGLES)).tolist(),
-        DAMPING: [unit_time * ratio / USUAL_RATIO for ratio in _RATIOS],
+        DAMPING: [unit_time * ratio / USUAL_RATIO for ratio in ratios],
     }
     for kind, choices in trials.items():
         which = [name for name in names if name.startswith(kind)]

@@ -14,7 +14,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from flexmech.analyses.comparison.fit import Fit, Parameter
-from flexmech.analyses.comparison.parameters import USUAL_RATIO, free_parameters
+from flexmech.analyses.comparison.parameters import (
+    LINEAR,
+    RATIOS,
+    USUAL_RATIO,
+    free_parameters,
+)
 from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.crank_speeds import RAD_S
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
@@ -22,7 +27,70 @@ from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord
 
+# Where less than the other part of a record is explained, another gain or sign is tried.
+LITTLE_EXPLAINED = 0.5
 CURVES = ("measured", "computed", "residual")
+
+
+@dataclass(frozen=True)
+class LinearTerms:
+    """What a computed record is a sum of.
+
+    Parameters
+    ----------
+    terms : mapping of str to ndarray, shape (N,)
+        By the names of the factors that they are multiplied by: the gain and the offset.
+    free : ndarray, shape (N, k), optional
+        Orthonormal motions whose factors are those nearest to the record.
+    """
+
+    terms: Mapping[str, FloatArray | ComplexArray]
+    free: FloatArray | None = None
+
+    def bound(self, values: FloatArray | ComplexArray) -> FloatArray | ComplexArray:
+        """What of a curve (N,) the free motions cannot follow."""
+        return values if self.free is None else values - self.free @ (self.free.T @ values)
+
+    def curve(
+        self, factors: Mapping[str, float], record: FloatArray | ComplexArray
+    ) -> FloatArray | ComplexArray:
+        """Sum of the terms for factors by name, with the free motions nearest to a record (N,).
+
+        A factor without a value is its usual one.
+        """
+        total = sum(
+            factors.get(name, LINEAR[name]) * np.asarray(term) for name, term in self.terms.items()
+        )
+        return record - self.bound(np.asarray(record - total))
+
+    def nearest(
+        self,
+        names: Sequence[str],
+        factors: Mapping[str, float],
+        record: FloatArray | ComplexArray,
+    ) -> dict[str, float]:
+        """Factors at which the sum is nearest to a record, by least squares.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Of the factors that are free.
+        factors : mapping of str to float
+            The others.
+        record : ndarray, shape (N,)
+
+        Returns
+        -------
+        dict of str to float
+        """
+        rest = dict(factors) | dict.fromkeys(names, 0.0)
+        wanted = _parts(self.bound(record - self.curve(rest, record))).ravel()
+        columns = [_parts(self.bound(self.terms[name])).ravel() for name in names]
+        matrix = np.stack(columns, axis=1)
+        # Terms of like size, so that their units do not decide which ones are told apart.
+        size = np.maximum(np.linalg.norm(matrix, axis=0), np.finfo(float).tiny)
+        solution = np.linalg.lstsq(matrix / size, wanted, rcond=None)[0] / size
+        return dict(zip(names, solution.tolist(), strict=True))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,8 +124,12 @@ class RecordProblem(ABC):
     """What the record is written over."""
 
     @abstractmethod
+    def linear_terms(self, values: Mapping[str, float]) -> LinearTerms:
+        """What the computed record is a sum of, for values by name but gain and offset."""
+
     def curve(self, values: Mapping[str, float]) -> FloatArray | ComplexArray:
-        """Computed record (N,) for values by name."""
+        """Computed record (N,) for values by name, nearest to the measured one."""
+        return self.linear_terms(values).curve(values, self.record)
 
     @abstractmethod
     def labelled(self, dataset: xr.Dataset, fit: Fit) -> xr.Dataset:
@@ -87,7 +159,13 @@ class RecordProblem(ABC):
     def parameters(self) -> tuple[Parameter, ...]:
         """What is fitted, and from where."""
         size = float(np.std(self.record))
-        return free_parameters(self.parameter_names, self.misfit, self.unit_time, self.unit, size)
+        names, ratios = self.parameter_names, self.damping_ratios
+        return free_parameters(names, self.misfit, self.unit_time, self.unit, size, ratios)
+
+    @property
+    def damping_ratios(self) -> tuple[float, ...]:
+        """Damping ratios of the first mode from which the fit may begin."""
+        return RATIOS
 
     @property
     def linear_unknowns(self) -> int:
@@ -107,9 +185,21 @@ class RecordProblem(ABC):
         """Values of the parameters by their names."""
         return dict(zip(self.parameter_names, values, strict=True))
 
+    def with_linear(self, values: Sequence[float]) -> list[float]:
+        """Values of the parameters with the gain and the offset nearest to the record."""
+        return list(self._solved(self.by_name(values))[0].values())
+
     def misfit(self, values: Mapping[str, float]) -> float:
-        """Sum of squares of the residual for values by name."""
-        return float(np.sum(np.abs(self.record - self.curve(values)) ** 2))
+        """Least sum of squares of the residual for values by name, by what gain and offset fit."""
+        solved, terms = self._solved(values)
+        return float(np.sum(np.abs(self.record - terms.curve(solved, self.record)) ** 2))
+
+    def _solved(self, values: Mapping[str, float]) -> tuple[dict[str, float], LinearTerms]:
+        """Values with the gain and the offset fitted, and the terms that they are factors of."""
+        terms = self.linear_terms(values)
+        names = [name for name in self.parameter_names if name in LINEAR]
+        found = terms.nearest(names, values, self.record) if names else {}
+        return {**values, **found}, terms
 
 
 def comparison_dataset(

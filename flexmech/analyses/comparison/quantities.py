@@ -14,7 +14,7 @@ from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredQuantity, MeasuredRecord
 
 # Columns that tell where a sample was taken, not what was measured there.
-_COMPANIONS = ("crank_angle", "crank_speed", "mode", "branch", "coherence", "engine")
+COMPANIONS = ("crank_angle", "crank_speed", "mode", "branch", "coherence", "engine")
 # No metal or laminate is strained further before it yields or breaks.
 _MOST_STRAIN = 0.1
 
@@ -79,7 +79,7 @@ def gauges(engine: Engine) -> tuple[Gauge, ...]:
 
 def value_columns(record: MeasuredRecord) -> tuple[MeasuredQuantity, ...]:
     """Quantities of a record that tell what was measured, not where."""
-    return tuple(q for q in record.quantities if q.name.lower() not in _COMPANIONS)
+    return tuple(q for q in record.quantities if q.name.lower() not in COMPANIONS)
 
 
 def matched(
@@ -143,7 +143,7 @@ def _matched(
 def _refuse_none(record: MeasuredRecord, columns: list[str]) -> None:
     """Say which columns there are, or what is wrong with the only ones."""
     candidates = value_columns(record)
-    wrong = [n for n in record.unreadable if n.lower() not in _COMPANIONS]
+    wrong = [n for n in record.unreadable if n.lower() not in COMPANIONS]
     if not candidates and wrong:
         raise InputError(record.unreadable[wrong[0]])
     if not candidates:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -59,13 +59,16 @@ class _Path:
         That carries the point.
     point : CouplerPoint
         By its distance from the link's start and the angle from the link's line.
+    is_curve : bool
+        Whether it is the curve of a four-bar's coupler, in circuits that do not meet.
     double_points : tuple of DoublePoint
-        All crunodes and cusps of the curve of a four-bar's coupler; of other links none are sought.
+        All crunodes and cusps of such a curve; of other paths none are sought.
     """
 
     linkage: Linkage
     link: int
     point: CouplerPoint
+    is_curve: bool = False
     double_points: tuple[DoublePoint, ...] = ()
 
     @property
@@ -102,9 +105,8 @@ class _Path:
         topology, motion = self.linkage.topology, self.linkage.motion(crank_angles)
         body, position = topology.links[self.link], self._position(motion)
         pins = [motion.position(self.link, x) for x in (0.0, body.length)]
-        is_curve = isinstance(self.linkage, FourBar) and body.name == "coupler"
         # A four-bar's coupler is shown with the rocker, and with all members.
-        members = slice(self.link, self.link + (2 if is_curve else 1))
+        members = slice(self.link, self.link + (2 if self.is_curve else 1))
         lengths = {own.name: own.length for own in topology.links}
         variables: dict[str, Any] = {
             "position": ((_OVER, "component"), position, _METRE),
@@ -117,10 +119,10 @@ class _Path:
             "crank_angle": (_OVER, crank_angles, _RADIAN),
             "component": ["x", "y"],
             "bound": ["least", "greatest"],
-            "pin": ["A", "B"] if is_curve else ["start", "end"],
+            "pin": ["A", "B"] if self.is_curve else ["start", "end"],
             "link": list(topology.link_names[members]),
         }
-        if isinstance(self.linkage, FourBar) and is_curve:
+        if isinstance(self.linkage, FourBar) and self.is_curve:
             lengths = dict(self.linkage.lengths)
             transmission = self.linkage.transmission_angle(crank_angles)
             limits = [*self.linkage.transmission_angle_limits()]
@@ -149,8 +151,8 @@ def coupler_paths(
 ) -> CouplerPaths:
     """Path of a point of the coupler, or of another link, dry and in an environment.
 
-    Crunodes, cusps and the check by the curve's equation are of the coupler of a four-bar; of
-    other links and linkages the path itself is given.
+    Crunodes, cusps and the check by the curve's equation are of the coupler of a four-bar without
+    change points, where circuits meet; of other links and linkages the path itself is given.
 
     Parameters
     ----------
@@ -206,6 +208,9 @@ def coupler_paths(
             # The dry linkage has passed: the environment is the cause.
             raise error.within(label) from error
         paths[state_name(environment)] = found
+    if not all(path.is_curve for path in paths.values()):
+        # States are compared in what all of them have.
+        paths = {name: replace(p, is_curve=False, double_points=()) for name, p in paths.items()}
     lines = environment_lines(mechanism, environment, lengths_alone=bool(warning))
     attributes = {
         **origin(mechanism),
@@ -266,9 +271,10 @@ def _path(
         point = point.scaled(1 + elongation_of(mechanism, link, environment))
     number = linkage.topology.index(link)
     linkage.motion(crank_angles)  # refuses angles that the linkage does not reach
-    if link != "coupler" or not isinstance(linkage, FourBar):
+    if link != "coupler" or not isinstance(linkage, FourBar) or linkage.change_angles.size:
         return _Path(linkage, number, point)
-    return _Path(linkage, number, point, double_points(linkage, point, float(crank_angles[0])))
+    doubles = double_points(linkage, point, float(crank_angles[0]))
+    return _Path(linkage, number, point, True, doubles)
 
 
 def _dataset(paths: Mapping[str, _Path], crank_angles: FloatArray) -> xr.Dataset:

@@ -121,7 +121,10 @@ class CouplerPaths(Result):
             lines += _state_lines(data.isel(state=number), topology[topology["state"] == name])
         if data.sizes["state"] > 1:
             lines += _change_lines(*(data.isel(state=number) for number in (0, 1)))
-        check = "check: none, crossings are sought of the coupler of a four-bar alone"
+        check = (
+            "check: none, crossings are sought of the coupler of a four-bar alone, and not where "
+            "its circuits meet in change points"
+        )
         if self.is_curve:
             worst = float(data["sextic_residual"].max())
             check = f"check: the curve's sextic equation is met within {worst:.1e}"

@@ -11,6 +11,7 @@ from flexmech.analyses.frequencies import damping
 from flexmech.analyses.frequencies.agreement import engine_difference, verdict
 from flexmech.analyses.frequencies.changes import change_by_state, speed_change
 from flexmech.analyses.frequencies.extremes import error_of_model, known_error
+from flexmech.analyses.frequencies.flutter import flutter_lines
 from flexmech.analyses.remarks import speed_text
 from flexmech.analyses.trust import trust_line
 from flexmech.plots.reading import speed_unit
@@ -25,7 +26,7 @@ def answer(
     change: xr.DataArray | None,
     error: xr.DataArray | None,
 ) -> list[str]:
-    """Frequencies of the lowest modes at the greatest speed, and what speed and water change.
+    """Flutter, frequencies of the lowest modes at the greatest speed, and what changes them.
 
     Parameters
     ----------
@@ -56,7 +57,7 @@ def answer(
         )
         told.append(f"f{mode} is {' to '.join(dict.fromkeys(ends))} Hz")
     where = f"At {speed_text(speed, unit)} {unit}" if speed else "At rest"
-    lines = [f"{where} {', '.join(told)} over the crank angles."]
+    lines = [*flutter_lines(dataset), f"{where} {', '.join(told)} over the crank angles."]
     slowest = int(np.argmin(np.abs(dataset["crank_speed"].values)))
     if slowest != fastest and dataset["engine"].size:
         slow = float(dataset["crank_speed"][slowest])

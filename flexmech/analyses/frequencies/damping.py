@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.digits import Quantity, percent, rounded
+from flexmech.analyses.frequencies.flutter import flutters
 from flexmech.analyses.remarks import speed_text
 from flexmech.plots.reading import speed_unit
 
@@ -27,7 +28,8 @@ def told(dataset: xr.Dataset) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        ``damping_ratio`` of Kelvin-Voigt damping and dampers, ``strain_energy_damping``.
+        ``damping_ratio`` of Kelvin-Voigt damping, dampers and follower forces,
+        ``strain_energy_damping``.
     """
     # Ratios of undamped links are there too, and have no errors.
     found = {
@@ -173,7 +175,7 @@ def trust(dataset: xr.Dataset) -> str:
 
 
 def ratio_lines(dataset: xr.Dataset) -> list[str]:
-    """Report damping ratios of links with Kelvin-Voigt damping, and the errors of both kinds."""
+    """Report damping ratios where something damps or follows, and the errors of both kinds."""
     if "damping_ratio" not in told(dataset):
         return []
     ratio = dataset["damping_ratio"]
@@ -193,7 +195,9 @@ def ratio_lines(dataset: xr.Dataset) -> list[str]:
             f"{percent_text(high, known)} %; discretisation error (estimated) at most "
             f"{shares[0]} of it, reduction error at most {shares[1]} of it"
         )
-    if dataset.attrs.get("rotation_terms", "off") != "off" and float(ratio.min()) < 0:
+    moving = ratio.where(ratio["crank_speed"] != 0)
+    by_frames = dataset.attrs.get("rotation_terms", "off") != "off" and float(moving.min()) < 0
+    if by_frames and not flutters(dataset):
         lines.append(
             "damping ratio: turning link frames may make it negative in a frozen position; "
             "that is no instability, whether vibrations grow is told by `flexmech stability`"

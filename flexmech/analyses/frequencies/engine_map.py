@@ -23,6 +23,7 @@ from flexmech.analyses.frequencies.discretisation import (
 )
 from flexmech.analyses.frequencies.eigenproblem import solve_modes
 from flexmech.analyses.frequencies.extremes import extremes_between, known_error
+from flexmech.analyses.frequencies.flutter import flutter, may_flutter
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along, systems_at
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
@@ -195,6 +196,8 @@ def _map_on_mesh(
             errors["lumping_error"] = lumping_error(systems, at, speed)
         over_checks = {name: (OVER_CHECKS[: v.ndim], v) for name, v in errors.items()}
         part = along.isel(mode=slice(modes)).assign(over_checks)
+        if may_flutter(engine):
+            part = part.merge(flutter(systems, angles, speed))
         if request.formulation.prestress != "trajectory":
             part = part.assign(_extremes(systems, asked, speed, part))
         parts.append(part)

@@ -170,14 +170,18 @@ class Systems:
 
     @property
     def is_damped(self) -> bool:
-        """Whether a link has Kelvin-Voigt damping, or a spring a damper."""
+        """Whether damping ratios are more than an effect of the frames; see :attr:`damped_by`."""
         return bool(self.damped_by)
 
     @property
     def damped_by(self) -> str:
-        """What damps, in words; empty if nothing does."""
+        """What gives or takes energy, in words; empty if nothing does."""
         links = any(link.damping.any() for link in self.engine.links)
-        kinds = {"Kelvin-Voigt": links, "dampers": has_dampers(self.engine.mechanism)}
+        kinds = {
+            "Kelvin-Voigt": links,
+            "dampers": has_dampers(self.engine.mechanism),
+            "follower forces": self.engine.connectors.follow,
+        }
         return " and ".join(name for name, damps in kinds.items() if damps)
 
     def stressed(self, crank_angle: FloatArray, crank_speed: FloatArray | float) -> StressedLinks:

@@ -228,9 +228,32 @@ def projected_values(
     matrices = at * (at * mass[:, None] + damping[:, None]) + stiffness[:, None]
     inertia = np.swapaxes(mass[:, :, :count], 1, 2)
     loads = 2 * eigenvalues[:, :, None] * inertia + np.swapaxes(damping[:, :, :count], 1, 2)
-    better = np.linalg.solve(matrices, loads[..., None])[..., 0]
     own = np.einsum("bjj->bj", inertia[:, :, :count].conj())
+    try:
+        better = np.linalg.solve(matrices, loads[..., None])[..., 0]
+    except np.linalg.LinAlgError:
+        # Where a matrix is singular the value is an eigenvalue: its change is zero.
+        better = _solved_one_by_one(matrices, loads)
     return np.asarray(eigenvalues - own / (inertia.conj() * better).sum(axis=2))
+
+
+def _solved_one_by_one(
+    matrices: NDArray[np.complex128], loads: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
+    """Solutions (b, m, n) of matrices (b, m, n, n); of a singular one those of a nearby matrix.
+
+    That is the matrix with its least singular value at round-off, as where it is singular but for
+    round-off.
+    """
+    better = np.empty_like(loads)
+    for place in np.ndindex(loads.shape[:2]):
+        try:
+            better[place] = np.linalg.solve(matrices[place], loads[place])
+        except np.linalg.LinAlgError:
+            left, sizes, right = np.linalg.svd(matrices[place])
+            sizes = np.maximum(sizes, np.finfo(float).eps * sizes[0])
+            better[place] = right.conj().T @ ((left.conj().T @ loads[place]) / sizes)
+    return better
 
 
 def newton_values(

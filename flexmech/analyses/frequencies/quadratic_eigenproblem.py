@@ -102,6 +102,9 @@ NEARLY_CREEPING = 0.9
 SLOWER_THAN_ITS_SHAPE = 0.7
 # Positive real eigenvalues this many times as fast as the slowest mode are round-off.
 ROUND_OFF = 1e-9
+# Relative difference of the sizes of two eigenvalues below which they are a pair of flutter, one of
+# which grows as fast as the other decays: the root of round-off. Smaller damping ratios are none.
+SAME = 1e-8
 
 
 @dataclass(frozen=True)
@@ -112,7 +115,7 @@ class QuadraticModes:
     ----------
     eigenvalues : ndarray of complex, shape (B, m)
         ``lambda`` in rad/s, imaginary part positive. Of a mode that creeps ``-w``, w the natural
-        frequency of its shape.
+        frequency of its shape. Of two modes of one frequency the one that grows stands first.
     vectors : ndarray of complex, shape (B, n, m)
         Without scale; m is zero where they were not asked for.
     oscillating : ndarray of int, shape (B,)
@@ -206,10 +209,35 @@ def _oscillating_modes(inverse: NDArray[Any], count: int) -> tuple[IntArray, NDA
     damped = -inverse.real > NEARLY_CREEPING * size
     swings = (inverse.imag < 0) & ~damped  # the inverse of a + ib has imaginary part -b
     rank = np.where(swings, size, 0.0)
-    order: IntArray = np.argsort(-rank, axis=1)[:, :count]
+    order = _growing_first(np.argsort(-rank, axis=1), inverse)[:, :count]
     last = np.take_along_axis(rank, order[:, -1:], axis=1)
     unclear: NDArray[np.bool_] = (damped & (size > last)).any(axis=1) | (last[:, 0] == 0)
     return order, unclear
+
+
+def _growing_first(order: IntArray, eigenvalues: NDArray[Any]) -> IntArray:
+    """An order by size in which, of two modes of one frequency, the one that grows stands first.
+
+    Parameters
+    ----------
+    order : ndarray of int, shape (B, k)
+    eigenvalues : ndarray of complex, shape (B, n)
+        Or their inverses, whose real parts have the same signs.
+
+    Returns
+    -------
+    ndarray of int, shape (B, k)
+    """
+    ordered = np.take_along_axis(eigenvalues, order, axis=1)
+    size = np.abs(ordered)
+    growth = ordered.real / np.where(size > 0, size, 1.0)
+    swapped = np.abs(np.diff(size, axis=1)) <= SAME * size[:, :-1]
+    swapped &= np.diff(growth, axis=1) > SAME
+    swapped[:, 1:] &= ~swapped[:, :-1]
+    row, place = np.nonzero(swapped)
+    order = order.copy()
+    order[row, place], order[row, place + 1] = order[row, place + 1], order[row, place]
+    return order
 
 
 def _sorted_out(
@@ -249,7 +277,7 @@ def _sorted_out(
     slow = (values.imag == 0) | (size < SLOWER_THAN_ITS_SHAPE * natural)
     creeps = slow & (-values.real > NEARLY_CREEPING * size)
     values = np.where(creeps, -np.maximum(natural, size), values)
-    order = np.argsort(np.abs(values))
+    [order] = _growing_first(np.argsort(np.abs(values))[None], values[None])
     return values[order], which[order], creeps[order]
 
 

@@ -26,6 +26,7 @@ from flexmech.analyses.remarks import warnings_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.errors import InputError
+from flexmech.plots.frequencies_over_speed import has_few_angles, has_no_curve_over_angle
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,6 +39,7 @@ FILES = (
     "damping.csv",
     "shaft.csv",
     "frequencies.png",
+    "frequencies_over_speed.png",
     "speed_effect.png",
     "vibration_effect.png",
     "damping.png",
@@ -255,7 +257,11 @@ class MovingFrequencies(Result):
             below = {f"dry/{name}": figure for name, figure in dry.items()}
             return {**wet, **below, "hygrothermal_effect": self.plot()}
         data = self.dataset
-        figures = {"frequencies": plots.plot_frequencies(data)}
+        figures = {}
+        if not has_no_curve_over_angle(data):
+            figures["frequencies"] = plots.plot_frequencies(data)
+        if has_few_angles(data):
+            figures["frequencies_over_speed"] = plots.plot_frequencies_over_speed(data)
         for variable, name, draw in (
             ("speed_effect", "speed_effect", plots.plot_speed_effect),
             ("quasi_static_frequency", "vibration_effect", plots.plot_vibration_effect),
@@ -285,6 +291,8 @@ class MovingFrequencies(Result):
     ) -> Figure:
         """Draw natural frequencies against crank angle; both states where there are two.
 
+        At one or two crank angles and more speeds, against crank speed.
+
         Parameters
         ----------
         ax : matplotlib.axes.Axes or sequence of them, optional
@@ -307,8 +315,11 @@ class MovingFrequencies(Result):
         """
         of = self if state is None else self.state(state)
         data = plots.chosen(of.dataset, engine=engine, modes=modes, speeds=speeds)
-        draw = plots.plot_hygrothermal_effect if of._has_states else plots.plot_frequencies
-        return draw(data, ax=ax)
+        if of._has_states:
+            return plots.plot_hygrothermal_effect(data, ax=ax)
+        if has_no_curve_over_angle(data):
+            return plots.plot_frequencies_over_speed(data, ax=ax)
+        return plots.plot_frequencies(data, ax=ax)
 
     def summary(self) -> Summary:
         """Where frequencies lie over the turn, what moves them, and how far they are known."""

@@ -120,6 +120,8 @@ _OF_LINES: dict[str, Callable[[Measurement], ComplexArray]] = {
 _OF_MODES: dict[str, Callable[[Measurement], FloatArray]] = {
     "identified_frequency": lambda each: each.modes.frequency,
     "identified_damping_ratio": lambda each: each.modes.damping_ratio,
+    "identified_frequency_error": lambda each: each.modes.frequency_error,
+    "identified_damping_ratio_error": lambda each: each.modes.damping_ratio_error,
     "identified_residue_real": lambda each: each.modes.residue[0].real,
     "identified_residue_imag": lambda each: each.modes.residue[0].imag,
     "eigen_frequency": lambda each: np.abs(each.poles) / (2 * np.pi),

@@ -8,7 +8,7 @@ response point.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -228,6 +228,7 @@ def measured(
         expected=np.abs(poles) / (2 * np.pi),
         method=request.method,
         added_damping=shift,
+        noise=estimate.noise,
         # A short record has few lines: models of fewer modes than usual.
         orders=min(ORDERS, len(lines) // 2 - 1),
     )
@@ -289,6 +290,4 @@ def _estimated(
 
 def _in_band(whole: FrfEstimate, bandwidth: float) -> FrfEstimate:
     """The lines above zero and up to the bandwidth."""
-    kept = (whole.frequency > 0) & (whole.frequency <= bandwidth * (1 + 1e-9))
-    parts = {name: getattr(whole, name)[kept] for name in ("frequency", "h1", "h2", "coherence")}
-    return replace(whole, **parts)
+    return whole.at((whole.frequency > 0) & (whole.frequency <= bandwidth * (1 + 1e-9)))

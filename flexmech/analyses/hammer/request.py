@@ -13,6 +13,7 @@ from flexmech.choices import (
     LINK_DIRECTIONS,
     MODES,
     MOST_MODES,
+    MOST_SEED,
     PRESTRESS_LEVELS,
     LinkDirection,
     Prestress,
@@ -143,7 +144,7 @@ def check_impacts(request: object) -> None:
     check_choice(asked["direction"], LINK_DIRECTIONS, "direction")
     check_choice(asked["prestress"], PRESTRESS_LEVELS, "prestress")
     check_count(asked["averages"], "averages", most=_MOST_AVERAGES)
-    check_count(asked["seed"], "seed", 0)
+    check_count(asked["seed"], "seed", 0, most=MOST_SEED)
     check_fields(
         request, {"bandwidth": "Hz", "duration": "s", "pulse": "s"}, POSITIVE, optional=True
     )

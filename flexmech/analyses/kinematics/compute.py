@@ -136,7 +136,7 @@ def _along_law(mechanism: Mechanism, drive: Drive, request: KinematicsRequest) -
     if not isinstance(drive, MotorRun):
         return found
     given = motor_variables(drive, drive.motor_output(time), drive.rotor_speed(time))
-    found = found.merge(given).merge(settled_variables(drive))
+    found = found.merge(given).merge(settled_variables(drive, mechanism))
     return found.assign_attrs(motor_attributes(drive))
 
 
@@ -176,7 +176,7 @@ def _turns_fully(linkage: Linkage) -> bool:
         return linkage.crank_turns_fully
     if isinstance(linkage, PlanarLinkage) and linkage.drawing.is_stationary:
         return True
-    return bool(assemblable(linkage, _TURN).all())
+    return bool(not linkage.change_angles.size and assemblable(linkage, _TURN).all())
 
 
 def _refuse_loads_over_time(mechanism: Mechanism) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +23,20 @@ _INSIDE, _ZOOMS = 17, 8
 # rule converges faster than any power for what is smooth and periodic, as the square of the step
 # for tables of loads, whose mean is known to 1e-7 by then.
 _FEWEST_STEPS, _HALVINGS = 360, 5
+
+
+class Peaks(NamedTuple):
+    """Greatest values of n quantities, where they are, and how far they are known.
+
+    Parameters
+    ----------
+    value, angle, error : ndarray, shape (n,)
+        Angles in rad, or times in s.
+    """
+
+    value: FloatArray
+    angle: FloatArray
+    error: FloatArray
 
 
 @dataclass(frozen=True)
@@ -70,14 +85,56 @@ def extremes(
     Extremes
     """
     angles, turns = crank_angles, step is None
-    if between and angles.size > 1:
-        steps = int(np.ceil(round((angles[-1] - angles[0]) / (step or _STEP), 6)))
-        angles = np.union1d(angles, np.linspace(angles[0], angles[-1], max(steps, 1) + 1))
+    if between:
+        angles = _with_steps(angles, step or _STEP)
     values = values_at(angles)
     greatest = _greatest(values_at, angles, values, 1.0, between, turns)
     least = _greatest(values_at, angles, values, -1.0, between, turns)
-    error = np.maximum(greatest[2], least[2])
-    return Extremes(-least[0], least[1], greatest[0], greatest[1], error)
+    error = np.maximum(greatest.error, least.error)
+    return Extremes(-least.value, least.angle, greatest.value, greatest.angle, error)
+
+
+def greatest_between(
+    values_at: Values,
+    crank_angles: FloatArray,
+    *,
+    step: float = _STEP,
+    zooms: int = _ZOOMS,
+) -> Peaks:
+    """Greatest values from the first to the last of some crank angles, between them too.
+
+    Parameters
+    ----------
+    values_at : callable
+        See :data:`Values`.
+    crank_angles : ndarray, shape (A,)
+        In rad, increasing.
+    step : float
+        Of the first search, in rad: between two of its angles a quantity has one peak.
+    zooms : int
+        Each narrows a peak down to an eighth.
+
+    Returns
+    -------
+    Peaks
+
+    Examples
+    --------
+    >>> cosine = lambda angle: np.cos(angle - 0.1234)[:, None]
+    >>> found = greatest_between(cosine, np.array([0.0, 3.0]))
+    >>> found.value.round(9), found.angle.round(4)
+    (array([1.]), array([0.1234]))
+    """
+    angles = _with_steps(crank_angles, step)
+    return _greatest(values_at, angles, values_at(angles), 1.0, True, True, zooms)
+
+
+def _with_steps(angles: FloatArray, step: float) -> FloatArray:
+    """Angles, and steps of equal length from the first to the last of them."""
+    if angles.size == 1:
+        return angles
+    steps = int(np.ceil(round((angles[-1] - angles[0]) / step, 6)))
+    return np.union1d(angles, np.linspace(angles[0], angles[-1], max(steps, 1) + 1))
 
 
 def _greatest(
@@ -87,16 +144,17 @@ def _greatest(
     sign: float,
     between: bool,
     turns: bool,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+    zooms: int = _ZOOMS,
+) -> Peaks:
     """Greatest values of the quantities times a sign, their angles, and their errors."""
     found, columns = sign * values, np.arange(values.shape[1])
     place = _first_peak(_vertices(found) if between else found)
     best, where = found[place, columns], angles[place]
     error = np.full(best.shape, np.nan)
     if angles.size == 1:
-        return best, where, np.zeros_like(error)
+        return Peaks(best, where, np.zeros_like(error))
     if not between:
-        return best, where, error
+        return Peaks(best, where, error)
     step = np.diff(angles)
     ends = (0, len(angles) - 1)
     # Of a periodic quantity of a whole turn the end goes on with the beginning.
@@ -105,7 +163,7 @@ def _greatest(
     joined &= turns and is_whole(angles[-1] - angles[0])
     low = where - np.where((place > ends[0]) | joined, step[np.maximum(place - 1, 0)], 0.0)
     high = where + np.where((place < ends[1]) | joined, step[np.minimum(place, len(step) - 1)], 0.0)
-    for _ in range(_ZOOMS):
+    for _ in range(zooms):
         inside = np.linspace(low, high, _INSIDE)
         flat = sign * values_at(inside.ravel())
         own = flat.reshape(_INSIDE, len(columns), -1)[:, columns, columns]
@@ -122,7 +180,7 @@ def _greatest(
     error = np.maximum(error, ROUND_OFF * size)
     turn = 2 * np.pi
     where = where + turn * ((where < angles[0]) & joined) - turn * ((where > angles[-1]) & joined)
-    return best, where, error
+    return Peaks(best, where, error)
 
 
 def _first_peak(heights: FloatArray) -> FloatArray:

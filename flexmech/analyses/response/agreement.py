@@ -11,7 +11,7 @@ from flexmech.analyses.beam_theory import theory_reason
 from flexmech.analyses.digits import Quantity
 from flexmech.analyses.trust import least_explained
 
-CAUSES = ("step", "reduction", "mesh")
+CAUSES = ("step", "reduction", "mesh", "rotation")
 # Names of :meth:`Response.agreement` and :meth:`Response.force_agreement`, and of the errors of
 # each cause.
 _ERRORS = {
@@ -23,13 +23,17 @@ _ERRORS = {
     "driving_torque": "torque",
     "peak_driving_torque": "peak_torque",
 }
+# The same of a frame on springs.
+_ERRORS_OF_FRAME = dict.fromkeys(("frame_displacement", "frame_rotation", "floor_force"), "frame")
 # Deflection over a link's length beyond which linear equations show: a damping time that is fitted
 # to deflections of 3 mm of 280 mm is off by 2 %, to 6.5 mm by 5 %.
 LARGE_BOW = 0.01
+# Rotation of a frame in rad beyond which linear equations show: they are off by about as much.
+LARGE_ROTATION = 0.01
 
 
 def errors_of(dataset: xr.Dataset) -> xr.Dataset:
-    """Errors by step, component modes and, where it was checked, mesh together.
+    """Errors by step, component modes, a frame's rotation and, where it was checked, mesh together.
 
     Parameters
     ----------
@@ -41,15 +45,17 @@ def errors_of(dataset: xr.Dataset) -> xr.Dataset:
     xarray.Dataset
         ``deflection``, ``peak_deflection`` and ``peak_stress`` over (engine, link), ``joint_force``
         and ``peak_joint_force`` over (engine, joint), ``driving_torque`` and
-        ``peak_driving_torque`` over (engine); each over its own peak.
+        ``peak_driving_torque`` over (engine); each over its own peak. Of a frame on springs also
+        ``frame_displacement``, ``frame_rotation`` and ``floor_force`` over (engine).
     """
     known = [cause for cause in CAUSES if f"{cause}_error" in dataset]
+    names = _ERRORS | (_ERRORS_OF_FRAME if "frame_rotation" in dataset else {})
     return xr.Dataset(
         {
             name: sum(
                 (dataset[f"{cause}_error_of_{of}"] for cause in known), start=xr.DataArray(0.0)
             )
-            for name, of in _ERRORS.items()
+            for name, of in names.items()
         }
     )
 
@@ -96,6 +102,32 @@ def quantities_of(
         Quantity(name, factor * float(value), unit, factor * float(error), str(of))
         for of, (value, error) in zip(labels, pairs, strict=True)
     ]
+
+
+def frame_gaps(dataset: xr.Dataset) -> dict[str, xr.DataArray]:
+    """How far the first two engines differ in the motion of a frame on springs, over its peaks.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a response.
+
+    Returns
+    -------
+    dict of str to xarray.DataArray
+        By the names of :func:`errors_of`; empty where the frame stands.
+    """
+    found = {}
+    for name in _ERRORS_OF_FRAME if "frame_rotation" in dataset else ():
+        values = dataset[name]
+        if "component" not in values.dims:
+            values = values.expand_dims("component")
+        first, second = (values.isel(engine=number, drop=True) for number in (0, 1))
+        apart, peak = (
+            ((own**2).sum("component") ** 0.5).max("time") for own in (first - second, second)
+        )
+        found[name] = apart / peak
+    return found
 
 
 def within_errors(gaps: xr.Dataset, dataset: xr.Dataset) -> xr.Dataset:
@@ -188,7 +220,23 @@ def force_agreement_lines(agreement: xr.Dataset | None, dataset: xr.Dataset) -> 
     return [
         judged(along, "joint_force", "driving_torque"),
         judged(peaks, "peak_joint_force", "peak_driving_torque"),
+        *_frame_lines(agreement, dataset),
     ]
+
+
+def _frame_lines(agreement: xr.Dataset, dataset: xr.Dataset) -> list[JudgedLine]:
+    """How far the engines differ in the motion of a frame on springs; none where it stands."""
+    names = [name for name in _ERRORS_OF_FRAME if name in agreement]
+    if not names:
+        return []
+    labels = [name.replace("_", " ") for name in names]
+    gaps, errors = (
+        xr.concat([part[name] for name in names], xr.DataArray(labels, dims="of", name="of"))
+        for part in (agreement, errors_of(dataset))
+    )
+    first, second = dataset["engine"].values[:2]
+    said = f"engines: {first} and {second} differ by at most {listed(gaps)} of the peak"
+    return [_judged(said, gaps, errors, dataset)]
 
 
 def _side_by_side(part: xr.Dataset, force: str, torque: str) -> xr.DataArray:
@@ -215,7 +263,7 @@ def _judged(said: str, gaps: xr.DataArray, errors: xr.DataArray, dataset: xr.Dat
     allowed = errors.sum("engine")
     if bool((gaps <= allowed).all()):
         return JudgedLine(f"{said}, within their estimated errors", True)
-    if reason := theory_reason(dataset.attrs) or _large_bow(dataset):
+    if reason := theory_reason(dataset.attrs) or _large_rotation(dataset) or _large_bow(dataset):
         return JudgedLine(f"{said}{reason}", False)
     worst = {of: gaps[of].values[least_explained(gaps.values, allowed.values)]}
     estimated = errors.sel(worst)
@@ -245,6 +293,18 @@ def _unexplained(estimated: xr.DataArray, dataset: xr.Dataset) -> str:
     if simulated.size and linear.size:
         return f"; trust {simulated[0]}, since no error tells {left_out}"
     return f"; trust {estimated.idxmin('engine').item()}, whose errors are the smaller"
+
+
+def _large_rotation(dataset: xr.Dataset) -> str:
+    """Why to trust the engine in which a frame turns by any angle; nothing of small rotations."""
+    turned = float(dataset.get("rotation_error", xr.DataArray(0.0)).max())
+    simulated = dataset["engine"].values[dataset["nonlinear"].values.astype(bool)]
+    if turned <= LARGE_ROTATION or len(simulated) != 1:
+        return ""
+    return (
+        f"; trust {simulated[0]}, in which a frame turns by any angle: it turns by up to "
+        f"{np.degrees(turned):.2g} deg, and linear equations hold for small rotations"
+    )
 
 
 def _large_bow(dataset: xr.Dataset) -> str:

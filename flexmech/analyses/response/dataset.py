@@ -40,7 +40,8 @@ from flexmech.linkages import Drive, RigidMotion
 from flexmech.mechanism import drawing
 from flexmech.time_domain import Trajectory
 
-# Positions at which the length of the spectrogram's window is chosen: every 10 deg of four turns.
+# Positions at which the length of the spectrogram's window is chosen, every 10 deg of four turns,
+# and at which ranges of natural frequencies are sought, every 2.5 deg of a turn.
 _PREDICTIONS = 145
 
 
@@ -77,7 +78,7 @@ def build_dataset(runs: Sequence[EngineRun], request: ResponseRequest, plan: Run
     names = xr.DataArray([engine.name for engine in engines], dims="engine", name="engine")
     dataset = xr.concat(parts, names, join="exact").merge(_rigid_values(first, motion))
     dataset = dataset.merge(rigid_shaking(first, motion, request))
-    dataset = dataset.merge(law_variables(first, request))
+    dataset = dataset.merge(law_variables(first, request)).merge(_ranges(first, request))
     dataset = dataset.assign_coords(
         element=("engine", [engine.element for engine in engines]),
         nonlinear=("engine", [engine.simulates for engine in engines]),
@@ -173,6 +174,7 @@ def _history(
             }
         )
         .assign(_shaft(trajectory, run.trajectory))
+        .assign({} if trajectory.frame is None else _errors("rotation", run.rotation_error))
         .merge(frame_variables(engine, trajectory, run.trajectory))
         .merge(shaking)
     )
@@ -259,6 +261,26 @@ def _predicted(engine: Engine, request: ResponseRequest, time: FloatArray) -> Fl
         lambda one: frequencies_at(one, angle, speed, formulation), vibrating_engine(engine)
     )[0]
     return np.broadcast_to(found, (len(time), request.modes))
+
+
+def _ranges(engine: Engine, request: ResponseRequest) -> xr.Dataset:
+    """Range of each natural frequency over a turn; where the speed changes, over what is passed.
+
+    Of a run at constant speed a whole turn counts, however long the run. The spectra of a law of
+    motion or under a motor are of the crank angles from :func:`spectra_from` on.
+    """
+    drive, begin = request.drive, spectra_from(request)
+    end = float(request.sample_time()[-1])
+    if drive.turns_on:
+        end = begin + drive.revolution_time
+    found = _predicted(engine, request, np.linspace(begin, end, _PREDICTIONS))
+    return xr.Dataset(
+        {
+            "lowest_natural_frequency": ("mode", found.min(axis=0)),
+            "highest_natural_frequency": ("mode", found.max(axis=0)),
+        },
+        coords={"mode": np.arange(1, request.modes + 1)},
+    )
 
 
 def _window(engine: Engine, request: ResponseRequest, lowest: float) -> float:

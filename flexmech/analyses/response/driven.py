@@ -12,7 +12,8 @@ from flexmech.analyses.remarks import speed_with_unit
 from flexmech.analyses.response.agreement import best_known, errors_of, quantities_of
 from flexmech.analyses.response.measurements import deflections, peaks_between
 from flexmech.analyses.response.request import ResponseRequest
-from flexmech.analyses.response.residual import LEAST_SAMPLES, StandingModes, envelope, rests
+from flexmech.analyses.response.residual import LEAST_SAMPLES, edges, rests
+from flexmech.analyses.response.standing_modes import StandingModes
 from flexmech.linear_system import Engine
 from flexmech.linkages import ConstantSpeed, MotorRun, TableDrive
 from flexmech.time_domain import Trajectory
@@ -44,7 +45,9 @@ def law_variables(engine: Engine, request: ResponseRequest) -> xr.Dataset:
     # Of a free shaft the driving torque is what the shaft is given, its inertia's share included.
     if (inertia := engine.mechanism.shaft_inertia) and engine.shaft == "prescribed":
         found["shaft_inertia_torque"] = "time", inertia * acceleration
-    return found.merge(settled_variables(drive)) if isinstance(drive, MotorRun) else found
+    if not isinstance(drive, MotorRun):
+        return found
+    return found.merge(settled_variables(drive, engine.mechanism))
 
 
 def drive_attributes(request: ResponseRequest) -> dict[str, str | float]:
@@ -114,21 +117,41 @@ def driven_variables(
     # A free shaft does not stop with the law.
     if refined.shaft is not None or not rests(request):
         return found
-    stopped = time >= drive.law_time
-    bent = deflections(engine, refined)
-    modes = StandingModes.of(engine, request)
+    return found.merge(_residual(engine, refined, request, refinement))
+
+
+def _residual(
+    engine: Engine, refined: Trajectory, request: ResponseRequest, refinement: int
+) -> xr.Dataset:
+    """The vibration that is left after a stop: edges of each deflection, amplitude of each mode."""
+    begin, sampled = request.drive.law_time, refined.time[::refinement]
+    after, shown = refined.time >= begin, sampled >= begin
+    time, at = refined.time[after] - begin, sampled[shown] - begin
+    # At the stop and at the end of the rest besides the samples that are kept.
+    at = np.concatenate([time[:1], at, time[-1:]])
+    bent, modes = deflections(engine, refined)[after], StandingModes.of(engine, request)
+    waves = modes.waves(refined, begin)
     period = 1 / float(modes.frequency[0])
-    width = max(2, round(period / (time[1] - time[0])) + 1)
-    amplitude = envelope(bent[stopped], width)
-    whole = np.full(bent.shape, np.nan)
-    whole[stopped] = amplitude
-    return found.assign(
-        residual_envelope=(("time", "link"), whole[::refinement]),
-        residual_amplitude=("link", amplitude[0]),
-        residual_amplitude_at_end=("link", amplitude[-1]),
-        standing_frequency=("mode", modes.frequency),
-        modal_amplitude=(("link", "mode"), modes.amplitudes(refined, drive.law_time)),
-    ).assign_coords(mode=np.arange(1, len(modes.frequency) + 1))
+    of_links = [
+        edges(at, time, own, wave, modes.decay, modes.angular_frequency, period)
+        for own, wave in zip(bent.T, waves, strict=True)
+    ]
+    lower, upper = np.moveaxis(np.array(of_links), 0, -1)
+    amplitude = (upper - lower) / 2
+    envelope, middle = np.full((2, len(sampled), bent.shape[1]), np.nan)
+    envelope[shown], middle[shown] = amplitude[1:-1], (upper + lower)[1:-1] / 2
+    return xr.Dataset(
+        {
+            "residual_envelope": (("time", "link"), envelope),
+            "residual_middle": (("time", "link"), middle),
+            "residual_amplitude": ("link", amplitude[0]),
+            "residual_amplitude_at_end": ("link", amplitude[-1]),
+            "standing_frequency": ("mode", modes.frequency),
+            "standing_damping_ratio": ("mode", modes.damping_ratio),
+            "modal_amplitude": (("link", "mode"), np.abs(waves)),
+        },
+        coords={"mode": np.arange(1, len(modes.frequency) + 1)},
+    )
 
 
 def driven_columns(data: xr.Dataset) -> Columns:
@@ -286,9 +309,16 @@ def _mode_texts(data: xr.Dataset) -> str:
     texts = []
     for mode in data["mode"].values:
         one = data.sel(mode=mode)
-        shown = ", ".join(
-            f"{link} {rounded(_MM * float(one['modal_amplitude'].sel(link=link)), 0.0, 3)}"
-            for link in bent
-        )
-        texts.append(f"{float(one['standing_frequency']):.5g} Hz {shown} mm")
+        frequency = f"{float(one['standing_frequency']):.5g} Hz"
+        amplitude = one["modal_amplitude"].sel(link=bent)
+        if float(one["standing_damping_ratio"]) >= 1:
+            texts.append(f"{frequency} damped too heavily to vibrate")
+        elif amplitude.isnull().any():
+            texts.append(f"{frequency} not seen in less than a period of rest")
+        else:
+            shown = ", ".join(
+                f"{link} {rounded(_MM * float(value), 0.0, 3)}"
+                for link, value in zip(bent, amplitude.values, strict=True)
+            )
+            texts.append(f"{frequency} {shown} mm")
     return "; ".join(texts)

@@ -13,11 +13,13 @@ from dataclasses import replace
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
+from flexmech.analyses.response.move_curves import TIMES_PER_PERIOD, curve_variables
 from flexmech.analyses.response.plan import STEPS_PER_PERIOD, RunPlan
 from flexmech.analyses.response.request import ResponseRequest
-from flexmech.analyses.response.residual import StandingModes
 from flexmech.analyses.response.shaping import LawShaper
+from flexmech.analyses.response.standing_modes import StandingModes
 from flexmech.analyses.response.start import equilibria_at, linear_start, simulation_start
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.dynamical_systems import VibrationState
@@ -39,6 +41,8 @@ _FEWEST, _MOST_STEPS = 13, 250_000
 # Steps in a period of the highest frequency of interest, by the method of fourth order, where links
 # stretch: twice as many change an amplitude by less than 1e-4 of the greatest.
 _STEPS_WHERE_LINKS_STRETCH = 20
+# A mode that rings less than this part of what rings most is not drawn.
+RINGING_PART = 0.01
 # Of them an engine that simulates runs so many of each law, the first and the last among them, and
 # fewer where all its runs would take more steps. Time alone.
 _SIMULATED, _MOST_SIMULATED_STEPS = 5, 30_000
@@ -63,9 +67,32 @@ def moves_of(request: ResponseRequest, highest: float) -> FloatArray:
         return np.unique(request.move_times)
     if request.shaping is None or request.drive.law.blow is not None:
         return np.zeros(0)
-    steps = 2 * request.drive.law_time * highest * _STEPS_WHERE_LINKS_STRETCH
-    count = int(np.clip(_MOST_STEPS / steps, _FEWEST, _COUNT))
+    count = int(np.clip(_most_runs(request, highest), _FEWEST, _COUNT))
     return move_time(request.drive) * np.linspace(*_RANGE, count)
+
+
+def _most_runs(request: ResponseRequest, highest: float) -> float:
+    """Moves that take no more than the most steps, by the plain and by the shaped law."""
+    return _MOST_STEPS / (2 * request.drive.law_time * highest * _STEPS_WHERE_LINKS_STRETCH)
+
+
+def _between(
+    times: FloatArray,
+    amplitude: NDArray[np.complex128],
+    frequency: FloatArray,
+    request: ResponseRequest,
+    highest: float,
+) -> FloatArray:
+    """Times between even ones, by which every mode that rings is resolved if steps allow it."""
+    peaks = np.abs(amplitude).max(axis=(1, 2))
+    ringing = frequency[(peaks >= RINGING_PART * peaks.max(axis=1, keepdims=True)).any(axis=0)]
+    apart = times[1] - times[0]
+    parts = np.ceil(np.maximum(apart * ringing * TIMES_PER_PERIOD - 1e-9, 1.0))
+    most = max(1.0, np.floor(_most_runs(request, highest) / len(times)))
+    allowed = parts[parts <= most]
+    count = int(allowed.max()) if allowed.size else 1
+    shares = np.arange(1, count) / count
+    return np.asarray((times[:-1, None] + apart * shares).reshape(-1))
 
 
 def move_time(drive: Drive) -> float:
@@ -106,9 +133,9 @@ def move_variables(
     -------
     xarray.Dataset
         Empty where no times are asked for. ``move_amplitude`` over (law, move_time, link, mode) in
-        m, ``whole_move_time`` over (law, move_time) in s with the shaper's delay; and, of engines
-        that simulate, ``simulated_move_amplitude`` over (simulating_engine, law,
-        simulated_move_time, link, mode).
+        m, ``whole_move_time`` over (law, move_time) in s with the shaper's delay, and curves
+        (:func:`~flexmech.analyses.response.move_curves.curve_variables`); of engines that simulate
+        ``simulated_move_amplitude`` over (simulating_engine, law, simulated_move_time, link, mode).
 
     Raises
     ------
@@ -118,21 +145,34 @@ def move_variables(
     times = moves_of(request, plan.highest)
     if not times.size:
         return xr.Dataset()
-    drives = _drives(request, times, shaper)
     moving = _InLinkFrames(engines[0], request, plan)
-    found = _all(drives, moving.amplitudes, report, "residual vibration")
+
+    def run(at: FloatArray) -> tuple[list[list[Drive]], NDArray[np.complex128]]:
+        rows = _drives(request, at, shaper)
+        return rows, _all(rows, moving.amplitudes, report, "residual vibration")
+
+    drives, found = run(times)
+    if request.move_times is None:
+        between = _between(times, found, moving.frequency, request, plan.highest)
+        if between.size:
+            more, further = run(between)
+            order = np.argsort(np.concatenate([times, between]))
+            times = np.concatenate([times, between])[order]
+            found = np.concatenate([found, further], axis=1)[:, order]
+            both = zip(drives, more, strict=True)
+            drives = [[(row + added)[place] for place in order] for row, added in both]
     names = ["plain"] if shaper is None or request.shaping is None else ["plain", "shaped"]
     dims = ("law", "move_time", "link", "mode")
-    whole = [[drive.law_time for drive in row] for row in drives]
+    whole = np.array([[drive.law_time for drive in row] for row in drives])
     dataset = xr.Dataset(
         {
-            "move_amplitude": (dims, found),
-            "whole_move_time": (("law", "move_time"), np.array(whole)),
+            "move_amplitude": (dims, np.abs(found)),
+            "whole_move_time": (("law", "move_time"), whole),
             "move_frequency": ("mode", moving.frequency),
         },
         coords={"law": names, "move_time": times, "mode": np.arange(1, found.shape[-1] + 1)},
         attrs={"own_move_time": move_time(request.drive)},
-    )
+    ).merge(curve_variables(times, whole, found, moving.frequency), combine_attrs="override")
     simulating = [engine for engine in engines if engine.simulates]
     if not simulating:
         return dataset
@@ -140,13 +180,14 @@ def move_variables(
     count = int(np.clip(_MOST_SIMULATED_STEPS / steps, 2, _SIMULATED))
     some = np.unique(np.linspace(0, len(times) - 1, count).round().astype(int))
     rows = [[row[number] for number in some] for row in drives]
+    simulators = [engine.name for engine in simulating]
     values = [
-        _all(rows, _Simulated(engine, request, plan).amplitudes, report, f"stops, {engine.name}")
-        for engine in simulating
+        np.abs(_all(rows, _Simulated(engine, request, plan).amplitudes, report, f"stops, {name}"))
+        for name, engine in zip(simulators, simulating, strict=True)
     ]
     over = ("simulating_engine", "law", "simulated_move_time", "link", "mode")
     return dataset.assign(simulated_move_amplitude=(over, np.stack(values))).assign_coords(
-        simulating_engine=[engine.name for engine in simulating], simulated_move_time=times[some]
+        simulating_engine=simulators, simulated_move_time=times[some]
     )
 
 
@@ -161,14 +202,14 @@ def _drives(
 
 def _all(
     drives: list[list[Drive]],
-    amplitudes: Callable[[Drive], FloatArray],
+    amplitudes: Callable[[Drive], NDArray[np.complex128]],
     report: LabelledProgress,
     label: str,
-) -> FloatArray:
-    """Amplitudes (n_laws, n, n_links, m) of all drives."""
-    total, found = sum(map(len, drives)), list[list[FloatArray]]()
+) -> NDArray[np.complex128]:
+    """Complex amplitudes (n_laws, n, n_links, m) of all drives."""
+    total, found = sum(map(len, drives)), list[list[NDArray[np.complex128]]]()
     for row in drives:
-        of_law = list[FloatArray]()
+        of_law = list[NDArray[np.complex128]]()
         for drive in row:
             of_law.append(amplitudes(drive))
             report(label, len(found) * len(row) + len(of_law), total)
@@ -196,7 +237,7 @@ class _Stops:
 class _InLinkFrames(_Stops):
     """By the equations of motion in link frames, as a run that is not simulated."""
 
-    def amplitudes(self, drive: Drive) -> FloatArray:
+    def amplitudes(self, drive: Drive) -> NDArray[np.complex128]:
         """Amplitudes (n_links, m) in m after a law."""
         prestress = self._request.prestress
         stretches = stretches_in_runs(self._engine, prestress)
@@ -230,7 +271,7 @@ def _at_rest(linkage: DrivenLinkage, time: float) -> list[FloatArray]:
 class _Simulated(_Stops):
     """By an engine that simulates."""
 
-    def amplitudes(self, drive: Drive) -> FloatArray:
+    def amplitudes(self, drive: Drive) -> NDArray[np.complex128]:
         """Amplitudes (n_links, m) in m after a law."""
         engine, end = self._engine, drive.law_time
         step = end / self._steps(drive)

@@ -18,7 +18,7 @@ from flexmech.dynamical_systems import look_ahead
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine, LinkFrames, LinkModel, OverdampedError, RotationTerms
-from flexmech.linkages import MotorRun
+from flexmech.linkages import MotorRun, refuse_passing
 from flexmech.validation import check_instance
 
 # Spectra reach this far above the highest natural frequency asked for, so that its peak stands
@@ -135,7 +135,9 @@ def engines_in_state(
             "them ring; choose start equilibrium or periodic"
         )
     # A crank that cannot turn round shows itself here, before anything is computed.
-    mechanism.linkage.motion(request.drive.crank_angle(request.sample_time()), 1.0)
+    passed = request.drive.crank_angle(request.sample_time())
+    mechanism.linkage.motion(passed, 1.0)
+    refuse_passing(mechanism.linkage, passed)
     return chosen, lines
 
 

@@ -22,6 +22,7 @@ from flexmech.analyses.response.agreement import (
     agreement_line,
     errors_of,
     force_agreement_lines,
+    frame_gaps,
     representative,
     within_errors,
 )
@@ -45,6 +46,7 @@ from flexmech.analyses.response.sprung_frame import (
     frame_columns,
     frame_lines,
     frame_numbers,
+    rotation_warnings,
 )
 from flexmech.analyses.result import Result
 from flexmech.analyses.shaking import harmonics_table, shaking_columns
@@ -153,8 +155,9 @@ class Response(Result):
         -------
         xarray.Dataset or None
             ``joint_force`` over (joint) and ``driving_torque``, of the histories at the
-            samples; ``peak_joint_force`` and ``peak_driving_torque``, of the peaks. None with
-            a single engine.
+            samples; ``peak_joint_force`` and ``peak_driving_torque``, of the peaks; of a frame on
+            springs ``frame_displacement``, ``frame_rotation`` and ``floor_force``, of the
+            histories. None with a single engine.
         """
         data = self.dataset
         if data.sizes["engine"] < 2:
@@ -169,7 +172,7 @@ class Response(Result):
             "peak_joint_force": abs(first["peak_joint_force"] - force) / force,
             "peak_driving_torque": abs(first["peak_driving_torque"] - torque) / torque,
         }
-        return xr.Dataset(parts).fillna(0.0)
+        return xr.Dataset(parts | frame_gaps(data)).fillna(0.0)
 
     def errors(self) -> xr.Dataset:
         """Estimated errors of each engine by step, component modes and, where checked, mesh.
@@ -364,6 +367,7 @@ class Response(Result):
             details,
             (
                 *answers.yielding(data),
+                *rotation_warnings(data),
                 *answers.disagreement(data, agreement, forces),
                 *warnings_of(data.attrs),
             ),

@@ -18,6 +18,7 @@ from flexmech.analyses.response.run_errors import (
     difference_of_runs,
     order_of_steps,
 )
+from flexmech.analyses.response.sprung_frame import rotation_error
 from flexmech.analyses.response.start import linear_start, simulation_start
 from flexmech.arrays import LabelledProgress, StepProgress
 from flexmech.dynamical_systems.lobatto import STAGES
@@ -68,6 +69,8 @@ class EngineRun:
     reduction_error : RunError
         How much twice the detail of the component modes changes; zero for a simulation,
         which has no component modes.
+    rotation_error : RunError
+        By the rotation of a frame on springs in linear equations; zero of others.
     """
 
     engine: Engine
@@ -75,6 +78,7 @@ class EngineRun:
     plain: Trajectory
     step_error: RunError
     reduction_error: RunError
+    rotation_error: RunError
 
 
 def run_engine(
@@ -117,7 +121,8 @@ def run_engine(
         if not engine.simulates and is_reduced(engine):
             finer = run(plain.step, 2 * DETAIL)
             reduction_error = difference(plain, finer)
-        return EngineRun(engine, trajectory, plain, step_error, reduction_error)
+        rotation = step_error.with_all(rotation_error(engine, trajectory))
+        return EngineRun(engine, trajectory, plain, step_error, reduction_error, rotation)
 
     if request.step is not None:
         trajectory, finer = run(request.step), run(request.step / 2)

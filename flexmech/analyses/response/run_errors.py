@@ -58,6 +58,10 @@ class RunError:
     linkage: float
     of: dict[str, FloatArray]
 
+    def with_all(self, value: float) -> RunError:
+        """The same, with one error of everything."""
+        return RunError(value, {name: np.full_like(own, value) for name, own in self.of.items()})
+
     def __mul__(self, factor: float) -> RunError:
         """The same, a factor greater."""
         of = {name: factor * value for name, value in self.of.items()}

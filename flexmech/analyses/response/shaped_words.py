@@ -9,6 +9,7 @@ import xarray as xr
 from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.response.agreement import best_known, quantities_of
 from flexmech.analyses.response.driven import residual_numbers
+from flexmech.analyses.response.move_curves import TIMES_PER_PERIOD
 from flexmech.model_text import quantity
 from flexmech.units import TIME
 
@@ -164,19 +165,27 @@ def _peaks_line(data: xr.Dataset, engine: str) -> str:
 def _chart_lines(data: xr.Dataset) -> list[str]:
     """Between what times of a move what rings least and most, and how the engines differ."""
     found, lines = data["move_amplitude"].max("link"), list[str]()
+    curves = data["move_curve"].max("link") if "move_curve" in data else None
+    resolved = set() if curves is None else set(curves["curve_mode"].values.tolist())
+    unresolved = set[int]()
     for law in map(str, data["law"].values):
         own = found.sel(law=law)
         told = own["mode"].values[(own.max("move_time") > _TOLD * float(own.max())).values]
+        unresolved |= {int(mode) for mode in told} - resolved
         texts = []
         for mode in told:
-            values = own.sel(mode=mode)
+            values, time = own.sel(mode=mode).values, data["move_time"].values
+            if curves is not None and mode in resolved:
+                values = curves.sel(law=law, curve_mode=mode).values
+                time = data["curve_move_time"].values
             least, most = (
-                f"{rounded(_MM * float(values[place]), 0.0, 3)} mm at "
-                f"{float(data['move_time'][place]):.4g} s"
-                for place in (int(np.argmin(values.values)), int(np.argmax(values.values)))
+                f"{rounded(_MM * float(values[place]), 0.0, 3)} mm at {float(time[place]):.4g} s"
+                for place in (int(np.argmin(values)), int(np.argmax(values)))
             )
             texts.append(f"mode {mode} {least} to {most}")
         lines.append(f"residual vibration over the time of a move, {law} law: {'; '.join(texts)}")
+    if unresolved:
+        lines.append(_unresolved_text(data, sorted(unresolved)))
     if "simulated_move_amplitude" in data:
         at = data["simulated_move_time"].values
         own = data["move_amplitude"].sel(move_time=at).rename(move_time="simulated_move_time")
@@ -187,6 +196,19 @@ def _chart_lines(data: xr.Dataset) -> list[str]:
             f"by at most {float(apart):.2g} of the greatest amplitude"
         )
     return lines
+
+
+def _unresolved_text(data: xr.Dataset, modes: list[int]) -> str:
+    """Modes whose amplitude goes up and down faster than times of a move tell, and the remedy."""
+    fastest = float(data["move_frequency"].sel(mode=modes).max())
+    named = " and ".join(map(str, modes))
+    names = f"modes {named} ring" if len(modes) > 1 else f"mode {named} rings"
+    apart = _MS / (TIMES_PER_PERIOD * fastest)
+    return (
+        f"the times of the move are too far apart to tell how {names} between them: dots in "
+        f"the picture; state --move-times that are at most {apart:.3g} ms apart, over a shorter "
+        "range"
+    )
 
 
 def move_table(data: xr.Dataset) -> pd.DataFrame:

@@ -30,6 +30,7 @@ from flexmech.analyses.running_hammer.result import RunningHammerTest
 from flexmech.arrays import ComplexArray, IntArray, LabelledProgress, silent
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
+from flexmech.linkages import refuse_passing
 from flexmech.mechanism import Mechanism
 from flexmech.threads import one_thread
 from flexmech.time_domain import step_lag, stretches_in_runs
@@ -106,7 +107,9 @@ def running_hammer_test(
         for point in (request.impact, request.response):
             point.index(chosen.mechanism.linkage.topology)
         # A crank that cannot turn round shows itself here, before anything is computed.
-        chosen.mechanism.linkage.motion(np.linspace(0.0, 2 * np.pi, 73), 1.0)
+        turn = np.linspace(0.0, 2 * np.pi, 73)
+        chosen.mechanism.linkage.motion(turn, 1.0)
+        refuse_passing(chosen.mechanism.linkage, turn)
         attributes = theory_attributes([chosen], _MODES)
         if request.damping_ratio is not None:
             chosen = with_damping_ratio(chosen, request.damping_ratio)

@@ -19,6 +19,7 @@ from flexmech.analyses.damping_ratios import (
 )
 from flexmech.analyses.parameters import DAMPING_PARAMETER, MOISTURE, Parameters
 from flexmech.analyses.stability.dataset import NO, NO_EQUILIBRIUM, NOT_COMPUTED, YES
+from flexmech.analyses.stability.engine_stability import Band
 from flexmech.analyses.stability.parallel import in_order
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.selected_modes import step_error
@@ -228,6 +229,7 @@ def map_against(
     engines: Sequence[Engine],
     request: StabilityRequest,
     against: Against,
+    bands: Sequence[Band],
     report: LabelledProgress,
 ) -> xr.Dataset:
     """Growth rates over the parameter and the crank speed.
@@ -237,28 +239,46 @@ def map_against(
     engines : sequence of Engine
     request : StabilityRequest
     against : Against
+    bands : sequence of Band
+        That are known between the crank speeds. Where the parameter is the damping, growth is
+        found in them too: the linkage is the same, and it costs little.
     report : callable
 
     Returns
     -------
     xarray.Dataset
-        ``against_growth_rate`` and ``against_unstable`` over (engine, parameter, crank_speed). An
-        interruption leaves the rest out and is noted as ``interrupted_against`` in the attributes.
+        ``against_growth_rate`` and ``against_unstable`` over (engine, parameter, crank_speed); in
+        bands ``against_band_growth_rate`` and ``against_band_unstable`` over (engine, parameter,
+        against_speed). An interruption leaves the rest out and is noted as
+        ``interrupted_against`` in the attributes.
     """
-    shape = len(engines), len(against.values), len(request.crank_speeds)
+    asked = request.crank_speeds
+    inside = np.zeros(0)
+    if _is_of_damping(against, request):
+        inside = np.setdiff1d(speeds_about(bands, request.ends), asked)
+    speeds = np.concatenate([asked, inside])
+    shape = len(engines), len(against.values), len(speeds)
     rate, state = np.full(shape, np.nan), np.full(shape, NOT_COMPUTED, dtype=object)
     interrupted = False
     try:
         for number, engine in enumerate(engines):
-            _fill(rate[number], state[number], engine, request, against, report)
+            _fill(rate[number], state[number], engine, request, against, speeds, report)
     except KeyboardInterrupt:
         interrupted = True
-    over = ("engine", "parameter", "crank_speed")
+    over = ("engine", "parameter", "crank_speed"), ("engine", "parameter", "against_speed")
+    count, texts = len(asked), state.astype(str)
+    found = {
+        "against_growth_rate": (over[0], rate[..., :count]),
+        "against_unstable": (over[0], texts[..., :count]),
+    }
+    if inside.size:
+        found["against_band_growth_rate"] = over[1], rate[..., count:]
+        found["against_band_unstable"] = over[1], texts[..., count:]
     words = re.sub("[-_.]", " ", against.parameter)
     attributes = {"units": against.dimension.unit or "1", "long_name": words}
     return xr.Dataset(
-        {"against_growth_rate": (over, rate), "against_unstable": (over, state.astype(str))},
-        coords={"parameter": ("parameter", against.values, attributes)},
+        found,
+        coords={"parameter": ("parameter", against.values, attributes), "against_speed": inside},
         attrs={
             "against": against.parameter,
             "against_column": against.column,
@@ -273,12 +293,13 @@ def _fill(
     engine: Engine,
     request: StabilityRequest,
     against: Against,
+    crank_speeds: FloatArray,
     report: LabelledProgress,
 ) -> None:
-    """Rates and states of one engine, (parameter, crank_speed), row by row or speed by speed."""
+    """Rates and states of one engine, (parameter, speed), row by row or speed by speed."""
     label = f"{engine.name}: {against.parameter}"
-    speeds, done = request.crank_speeds.tolist(), 0
-    if against.parameter == DAMPING_PARAMETER and request.prestress != "trajectory":
+    speeds, done = crank_speeds.tolist(), 0
+    if _is_of_damping(against, request):
         # The linkage is the same at all damping ratios, and damping enters the system linearly;
         # its periodic motion is not the same.
         solvers = [(slice(None), _solver(with_damping_ratio(engine, 1.0), request), against.values)]
@@ -294,6 +315,40 @@ def _fill(
             state[rows, place] = [each for _, each in grown]
             done += len(grown)
             report(label, done, rate.size)
+
+
+def _is_of_damping(against: Against, request: StabilityRequest) -> bool:
+    """Whether the linkage and its motion are the same at all values of the parameter."""
+    return against.parameter == DAMPING_PARAMETER and request.prestress != "trajectory"
+
+
+# Parts of a band's width from its lower edge: inside, and as far outside of each edge as the first
+# is inside, so that cells of a picture meet at the edges. Bands narrower than the part of the range
+# are strokes.
+WIDE, STROKE, NARROW = (-0.08, 0.08, 0.3, 0.5, 0.7, 0.92, 1.08), (-0.5, 0.5, 1.5), 1 / 200
+
+
+def speeds_about(bands: Sequence[Band], ends: tuple[float, float]) -> FloatArray:
+    """Crank speeds that show bands: inside of each, and just outside.
+
+    Parameters
+    ----------
+    bands : sequence of Band
+    ends : tuple of float
+        Of the map in rad/s.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Ascending, between the ends.
+    """
+    found = [np.zeros(0)]
+    for band in bands:
+        low, high = band.lower.crank_speed, band.upper.crank_speed
+        parts = STROKE if high - low < NARROW * (ends[1] - ends[0]) else WIDE
+        found.append(low + (high - low) * np.array(parts))
+    every = np.unique(np.concatenate(found))
+    return every[(every > ends[0]) & (every < ends[1])]
 
 
 def _changed(engine: Engine, request: StabilityRequest, against: Against, value: float) -> Engine:

@@ -11,6 +11,7 @@ from flexmech.analyses.digits import Quantity
 from flexmech.analyses.remarks import speed_text
 from flexmech.analyses.stability import words
 from flexmech.analyses.stability.agreement import engine_difference
+from flexmech.analyses.stability.searched import greatest_step, is_known, within
 from flexmech.analyses.trust import trust_line
 from flexmech.plots.reading import speed_unit
 from flexmech.units import from_si
@@ -35,22 +36,35 @@ def answer(dataset: xr.Dataset) -> tuple[str, ...]:
     if not bands.sizes["band"]:
         [line] = words.avoid_lines(dataset)
         if line.startswith("avoid: "):
-            line = f"No vibration grows at any speed{words.within(dataset)}."
-        return (*_at_operating_speed(dataset, bands), line)
+            line = f"No vibration is found to grow{within(dataset)}."
+        return (*_at_operating_speed(dataset, bands), line, *_missed(dataset))
     unit, count = speed_unit(dataset), bands.sizes["band"]
     fastest = bands.isel(band=int(bands["band_largest_growth_rate"].values.argmax()))
     rate = float(fastest["band_largest_growth_rate"])
     where = words.band_range(fastest, unit)
     many = "one band" if count == 1 else f"{count} bands"
     lines = [
-        f"A vibration grows in {many} of speeds{words.within(dataset)}, fastest at {where}, with "
+        f"A vibration grows in {many} of speeds{within(dataset)}, fastest at {where}, with "
         f"{rate:.{_DIGITS}g} 1/s."
     ]
     ratios = bands["band_closing_damping_ratio"].values
     if np.isfinite(ratios).all():
-        closed = "it" if count == 1 else "all of them"
+        closed = "it" if count == 1 else "all that were found"
         lines.append(f"A damping ratio of {100 * ratios.max():.{_DIGITS}g} % closes {closed}.")
-    return (*_at_operating_speed(dataset, bands), *lines)
+    return (*_at_operating_speed(dataset, bands), *lines, *_missed(dataset))
+
+
+def _missed(dataset: xr.Dataset) -> list[str]:
+    """What the steps in speed may not see."""
+    step = greatest_step(dataset, str(dataset["engine"].values[0]))
+    if not step:
+        return []
+    modes = dataset.sizes["multiplier"] // 2
+    return [
+        f"A band between two speeds that were solved for, at most {step} apart, can be missed, "
+        f"above all one with a mode above the lowest {modes}: smaller steps and more modes see "
+        "more."
+    ]
 
 
 def _first_bands(dataset: xr.Dataset) -> xr.Dataset:
@@ -68,12 +82,14 @@ def _at_operating_speed(dataset: xr.Dataset, bands: xr.Dataset) -> list[str]:
         return []
     speed, unit = max(inside, key=abs), speed_unit(dataset)
     name = f"{speed_text(speed, unit)} {unit}"
+    if not is_known(dataset, speed):
+        return [f"Whether {name} is stable is not known: nothing was computed about it."]
     for number in range(bands.sizes["band"]):
         band = bands.isel(band=number)
         lower, upper = sorted((float(band["band_lower"]), float(band["band_upper"])))
         if lower <= speed <= upper:
             return [f"{name} is unstable: it lies in the band of {words.band_range(band, unit)}."]
-    return [f"{name} is in no unstable band."]
+    return [f"{name} is in no unstable band that was found."]
 
 
 def numbers(dataset: xr.Dataset) -> tuple[Quantity, ...]:

@@ -155,8 +155,6 @@ def meetings(speeds: Sequence[TrackedSpeed], branches: int) -> list[MeetingPair]
     pairs = [(a, b) for a in range(branches) for b in range(a, branches)]
     found: dict[tuple[int, int], list[Meeting]] = {pair: [] for pair in pairs}
     for lower, upper in pairwise(speeds):
-        if lower.is_unstable and upper.is_unstable:
-            continue
         first, last = lower.frequency[::2], _continued(lower, upper)
         for a, b in pairs:
             crank = abs(lower.crank_speed) / (2 * np.pi), abs(upper.crank_speed) / (2 * np.pi)
@@ -183,7 +181,11 @@ def meetings(speeds: Sequence[TrackedSpeed], branches: int) -> list[MeetingPair]
 
 
 def met(
-    solver: LinkageSolver, pair: MeetingPair, lowest: float, least_ratio: float
+    solver: LinkageSolver,
+    pair: MeetingPair,
+    lowest: float,
+    least_ratio: float,
+    ends: tuple[float, float],
 ) -> tuple[list[MetModes], int]:
     """Meetings of a pair that damping does not close.
 
@@ -195,6 +197,8 @@ def met(
         Lowest natural frequency in rad/s.
     least_ratio : float
         Damping ratio at which a band must be open to be kept.
+    ends : tuple of float
+        Of the map in rad/s, the lower first: nothing is looked at beyond.
 
     Returns
     -------
@@ -218,19 +222,22 @@ def met(
             if ratio < least_ratio * (1.0 if solver.is_hamiltonian else FAR):
                 narrower += strength > 0
                 continue
-            found.append(_sampled(solver, centre, strength / abs(meeting.slope)))
+            found.append(_sampled(solver, centre, strength / abs(meeting.slope), ends))
         except ComputationError:
             # Beyond the last equilibrium; the map says so at its own speeds.
             continue
     return found, narrower
 
 
-def _sampled(solver: LinkageSolver, centre: float, half_width: float) -> MetModes:
-    """Growth in the middle of a band and, where it grows, beside it."""
+def _sampled(
+    solver: LinkageSolver, centre: float, half_width: float, ends: tuple[float, float]
+) -> MetModes:
+    """Growth in the middle of a band and, where it grows, beside it and inside the map."""
     growth = SignedGrowth(solver)
     samples = [growth.sample(centre)]
     if samples[0].signed_growth > 0:
-        samples += [growth.sample(centre + side * ASIDE * half_width) for side in (-1.0, 1.0)]
+        beside = (centre + side * ASIDE * half_width for side in (-1.0, 1.0))
+        samples += [growth.sample(speed) for speed in beside if ends[0] <= speed <= ends[1]]
     return MetModes(centre, samples)
 
 
@@ -244,6 +251,9 @@ def _middle(solver: LinkageSolver, meeting: Meeting, negligible: float) -> tuple
         first = meeting.crank_speed
         square = _square(solver, meeting, first)
         second = first - np.sqrt(abs(square)) / abs(slope) if square else meeting.lower
+        if second * first <= 0:
+            # Modes that meet so strongly do so down to standstill.
+            second = meeting.lower if first != meeting.lower else meeting.upper
         other = _square(solver, meeting, second)
         centre = (second + first) / 2 + (square - other) / (2 * slope**2 * (first - second))
         strength = square + slope**2 * (first - centre) ** 2
@@ -254,6 +264,7 @@ def _middle(solver: LinkageSolver, meeting: Meeting, negligible: float) -> tuple
     # three speeds about the middle tell all.
     for _ in range(REFINED):
         aside = max(np.sqrt(strength) / (2 * abs(slope)), LEAST_ASIDE * (high - low))
+        aside = min(aside, (high - low) / 2)
         centre = float(np.clip(centre, low + aside, high - aside))
         centre, strength, has_top = _by_three_speeds(solver, meeting, centre, aside)
         centre = float(np.clip(centre, low, high))

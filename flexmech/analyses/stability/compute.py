@@ -28,6 +28,7 @@ from flexmech.choices import KEPT_MODES, MapPrestress, MovingFrame, Prestress, S
 from flexmech.errors import ComputationError
 from flexmech.interruption import tidying
 from flexmech.linear_system import Engine, stressed_along_turn
+from flexmech.linkages import refuse_passing
 from flexmech.threads import one_thread
 from flexmech.time_domain import SampledTurn
 
@@ -161,6 +162,7 @@ def stability(
         damping_ratio,
         unit,
     )
+    refuse_passing(engines[0].mechanism.linkage, np.array([0.0, 2 * np.pi]))
     second = None if against is None else Against.of(engines[0].mechanism, against)
     report = progress or silent
     maps: list[EngineStability] = []
@@ -176,7 +178,8 @@ def stability(
             if maps[-1].interrupted:
                 break
         if second is not None and not maps[-1].interrupted:
-            over_both = map_against(engines, request, second, report)
+            bands = [band for each in maps for band in each.bands]
+            over_both = map_against(engines, request, second, bands, report)
             extra = extra.merge(over_both).assign_attrs(over_both.attrs)
     dataset = dataset_of(maps, request)
     attributes = dataset.attrs | extra.attrs | attributes

@@ -157,7 +157,8 @@ class _Place:
         growth = SignedGrowth(solver)
         try:
             there = growth.at(moving or solver.moving(self.edge))
-            by_slope = abs(there - here) / self.slope
+            # Beside an edge of next to no width growth may be level.
+            by_slope = abs(there - here) / self.slope if self.slope else np.inf
             return by_slope if by_slope <= LINEAR * self.width else self._sought(growth, there)
         except ComputationError:
             # There it has no equilibrium: the edge may be anywhere in the bracket.
@@ -167,7 +168,8 @@ class _Place:
         """Distance of the measure's own sign change, where the slope at the edge tells nothing."""
         distances = [2 * self.width]
         for end in (self.edge - 2 * self.width, self.edge + 2 * self.width):
-            if growth(end) * there < 0:
+            # Beyond standstill the linkage turns the other way.
+            if end * self.edge > 0 and growth(end) * there < 0:
                 ends = sorted((self.edge, end))
                 root = scipy.optimize.brentq(growth, *ends, xtol=1e-3 * self.width)
                 distances.append(abs(float(root) - self.edge))

@@ -241,7 +241,8 @@ class _EngineMap:
         if self._request.damping_ratio is not None:
             least = max(least, self._request.damping_ratio)
         pairs = meetings(tracked, self._request.modes)
-        task = partial(met, self._solver, lowest=self._lowest, least_ratio=least)
+        ends = self._request.ends
+        task = partial(met, self._solver, lowest=self._lowest, least_ratio=least, ends=ends)
         answers = self._each("meeting modes", task, pairs)
         return [each for some, _ in answers for each in some], sum(left for _, left in answers)
 

@@ -265,7 +265,12 @@ class SignedGrowth:
 
 
 def nearest_meeting(exponent: NDArray[np.complex128], period: float) -> float:
-    """Half of the least angular velocity by which two modes of opposite sense pass, in rad/s."""
-    forward = exponent.imag[exponent.imag > 0] * period
+    """Half of the least angular velocity by which two modes of opposite sense pass, in rad/s.
+
+    Of two modes that mix with higher ones those that turn back may be kept: the others, their
+    conjugates, turn forward as fast.
+    """
+    kept = exponent.imag[exponent.imag > 0]
+    forward = (kept if kept.size else np.abs(exponent.imag)) * period
     total = forward[:, None] + forward
     return float(np.abs(wrapped(total)).min() / (2 * period))

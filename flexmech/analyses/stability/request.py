@@ -79,6 +79,11 @@ class StabilityRequest:
         if self.damping_ratio is not None:
             check_number(self.damping_ratio, "damping_ratio", bounds=DAMPING_RATIO)
 
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Lowest and highest crank speed in rad/s, between which bands are sought."""
+        return float(self.crank_speeds.min()), float(self.crank_speeds.max())
+
 
 def _checked_speeds(values: FloatArray) -> FloatArray:
     """Crank speeds from the slowest to the fastest."""

@@ -55,8 +55,9 @@ class FloquetExponents:
 
     @property
     def multiplier_modulus(self) -> float:
-        """Greatest of all."""
-        return float(np.exp(self.log_modulus.max()))
+        """Greatest of all; infinite where it is beyond the largest number, 1.8e308."""
+        with np.errstate(over="ignore"):
+            return float(np.exp(self.log_modulus.max()))
 
     @property
     def growth_rate(self) -> float:
@@ -65,8 +66,9 @@ class FloquetExponents:
 
     def grows_beyond(self, error: FloatArray) -> bool:
         """Whether a modulus exceeds one by more than errors (k,) of the logarithms."""
-        growing = np.expm1(self.log_modulus)
-        return bool(np.any(growing > error * (1 + growing)))
+        # 1 - 1/modulus is at most one, where a modulus of a slow turn is beyond all numbers.
+        growing = -np.expm1(-np.maximum(self.log_modulus, 0.0))
+        return bool(np.any(growing > error))
 
 
 def wrapped(values: FloatArray, turn: float = 2 * np.pi) -> FloatArray:

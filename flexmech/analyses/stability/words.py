@@ -11,6 +11,7 @@ import xarray as xr
 from flexmech.analyses.digits import plain
 from flexmech.analyses.remarks import speed_text
 from flexmech.analyses.stability.dataset import NO_EQUILIBRIUM, NOT_COMPUTED, PARTS
+from flexmech.analyses.stability.searched import greatest_step, within
 from flexmech.analyses.summary import Table
 from flexmech.plots.reading import speed_unit
 from flexmech.units import from_si
@@ -198,19 +199,18 @@ def motion_lines(dataset: xr.Dataset) -> list[str]:
                 f"{100 * float(own.attrs['least_closing_ratio']):.3g} % closes "
                 f"{'it' if count == 1 else 'them'}"
             )
-        lines += _search_line(dataset, str(name), unit)
+        lines += _search_line(dataset, str(name))
     return [*lines, FRAME_LINE]
 
 
-def _search_line(dataset: xr.Dataset, name: str, unit: str) -> list[str]:
+def _search_line(dataset: xr.Dataset, name: str) -> list[str]:
     """Which bands a map may miss: those between two speeds; none where there are no two."""
-    own = dataset["curve_speed"].values[dataset["curve_engine"].values == name]
-    if len(own) < 2:
+    step = greatest_step(dataset, name)
+    if not step:
         return []
-    step = abs(from_si(float(np.diff(np.sort(own)).max()), unit))
     return [
-        f"{name}: bands narrower than {step:.2g} {unit}, the greatest distance of two speeds "
-        "solved for, are found where two modes meet between them, and can be missed"
+        f"{name}: bands narrower than {step}, the greatest distance of two speeds solved for, are "
+        "found where two modes meet between them, and can be missed"
     ]
 
 
@@ -380,15 +380,3 @@ def _runs(own: xr.Dataset) -> Iterator[list[int]]:
     for (state, _), group in groupby(range(len(states)), lambda n: (states[n], buckled[n])):
         if state == NO_EQUILIBRIUM:
             yield list(group)
-
-
-def within(dataset: xr.Dataset) -> str:
-    """Range of the crank speeds of a map, with a blank before it.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-    """
-    unit, speeds = speed_unit(dataset), dataset["crank_speed"].values
-    first, last = (speed_text(w, unit) for w in speeds[[0, -1]])
-    return f" from {first} to {last} {unit}" if len(speeds) > 1 else f" at {first} {unit}"

@@ -15,21 +15,27 @@ from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import Engines, engines_of
 from flexmech.analyses.strength.dataset import pin_variables, strength_dataset
 from flexmech.analyses.strength.equilibria import Equilibria
-from flexmech.analyses.strength.forces import Cuts, forces_over_the_turn, internal_forces
-from flexmech.analyses.strength.joint_loads import JointLoads, LoadsOfTurn
+from flexmech.analyses.strength.joint_loads import LoadsOfTurn
 from flexmech.analyses.strength.judged_mechanism import JudgedMechanism
+from flexmech.analyses.strength.judged_pins import judge_pins
 from flexmech.analyses.strength.margins import (
+    PinFailure,
+    failures_of,
     fatigue_margins,
     link_margins,
     margin_names,
     margin_variables,
     pin_margins,
+    weakest_checks,
 )
 from flexmech.analyses.strength.request import StrengthRequest
 from flexmech.analyses.strength.result import Strength
 from flexmech.analyses.strength.running import Runs
+from flexmech.analyses.strength.sampled_loads import LoadsAtAngles
+from flexmech.analyses.strength.sought import angles_between, seek
 from flexmech.analyses.strength.speed_search import search_roots, search_speed
-from flexmech.analyses.strength.words import straight_line
+from flexmech.analyses.strength.weakest import Name
+from flexmech.analyses.strength.words import ASKED, straight_line
 from flexmech.arrays import FloatArray, LabelledProgress, silent
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine, checked_mechanism
@@ -37,6 +43,10 @@ from flexmech.mechanism import Mechanism, drawing, require_standing_frame
 
 # Crank angles of equilibria at other speeds: a turn in steps of five degrees, for speed alone.
 MOST_SEARCHED = 73
+TOLD = 1e-6
+"""Relative error of a load factor: less is below the digits of all that is printed."""
+# Rigid links cost nothing: until nothing changes.
+_ROUNDS = 8
 RIGID = "rigid"
 """In place of an engine: the links are taken as rigid."""
 
@@ -112,6 +122,10 @@ def strength(
     if source == "quasi-static":
         straight = _of_rigid_links(judged, request.crank_angles, turning)
         attributes |= {"of_rigid_links": straight_line(straight)}
+    _refuse_nothing(dataset)
+    if source in ("quasi-static", "rigid") and len(request.crank_angles) > 1:
+        _, between = angles_between(wet, request.crank_angles)
+        attributes |= {} if between else {"judged_at": ASKED}
     names = margin_names(dataset)
     return Strength(
         with_units(dataset, "strength").assign_attrs(
@@ -134,9 +148,16 @@ def strength(
 
 def _of_rigid_links(judged: JudgedMechanism, angles: FloatArray, speed: float) -> xr.Dataset:
     """What the loads of links that are taken as rigid make of links and pins."""
-    loads = _loads(judged.mechanism, angles, speed, judged.cuts)
-    static = _static_loads(judged.mechanism, angles, speed, judged.cuts)
-    return _with_margins(_judged_by(judged, RIGID, angles, loads, static))
+    mechanism = judged.mechanism
+    every, between = angles_between(mechanism, angles)
+    moving = LoadsAtAngles.of_rigid_links(mechanism, speed)
+    still = LoadsAtAngles.of_rigid_links(mechanism, 0.0) if _grows(mechanism, speed) else None
+    for source in (moving, still):
+        if source is not None:
+            source.add(every)
+    found = seek(judged, moving, still, rounds=_ROUNDS, between=between)
+    dataset = _judged_by(judged, RIGID, angles, found.crank_angles, found.loads, found.static)
+    return _with_errors(_with_margins(dataset), found.change)
 
 
 def _by_engines(
@@ -150,15 +171,20 @@ def _by_engines(
     at_rest = request.source == "quasi-static"
     source: type[Equilibria] | type[Runs] = Equilibria if at_rest else Runs
     asked = source.of(engines, request, speed)
-    each, gaps = [], []
-    for engine in asked.engines:
-        loads = asked.loads(engine, judged.cuts, report)
-        gaps.append(loads.moment_gap)
-        each.append(_judged_by(judged, engine.name, asked.crank_angles, loads))
+    first, *others = asked.engines
+    found, errors = asked.sought(first, judged, report)
+    of_engines = {first.name: found.loads}
+    of_engines |= {engine.name: asked.again(engine, found, report) for engine in others}
+    gaps = [loads.moment_gap for loads in of_engines.values()]
+    each = [
+        _judged_by(judged, name, asked.crank_angles, found.crank_angles, loads)
+        for name, loads in of_engines.items()
+    ]
     dataset = xr.concat(
         each, "engine", data_vars="minimal", coords="minimal", compat="override", join="override"
     )
-    dataset = _with_margins(dataset)
+    known = {name: change + errors.get(name, 0.0) for name, change in found.change.items()}
+    dataset = _with_errors(_with_margins(dataset), known)
     # At rest no speed raises the loads.
     attributes = asked.attributes | _gap_attribute([gap for gap in gaps if gap is not None])
     if not request.search_speed or not speed:
@@ -166,18 +192,35 @@ def _by_engines(
 
     thinned = replace(request, crank_angles=_searched_angles(dataset, request.crank_angles))
 
+    weakest: dict[float, dict[str, int]] = {}
+
     def least(factor: float) -> dict[str, float]:
         faster = source.of(engines[:1], thinned, factor * speed)
         engine = faster.engines[0]
-        loads = faster.loads(engine, judged.cuts, report)
-        found = _judged_by(judged, engine.name, faster.crank_angles, loads)
-        return _load_factors(_with_margins(found))
+        loads = faster.loads(engine, found.cuts, report)
+        angles = faster.crank_angles
+        own = _judged_by(judged, engine.name, angles, angles, loads)
+        weakest[factor] = weakest_checks(own)
+        return _load_factors(_with_margins(own))
 
     if at_rest:
         search = search_roots(least, _load_factors(_with_margins(each[0])))
     else:
         search = search_speed(least, float(dataset["margin_load_factor"][0]))
-    factors = [search.speed_factor.get(name, np.nan) for name in margin_names(dataset)]
+    weakest[1.0] = weakest_checks(each[0])
+    dataset = dataset.drop_vars("margin_error")
+    dataset = _with_margins(dataset, failures_of(search.speed_factor, weakest))
+    # The speeds of pins may have brought rows of a second check.
+    dataset = _with_errors(dataset, known)
+    factors = [
+        own if kind == "pin" else search.speed_factor.get(name, np.nan)
+        for name, kind, own in zip(
+            margin_names(dataset),
+            dataset["margin_kind"].values.tolist(),
+            dataset["margin_speed_factor"].values.tolist(),
+            strict=True,
+        )
+    ]
     dataset = dataset.assign(
         margin_speed_factor=("margin", factors),
         searched_speed_factor=("search", search.factor),
@@ -199,10 +242,26 @@ def _gap_attribute(gaps: list[FloatArray]) -> dict[str, str]:
 
 
 def _searched_angles(dataset: xr.Dataset, angles: FloatArray) -> FloatArray:
-    """Crank angles of equilibria at other speeds: not all of many, but the worst of each part."""
-    worst = np.abs(angles - dataset["margin_crank_angle"].values[:, None]).argmin(axis=1)
+    """Crank angles of equilibria at other speeds: not all of many, but the worst of every part.
+
+    A pin has one for each of its checks: the speed may choose another check than the loads.
+    """
     every = np.arange(0, len(angles), math.ceil(len(angles) / MOST_SEARCHED))
-    return np.asarray(angles[np.unique([*every, len(angles) - 1, *worst])])
+    some = angles[np.unique([*every, len(angles) - 1])]
+    names = ("margin_crank_angle", "pin_worst_angle")
+    worst = [dataset[name].values.ravel() for name in names if name in dataset]
+    return np.unique(np.concatenate([some, *worst]))
+
+
+def _refuse_nothing(dataset: xr.Dataset) -> None:
+    """Refuse loads that stress nothing: no margin follows from them."""
+    stressed = dataset["margin_index"].values > 0
+    if not np.any(stressed | np.isfinite(dataset["margin_load_factor"].values)):
+        raise InputError(
+            "crank_speed: nothing loads links or pins at this speed, so that no margin follows; "
+            "give a crank speed, or write in the model file, under [operation], crank_speeds = "
+            '["300 rpm"]; what stands still needs gravity or a load'
+        )
 
 
 def _load_factors(dataset: xr.Dataset) -> dict[str, float]:
@@ -214,44 +273,42 @@ def _judged_by(
     judged: JudgedMechanism,
     engine: str,
     angles: FloatArray,
+    judged_at: FloatArray,
     loads: LoadsOfTurn,
     static: LoadsOfTurn | None = None,
 ) -> xr.Dataset:
-    """What one engine's loads make of links and pins."""
+    """What one engine's loads at some crank angles make of links and pins; those asked for told."""
     links, pins = judged.judge(loads, static)
-    dataset = strength_dataset(judged.mechanism, engine, angles, loads.links, links)
+    asked = loads.at(np.searchsorted(judged_at, angles))
+    dataset = strength_dataset(judged.mechanism, engine, angles, asked.links, links, judged_at)
     still = None if static is None else static.links
-    enduring = judged.enduring.judge(angles, loads.links, still)
+    enduring = judged.enduring.judge(judged_at, loads.links, still)
+    # A mean is that of the crank angles asked for, evenly apart as they may be.
+    means = judge_pins(judged.pins.made, asked.joints, None).mean
     return dataset.assign(
-        **pin_variables(judged.pins.made, pins, angles),
-        **judged.enduring.variables(dataset, enduring, angles),
+        **pin_variables(judged.pins.made, replace(pins, mean=means), judged_at),
+        **judged.enduring.variables(dataset, enduring, judged_at),
     )
 
 
-def _with_margins(dataset: xr.Dataset) -> xr.Dataset:
-    """The dataset with the margins of all kinds of parts."""
-    rows = link_margins(dataset), pin_margins(dataset), fatigue_margins(dataset)
+def _with_errors(dataset: xr.Dataset, errors: Mapping[Name, float]) -> xr.Dataset:
+    """The dataset with the relative error of the load factor of every margin."""
+    parts = zip(dataset["margin_kind"].values, dataset["margin_part"].values, strict=True)
+    known = [max(errors.get((str(kind), str(part)), 0.0), TOLD) for kind, part in parts]
+    return dataset.assign(margin_error=("margin", known))
+
+
+def _with_margins(
+    dataset: xr.Dataset, failures: Mapping[str, PinFailure] | None = None
+) -> xr.Dataset:
+    """The dataset with the margins of all kinds of parts; of pins as their speeds were searched."""
+    rows = link_margins(dataset), pin_margins(dataset, failures), fatigue_margins(dataset)
     return dataset.assign(margin_variables(*rows))
 
 
-def _loads(
-    mechanism: Mechanism, angles: FloatArray, speed: float, cuts: Mapping[str, Cuts]
-) -> LoadsOfTurn:
-    found, topology = forces_over_the_turn(mechanism, angles, speed), mechanism.linkage.topology
-    links = {
-        name: internal_forces(found, number, cuts[name])
-        for number, name in enumerate(topology.link_names)
-    }
-    return LoadsOfTurn(links, JointLoads.of_steady_links(found, topology))
-
-
-def _static_loads(
-    mechanism: Mechanism, angles: FloatArray, speed: float, cuts: Mapping[str, Cuts]
-) -> LoadsOfTurn | None:
-    """What is left of the loads at rest; None where the rest does not grow with speed squared."""
+def _grows(mechanism: Mechanism, speed: float) -> bool:
+    """Whether what is not there at rest grows with the square of the speed."""
     damped = any(spring.damping for spring in mechanism.springs)
     damped |= any(spring.torsional_damping for spring in mechanism.joint_springs)
     timed = any(load.over == "time" for load in mechanism.loads)
-    if not speed or damped or timed:
-        return None
-    return _loads(mechanism, angles, 0.0, cuts)
+    return bool(speed and not damped and not timed)

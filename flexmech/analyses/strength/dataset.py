@@ -27,6 +27,7 @@ def strength_dataset(
     angles: FloatArray,
     forces: Mapping[str, InternalForces],
     judged: Mapping[str, JudgedLink],
+    judged_at: FloatArray,
 ) -> xr.Dataset:
     """What one engine's forces make of the links.
 
@@ -42,6 +43,8 @@ def strength_dataset(
         Of every link.
     judged : mapping of str to JudgedLink
         Of links whose layers are known.
+    judged_at : ndarray, shape (B,)
+        Crank angles at which they were judged, in rad.
 
     Returns
     -------
@@ -77,7 +80,7 @@ def strength_dataset(
             "failure_index": of_places({n: one.index for n, one in numbers.items()}),
             "load_factor": of_places({n: one.load_factor for n, one in numbers.items()}),
             "speed_factor": of_places({n: one.speed_factor for n, one in numbers.items()}),
-            "worst_angle": of_places({n: angles[one.worst] for n, one in numbers.items()}),
+            "worst_angle": of_places({n: judged_at[one.worst] for n, one in numbers.items()}),
             "failure_mode": of_places({n: one.mode for n, one in numbers.items()}, ""),
             "criterion": of_layers({n: one.criterion for n, one in numbers.items()}, ""),
             "ply": of_layers({n: [la.ply.name for la in own] for n, own in stacks.items()}, ""),

@@ -108,14 +108,11 @@ def endurance(
     """
     check_counting(fatigue)
     turn = len(without_end(crank_angles))
-    # Along the link, whatever angles the layers of an isotropic material state: the sum of both
-    # normal stresses is the same in all axes, and there is none across.
-    unit = unit_ply_stresses(layers)[..., :2].sum(axis=-1)
-    stress = np.tensordot(loads[:turn], unit, axes=1)
+    stress = stress_along(layers, loads[:turn])
     high, low = stress.max(axis=0), stress.min(axis=0)
     speed = np.full(high.shape, np.nan)
     if static is not None:
-        still = np.tensordot(static[:turn], unit, axes=1)
+        still = stress_along(layers, static[:turn])
         speed = np.sqrt(_growth(fatigue, still, stress - still))
     turns = np.where(fatigue.use(high, low) <= 1, np.inf, np.nan)
     cycles = np.full(high.shape, np.nan)
@@ -133,6 +130,27 @@ def endurance(
         cycles,
         stress.argmax(axis=0),
     )
+
+
+def stress_along(layers: Layers, loads: FloatArray) -> FloatArray:
+    """Normal stress along a link of one isotropic material.
+
+    Whatever angles its layers state: the sum of both normal stresses is the same in all axes, and
+    there is none across.
+
+    Parameters
+    ----------
+    layers : LaminateSection or SheetSection
+    loads : ndarray, shape (A, k, 3)
+        Axial force, bending moment, shear force.
+
+    Returns
+    -------
+    ndarray, shape (A, k, N, 2)
+        In Pa.
+    """
+    unit = unit_ply_stresses(layers)[..., :2].sum(axis=-1)
+    return np.asarray(np.tensordot(loads, unit, axes=1))
 
 
 def cycles_of_turn(stress: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -27,6 +27,9 @@ COUNTED = (
     "count as far as the stated endurance has them"
 )
 COMPOSITES = "fatigue of composites is not judged"
+# Between crank angles: of a stress that turns with the crank, samples so far apart miss 3 % of the
+# peak.
+_WIDEST = np.radians(30.0)
 # Of a turn at 1 rad/s.
 _HOURS = 2 * math.pi / 3600
 _OF_PLACES = {
@@ -171,7 +174,9 @@ class EnduringLinks:
 
 
 def covers_a_turn(crank_angles: FloatArray) -> bool:
-    """Whether crank angles go all around: no gap from the last to the first is wider than others.
+    """Whether crank angles go all around in steps that stresses can be followed by.
+
+    No gap from the last to the first is wider than others, and none is wider than 30 degrees.
 
     Parameters
     ----------
@@ -184,8 +189,9 @@ def covers_a_turn(crank_angles: FloatArray) -> bool:
     """
     if len(crank_angles) < 2:
         return False
-    left = 2 * np.pi - (crank_angles[-1] - crank_angles[0])
-    return bool(left <= np.diff(crank_angles).max() * (1 + ROUND_OFF) + ROUND_OFF)
+    left, widest = 2 * np.pi - (crank_angles[-1] - crank_angles[0]), np.diff(crank_angles).max()
+    rounding = 1 + ROUND_OFF
+    return bool(left <= widest * rounding + ROUND_OFF and widest <= _WIDEST * rounding)
 
 
 def endurance_lines(data: xr.Dataset) -> list[str]:
@@ -277,8 +283,8 @@ def _why_not_repeated(mechanism: Mechanism, request: StrengthRequest) -> str:
     """Why loads do not repeat turn after turn; empty where they do."""
     if request.source == "transient":
         return "a run that begins with straight links does not repeat; choose the source periodic"
-    if request.source == "quasi-static" and not covers_a_turn(request.crank_angles):
-        return "the crank angles do not cover a turn"
+    if request.source in ("quasi-static", "rigid") and not covers_a_turn(request.crank_angles):
+        return "the crank angles do not cover a turn in steps of 30 deg at most"
     if timed := [load.name for load in mechanism.loads if load.over == "time"]:
         return f"loads over time do not repeat with the turn: {', '.join(timed)}"
     return ""

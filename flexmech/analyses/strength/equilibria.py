@@ -7,15 +7,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.analyses.strength.forces import Cuts, internal_forces
-from flexmech.analyses.strength.joint_loads import JointLoads, LoadsOfTurn
+from flexmech.analyses.strength.forces import Cuts
+from flexmech.analyses.strength.joint_loads import LoadsOfTurn
+from flexmech.analyses.strength.judged_mechanism import JudgedMechanism
 from flexmech.analyses.strength.request import StrengthRequest
+from flexmech.analyses.strength.sampled_loads import LoadsAtAngles
+from flexmech.analyses.strength.sought import Sought, angles_between, changes_of, seek
+from flexmech.analyses.strength.weakest import Name
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.errors import ComputationError, InputError
 from flexmech.hygrothermal import mechanism_in_state
 from flexmech.linear_system import DisplacedLinks, Engine
 from flexmech.linkages import RigidMotion
 from flexmech.threads import one_thread
+
+# Each leaves a few hundredths of what the one before has changed.
+_ROUNDS = 2
 
 
 @dataclass(frozen=True)
@@ -98,20 +105,72 @@ class Equilibria:
         ComputationError
             If an equilibrium does not converge or is unstable; names the crank angle.
         """
-        topology, found = engine.mechanism.linkage.topology, []
-        count = len(self.crank_angles)
-        with one_thread():
-            for batch in engine.batches(count):
-                angles = self.crank_angles[batch]
-                motion = engine.mechanism.linkage.motion(angles, self.speed, 0.0)
-                links = _bent(engine, motion)
-                inside = {
-                    name: internal_forces(links, number, cuts[name])
-                    for number, name in enumerate(topology.link_names)
-                }
-                found.append(LoadsOfTurn(inside, JointLoads.of_steady_links(links, topology)))
-                report(f"equilibria, {engine.name}", int(np.arange(count)[batch][-1]) + 1, count)
-        return LoadsOfTurn.joined(found)
+        source = self._source(engine, report)
+        source.add(self.crank_angles)
+        return source.loads(cuts)
+
+    def sought(
+        self, engine: Engine, judged: JudgedMechanism, report: LabelledProgress
+    ) -> tuple[Sought, dict[Name, float]]:
+        """Loads where every part is weakest, and how much twice the elements change its factor.
+
+        Parameters
+        ----------
+        engine : Engine
+        judged : JudgedMechanism
+        report : callable
+            Progress.
+
+        Returns
+        -------
+        Sought
+        dict of (str, str) to float
+            By kind and part, relative.
+
+        Raises
+        ------
+        InputError, ComputationError
+            As :meth:`loads`.
+        """
+        source = self._source(engine, report)
+        every, between = angles_between(engine.mechanism, self.crank_angles)
+        source.add(every)
+        found = seek(judged, source, rounds=_ROUNDS, between=between)
+        finer = engine.with_(elements=2 * engine.elements)
+        return found, changes_of(judged, found, self._source(finer, report))
+
+    def again(self, engine: Engine, found: Sought, report: LabelledProgress) -> LoadsOfTurn:
+        """Loads of another engine at the crank angles and places that were found by one.
+
+        Parameters
+        ----------
+        engine : Engine
+        found : Sought
+        report : callable
+            Progress.
+
+        Returns
+        -------
+        LoadsOfTurn
+        """
+        source = self._source(engine, report)
+        source.add(found.crank_angles)
+        return source.loads(found.cuts)
+
+    def _source(self, engine: Engine, report: LabelledProgress) -> LoadsAtAngles:
+        """Equilibria of an engine, without any yet."""
+
+        def compute(angles: FloatArray) -> list[DisplacedLinks]:
+            found, count = [], len(angles)
+            with one_thread():
+                for batch in engine.batches(count):
+                    motion = engine.mechanism.linkage.motion(angles[batch], self.speed, 0.0)
+                    found.append(_bent(engine, motion))
+                    done = int(np.arange(count)[batch][-1]) + 1
+                    report(f"equilibria, {engine.name}", done, count)
+            return found
+
+        return LoadsAtAngles(engine.mechanism, compute)
 
 
 def _bent(engine: Engine, motion: RigidMotion) -> DisplacedLinks:

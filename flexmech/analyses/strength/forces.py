@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,7 +55,7 @@ class Cuts:
         return sorted(set(self.place[:-1][np.diff(self.place) == 0].tolist()))
 
 
-def cuts_of(mechanism: Mechanism, link: str, elements: int) -> Cuts:
+def cuts_of(mechanism: Mechanism, link: str, elements: int, further: Sequence[float] = ()) -> Cuts:
     """Where internal forces of a link are looked at.
 
     Parameters
@@ -63,16 +64,22 @@ def cuts_of(mechanism: Mechanism, link: str, elements: int) -> Cuts:
     link : str
     elements : int
         Parts of equal length.
+    further : sequence of float
+        Places from the link's start in m.
 
     Returns
     -------
     Cuts
-        At the ends of the parts, and at both sides of all that acts on the link between its ends.
+        At the ends of the parts, at further places, and at both sides of all that acts on the link
+        between its ends.
     """
     length = mechanism.link_mass(link).length
     beside = BESIDE * length
     jumps = np.unique([x for x in kinks_of(mechanism, link) if beside < x < length - beside])
     even = np.linspace(0.0, length, elements + 1)
+    more = np.asarray(further, dtype=float)
+    new = np.abs(even[:, None] - more).min(axis=0) > SAME_PLACE * length
+    even = np.union1d(even, more[new])
     # A part's end at a jump is there already, on both of its sides.
     apart = np.abs(even[:, None] - jumps).min(axis=1, initial=np.inf) > SAME_PLACE * length
     place = np.concatenate([even[apart], jumps, jumps])

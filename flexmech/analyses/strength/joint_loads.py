@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexmech.analyses.strength.forces import BESIDE, InternalForces
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import DisplacedLinks, RunningLinks
 from flexmech.linkages import InverseDynamics, LinkEnd, Topology
 from flexmech.linkages.internal_forces import LinkForces
@@ -78,6 +78,12 @@ class JointLoads:
             rate[:, number] += own @ link.readings.rotations_at(np.array([0.0, 1.0])).T
         return replace(steady, rate=rate)
 
+    def mapped(self, change: Callable[[FloatArray], FloatArray]) -> JointLoads:
+        """With every history (A, ...) changed alike."""
+        blocks = {name: change(force) for name, force in self.of_blocks.items()}
+        force, angle, rate = (change(one) for one in (self.force, self.angle, self.rate))
+        return JointLoads(self.topology, force, angle, rate, blocks)
+
     def vector(self, joint: str) -> FloatArray:
         """Force of a pin on the grounded or following link, N, (A, 2); of a block in link axes."""
         if joint in self.of_blocks:
@@ -142,6 +148,17 @@ class LoadsOfTurn:
     links: Mapping[str, InternalForces]
     joints: JointLoads
     moment_gap: FloatArray | None = None
+
+    def mapped(self, change: Callable[[FloatArray], FloatArray]) -> LoadsOfTurn:
+        """With every history (A, ...) changed alike."""
+        links = {
+            name: InternalForces(own.place, change(own.loads)) for name, own in self.links.items()
+        }
+        return LoadsOfTurn(links, self.joints.mapped(change), self.moment_gap)
+
+    def at(self, some: IntArray) -> LoadsOfTurn:
+        """Those at some of the crank angles."""
+        return self.mapped(lambda history: history[some])
 
     @classmethod
     def joined(cls, parts: Sequence[LoadsOfTurn]) -> LoadsOfTurn:

@@ -33,6 +33,8 @@ class JudgedLink:
         How the ply fails there first; empty where nothing grows towards failure.
     speed_factor : ndarray, shape (k, N, 2)
         Over all crank angles; not a number where it does not follow.
+    fastest : ndarray of int, shape (k, N, 2)
+        Number of the crank angle at which the speed factor is least.
     criterion : tuple of str, length N
         Of each layer.
     """
@@ -42,6 +44,7 @@ class JudgedLink:
     worst: IntArray
     mode: FloatArray
     speed_factor: FloatArray
+    fastest: IntArray
     criterion: tuple[CriterionName, ...]
 
 
@@ -132,6 +135,7 @@ def judge(
     shape = (loads.shape[1], *unit.shape[1:3])
     index, factor, speed = np.empty(shape), np.empty(shape), np.full(shape, np.nan)
     worst, mode = np.empty(shape, dtype=np.intp), np.empty(shape, dtype=object)
+    fastest = np.zeros(shape, dtype=np.intp)
     names: dict[int, CriterionName] = {}
     for criterion, own in criteria_of(layers, asked):
         names |= dict.fromkeys(own, criterion.name)
@@ -150,11 +154,11 @@ def judge(
         if static is None:
             continue
         if not static.any():
-            speed[:, own] = np.sqrt(least)
+            speed[:, own], fastest[:, own] = np.sqrt(least), at[0]
             continue
         still = np.tensordot(static, by_load, axes=1)
         grown, _ = criterion.load_factor(stress - still, stays + still)
-        speed[:, own] = np.sqrt(grown.min(axis=0))
+        speed[:, own], fastest[:, own] = np.sqrt(grown.min(axis=0)), grown.argmin(axis=0)
     count = len(layers.laminate.layers)
     criteria = tuple(names[number] for number in range(count))
-    return JudgedLink(index, factor, worst, mode, speed, criteria)
+    return JudgedLink(index, factor, worst, mode, speed, fastest, criteria)

@@ -35,6 +35,8 @@ class JudgedPins:
         Speed factors over all crank angles; not numbers where they do not follow.
     worst : ndarray of int, shape (c,)
         Number of the crank angle at which the stress is greatest.
+    fastest : ndarray of int, shape (c,)
+        Number of the crank angle at which the speed factor is least.
     """
 
     stress: FloatArray
@@ -42,6 +44,7 @@ class JudgedPins:
     load_factor: FloatArray
     speed_factor: FloatArray
     worst: IntArray
+    fastest: IntArray
 
 
 def judge_pins(
@@ -63,7 +66,7 @@ def judge_pins(
     JudgedPins
     """
     stress = np.zeros((len(checks), len(loads.force)))
-    speed = np.full(len(checks), np.nan)
+    speed, fastest = np.full(len(checks), np.nan), np.zeros(len(checks), dtype=np.intp)
     for number, check in enumerate(checks):
         size, speed_of = _GROWTH.get(check.mode, (_length, speed_of_force))
         acting = _acting(check, loads, loads)
@@ -71,13 +74,14 @@ def judge_pins(
         if static is not None:
             still = _acting(check, static, loads)
             over = check.stress / check.allowable
-            speed[number] = speed_of(over * still, over * (acting - still)).min()
+            over_turn = speed_of(over * still, over * (acting - still))
+            speed[number], fastest[number] = over_turn.min(), over_turn.argmin()
     allowable = np.array([check.allowable for check in checks])
     worst = stress.argmax(axis=1)
     greatest = np.take_along_axis(stress, worst[:, None], axis=1)[:, 0]
     with np.errstate(divide="ignore"):
         factor = allowable / greatest
-    return JudgedPins(greatest, stress.mean(axis=1), factor, speed, worst)
+    return JudgedPins(greatest, stress.mean(axis=1), factor, speed, worst, fastest)
 
 
 def _acting(check: PinCheck, loads: JointLoads, running: JointLoads) -> FloatArray:

@@ -1,13 +1,15 @@
 """Margins: a row for each part that is judged, of whatever kind, the weakest first.
 
+A pin has two of them where one check is its weakest as loads rise, and another as the speed rises.
+
 A further kind is a word in :data:`KINDS` and one more list of rows for :func:`margin_variables`.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from operator import attrgetter
 from typing import Any
 
@@ -16,6 +18,7 @@ import xarray as xr
 
 from flexmech.analyses.datasets import PLAIN_TYPES
 from flexmech.analyses.digits import plain
+from flexmech.arrays import ROUND_OFF
 
 KINDS = {"link": "{}", "pin": "pin {}", "fatigue": "{} (fatigue)"}
 """Kinds of parts, and what a part of each is called."""
@@ -35,7 +38,8 @@ class Margin:
     kind : str
         One of :data:`KINDS`.
     load_factor, speed_factor : float
-        Least of the part; the latter is not a number where none follows.
+        Least of the part, of a pin both of one check; the latter is not a number where none
+        follows.
     where : str
         In words.
     crank_angle : float
@@ -71,9 +75,13 @@ def part_name(part: str, kind: str) -> str:
 
 
 def margin_names(dataset: xr.Dataset) -> list[str]:
-    """:func:`part_name` of every margin of a dataset, in order."""
-    parts, kinds = (dataset[f"margin_{name}"].values.tolist() for name in ("part", "kind"))
-    return [part_name(part, kind) for part, kind in zip(parts, kinds, strict=True)]
+    """:func:`part_name` of every margin of a dataset, in order; of a second one with its mode."""
+    columns = (dataset[f"margin_{name}"].values.tolist() for name in ("part", "kind", "mode"))
+    names: list[str] = []
+    for part, kind, mode in zip(*columns, strict=True):
+        name = part_name(part, kind)
+        names.append(f"{name}, {mode}" if name in names else name)
+    return names
 
 
 def margin_variables(*of_kinds: Sequence[Margin]) -> dict[str, Any]:
@@ -145,13 +153,36 @@ def fatigue_margins(dataset: xr.Dataset) -> list[Margin]:
     ]
 
 
-def pin_margins(dataset: xr.Dataset) -> list[Margin]:
-    """Margin of each judged pin, by its worst check and by whatever engine.
+@dataclass(frozen=True)
+class PinFailure:
+    """Which check of a pin fails first as the crank speed rises, and at which speed.
+
+    Parameters
+    ----------
+    check : int
+        Number of the check in the dataset.
+    speed_factor : float
+    """
+
+    check: int
+    speed_factor: float
+
+
+def pin_margins(
+    dataset: xr.Dataset, failures: Mapping[str, PinFailure] | None = None
+) -> list[Margin]:
+    """Margins of each judged pin by its checks, and by whatever engine; each row is of one check.
+
+    The check that fails first as the loads rise is one row. Where another one fails first as the
+    speed rises, that is a second row.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         Of strength; without checks of pins it has no pin's margin.
+    failures : mapping of str to PinFailure, optional
+        Of joints, as a search of the speed has found them. Left out: by the speed factors of the
+        checks, which loads of rigid links have.
 
     Returns
     -------
@@ -160,26 +191,83 @@ def pin_margins(dataset: xr.Dataset) -> list[Margin]:
     if "pin_joint" not in dataset:
         return []
     rows = []
-    joints = dataset["pin_joint"].values
-    for joint in dict.fromkeys(joints.tolist()):
-        own = dataset.isel(pin_check=joints == joint)
-        factor = own["pin_load_factor"].transpose("engine", "pin_check").values
-        engine, check = np.unravel_index(np.argmin(factor), factor.shape)
-        worst = own.isel(engine=engine, pin_check=check)
-        link = str(worst["pin_link"].item())
-        rows.append(
-            Margin(
-                part=joint,
-                kind="pin",
-                load_factor=float(worst["pin_load_factor"]),
-                speed_factor=_least(own["pin_speed_factor"]),
-                where=f"eye of the {link}" if link else "bush",
-                crank_angle=float(worst["pin_worst_angle"]),
-                mode=str(worst["pin_mode"].item()),
-                index=float(worst["pin_stress"] / worst["pin_allowable"]),
-            )
-        )
+    names = dataset["pin_joint"].values
+    load, speed = (
+        dataset[f"pin_{name}_factor"].transpose("engine", "pin_check").values
+        for name in ("load", "speed")
+    )
+    for joint in dict.fromkeys(names.tolist()):
+        checks = np.flatnonzero(names == joint)
+        weakest = int(checks[load[:, checks].min(axis=0).argmin()])
+        fastest: PinFailure | None = None
+        if failures is not None:
+            fastest = failures.get(joint)
+        elif not np.isnan(speed[:, checks]).all():
+            least = np.nanmin(speed[:, checks], axis=0)
+            first = int(least.argmin())
+            fastest = PinFailure(int(checks[first]), float(least[first]))
+            if least[checks == weakest][0] <= fastest.speed_factor * (1 + ROUND_OFF):
+                fastest = replace(fastest, check=weakest)
+        for check in dict.fromkeys([weakest, fastest.check if fastest else weakest]):
+            known = fastest.speed_factor if fastest and check == fastest.check else math.nan
+            if failures is None and not np.isnan(speed[:, check]).all():
+                known = float(np.nanmin(speed[:, check]))
+            rows.append(_pin_margin(dataset, int(load[:, check].argmin()), check, known))
     return rows
+
+
+def weakest_checks(dataset: xr.Dataset) -> dict[str, int]:
+    """Number of the check of each joint's pin with the least load factor, by whatever engine."""
+    if "pin_joint" not in dataset:
+        return {}
+    names = dataset["pin_joint"].values
+    load = dataset["pin_load_factor"].transpose("engine", "pin_check").values.min(axis=0)
+    return {
+        joint: int(np.flatnonzero(names == joint)[load[names == joint].argmin()])
+        for joint in dict.fromkeys(names.tolist())
+    }
+
+
+def failures_of(
+    speed_factors: Mapping[str, float], weakest: Mapping[float, Mapping[str, int]]
+) -> dict[str, PinFailure]:
+    """Which checks of pins fail at the speeds that were searched.
+
+    Parameters
+    ----------
+    speed_factors : mapping of str to float
+        Of parts by :func:`part_name`.
+    weakest : mapping of float to mapping of str to int
+        :func:`weakest_checks` by the factor of the crank speed: the nearest one tells.
+
+    Returns
+    -------
+    dict of str to PinFailure
+    """
+    found = {}
+    for joint in next(iter(weakest.values())):
+        factor = speed_factors.get(part_name(joint, "pin"), math.nan)
+        if math.isfinite(factor):
+            apart = {abs(own - factor): own for own in weakest}
+            near = apart[min(apart)]
+            found[joint] = PinFailure(weakest[near][joint], factor)
+    return found
+
+
+def _pin_margin(dataset: xr.Dataset, engine: int, check: int, speed_factor: float) -> Margin:
+    """Margin of a pin by one check and one engine."""
+    own = dataset.isel(engine=engine, pin_check=check)
+    link = str(own["pin_link"].item())
+    return Margin(
+        part=str(own["pin_joint"].item()),
+        kind="pin",
+        load_factor=float(own["pin_load_factor"]),
+        speed_factor=speed_factor,
+        where=f"eye of the {link}" if link else "bush",
+        crank_angle=float(own["pin_worst_angle"]),
+        mode=str(own["pin_mode"].item()),
+        index=float(own["pin_stress"] / own["pin_allowable"]),
+    )
 
 
 def _worst_places(dataset: xr.Dataset, name: str) -> Iterator[tuple[str, xr.Dataset, xr.Dataset]]:

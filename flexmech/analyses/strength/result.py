@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -107,9 +108,11 @@ class Strength(Result):
         forces = table_of(data, ("engine", "link", "crank_angle", "station"), _FORCES)
         checked = "pin_joint" in data
         return {
-            "strength": places.reset_index(drop=True),
-            "margins": _margins_table(data),
-            **({"pins": table_of(data, ("engine", "pin_check"), _PINS)} if checked else {}),
+            "strength": _finite(places.reset_index(drop=True)),
+            "margins": _finite(_margins_table(data)),
+            **(
+                {"pins": _finite(table_of(data, ("engine", "pin_check"), _PINS))} if checked else {}
+            ),
             **({"endurance": _endurance_table(data)} if "stress_amplitude" in data else {}),
             "internal_forces": forces.dropna(subset=["position_m"]).reset_index(drop=True),
         }
@@ -138,7 +141,13 @@ class Strength(Result):
 
 def _endurance_table(data: xr.Dataset) -> pd.DataFrame:
     table = table_of(data, _PLACES, _ENDURANCE).dropna(subset=["load_factor"])
-    return table.reset_index(drop=True)
+    return _finite(table.reset_index(drop=True))
+
+
+def _finite(table: pd.DataFrame) -> pd.DataFrame:
+    """The table with empty factors where no load or speed leads to failure."""
+    factors = [name for name in ("load_factor", "speed_factor") if name in table]
+    return table.assign(**{name: table[name].replace(np.inf, np.nan) for name in factors})
 
 
 def _margins_table(data: xr.Dataset) -> pd.DataFrame:
@@ -151,7 +160,10 @@ def _margins_table(data: xr.Dataset) -> pd.DataFrame:
         "layer": "margin_layer",
         "crank_angle_deg": "margin_crank_angle",
         "mode_of_failure": "margin_mode",
+        "relative_error": "margin_error",
     }
+    if "margin_error" not in data:  # a file of an earlier version
+        del columns["relative_error"]
     table = table_of(data, ("margin",), columns)
     layers = table["layer"].astype("Int64")
     return table.assign(layer=layers.mask(layers == NO_LAYER))

@@ -11,14 +11,21 @@ from scipy.interpolate import CubicSpline
 from flexmech.analyses.damping_ratios import CountedLoss
 from flexmech.analyses.response.plan import RunPlan, engines_in_state, planned
 from flexmech.analyses.response.request import ResponseRequest
-from flexmech.analyses.response.run import run_engine
+from flexmech.analyses.response.run import EngineRun, mesh_error, run_engine
 from flexmech.analyses.response.stresses import carried
 from flexmech.analyses.strength.forces import Cuts, InternalForces, internal_forces
 from flexmech.analyses.strength.joint_loads import JointLoads, LoadsOfTurn
+from flexmech.analyses.strength.judged_mechanism import JudgedMechanism
 from flexmech.analyses.strength.request import StrengthRequest
+from flexmech.analyses.strength.sampled_loads import LoadsOfRun
+from flexmech.analyses.strength.sought import Sought, seek
+from flexmech.analyses.strength.weakest import Name
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.linear_system import Engine, RunningLinks, bent_curvature
 from flexmech.threads import one_thread
+
+# Each leaves a few hundredths of what the one before has changed.
+_ROUNDS = 2
 
 
 @dataclass(frozen=True)
@@ -96,30 +103,92 @@ class Runs:
         -------
         LoadsOfTurn
         """
-        topology, drive = engine.mechanism.linkage.topology, self.request.drive
+        run = run_engine(engine, self.request, self.plan, report)
+        return self._source(engine, run).loads(cuts)
+
+    def sought(
+        self, engine: Engine, judged: JudgedMechanism, report: LabelledProgress
+    ) -> tuple[Sought, dict[Name, float]]:
+        """Loads where every part is weakest, and how far the run's stresses and forces are known.
+
+        Parameters
+        ----------
+        engine : Engine
+        judged : JudgedMechanism
+        report : callable
+            Progress.
+
+        Returns
+        -------
+        Sought
+        dict of (str, str) to float
+            By kind and part, relative: by other time steps, component modes and elements.
+        """
+        run = run_engine(engine, self.request, self.plan, report)
+        found = seek(judged, self._source(engine, run), rounds=_ROUNDS)
+        by = run.step_error, run.reduction_error, mesh_error(run, self.request, self.plan, report)
+        topology = engine.mechanism.linkage.topology
+        stress, force = (
+            np.sum([one.of[f"peak_{of}"] for one in by], axis=0) for of in ("stress", "force")
+        )
+        errors = dict(zip((("pin", joint) for joint in topology.joint_names), force, strict=True))
+        for kind in ("link", "fatigue"):
+            links = ((kind, name) for name in topology.link_names)
+            errors |= dict(zip(links, stress, strict=True))
+        return found, {name: float(error) for name, error in errors.items()}
+
+    def again(self, engine: Engine, found: Sought, report: LabelledProgress) -> LoadsOfTurn:
+        """Loads of another engine at the crank angles and places that were found by one.
+
+        Parameters
+        ----------
+        engine : Engine
+        found : Sought
+        report : callable
+            Progress.
+
+        Returns
+        -------
+        LoadsOfTurn
+        """
+        source = self._source(engine, run_engine(engine, self.request, self.plan, report))
+        source.add(found.crank_angles)
+        return source.loads(found.cuts)
+
+    def _source(self, engine: Engine, run: EngineRun) -> LoadsOfRun:
+        """Loads of a run."""
+        trajectory, running = run.trajectory, []
         with one_thread():
-            trajectory = run_engine(engine, self.request, self.plan, report).trajectory
             gained = [
                 CubicSpline(trajectory.time, own)(trajectory.time, 1) for own in trajectory.rate
             ]
-            found = []
             for batch in engine.batches(len(trajectory.time)):
                 part = trajectory[batch]
-                running = RunningLinks.of_run(
-                    engine,
-                    carried(engine, part, drive),
-                    part.time,
-                    part.displacement,
-                    part.rate,
-                    [own[batch] for own in gained],
+                running.append(
+                    RunningLinks.of_run(
+                        engine,
+                        carried(engine, part, self.request.drive),
+                        part.time,
+                        part.displacement,
+                        part.rate,
+                        [own[batch] for own in gained],
+                    )
                 )
-                inside = {
-                    name: internal_forces(running, number, cuts[name])
-                    for number, name in enumerate(topology.link_names)
-                }
-                gap = _moment_gap(running, inside, cuts)
-                found.append(LoadsOfTurn(inside, JointLoads.of_running_links(running), gap))
-        return LoadsOfTurn.joined(found)
+        names = engine.mechanism.linkage.topology.link_names
+
+        def at_samples(cuts: Mapping[str, Cuts]) -> LoadsOfTurn:
+            found = []
+            with one_thread():
+                for own in running:
+                    inside = {
+                        name: internal_forces(own, number, cuts[name])
+                        for number, name in enumerate(names)
+                    }
+                    gap = _moment_gap(own, inside, cuts)
+                    found.append(LoadsOfTurn(inside, JointLoads.of_running_links(own), gap))
+            return LoadsOfTurn.joined(found)
+
+        return LoadsOfRun(self.crank_angles, at_samples)
 
 
 def _moment_gap(

@@ -38,6 +38,9 @@ FORCES = {
     "transient": "internal forces: of a run that begins with straight links at full speed",
 }
 OF_PLACES = "of the places and crank angles asked for alone: between them factors may be lower"
+ASKED = "crank angles asked for"
+"""Where parts were judged, if not between the crank angles too."""
+OF_ANGLES = "of the crank angles asked for alone: between them factors may be lower"
 # Internal forces below this part of the greatest of their kind are round-off.
 _NO_FORCE = 1e-6
 OF_PINS = (
@@ -81,7 +84,7 @@ def summary_of(data: xr.Dataset) -> Summary:
     return Summary(
         _answer(data),
         _table(data),
-        f"{OF_PLACES}{_agreement(data)}",
+        f"{_known(data)}{_agreement(data)}",
         tuple(_details(data)),
         warning,
         _numbers(data),
@@ -242,6 +245,14 @@ def straight_line(data: xr.Dataset) -> str:
     return f"if the links were rigid, load factor (and speed factor): {told}"
 
 
+def _known(data: xr.Dataset) -> str:
+    """How far load factors are known, of the part of which it is least."""
+    if "margin_error" not in data:
+        return OF_PLACES
+    known = f"load factors are known to {percent(float(data['margin_error'].max()))}"
+    return f"{known}, {OF_ANGLES}" if data.attrs.get("judged_at") == ASKED else known
+
+
 def _agreement(data: xr.Dataset) -> str:
     """How far the internal forces of two engines are apart, over their peaks."""
     if data.sizes["engine"] == 1:
@@ -271,7 +282,8 @@ def _engine_lines(data: xr.Dataset) -> list[str]:
                 for engine in data["engine"].values.tolist()
             )
             lines.append(f"load factor of {part_name(link, kind)}: {', '.join(told)}")
-    for pin in pin_margins(data):
+    pins = {pin.part: pin for pin in reversed(pin_margins(data))}
+    for pin in reversed(pins.values()):
         own = data["pin_load_factor"][:, data["pin_joint"].values == pin.part]
         told = (
             f"{engine} {_factor(float(own.sel(engine=engine).min()))}"
@@ -284,8 +296,12 @@ def _engine_lines(data: xr.Dataset) -> list[str]:
 def _numbers(data: xr.Dataset) -> tuple[Quantity, ...]:
     numbers = []
     for number, part in enumerate(margin_names(data)):
-        for name in ("load_factor", "speed_factor"):
-            numbers.append(Quantity(name, float(data[f"margin_{name}"][number]), "", of=part))
+        load, speed = (float(data[f"margin_{of}_factor"][number]) for of in ("load", "speed"))
+        error = math.nan
+        if "margin_error" in data and math.isfinite(load):
+            error = load * float(data["margin_error"][number])
+        numbers.append(Quantity("load_factor", load, "", error, part))
+        numbers.append(Quantity("speed_factor", speed, "", of=part))
         if _text(data, "kind", number) == "fatigue":
             turns = fewest_turns(data, _text(data, "part", number))
             numbers.append(Quantity("turns_to_failure", turns, "", of=part))
@@ -307,7 +323,7 @@ def _layer_text(data: xr.Dataset, number: int) -> str:
 
 
 def _factor(value: float) -> str:
-    return "-" if math.isnan(value) else rounded(value, math.nan, _DIGITS)
+    return "-" if not math.isfinite(value) else rounded(value, math.nan, _DIGITS)
 
 
 def _text(data: xr.Dataset, name: str, number: int) -> str:

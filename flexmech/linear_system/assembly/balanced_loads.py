@@ -128,7 +128,7 @@ def balanced_loads(
         converged |= (load_change <= LAST_PASS * size) | stagnated
         if number and converged.all():
             if displaced_inertia is not None:
-                _refuse_instability(motion, against)
+                _refuse_instability(motion, against, follow=connectors.follow)
             return BalancedLoads(_sum(loads, force), moved)
         displacement = solve(BalancedLoads(_sum(loads, force), moved))
         stiffness = tangents(displacement)
@@ -199,12 +199,21 @@ class _DisplacementForces:
         return added.stiffness
 
 
-def _refuse_instability(motion: RigidMotion, stiffness: FloatArray) -> None:
-    """Refuse an equilibrium that is statically unstable."""
-    symmetric = (stiffness + np.swapaxes(stiffness, 1, 2)) / 2
+def _refuse_instability(motion: RigidMotion, stiffness: FloatArray, *, follow: bool) -> None:
+    """Refuse an equilibrium that is statically unstable.
+
+    Under forces that follow the links the stiffness is not symmetric, and its symmetric part says
+    nothing: a linkage diverges where the determinant is negative (Bolotin 1963), and
+    flutter is no matter of statics.
+    """
+    if follow:
+        unstable = np.linalg.slogdet(stiffness).sign <= 0
+    else:
+        symmetric = (stiffness + np.swapaxes(stiffness, 1, 2)) / 2
+        unstable = np.linalg.eigvalsh(symmetric)[:, 0] <= 0
     refuse_positions(
         motion,
-        np.linalg.eigvalsh(symmetric)[:, 0] <= 0,
+        unstable,
         "the linkage buckles: the inertia forces and springs on its displaced links",
         f" grow faster with the displacement than the links' own forces; {LESS_LOADED} or stiffen "
         "the links",

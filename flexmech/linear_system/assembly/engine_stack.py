@@ -85,6 +85,7 @@ def _mass_of_designs(masses: Sequence[LinkMass], motion: RigidMotion) -> LinkMas
         every([mass.mass_per_length for mass in masses]),
         tuple(every([mass.point_positions[number] for mass in masses]) for number in points),
         tuple(every([mass.point_masses[number] for mass in masses]) for number in points),
+        rotary_inertia=every([mass.rotary_inertia for mass in masses]),
     )
 
 

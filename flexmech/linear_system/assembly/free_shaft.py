@@ -14,7 +14,7 @@ from typing import Self
 import numpy as np
 
 from flexmech.errors import InputError
-from flexmech.linear_system.links.chains import with_entries
+from flexmech.linear_system.links.chains import whole, with_entries
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import Clamp, Topology, picture_crank_angle
 from flexmech.mechanism import Mechanism
@@ -98,7 +98,28 @@ class FreeShaft:
         return int(link.end_rotation_of(self.clamp.link_end.end)[0])
 
     def links(self, links: tuple[LinkModel, ...]) -> tuple[LinkModel, ...]:
-        """Unreduced links, of which the clamped one has the shaft's inertia."""
+        """Unreduced links, of which the clamped one has the shaft's inertia.
+
+        That link turns with the shaft as a rigid body, and so has the rotary inertia of its
+        sections whatever its elements. It is on the mean rotation weighted by mass, to which
+        all its vibration is orthogonal.
+        """
         turn, own = np.array([self.rotation(links[self.link])]), links[self.link]
         mass = with_entries(own.mass, turn, turn, np.array([self.inertia]))
-        return tuple(replace(own, mass=mass) if link is own else link for link in links)
+        clamped = replace(own, mass=mass)
+        if own.uncounted_rotary_inertia:
+            length = own.readings.nodes[-1]
+            start = self.clamp.hub - (length if self.clamp.link_end.end == "end" else 0.0)
+            rigid = own.fields.tangential + start * own.fields.across
+            rotary = float(own.uncounted_rotary_inertia) * length
+            mean = (momentum := mass @ rigid) / (rigid @ momentum)
+            clamped = replace(
+                own,
+                mass=whole(mass) + rotary * np.outer(mean, mean),
+                gyroscopic=whole(own.gyroscopic),
+                centrifugal_mass=whole(own.centrifugal_mass),
+                stiffness=whole(own.stiffness),
+                damping=whole(own.damping),
+                uncounted_rotary_inertia=0.0,
+            )
+        return tuple(clamped if link is own else link for link in links)

@@ -74,9 +74,15 @@ class RunningLinks(DisplacedLinks):
         return cls(*links, rate, acceleration)
 
     def _inertia(
-        self, link: int, place: FloatArray, mass: FloatArray, arm: FloatArray, inertia: float = 0.0
+        self,
+        link: int,
+        place: FloatArray,
+        mass: FloatArray,
+        arm: FloatArray,
+        inertia: FloatArray | float = 0.0,
+        vibrates: bool = True,
     ) -> ForcesAlong:
-        """Inertia forces and weight of masses (j,) on arms (2,) fixed to places (j,) of a link."""
+        """As :meth:`DisplacedLinks._inertia`, with the motion in the link's frame."""
         motion, angle = self.motion, self.motion.angle[:, link]
         pull = motion.origin_acceleration[:, link] - np.asarray(self.mechanism.gravity)
         along, across = (np.sum(pull * axis(angle), axis=-1) for axis in (direction, normal))
@@ -100,7 +106,8 @@ class RunningLinks(DisplacedLinks):
             ],
             axis=-1,
         )
-        return ForcesAlong(place, force, cross(at, force) - inertia * (change + spin))
+        turned = change + spin if vibrates else change
+        return ForcesAlong(place, force, cross(at, force) - inertia * turned)
 
     def _motion_in_frame(
         self, link: int, place: FloatArray, at: FloatArray

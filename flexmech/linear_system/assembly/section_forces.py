@@ -177,6 +177,7 @@ class DisplacedLinks:
             shift = np.stack([back * place, rise * place], axis=-1) + q[:, None, :2]
             return np.concatenate([shift, np.broadcast_to(turn, shift.shape[:2])[..., None]], -1)
         readings = model.readings
+        q = readings.with_slope_vectors(q)
         length = readings.nodes[-1]
         turned = readings.rotations_at(place / length)
         rows = np.concatenate([readings.displacement_at(place / length), turned[:, None]], axis=1)
@@ -198,8 +199,10 @@ class DisplacedLinks:
             gauss, weight = np.polynomial.legendre.leggauss(POINTS)
             half = np.diff(ends)[:, None] / 2
             x = (ends[:-1, None] + half * (1 + gauss)).ravel()
-            each = mass.mass_per_length * (half * weight).ravel()
-            yield self._inertia(link, x, each, np.array([0.0, mass.offset]))
+            each, arm = (half * weight).ravel(), np.array([0.0, mass.offset])
+            rotary = mass.rotary_inertia * each
+            vibrates = not self.links[link].uncounted_rotary_inertia
+            yield self._inertia(link, x, mass.mass_per_length * each, arm, rotary, vibrates)
         for body in lumps:
             one = np.array([body.position]), np.array([body.mass])
             yield self._inertia(link, *one, np.array(body.offset), body.inertia)
@@ -214,9 +217,19 @@ class DisplacedLinks:
                 yield ForcesAlong(np.array([push.point.x]), force[:, None], moment)
 
     def _inertia(
-        self, link: int, place: FloatArray, mass: FloatArray, arm: FloatArray, inertia: float = 0.0
+        self,
+        link: int,
+        place: FloatArray,
+        mass: FloatArray,
+        arm: FloatArray,
+        inertia: FloatArray | float = 0.0,
+        vibrates: bool = True,
     ) -> ForcesAlong:
-        """Inertia forces and weight of masses (j,) on arms (2,) fixed to places (j,) of a link."""
+        """Inertia forces and weight of masses (j,) on arms (2,) fixed to places (j,) of a link.
+
+        ``inertia`` (j,) is that about their own centres; ``vibrates`` says whether the rotation of
+        sections in the link's frame has it too, besides that of the frame.
+        """
         motion, angle = self.motion, self.motion.angle[:, link]
         x, y = place + arm[0], np.full_like(place, arm[1])
         pull = motion.origin_acceleration[:, link] - np.asarray(self.mechanism.gravity)

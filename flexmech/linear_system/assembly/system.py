@@ -13,6 +13,7 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.carried_linkage import COORDINATES, CarriedLinkage
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.chains import times, whole
+from flexmech.linear_system.links.link_inertia import rigid_inertia
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linkages import RigidMotion
@@ -169,10 +170,10 @@ class LinearSystem:
         weights, moved = [], self._split(vectors)[1][0]
         fields = self.carried.fields(self.motion)[:, 0]
         for link, shape, field in zip(links, shapes, fields, strict=True):
-            own = link.fields
-            rigid = np.stack([own.along, own.across, own.tangential], axis=1) @ field
-            weights.append(whole(link.mass) @ (shape + rigid @ moved))
-            of_frame = of_frame + rigid.T @ weights[-1]
+            own, forces = link.fields, rigid_inertia(link)[:, :3]
+            rigid = np.stack([own.along, own.across, own.tangential], axis=1)
+            weights.append(whole(link.mass) @ shape + forces @ field @ moved)
+            of_frame = of_frame + field.T @ forces.T @ (shape + rigid @ field @ moved)
         return weights, of_frame + self.carried.frame.inertia_matrix @ moved
 
     def displacements(self, vectors: NDArray[Any]) -> NDArray[Any]:

@@ -52,6 +52,7 @@ def bent_curvature(
     readings, q = link.readings, displacement
     if (basis := readings.basis) is not None:
         readings, q = replace(readings, basis=None), q @ basis.T
+    q = readings.with_slope_vectors(q)
     rows = _rows(readings, place, kinks)
     if readings.deflection is None:
         # Of sections that shear: by their rotations alone, which are angles.

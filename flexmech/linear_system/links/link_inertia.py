@@ -87,6 +87,32 @@ class MovingLink:
         )
 
 
+def rigid_inertia(link: LinkModel) -> FloatArray:
+    """Forces on an unreduced link that give it unit accelerations of its rigid fields.
+
+    Mass times field, and the couples that accelerate the sections as the link turns. These are
+    there whatever the element: its theory says whether vibration has them too. Sections whose
+    rotary inertia ``rho I`` the mass leaves out are normal to the axis. Their couples
+    ``rho I`` per length do the work ``rho I (v(L) - v(0))``: they are two forces at the ends.
+
+    Parameters
+    ----------
+    link : LinkModel
+        Or that of D designs.
+
+    Returns
+    -------
+    ndarray, shape (n, 4) or (D, n, 4)
+        By the fields in the order of :data:`FIELDS`.
+    """
+    forces = np.asarray(link.mass @ np.stack([getattr(link.fields, f) for f in FIELDS], axis=-1))
+    if np.any(link.uncounted_rotary_inertia):
+        turning = FIELDS.index("tangential")
+        forces[..., link.end[1], turning] += link.uncounted_rotary_inertia
+        forces[..., link.start[1], turning] -= link.uncounted_rotary_inertia
+    return forces
+
+
 def field_coefficients(
     angle: FloatArray, origin: FloatArray, turn: FloatArray, distance: FloatArray
 ) -> FloatArray:
@@ -146,7 +172,8 @@ class LinkInertia:
         LinkInertia
         """
         fields = np.stack([getattr(full.fields, name) for name in FIELDS], axis=1)
-        rigid, mass = fields.T @ full.mass @ fields, basis.T @ full.mass @ fields
+        forces = rigid_inertia(full)
+        rigid, mass = fields.T @ forces, basis.T @ forces
         turned = basis.T @ full.gyroscopic @ fields
         # Matter off the pins' axis has a distance from the start across it as well.
         distance = FIELDS.index("centripetal")

@@ -102,12 +102,10 @@ class LinkModel:
         and the tangential one ``alpha S``.
     centrifugal_mass : ndarray, shape (n, n)
         ``M_t``, the integral of ``rho N^T N``; the centripetal matrix is ``-omega^2 M_t``.
-        Without rotary inertia: a section that turns about its centre of mass keeps its
-        centrifugal potential.
+        Without rotary inertia: what turns about its centre keeps its centrifugal potential.
     first_moment : ndarray, shape (2, n)
         ``-rho N^T J e`` and ``rho N^T e``, integrated, with e the place of matter against that
-        which the field ``centripetal`` gives it: mostly its distance from the pins' axis. Zero
-        where the centres of mass lie on that.
+        which the field ``centripetal`` gives it: mostly its distance from the pins' axis.
     stiffness : ndarray, shape (n, n)
         Elastic stiffness of the unloaded, straight link.
     damping : ndarray, shape (n, n)
@@ -137,8 +135,9 @@ class LinkModel:
     rigid : bool
         Whether the link is rigid; see :func:`flexmech.linear_system.links.rigid_link`.
     bodies : tuple of RigidBody
-        Their inertia on the straight link is in its matrices. A rigid link is one body;
-        distributed mass off the axis is one body for each node.
+        Part of the straight link's matrices. A rigid link is one, mass off the axis one a node.
+    uncounted_rotary_inertia : float or ndarray, shape (D,)
+        Of sections, kg m, that ``mass`` leaves out; see ``rigid_inertia`` in ``link_inertia``.
     """
 
     name: str
@@ -162,6 +161,7 @@ class LinkModel:
     receding: IntArray = field(default_factory=NONE.copy)
     rigid: bool = False
     bodies: tuple[RigidBody, ...] = ()
+    uncounted_rotary_inertia: float | FloatArray = 0.0
 
     def carrying(self, mass: LinkMass) -> LinkModel:
         """The unreduced link with attached bodies, and with its mass off the axis as bodies.

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
-from flexmech.arrays import SAME_PLACE, FloatArray
+from flexmech.arrays import SAME_PLACE, FloatArray, IntArray
 from flexmech.mesh import curvature_at, shapes_at, station_shapes
 
 # Of the shortest element: the slope of a cubic is off by the square of it, the difference of its
@@ -37,6 +37,8 @@ class LinkReadings:
         From a reduced link's coordinates to those of the nodes.
     element_maps : ndarray, shape (k - 1, 2 per_node, 2 per_node), optional
         Coordinates of each element by those of its two nodes, where they are not the same.
+    polar : ndarray of int, shape (k,)
+        First coordinates of slope vectors that are given by their stretch and their angle.
     """
 
     nodes: FloatArray
@@ -46,6 +48,18 @@ class LinkReadings:
     deflection: int | None
     basis: FloatArray | None = None
     element_maps: FloatArray | None = None
+    polar: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+
+    def with_slope_vectors(self, displacement: FloatArray) -> FloatArray:
+        """Coordinates (..., n_full) of the nodes with their slope vectors, at finite rotations.
+
+        Rows of displacement and rotation are linear in these.
+        """
+        moved = displacement.copy()
+        stretch, angle = 1.0 + displacement[..., self.polar], displacement[..., self.polar + 1]
+        moved[..., self.polar] = stretch * np.cos(angle) - 1.0
+        moved[..., self.polar + 1] = stretch * np.sin(angle)
+        return moved
 
     @property
     def _own_nodes(self) -> FloatArray:

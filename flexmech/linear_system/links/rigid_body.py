@@ -83,7 +83,7 @@ class RigidBody:
             mass.moment(0),
             (mass.moment(1), mass.moment_across),
             mass.moment(2),
-            sum(body.inertia for body in mass.bodies),
+            mass.section_inertia + sum(body.inertia for body in mass.bodies),
             rows=np.eye(3),
         )
 

@@ -80,14 +80,17 @@ class Connectors:
     @property
     def depend_on_displacement(self) -> bool:
         """Whether forces depend on the displacements of the links."""
-        turning = any(load.axes == "link" for load in self.loads)
-        return bool(turning or self._mechanism.springs or self._mechanism.joint_springs)
+        return bool(self.follow or self._mechanism.springs or self._mechanism.joint_springs)
+
+    @property
+    def follow(self) -> bool:
+        """Whether there are follower forces."""
+        return any(load.axes == "link" for load in self.loads)
 
     @property
     def circulates(self) -> bool:
         """Whether there are circulatory forces: follower forces, or dampers of springs."""
-        turning = any(load.axes == "link" for load in self.loads)
-        return turning or any(spring.damping for spring in self._mechanism.springs)
+        return self.follow or any(spring.damping for spring in self._mechanism.springs)
 
     @property
     def is_conservative(self) -> bool:

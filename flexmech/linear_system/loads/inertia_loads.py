@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexmech.arrays import FloatArray
+from flexmech.linear_system.links.link_inertia import FIELDS, rigid_inertia
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
@@ -18,7 +19,9 @@ def inertia_loads(
     """Distributed inertia forces of the rigid motion and weight, each in its link frame.
 
     A rigid acceleration is linear along the link and so lies in the space of the shape
-    functions: ``-M a`` with the nodal accelerations ``a`` is the exact consistent load.
+    functions: ``-M a`` with the nodal accelerations ``a`` is the exact consistent load. The couples
+    of sections whose rotary inertia M leaves out are added; see
+    :func:`flexmech.linear_system.links.link_inertia.rigid_inertia`.
 
     Parameters
     ----------
@@ -39,12 +42,10 @@ def inertia_loads(
     for number, link in enumerate(links):
         turning = motion.angular_velocity[:, number] ** 2
         change = motion.angular_acceleration[:, number]
-        factors = np.stack([-along[:, number], -across[:, number], turning, -change], axis=-1)
-        fields = link.fields
-        each = [fields.along, fields.across, fields.centripetal, fields.tangential]
-        unit = link.mass @ np.stack(each, axis=-1)
+        factors = np.stack([-along[:, number], -across[:, number], -change, turning], axis=-1)
+        unit = rigid_inertia(link)
         # Matter that is elsewhere than the field says, as off the pins' axis, is pulled as well.
-        unit[..., 2] += link.first_moment[..., 1, :]
+        unit[..., FIELDS.index("centripetal")] += link.first_moment[..., 1, :]
         # Of several designs as many positions of each, one after the other.
         *designs, size, count = unit.shape
         load = factors.reshape(*designs, -1, count) @ np.swapaxes(unit, -1, -2)

@@ -70,14 +70,22 @@ class DriveTrain:
         """States (state_count,) at rest at a crank angle in rad, where the crank needs a torque.
 
         As a brake leaves them that is released once coupling and current hold the crank; a
-        current that would have to turn the other way is zero.
+        current that would have to turn the other way is zero, and one that the motor states is
+        that one.
         """
         motor, states = self.driven_by.motor, np.zeros(self.state_count)
         if motor.coupling_stiffness is not None:
             states[0] = angle + needed / motor.coupling_stiffness
-        if motor.has_current and needed * self.way > 0:
-            states[self._own] = motor.holding_current(needed / motor.gear_ratio)
+        if motor.has_current:
+            states[self._own] = motor.first_current(self.held_by_current(needed))
         return states
+
+    def held_by_current(self, needed: float) -> float:
+        """Torque in N m on the motor's shaft that holds the crank where it needs one at rest.
+
+        Zero where the crank would have to be held against the way that the motor turns.
+        """
+        return max(needed * self.way, 0.0) * self.way / self.driven_by.motor.gear_ratio
 
     def motor_states(self, states: FloatArray) -> FloatArray:
         """Those of the motor alone, (motor's count, ...), of all states (state_count, ...)."""

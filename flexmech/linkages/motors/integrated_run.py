@@ -141,6 +141,7 @@ class _Integration:
 
     def run(self, revolutions: float | None) -> MotorRun:
         """The run; see :func:`solved_run`."""
+        self._fall_back()
         duration = self._until_end(revolutions)
         if duration is not None:
             # A stall beyond the end is none.
@@ -167,6 +168,29 @@ class _Integration:
         second = second_rates(self._equation, time, values, rates)
         return MotorRun(self._drive, self._equation, time, values, rates, second, duration, stall)
 
+    def _fall_back(self) -> None:
+        """Integrate until the rotor stands again that a small first current lets turn back."""
+        start = self._values[0][:, 0]
+        if self._way * self._equation.rates(0.0, start)[self._speed] >= 0:
+            return
+
+        def turns_on(time: float, values: FloatArray) -> float:
+            return float(self._way * values[self._speed])
+
+        def fallen(time: float, values: FloatArray) -> float:
+            return float(self._way * (values[0] - start[0])) + np.pi
+
+        turns_on.terminal, turns_on.direction = True, 1.0  # type: ignore[attr-defined]
+        fallen.terminal, fallen.direction = True, -1.0  # type: ignore[attr-defined]
+        found = self._solved(self._drive.time or _LONGEST_TURN, (turns_on, fallen))
+        if len(found.t_events[1]):
+            raise InputError(
+                "drive: motor: with its initial_current the crank falls back by half a turn before "
+                "the motor holds it; state a greater one, or leave initial_current out, which is "
+                "then the current that holds the crank"
+            )
+        self._keep(found)
+
     def _until_end(self, revolutions: float | None) -> float | None:
         """Integrate; returns the duration, or None of a motor that stalls."""
         if (time := self._drive.time) is not None:
@@ -186,9 +210,7 @@ class _Integration:
 
     def _advance(self, until: float, turns: float) -> bool:
         """Integrate on until a time or by some turns; returns whether the crank still turns."""
-        from scipy.integrate import solve_ivp
-
-        equation, way = self._equation, self._way
+        way = self._way
         begin, start = float(self._time[-1][-1]), self._values[-1][:, -1]
         goal = start[0] + way * 2 * np.pi * turns
 
@@ -200,15 +222,24 @@ class _Integration:
 
         standstill.terminal, standstill.direction = True, -1.0  # type: ignore[attr-defined]
         turned.terminal, turned.direction = True, 1.0  # type: ignore[attr-defined]
-        span = (begin, until if np.isfinite(until) else begin + _LONGEST_TURN * turns)
+        end = until if np.isfinite(until) else begin + _LONGEST_TURN * turns
+        found = self._solved(end, (standstill, turned))
+        self._keep(found)
+        # A crank that creeps stands.
+        return bool(np.isfinite(until) or len(found.t_events[1])) and not len(found.t_events[0])
+
+    def _solved(self, until: float, events: tuple[Any, ...]) -> _Found:
+        """The motion from the last time until another in s, or a terminal event."""
+        from scipy.integrate import solve_ivp
+
         found: _Found = solve_ivp(
-            equation.rates,
-            span,
-            start,
+            self._equation.rates,
+            (float(self._time[-1][-1]), until),
+            self._values[-1][:, -1],
             method="DOP853",
             rtol=_TOLERANCE,
-            atol=equation.tolerances(_TOLERANCE),
-            events=(standstill, turned),
+            atol=self._equation.tolerances(_TOLERANCE),
+            events=events,
         )
         if not found.success:
             at = np.degrees(float(found.y[0, -1]))
@@ -217,7 +248,8 @@ class _Integration:
                 f"angle {at:.6g} deg: {found.message}; check the motor's inductance and the "
                 "coupling, whose times may be far shorter than the run"
             )
+        return found
+
+    def _keep(self, found: _Found) -> None:
         self._time.append(found.t[1:])
         self._values.append(found.y[:, 1:])
-        # A crank that creeps stands.
-        return bool(np.isfinite(until) or len(found.t_events[1])) and not len(found.t_events[0])

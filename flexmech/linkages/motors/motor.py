@@ -22,6 +22,7 @@ from flexmech.errors import InputError
 from flexmech.model_text import TomlTable, fields_table, quantity
 from flexmech.units import (
     ANGULAR_SPEED,
+    CURRENT,
     INDUCTANCE,
     INERTIA,
     RATIO,
@@ -126,6 +127,10 @@ class Motor(abc.ABC):
     @abc.abstractmethod
     def holding_current(self, torque: float) -> float:
         """Current in A that gives a torque in N m; zero where it is no state."""
+
+    def first_current(self, torque: float) -> float:
+        """Current in A at time zero, where a torque in N m holds the crank."""
+        return self.holding_current(torque)
 
     @abc.abstractmethod
     def limit(self, speed: FloatArray) -> FloatArray:
@@ -273,6 +278,9 @@ class DcMotor(Motor):
         In V; with speed control the greatest one either way.
     inductance : float
         Of the armature in H; without it the current follows at once.
+    initial_current : float, optional
+        Of a motor with inductance at time zero, in A; left out, the one that holds the crank
+        against its loads, as a brake leaves it that is released at that current.
     gear_ratio, inertia, coupling_stiffness, coupling_damping : float, optional
         As of :class:`Motor`, by their names.
 
@@ -292,6 +300,7 @@ class DcMotor(Motor):
     torque_constant: float
     voltage: float
     inductance: float = 0.0
+    initial_current: float | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -299,6 +308,14 @@ class DcMotor(Motor):
         check_number(self.torque_constant, "torque_constant", "N m/A", POSITIVE)
         check_number(self.voltage, "voltage", "V")
         check_number(self.inductance, "inductance", "H", NOT_NEGATIVE)
+        if self.initial_current is None:
+            return
+        check_number(self.initial_current, "initial_current", "A")
+        if not self.inductance:
+            raise InputError(
+                "initial_current goes with inductance, without which the current follows at once; "
+                "give both, or leave initial_current out"
+            )
 
     @property
     def no_load_speed(self) -> float:
@@ -331,6 +348,8 @@ class DcMotor(Motor):
         own = {key: quantity(getattr(self, key), of) for key, of in dimensions.items()}
         if not self.inductance:
             del own["inductance"]
+        if self.initial_current is not None:
+            own["initial_current"] = quantity(self.initial_current, CURRENT)
         return {"kind": "dc", **own, **self._own_table}
 
     @property
@@ -341,6 +360,11 @@ class DcMotor(Motor):
     def holding_current(self, torque: float) -> float:
         """Current in A that gives a torque in N m."""
         return torque / self.torque_constant
+
+    def first_current(self, torque: float) -> float:
+        """Current in A at time zero: the stated one, or that which gives a torque in N m."""
+        stated = self.initial_current
+        return self.holding_current(torque) if stated is None else stated
 
     def limit(self, speed: FloatArray) -> FloatArray:
         """The voltage either way."""

@@ -19,6 +19,8 @@ from flexmech.linkages.motors.shaft_equation import ShaftEquation
 from flexmech.linkages.motors.speed_control import MotorOutput
 from flexmech.model_text import TomlTable
 
+# Of the mean speed, by which a run may end off the settled motion.
+_SETTLED = 1e-2
 # Of the shorter step beside an instant, over which rates are differentiated.
 _DIFFERENCE = 1e-3
 # Pieces of a run that are in memory and in a file: a slip of the keyboard asks for more.
@@ -183,6 +185,15 @@ class MotorRun(Drive):
         if self.stall is not None or self.speed == 0.0:
             return None
         return settled_motion(self.equation, self.values[:, -1])
+
+    @cached_property
+    def has_settled(self) -> bool:
+        """Whether the crank turns at the end as in the settled motion, within 1 % of its speed."""
+        settled = self.settled
+        if settled is None:
+            return False
+        apart = abs(self.values[1, -1] - settled.speed[0])
+        return bool(apart <= _SETTLED * abs(settled.mean_speed))
 
     @cached_property
     def _states_in_pieces(self) -> Any:

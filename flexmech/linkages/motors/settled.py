@@ -117,7 +117,9 @@ def speed_range(time: FloatArray, speed: FloatArray) -> float:
     from scipy.interpolate import CubicSpline
 
     spline = CubicSpline(time, speed)
-    between = spline(spline.derivative().roots(extrapolate=False))
+    extremes = spline.derivative().roots(extrapolate=False)
+    # Of a piece of constant speed SciPy gives its begin, and not a number for the rest of it.
+    between = spline(extremes[np.isfinite(extremes)])
     return float(np.ptp(np.append(speed, between)))
 
 

@@ -50,6 +50,11 @@ class SettledRun(MotorRun):
         """That of the rigid linkage."""
         return self.rigid
 
+    @cached_property
+    def has_settled(self) -> bool:
+        """Yes."""
+        return True
+
     @property
     def revolution_time(self) -> float:
         """Time of a turn in s."""

@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.body_motion import BodyMotion
-from flexmech.linkages.motion import RigidMotion
+from flexmech.linkages.change_points import TURN, ChangePoints, Clearance, change_points_of
+from flexmech.linkages.motion import LOCKING_SINE, RigidMotion
 from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, bodies_of
 from flexmech.linkages.planar.drawing import Drawing
+from flexmech.linkages.planar.dyads import SlidingBody, TwoLoci
 from flexmech.linkages.planar.newton import ContinuationPath, NewtonGroup
 from flexmech.linkages.planar.plan import assembly_order
 
@@ -33,6 +35,7 @@ class Assembly:
         self.bodies = bodies_of(drawing)
         self.steps = assembly_order(drawing, self.bodies, drawn_at)
         self._paths: dict[int, ContinuationPath] = {}
+        self._change_points: dict[int, ChangePoints] = {}
 
     def check_as_drawn(self) -> None:
         """Refuse a drawing in a dead point."""
@@ -42,7 +45,7 @@ class Assembly:
                 step.refuse_locking(known)
                 known |= step.as_drawn(known)
             else:
-                known |= step.motion(known, np.zeros(1))
+                known |= step.motion(known, np.zeros(1), np.ones(1))
 
     def motion(self, theta: FloatArray, omega: FloatArray, alpha: FloatArray) -> RigidMotion:
         """Rigid motion of every beam.
@@ -86,14 +89,37 @@ class Assembly:
 
     def assemblable(self, theta: FloatArray) -> NDArray[np.bool_]:
         """Whether the linkage can be assembled at crank angles of shape (A,)."""
+        return self._reached(theta - self.drawn_at, None)
+
+    @cached_property
+    def change_angles(self) -> FloatArray:
+        """Crank angles in rad of a turn at which dyads go over to the other branch, (P,)."""
+        every = [
+            self._changes(number, step).angles
+            for number, step in enumerate(self.steps)
+            if not isinstance(step, NewtonGroup)
+        ]
+        around = np.mod(self.drawn_at + np.concatenate([np.zeros(0), *every]), TURN)
+        return np.unique(np.where(TURN - around < LOCKING_SINE, 0.0, around))
+
+    def transmission_angles(self, theta: FloatArray) -> dict[str, FloatArray]:
+        """Transmission angle of each dyad at crank angles, by its joint; each of shape (A,)."""
+        known = self.body_motion(theta - self.drawn_at)
+        dyads = (step for step in self.steps if not isinstance(step, NewtonGroup))
+        found = {dyad.refusal.joint: dyad.transmission_angle(known) for dyad in dyads}
+        return {joint: angle for joint, angle in found.items() if angle is not None}
+
+    def _reached(self, angle: FloatArray, steps: int | None) -> NDArray[np.bool_]:
+        """Whether the first steps of the plan can be taken at angles (A,) from the drawing."""
         try:
-            self.body_motion(theta - self.drawn_at)
+            self.body_motion(angle, steps)
         except InputError:
-            if len(theta) == 1:
+            if len(angle) == 1:
                 return np.array([False])
-            half = len(theta) // 2
-            return np.concatenate([self.assemblable(theta[:half]), self.assemblable(theta[half:])])
-        return np.ones(len(theta), dtype=bool)
+            half = len(angle) // 2
+            halves = angle[:half], angle[half:]
+            return np.concatenate([self._reached(own, steps) for own in halves])
+        return np.ones(len(angle), dtype=bool)
 
     def body_motion(self, angle: FloatArray, steps: int | None = None) -> dict[int, BodyMotion]:
         """Motion of the bodies at crank angles from that of the drawing.
@@ -119,8 +145,24 @@ class Assembly:
             if isinstance(step, NewtonGroup):
                 known |= step.motion(known, _within_half_a_turn(angle), self._path(number, step))
             else:
-                known |= step.motion(known, angle)
+                changes = self._changes(number, step)
+                # By crank angles of the turn from 0 to 360 degrees, in which the drawing is.
+                turn = TURN * np.floor(self.drawn_at / TURN)
+                changes.refuse(angle + turn, step.refusal.meeting, self.drawn_at - turn)
+                known |= step.motion(known, angle, changes.sides(angle))
         return known
+
+    def _changes(self, number: int, dyad: TwoLoci | SlidingBody) -> ChangePoints:
+        """Change points of a dyad by the crank angle from that of the drawing."""
+        if number not in self._change_points:
+
+            def clearances(angle: FloatArray) -> list[Clearance]:
+                reached = self._reached(angle, number)
+                known = self.body_motion(angle[reached], number)
+                return [own.at(reached) for own in dyad.clearances(known)]
+
+            self._change_points[number] = change_points_of(clearances, 0.0)
+        return self._change_points[number]
 
     def _path(self, number: int, group: NewtonGroup) -> ContinuationPath:
         if number not in self._paths:

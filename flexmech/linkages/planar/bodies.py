@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from flexmech.arrays import FloatArray
 from flexmech.errors import AssemblyError, InputError, LockingError
 from flexmech.linkages.body_motion import BodyPoint
+from flexmech.linkages.change_points import in_degrees
 from flexmech.linkages.constraints import Coincidence, PointOnLine
 from flexmech.linkages.planar.drawing import Drawing
 
@@ -163,11 +164,6 @@ SAID: dict[Cause, str] = {
 }
 
 
-def degrees(angle: float) -> str:
-    """An angle in rad as text in degrees."""
-    return f"{float(np.round(np.degrees(angle), 9)):g} deg"
-
-
 @dataclass(frozen=True)
 class Refusal:
     """Message for crank angles at which a joint is open or in a dead point.
@@ -206,6 +202,11 @@ class Refusal:
             error = AssemblyError if cause == "apart" else LockingError
             raise error(SAID[cause].format(angle=place, links=self.links, joint=self.joint))
 
+    @property
+    def meeting(self) -> str:
+        """What comes into one line at the joint."""
+        return f"{self.links} come into one line at joint {self.joint}"
+
     def first(self, where: NDArray[np.bool_], angle: FloatArray) -> str:
         """First of the crank angles in a set, as text."""
-        return degrees(float(self.drawn_at + np.broadcast_to(angle, where.shape)[where].flat[0]))
+        return in_degrees(float(self.drawn_at + np.broadcast_to(angle, where.shape)[where].flat[0]))

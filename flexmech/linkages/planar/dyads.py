@@ -16,6 +16,7 @@ import numpy as np
 
 from flexmech.arrays import ROUND_OFF, ComplexArray, FloatArray
 from flexmech.linkages.body_motion import BodyMotion, dot
+from flexmech.linkages.change_points import Clearance
 from flexmech.linkages.motion import LOCKING_SINE
 from flexmech.linkages.planar.bodies import Refusal
 
@@ -198,14 +199,49 @@ class TwoLoci:
         """Bodies that the dyad determines."""
         return tuple(own.body for own in self.placed)
 
-    def motion(self, bodies: Known, angle: FloatArray) -> dict[int, BodyMotion]:
-        """Motion of the bodies that the dyad determines."""
-        path = self._path(bodies, angle)
+    def motion(self, bodies: Known, angle: FloatArray, sides: FloatArray) -> dict[int, BodyMotion]:
+        """Motion of the bodies that the dyad determines.
+
+        Parameters
+        ----------
+        bodies : mapping of int to BodyMotion
+            Those known so far.
+        angle : ndarray, shape (B,)
+            Crank angle less that of the drawing in rad.
+        sides : ndarray, shape (B,)
+            1 where the point is on the side of the drawing, -1 where it is on the other one.
+        """
+        path = self._path(bodies, angle, self.side * sides)
         return {own.body: own.motion(bodies, path) for own in self.placed}
 
-    def _path(self, bodies: Known, angle: FloatArray) -> PointPath:
+    def transmission_angle(self, bodies: Known) -> FloatArray | None:
+        """Acute angle in rad at which the loci meet, (B,); None of two lines, which are drawn."""
+        if not isinstance(self.first, Circle):
+            return None
+        place = bodies[self.placed[0].body].point(self.drawn)
+        normals = (locus.gradient(bodies, place) for locus in (self.first, self.second))
+        return np.asarray(np.arcsin(np.minimum(np.abs(cross(*normals)), 1.0)))
+
+    def clearances(self, bodies: Known) -> list[Clearance]:
+        """How far the loci are from touching; none of two lines, which meet in one point."""
         first, second = self.first, self.second
-        place = self._place(bodies, angle)
+        if not isinstance(first, Circle):
+            return []
+        centre = bodies[first.body].point(first.centre)
+        if isinstance(second, Circle):
+            between = np.abs(bodies[second.body].point(second.centre) - centre)
+            outside, inside = first.radius + second.radius, abs(first.radius - second.radius)
+            return [
+                Clearance.of(outside, between, outside, self.size),
+                Clearance.of(between, inside, inside, self.size),
+            ]
+        guide = bodies[second.body]
+        aside = np.abs(cross(guide.turn * second.along, centre - guide.point(second.through)))
+        return [Clearance.of(first.radius, aside, first.radius, self.size)]
+
+    def _path(self, bodies: Known, angle: FloatArray, side: FloatArray) -> PointPath:
+        first, second = self.first, self.second
+        place = self._place(bodies, angle, side)
         normals = first.gradient(bodies, place), second.gradient(bodies, place)
         sine = cross(*normals)
         self.refusal.refuse("locked", np.abs(sine) < LOCKING_SINE, angle)
@@ -222,12 +258,12 @@ class TwoLoci:
         )
         return PointPath(place, rate, rate_2)
 
-    def _place(self, bodies: Known, angle: FloatArray) -> ComplexArray:
+    def _place(self, bodies: Known, angle: FloatArray, side: FloatArray) -> ComplexArray:
         if isinstance(self.first, Circle):
             centre = bodies[self.first.body].point(self.first.centre)
             if isinstance(self.second, Circle):
-                return self._on_circles(bodies, angle, centre)
-            return self._on_circle_and_line(bodies, angle, centre)
+                return self._on_circles(bodies, angle, side, centre)
+            return self._on_circle_and_line(bodies, angle, side, centre)
         # Two lines: the gaps of any place lead to where they meet.
         start = bodies[self.first.body].point(self.first.through)
         normals = (self.first.gradient(bodies, start), self.second.gradient(bodies, start))
@@ -237,7 +273,9 @@ class TwoLoci:
             *normals, sine, self.first.gap(bodies, start), self.second.gap(bodies, start)
         )
 
-    def _on_circles(self, bodies: Known, angle: FloatArray, centre: ComplexArray) -> ComplexArray:
+    def _on_circles(
+        self, bodies: Known, angle: FloatArray, side: FloatArray, centre: ComplexArray
+    ) -> ComplexArray:
         assert isinstance(self.first, Circle)
         assert isinstance(self.second, Circle)
         line = bodies[self.second.body].point(self.second.centre) - centre
@@ -245,10 +283,10 @@ class TwoLoci:
         self.refusal.refuse("apart", distance <= ROUND_OFF * self.size, angle)
         ahead = (self.first.radius**2 - self.second.radius**2 + distance**2) / (2 * distance)
         aside = self._leg(self.first.radius, ahead, angle)
-        return np.asarray(centre + (ahead + 1j * self.side * aside) * line / distance)
+        return np.asarray(centre + (ahead + 1j * side * aside) * line / distance)
 
     def _on_circle_and_line(
-        self, bodies: Known, angle: FloatArray, centre: ComplexArray
+        self, bodies: Known, angle: FloatArray, side: FloatArray, centre: ComplexArray
     ) -> ComplexArray:
         assert isinstance(self.first, Circle)
         assert isinstance(self.second, Line)
@@ -256,7 +294,7 @@ class TwoLoci:
         along, through = guide.turn * self.second.along, guide.point(self.second.through)
         to_centre = centre - through
         leg = self._leg(self.first.radius, np.abs(cross(along, to_centre)), angle)
-        return through + (dot(along, to_centre) + self.side * leg) * along
+        return through + (dot(along, to_centre) + side * leg) * along
 
     def _leg(self, radius: float, other: FloatArray, angle: FloatArray) -> FloatArray:
         """Other leg of right triangles whose longest side is a radius."""
@@ -297,13 +335,37 @@ class SlidingBody:
         """The body."""
         return (self.body,)
 
-    def motion(self, bodies: Known, angle: FloatArray) -> dict[int, BodyMotion]:
-        """Motion of the body."""
+    def transmission_angle(self, bodies: Known) -> FloatArray:
+        """Acute angle in rad from the normal of the arm to the line, (B,)."""
+        pivot = bodies[self.pivot_body].point(self.pivot)
+        arm = bodies[self.slider_body].point(self.slider) - pivot
+        along = bodies[self.body].turn * self.along
+        return np.asarray(np.arccos(np.minimum(np.abs(cross(along, arm)) / np.abs(arm), 1.0)))
+
+    def clearances(self, bodies: Known) -> list[Clearance]:
+        """How far the line, on a circle about the pivot, is from touching the slider's point."""
+        pivot = bodies[self.pivot_body].point(self.pivot)
+        distance = np.abs(bodies[self.slider_body].point(self.slider) - pivot)
+        beside = abs(float(cross(self.along, self.slider - self.pivot)))
+        return [Clearance.of(distance, beside, beside, self.size)]
+
+    def motion(self, bodies: Known, angle: FloatArray, sides: FloatArray) -> dict[int, BodyMotion]:
+        """Motion of the body.
+
+        Parameters
+        ----------
+        bodies : mapping of int to BodyMotion
+            Those known so far.
+        angle : ndarray, shape (B,)
+            Crank angle less that of the drawing in rad.
+        sides : ndarray, shape (B,)
+            1 where the slider is on the side of the drawing, -1 where it is on the other one.
+        """
         centre = PointPath.of(bodies[self.pivot_body], self.pivot)
         point = PointPath.of(bodies[self.slider_body], self.slider)
         drawn = self.slider - self.pivot
         beside = float(cross(self.along, drawn))
-        side = np.sign(float(dot(self.along, drawn)))
+        side = np.sign(float(dot(self.along, drawn))) * sides
         arm, first, second = (
             getattr(point, name) - getattr(centre, name) for name in ("place", "first", "second")
         )

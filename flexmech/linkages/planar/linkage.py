@@ -12,7 +12,9 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
+from flexmech.linkages.change_points import passing
 from flexmech.linkages.motion import RigidMotion, checked_drive
 from flexmech.linkages.planar.assembly import Assembly
 from flexmech.linkages.planar.drawing import Drawing, PlanarJoint, PlanarLink
@@ -21,7 +23,13 @@ from flexmech.linkages.planar.resizing import resized_points
 from flexmech.linkages.topology import Topology
 from flexmech.model_text import TomlTable, quantity
 from flexmech.units import ANGLE, LENGTH
-from flexmech.validation import check_angle, check_instance, check_pair, checked_tuple
+from flexmech.validation import (
+    check_angle,
+    check_instance,
+    check_pair,
+    checked_array,
+    checked_tuple,
+)
 
 # Fields that hold several things: of which type, and what to give.
 _PARTS: tuple[tuple[str, type, str], ...] = (
@@ -36,8 +44,8 @@ _PARTS: tuple[tuple[str, type, str], ...] = (
 class PlanarLinkage:
     """Links between points, drawn at one crank angle.
 
-    The linkage moves on the branch of the drawing: at no crank angle does a joint change the
-    side on which it is drawn.
+    The linkage moves on the branch of the drawing: no joint changes the side on which it is drawn
+    but at a change point, where the motion goes on smoothly.
 
     Parameters
     ----------
@@ -173,6 +181,34 @@ class PlanarLinkage:
         theta, omega, alpha = checked_drive(crank_angle, crank_speed, crank_acceleration)
         return self._assembly.motion(theta, omega, alpha)
 
+    def transmission_angles(self, crank_angle: ArrayLike) -> dict[str, FloatArray]:
+        """Transmission angle at each joint that a dyad closes, between 0 and 90 degrees.
+
+        Between its two links, or between the link that pushes a slider and the normal of its line:
+        90 degrees less the pressure angle. Of bodies without a closed form there is none.
+
+        Parameters
+        ----------
+        crank_angle : array_like, shape (A,)
+            In rad.
+
+        Returns
+        -------
+        dict of str to ndarray, shape (A,)
+            In rad, by the joint.
+
+        Raises
+        ------
+        InputError
+            Where the linkage cannot be assembled or locks.
+        """
+        return self._assembly.transmission_angles(checked_array(crank_angle, "crank_angle", "rad"))
+
+    @property
+    def change_angles(self) -> FloatArray:
+        """Crank angles in rad of a turn at which joints change sides smoothly; (P,)."""
+        return self._assembly.change_angles
+
     def resized(self, lengths: Mapping[str, float], ground_growth: float) -> PlanarLinkage:
         """Linkage whose beams have other lengths, on a larger ground.
 
@@ -225,11 +261,10 @@ class PlanarLinkage:
         if self.drawing.is_stationary:
             return "it stands still: nothing drives it"
         angles = np.radians(np.arange(0.0, 360.0))
-        return (
-            "the crank turns fully"
-            if self._assembly.assemblable(angles).all()
-            else ("the crank does not turn fully")
-        )
+        if self.change_angles.size:
+            return f"{passing(self.change_angles)}, and does not turn fully"
+        turns = self._assembly.assemblable(angles).all()
+        return "the crank turns fully" if turns else "the crank does not turn fully"
 
     def to_table(self) -> TomlTable:
         """Table ``[linkage]`` of a model file; links and joints have tables of their own."""

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from flexmech.arrays import ROUND_OFF, FloatArray
 from flexmech.errors import AssemblyError, ComputationError, InputError
 from flexmech.linkages.body_motion import BodyMotion
+from flexmech.linkages.change_points import in_degrees
 from flexmech.linkages.constraints import Constraints
 from flexmech.linkages.motion import LOCKING_SINE
 from flexmech.linkages.planar.bodies import (
@@ -26,7 +27,6 @@ from flexmech.linkages.planar.bodies import (
     GuidedPoint,
     Refusal,
     SharedPoint,
-    degrees,
 )
 from flexmech.linkages.planar.drawing import Drawing
 
@@ -149,7 +149,7 @@ class NewtonGroup:
         lost = np.logical_not(ended) | (sign != path.sign) | (missed > MOST_MISSED)
         if np.any(lost):
             raise ComputationError(
-                f"no position of {self.names} is found at {degrees(angle[lost][0])} past the "
+                f"no position of {self.names} is found at {in_degrees(angle[lost][0])} past the "
                 "drawing by Newton's method; draw the linkage at a crank angle nearer to it"
             )
         return self._with_rates(known, found, matrix)
@@ -213,10 +213,11 @@ class NewtonGroup:
         for beyond, end in ends:
             if np.any(beyond):
                 refusal = self.refusal(path.locks[end])
+                limit = in_degrees(refusal.drawn_at + path.angle[end])
                 raise AssemblyError(
                     f"the linkage cannot be assembled at crank angle "
                     f"{refusal.first(beyond, angle)}: from the drawing on it locks at crank angle "
-                    f"{degrees(refusal.drawn_at + path.angle[end])}, where {refusal.links} are in "
+                    f"{limit}, where {refusal.links} are in "
                     f"a dead point at joint {refusal.joint}; choose crank angles inside its range "
                     "of motion or other dimensions"
                 )

@@ -9,6 +9,7 @@ from itertools import combinations
 import numpy as np
 
 from flexmech.errors import InputError, LockingError
+from flexmech.linkages.change_points import in_degrees
 from flexmech.linkages.planar.bodies import (
     CRANK,
     GROUND_BODY,
@@ -16,7 +17,6 @@ from flexmech.linkages.planar.bodies import (
     GuidedPoint,
     Refusal,
     SharedPoint,
-    degrees,
 )
 from flexmech.linkages.planar.drawing import Drawing
 from flexmech.linkages.planar.dyads import Circle, Line, Placed, SlidingBody, TwoLoci, cross
@@ -126,8 +126,8 @@ class _Order:
             names = ", ".join(self.bodies.name(body) for body in group)
             raise LockingError(
                 f"{names}: the chain is redundant at joint {joint}, at crank angle "
-                f"{degrees(self.drawn_at)} as drawn: it is held by more joints than it needs and "
-                "locks; remove a link or a joint there"
+                f"{in_degrees(self.drawn_at)} as drawn: it is held by more joints than it needs "
+                "and locks; remove a link or a joint there"
             )
 
     def dyad(self) -> TwoLoci | SlidingBody | None:

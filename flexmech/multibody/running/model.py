@@ -41,6 +41,7 @@ from flexmech.multibody.running.loads import (
     add_running_loads,
 )
 from flexmech.multibody.running.motor import MotorOnHub
+from flexmech.multibody.running.section_couples import SectionCouples
 from flexmech.multibody.running.user_functions import Shaft
 from flexmech.time_domain import FrameMotion, Impact
 
@@ -61,6 +62,8 @@ class RunningModel:
     drive : Drive
     links : sequence of LinkModel
         The links' matrices in the same coordinates, for their weight.
+    duration : float
+        Of the run in s.
     impacts : sequence of Impact
         Pulses on points of links.
     torque : TorqueTable or MotorOnHub, optional
@@ -100,13 +103,12 @@ class RunningModel:
         kind: str,
         drive: Drive,
         links: Sequence[LinkModel],
+        duration: float,
         impacts: Sequence[Impact] = (),
         torque: TorqueTable | MotorOnHub | None = None,
     ) -> None:
-        self.torque = torque
+        self.torque, self.drive, self.links = torque, drive, links
         self.assembly = assembly = LinkAssembly(mechanism, elements, kind, bodies_have_mass=True)
-        self.drive = drive
-        self.links = links
         self.energies = LinkEnergies(assembly, links)
         self._motor = torque if isinstance(torque, MotorOnHub) else None
         self.total_size = assembly.system_size + 3
@@ -125,6 +127,7 @@ class RunningModel:
             is_free=torque is not None,
         )
         add_running_loads(assembly, self.energies)
+        SectionCouples(assembly, links).add(drive, self.shaft, duration)
         fixed = assembly.add_fixed_coordinate()
         hub, self.drive_constraint = self._add_hub(fixed)
         clamps = assembly.topology.clamps

@@ -29,6 +29,7 @@ from flexmech.multibody.running.user_functions import (
     guide_line_force,
     load_history,
     middle_deflection,
+    section_couples,
     torque_history,
     turned_frame,
 )
@@ -48,6 +49,7 @@ SHARED = (
     difference_mass,
     turned_frame,
     load_history,
+    section_couples,
     torque_history,
     middle_deflection,
     constraint_force,

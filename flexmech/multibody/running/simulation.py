@@ -5,20 +5,21 @@ from __future__ import annotations
 import contextlib
 import io
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.choices import Integrator, LinkDirection
+from flexmech.choices import Integrator
 from flexmech.errors import InputError
-from flexmech.linear_system import LinkModel, LinkPoint, displacement_row
-from flexmech.linkages import MotorRun, RigidMotion, Topology, carried_motion
+from flexmech.linkages import MotorRun, RigidMotion, carried_motion
 from flexmech.multibody.items import Setting, applied, solver_settings
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import MovingFrames
 from flexmech.multibody.running.model import RunningModel
+from flexmech.multibody.running.point_recorder import PointRecorder
+from flexmech.multibody.running.section_couples import SectionCouples
 from flexmech.time_domain import (
     FrameMotion,
     LinkState,
@@ -36,50 +37,6 @@ START_GAP = 1e-6
 BLOCK_STEPS = 2000
 # Steps between reports of progress, a tenth of a second of work.
 PROGRESS_STEPS = 100
-
-
-class PointRecorder:
-    """Records the displacement of points of links at every step.
-
-    Energies and forces, which take longer, are not asked for.
-
-    Parameters
-    ----------
-    topology : Topology
-    links : sequence of LinkModel
-        Unreduced.
-    points : sequence of (LinkPoint, {"transverse", "axial"})
-
-    Raises
-    ------
-    InputError
-        If a point is on no link.
-    """
-
-    def __init__(
-        self,
-        topology: Topology,
-        links: Sequence[LinkModel],
-        points: Sequence[tuple[LinkPoint, LinkDirection]],
-    ) -> None:
-        self._rows = [
-            (number, displacement_row(links[number], point.fraction, direction))
-            for point, direction in points
-            for number in [point.index(topology)]
-        ]
-        self._parts: list[FloatArray] = []
-
-    def add(self, displacement: Sequence[FloatArray]) -> None:
-        """Take the links' displacements (m, n_link) of the next steps.
-
-        The first one repeats the last step of the block before.
-        """
-        moved = np.stack([displacement[link] @ row for link, row in self._rows], axis=1)
-        self._parts.append(moved[1:] if self._parts else moved)
-
-    def finish(self) -> FloatArray:
-        """Displacements at all steps in m, shape (steps + 1, n_points)."""
-        return np.concatenate(self._parts)
 
 
 class Simulation:
@@ -103,6 +60,7 @@ class Simulation:
         self.steps = steps
         self.integrator = integrator
         self._frames = MovingFrames(model.assembly.parts)
+        self._couples = SectionCouples(model.assembly, model.links)
 
     def run(
         self,
@@ -216,6 +174,9 @@ class Simulation:
         sprung = self.model.connectors.joint_forces(motion, displacement, rate)
         strain += work.stored
         dissipation += work.dissipation
+        turning, power = self._couples.energy_and_power(
+            self._motion(time), carried, displacement, rate
+        )
         block = StepBlock(
             time=time,
             crank_speed=motion.crank_speed,
@@ -223,11 +184,11 @@ class Simulation:
             rate=rate,
             joint_force=self.model.joint_force(multiplier, position, sprung, turn),
             driving_torque=torque,
-            kinetic_energy=kinetic,
+            kinetic_energy=kinetic + turning,
             strain_energy=strain,
             gravity_energy=gravity,
             dissipation_power=dissipation,
-            prestress_power=work.power,
+            prestress_power=work.power + power,
             shaft=shaft,
         )
         body, weight = self.model.frame, assembly.mechanism.gravity

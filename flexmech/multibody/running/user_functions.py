@@ -50,25 +50,27 @@ class Shaft:
         """Angular speed at a time in s."""
         return self.motion(t)[1]
 
-    def motion(self, t: float) -> tuple[float, float]:
-        """Angle and angular speed at a time in s."""
+    def motion(self, t: float) -> tuple[float, float, float]:
+        """Angle, angular speed and angular acceleration at a time in s."""
         if not self.pieces:
-            return self.start_angle + self.final_speed * t, self.final_speed
+            return self.start_angle + self.final_speed * t, self.final_speed, 0.0
         number = bisect.bisect_right(self.pieces, t, key=lambda piece: piece[0])
         start, duration, polynomial, sines = self.pieces[max(number - 1, 0)]
         after = t - (start + duration) if number == len(self.pieces) else -1.0
         part = 1.0 if after >= 0 else (t - start) / duration
-        angle, speed = 0.0, 0.0
+        angle, speed, gain = 0.0, 0.0, 0.0
         for coefficient in reversed(polynomial):
+            gain = gain * part + 2 * speed
             speed = speed * part + angle
             angle = angle * part + coefficient
         for size, rate, phase in sines:
             angle += size * math.sin(rate * part + phase)
             speed += size * rate * math.cos(rate * part + phase)
+            gain -= size * rate**2 * math.sin(rate * part + phase)
         angle += self.start_angle
         if after < 0:
-            return angle, speed / duration
-        return angle + self.final_speed * after, self.final_speed
+            return angle, speed / duration, gain / duration**2
+        return angle + self.final_speed * after, self.final_speed, 0.0
 
     def hub_angle(self, position: Any, t: float) -> float:
         """Angle of the hub, whose coordinate is the last one of the system."""
@@ -319,6 +321,48 @@ def load_history(
         return last[1]
 
     return values
+
+
+def section_couples(
+    shaft: Shaft, crank_lead: float, crank_angles: Any, angle: Any, inertia: float
+) -> Any:
+    """User function of the force on a link's end by the couples that turn its sections.
+
+    These are constant along the link and act as two forces across it, at its ends.
+
+    Parameters
+    ----------
+    shaft : Shaft
+    crank_lead : float
+        Angle of the driven link less that of the crank, in rad.
+    crank_angles : list of float
+        First and last crank angle, in rad; a turn apart where the crank turns round.
+    angle : list of float
+        Angle of the link in rad between these: coefficients of Chebyshev polynomials.
+    inertia : float
+        Rotary inertia of the sections in kg m; with the other sign at the link's start.
+    """
+    series = np.polynomial.Chebyshev(angle, crank_angles)
+    first, last = crank_angles
+    at = np.linspace(first, last, 1441)
+    across = -inertia * np.array([-np.sin(series(at)), np.cos(series(at))])
+    by_gain, by_square = across * series.deriv()(at), across * series.deriv(2)(at)
+    turns = last - first > 2 * math.pi - 1e-9
+    known: tuple[float, list[float]] = (math.nan, [])
+
+    def force(mbs: Any, t: float, load: Any) -> list[float]:
+        nonlocal known
+        if t != known[0]:
+            crank, speed, gain = shaft.motion(t)
+            crank -= crank_lead
+            where = first + (crank - first) % (2 * math.pi) if turns else crank
+            x, y = (gain * np.interp(where, at, own) for own in by_gain)
+            x += speed**2 * np.interp(where, at, by_square[0])
+            y += speed**2 * np.interp(where, at, by_square[1])
+            known = t, [float(x), float(y), 0.0]
+        return known[1]
+
+    return force
 
 
 def torque_history(times: Any, torques: Any) -> Any:

@@ -6,7 +6,8 @@ import numpy as np
 
 from flexmech.analyses import Response
 from flexmech.plots.reading import names_of
-from flexmech.report.panel import FRAME_HEIGHT, GREY, Panel, Plot, Trace, YAxis, panel_of
+from flexmech.plots.shaping import move_line
+from flexmech.report.panel import FRAME_HEIGHT, GREY, Look, Panel, Plot, Trace, YAxis, panel_of
 from flexmech.report.results import Results
 
 # Modes below this part of the greatest amplitude are left out, and points below that part.
@@ -39,12 +40,16 @@ def _plot(run: Response, number: int) -> Plot:
         for law in names_of(data, "law"):
             shaped = law == "shaped"
             name = str(data.attrs["shaper"]) if shaped else "plain law"
-            time = data["whole_move_time"].sel(law=law).values
-            line = 1e3 * found.sel(law=law, mode=mode).values
+            time, line = move_line(data, law, int(mode))
+            line = 1e3 * line
+            resolved = len(time) > data.sizes["move_time"]
             seen = line > 1e3 * _DRAWN * greatest
             colour: int | str = 0 if shaped else GREY
             first = axis == 0
-            traces.append(Trace(name, time[seen], line[seen], colour, axis=axis, legend=first))
+            look: Look = "solid" if resolved else "points"
+            traces.append(
+                Trace(name, time[seen], line[seen], colour, look, axis=axis, legend=first)
+            )
             if "simulated_move_amplitude" not in data:
                 continue
             own = data["simulated_move_amplitude"].sel(law=law, mode=mode).max("link")

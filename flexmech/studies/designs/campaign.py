@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import asdict
 from multiprocessing import get_context, parent_process
@@ -16,15 +16,12 @@ import numpy as np
 
 from flexmech.analyses.datasets import versions
 from flexmech.arrays import FloatArray, LabelledProgress
-from flexmech.errors import ComputationError, FlexmechError, InputError, one_line
-from flexmech.studies.designs.evaluation import Evaluated, evaluate
+from flexmech.errors import InputError
+from flexmech.studies.designs.evaluation import Evaluated
 from flexmech.studies.designs.store import NAME, DesignStore, digest
 from flexmech.studies.designs.study import Study
+from flexmech.studies.designs.tasks import check_executor, computed_tasks, gathered
 
-TASK = 256
-"""Designs of a task: half a second of work or more, against milliseconds to hand it over."""
-# Tasks that wait with the workers, so that none is idle; more would hold their designs in memory.
-_AHEAD = 4
 # In s, for a scheduler to answer.
 _PATIENCE = "10s"
 
@@ -38,7 +35,6 @@ def evaluate_all(
     folder: Path | None = None,
     resume: bool = False,
     content: dict[str, Any] | None = None,
-    task: int = TASK,
 ) -> Evaluated:
     """Outputs of designs, by workers where there are some, and kept where there is a folder.
 
@@ -47,7 +43,8 @@ def evaluate_all(
     study : Study
     designs : ndarray, shape (n, k)
     executor : concurrent.futures.Executor, optional
-        Any: of processes on this machine, of Dask, Parsl or MPI. Left out: this process.
+        Any: of processes on this machine, of Dask, executorlib, Parsl or MPI. Left out: this
+        process.
     progress : callable, optional
         Called as ``progress(label, done, total)``.
     folder : Path, optional
@@ -56,8 +53,6 @@ def evaluate_all(
         Whether to go on with a store that is there.
     content : dict, optional
         What else the study is, for the store.
-    task : int
-        Designs of a task.
 
     Returns
     -------
@@ -66,32 +61,23 @@ def evaluate_all(
     Raises
     ------
     InputError
-        If the store is of another study.
+        If the executor is none, the store is of another study, or another run writes it.
     ComputationError
         If a worker was killed.
     """
-    parts = [slice(start, start + task) for start in range(0, len(designs), task)]
+    check_executor(executor)
+    every = np.arange(len(designs))
     if folder is None:
-        found = dict(_computed(study, designs, list(enumerate(parts)), executor, progress))
-        return joined([found[number] for number in range(len(parts))])
+        return gathered(study, designs, computed_tasks(study, designs, every, executor, progress))
     described = study_content(study, len(designs)) | (content or {})
     if resume:
         store = DesignStore.reopen(folder / NAME, described)
     else:
-        store = DesignStore.create(folder / NAME, len(designs), described, task)
-    left = [(number, parts[number]) for number in store.pending()]
-    for number, part in _computed(study, designs, left, executor, progress):
-        store.write(number, designs[parts[number]], part)
-    return store.read()[1]
-
-
-def joined(parts: list[Evaluated]) -> Evaluated:
-    """Outputs of parts of the designs, one after the other."""
-    return Evaluated(
-        np.concatenate([part.values for part in parts]),
-        np.concatenate([part.status for part in parts]),
-        [reason for part in parts for reason in part.reasons],
-    )
+        store = DesignStore.create(folder / NAME, len(designs), described)
+    with store:
+        for numbers, found in computed_tasks(study, designs, store.pending(), executor, progress):
+            store.write(int(numbers[0]), designs[numbers], found)
+        return store.read()[1]
 
 
 def study_content(study: Study, count: int) -> dict[str, Any]:
@@ -188,61 +174,3 @@ def _end_with_parent() -> None:
         os._exit(1)
 
     Thread(target=wait_for_it, daemon=True).start()
-
-
-def _computed(
-    study: Study,
-    designs: FloatArray,
-    parts: list[tuple[int, slice]],
-    executor: Executor | None,
-    progress: LabelledProgress | None,
-) -> Iterator[tuple[int, Evaluated]]:
-    """Tasks with their outputs, in the order in which they end."""
-    done, total = len(designs) - sum(len(designs[part]) for _, part in parts), len(designs)
-    for number, found in _tasks(study, designs, parts, executor):
-        done += len(found.status)
-        if progress is not None:
-            progress("designs", done, total)
-        yield number, found
-
-
-def _tasks(
-    study: Study,
-    designs: FloatArray,
-    parts: list[tuple[int, slice]],
-    executor: Executor | None,
-) -> Iterator[tuple[int, Evaluated]]:
-    if executor is None:
-        for number, part in parts:
-            yield number, evaluate(study, designs[part])
-        return
-    waiting: dict[Future[Evaluated], int] = {}
-    left = iter(parts)
-    ahead = _AHEAD * max(getattr(executor, "_max_workers", 0), 8)
-    try:
-        while True:
-            for number, part in left:
-                waiting[executor.submit(evaluate, study, designs[part])] = number
-                if len(waiting) >= ahead:
-                    break
-            if not waiting:
-                return
-            for future in wait(waiting, return_when=FIRST_COMPLETED).done:
-                yield waiting.pop(future), _result(future)
-    finally:
-        for future in waiting:
-            future.cancel()
-
-
-def _result(future: Future[Evaluated]) -> Evaluated:
-    """What a worker found; no failure of a design ends a task, so that others are the worker's."""
-    try:
-        return future.result()
-    except FlexmechError:
-        raise
-    except Exception as error:
-        told = one_line(f"{type(error).__name__}: {error}", 200)
-        raise ComputationError(
-            f"a worker was lost, for want of memory perhaps ({told}); what is done is kept with "
-            "--out: go on with --resume and fewer workers"
-        ) from error

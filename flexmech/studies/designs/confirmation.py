@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import get_args
 
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.csv_text import csv_text
 from flexmech.analyses.result import Result
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.choices import EngineName
@@ -18,6 +21,7 @@ from flexmech.studies.designs.result import designs_dataset, designs_table, rela
 from flexmech.studies.designs.scatter import Scatter
 from flexmech.studies.designs.search import margins_of
 from flexmech.studies.designs.study import Study
+from flexmech.studies.designs.tasks import computed_tasks, gathered
 
 SLACK = 1e-3
 """Part of a limit by which the finer models may miss it: an optimum lies on its limits."""
@@ -78,6 +82,42 @@ def confirmed(
         },
         {"output": list(study.outputs), "checking_engine": list(engines)},
     )
+
+
+def errors_of(
+    study: Study,
+    scatter: Scatter,
+    designs: FloatArray,
+    values: FloatArray,
+    computed: Callable[[FloatArray], Evaluated],
+    executor: Executor | None,
+) -> FloatArray:
+    """Greatest relative errors of several designs, by a finer model and by the number of samples.
+
+    Parameters
+    ----------
+    study : Study
+    scatter : Scatter
+    designs : ndarray, shape (n, k)
+    values : ndarray, shape (n, m)
+        Their outputs.
+    computed : callable
+        Gives the outputs of rows that were computed on the way.
+    executor : concurrent.futures.Executor or None
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        Not numbers where a finer model cannot be computed.
+    """
+
+    def finer(rows: FloatArray) -> Evaluated:
+        every = np.arange(len(rows))
+        return gathered(study, rows, computed_tasks(study, rows, every, executor, finer=2))
+
+    changes = relative_changes(values, scatter.evaluated(designs, finer).values)
+    sampling = np.stack([scatter.errors(design[None], computed) for design in designs])
+    return np.asarray((changes + sampling).max(axis=0))
 
 
 def _does_not_hold(study: Study, found: Evaluated) -> str:
@@ -145,7 +185,7 @@ def candidate_kept(
     table = designs_table(designs_dataset(study, design[None], row), {"violation": "violation"})
     file = given_path(folder) / CANDIDATES
     form = f"%.{Result.significant_digits}g"
-    write_whole(file, table.to_csv(index=False, float_format=form, lineterminator="\n"))
+    write_whole(file, csv_text(table, form))
     earlier = file.with_name("optimum.toml")
     stale = f"; {earlier} is of an earlier run" if earlier.exists() else ""
     return f"; its row is in {file}{stale}"

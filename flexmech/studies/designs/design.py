@@ -98,10 +98,12 @@ class Design:
         """Keep frequencies, or why there are none, for the outputs that need them."""
         self._maps[needs] = found
 
-    def forces(self, speed: float, angles: int) -> InverseDynamics:
-        """Joint forces and torque of the rigid linkage over a turn at a crank speed in rad/s."""
-        motion = self.mechanism.linkage.motion(turn(angles), speed)
-        return self.mechanism.inverse_dynamics(motion)
+    def forces_at(self, crank_angle: FloatArray, speed: float) -> InverseDynamics:
+        """Joint forces and torque of the rigid linkage at crank angles (A,) in rad.
+
+        At a crank speed in rad/s.
+        """
+        return self.mechanism.inverse_dynamics(self.mechanism.linkage.motion(crank_angle, speed))
 
     def peak(self, name: str, speed: float, link: str | None) -> float:
         """Greatest peak of the periodic motion, of a link or of all.

@@ -9,14 +9,12 @@ from typing import Any, Self
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
-from flexmech.studies.designs.campaign import evaluate_all, study_content
+from flexmech.arrays import FloatArray, LabelledProgress
+from flexmech.studies.designs.campaign import study_content
 from flexmech.studies.designs.evaluation import Evaluated
 from flexmech.studies.designs.store import NAME, DesignStore
 from flexmech.studies.designs.study import Study
-
-# Designs of a task: a few workers share a population, and a search that is killed loses no more.
-_TASK = 8
+from flexmech.studies.designs.tasks import check_executor, computed_tasks
 
 Outcome = tuple[FloatArray, int, str]
 
@@ -33,14 +31,16 @@ class KeptDesigns:
     study : Study
     executor : concurrent.futures.Executor or None
     store : DesignStore or None
+    progress : callable or None
+        Called as ``progress(label, done, total)``.
     """
 
     study: Study
     executor: Executor | None = None
     store: DesignStore | None = None
-    _rows: list[FloatArray] = field(default_factory=list, repr=False)
-    _known: dict[bytes, Outcome] = field(default_factory=dict, repr=False)
-    _written: int = 0
+    progress: LabelledProgress | None = None
+    _asked: dict[bytes, Outcome] = field(default_factory=dict, repr=False)
+    _stored: dict[bytes, Outcome] = field(default_factory=dict, repr=False)
 
     @classmethod
     def of(
@@ -49,6 +49,7 @@ class KeptDesigns:
         executor: Executor | None,
         folder: Path | None,
         *,
+        progress: LabelledProgress | None = None,
         resume: bool,
         most: int,
         content: dict[str, Any],
@@ -61,6 +62,7 @@ class KeptDesigns:
         executor : concurrent.futures.Executor or None
         folder : Path or None
             Where the store is kept, if it is.
+        progress : callable, optional
         resume : bool
             Whether to go on with the store that is there.
         most : int
@@ -77,16 +79,16 @@ class KeptDesigns:
         InputError
             If the store is of another study or search.
         """
+        check_executor(executor)
         if folder is None:
-            return cls(study, executor)
+            return cls(study, executor, None, progress)
         described = study_content(study, most) | content
         if not resume:
-            store = DesignStore.create(folder / NAME, most, described, _TASK)
-            return cls(study, executor, store)
-        kept = cls(study, executor, DesignStore.reopen(folder / NAME, described))
-        assert kept.store is not None
-        kept._add(*kept.store.read())
-        kept._written = len(kept._rows)
+            store = DesignStore.create(folder / NAME, most, described)
+            return cls(study, executor, store, progress)
+        store = DesignStore.reopen(folder / NAME, described)
+        kept = cls(study, executor, store, progress)
+        kept._stored = _outcomes(*store.read())
         return kept
 
     def __call__(self, designs: FloatArray) -> Evaluated:
@@ -100,37 +102,47 @@ class KeptDesigns:
         -------
         Evaluated
         """
-        new = {row.tobytes(): row for row in designs if row.tobytes() not in self._known}
+        new = {row.tobytes(): row for row in designs if row.tobytes() not in self._asked}
         if new:
-            rows = np.array(list(new.values()))
-            self._add(rows, evaluate_all(self.study, rows, executor=self.executor, task=_TASK))
-            self._write(len(self._rows) - len(self._rows) % _TASK)
-        return self._of(designs)
+            self._compute(np.array(list(new.values())))
+        values, status, reasons = zip(*(self._asked[row.tobytes()] for row in designs), strict=True)
+        return Evaluated(np.array(values), np.array(status, dtype=np.intp), list(reasons))
 
     @property
     def count(self) -> int:
-        """Designs that are known."""
-        return len(self._rows)
+        """Designs that were asked for."""
+        return len(self._asked)
 
     def close(self) -> None:
-        """Keep what fills no task of its own."""
-        self._write(len(self._rows))
+        """Let other runs have the store."""
+        if self.store is not None:
+            self.store.close()
 
-    def _add(self, designs: FloatArray, found: Evaluated) -> None:
-        for row, *outcome in zip(designs, *found, strict=True):
-            self._rows.append(row)
-            self._known[row.tobytes()] = outcome[0], int(outcome[1]), outcome[2]
+    def _compute(self, rows: FloatArray) -> None:
+        """Add designs in the order in which they are asked for, which is that of the store.
 
-    def _write(self, end: int) -> None:
-        """Keep the designs up to an end that are not kept yet, in whole tasks from the first."""
-        if self.store is None:
-            return
-        for start in range(self._written - self._written % _TASK, end, _TASK):
-            rows = np.array(self._rows[start : min(start + _TASK, end)])
-            self.store.write(start // _TASK, rows, self._of(rows))
-        self._written = max(self._written, end)
+        What the store holds of them is not computed again.
+        """
+        start, keys = self.count, [row.tobytes() for row in rows]
+        pending = np.array([n for n, key in enumerate(keys) if key not in self._stored], dtype=int)
+        tasks = computed_tasks(
+            self.study, rows, pending, self.executor, self._report(start), "search"
+        )
+        for numbers, found in tasks:
+            if self.store is not None:
+                self.store.write(start + int(numbers[0]), rows[numbers], found)
+            self._stored |= _outcomes(rows[numbers], found)
+        self._asked |= {key: self._stored[key] for key in keys}
 
-    def _of(self, designs: FloatArray) -> Evaluated:
-        """What is known of designs."""
-        values, status, reasons = zip(*(self._known[row.tobytes()] for row in designs), strict=True)
-        return Evaluated(np.array(values), np.array(status, dtype=np.intp), list(reasons))
+    def _report(self, before: int) -> LabelledProgress | None:
+        """Progress that counts designs asked for before."""
+        report = self.progress
+        if report is None:
+            return None
+        return lambda label, done, total: report(label, before + done, before + total)
+
+
+def _outcomes(designs: FloatArray, found: Evaluated) -> dict[bytes, Outcome]:
+    """What is found of each design."""
+    rows = zip(designs, found.values, found.status.tolist(), found.reasons, strict=True)
+    return {row.tobytes(): (values, status, reason) for row, values, status, reason in rows}

@@ -12,37 +12,37 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
+from flexmech.analyses.digits import percent
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.errors import ComputationError, InputError
 from flexmech.linkages import linkage_positions, picture_crank_angle
 from flexmech.mechanism import drawing
-from flexmech.studies.designs.confirmation import SLACK, beyond, candidate_kept, confirmed
+from flexmech.studies.designs.confirmation import (
+    SLACK,
+    beyond,
+    candidate_kept,
+    confirmed,
+    errors_of,
+)
 from flexmech.studies.designs.kept import KeptDesigns
 from flexmech.studies.designs.result import (
+    TOLD,
     designs_dataset,
     designs_table,
     reason_lines,
     status_line,
 )
 from flexmech.studies.designs.scatter import Scatter
-from flexmech.studies.designs.search import (
-    Search,
-    most_designs,
-    one_goal,
-    search_content,
-    several_goals,
-)
+from flexmech.studies.designs.search import Search, search_content
+from flexmech.studies.designs.search_method import search_method
 from flexmech.studies.designs.study import Study
-from flexmech.studies.designs.sweep import designs_in_words, output_quantities, ranked
+from flexmech.studies.designs.sweep import ROWS, designs_in_words, output_quantities, ranked
 from flexmech.studies.designs.variables import CRANK_SPEED, as_values
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-# Rows of the table.
-_ROWS = 8
 
 
 class Optimum(Result):
@@ -53,11 +53,11 @@ class Optimum(Result):
     dataset : xarray.Dataset
         Best designs as of a ``DesignSweep``: of several goals all that no other design is better
         than, of one goal one. ``history`` of the best goal over (goal, step) with ``evaluations``;
-        ``relative_error`` of the outputs of the best design, and of both engines ``checked`` over
-        (checking_engine, output). Its attribute ``optimum`` is the best design as a model file.
-        Where variables are ``uncertain`` the outputs are their means or percentiles, as the
-        attribute ``statistic`` of each says, ``relative_error`` is that by the number of
-        ``samples`` too.
+        ``relative_error`` over ``output``, the greatest of the designs of the table, and of both
+        engines ``checked`` over (checking_engine, output). Its attribute ``optimum`` is the best
+        design as a model file. Where variables are ``uncertain`` the outputs are their means or
+        percentiles, as the attribute ``statistic`` of each says, ``relative_error`` is that by the
+        number of ``samples`` too.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """
@@ -127,13 +127,16 @@ class Optimum(Result):
         lines += _statistics_lines(data)
         values = data["checked"].values
         apart = float(np.nanmax(np.abs(values[0] - values[1]) / np.abs(values).max(axis=0)))
-        error = float(data["relative_error"].max())
+        error = float(data["relative_error"].max(skipna=False))
+        known = f"numbers are known to {percent(max(error, apart, TOLD))}"
+        if not np.isfinite(error):
+            known = "errors of the numbers are not estimated"
         engines = " and ".join(data["checking_engine"].values.tolist())
         return Summary(
             tuple(lines),
-            designs_in_words(best.isel(design=slice(_ROWS)), data.attrs["mechanism"]),
-            f"numbers are known to {100 * max(error, apart):.2g} %; {engines}, computed anew with "
-            f"twice the elements and crank angles, keep every limit to {100 * SLACK:g} %",
+            designs_in_words(best.isel(design=slice(ROWS)), data.attrs["mechanism"]),
+            f"{known}; {engines}, computed anew with twice the elements and crank angles, keep "
+            f"every limit to {100 * SLACK:g} %",
             details=(status_line(data), *reason_lines(data)),
             numbers=numbers,
         )
@@ -172,7 +175,9 @@ def optimum_study(
     """The best design of a study's variables by its goals, within its limits.
 
     One goal is sought by SciPy's COBYQA from several starts, several goals by NSGA-II (Deb et al.
-    2002; the library pymoo). Around every design variables with distributions take a sample of
+    2002; the library pymoo). Where an output costs a second or more a design, both are sought by a
+    model of the outputs, radial basis functions between some twenty designs (Gutmann 2001; Regis
+    and Shoemaker 2007). Around every design variables with distributions take a sample of
     values, the same for all: goals and limits are the percentiles of the outputs that they name,
     or their means. The best design is computed anew by both engines with twice the elements and
     crank angles before it is given.
@@ -206,17 +211,19 @@ def optimum_study(
     if not study.goals:
         raise InputError("goals: there is none; add [[goals]] with output = ... and sense = ...")
     scatter = Scatter.of(study)
+    find, most = search_method(study)
     computed = KeptDesigns.of(
         study,
         executor,
         folder,
+        progress=progress,
         resume=resume,
-        most=most_designs(study),
+        most=most,
         content=search_content(study),
     )
-    search = Search(study, computed, scatter, progress)
+    search = Search(study, computed, scatter)
     with closing(computed):
-        designs = one_goal(search) if len(study.goals) == 1 else several_goals(search)
+        designs = find(search)
         found = search.found(designs)
         dataset = designs_dataset(study, designs, found)
         best = ranked(dataset)
@@ -230,7 +237,11 @@ def optimum_study(
             + candidate_kept(study, designs[0], found, why, folder)
         )
     checked = confirmed(study, scatter, designs[number], found.values[number], folder)
-    checked["relative_error"] = checked["relative_error"] + sampling
+    error = checked["relative_error"].values + sampling
+    if len(others := best["design"].values[1:ROWS] - 1):
+        rows = designs[others], found.values[others]
+        error = np.maximum(error, errors_of(study, scatter, *rows, computed, executor))
+    checked["relative_error"] = "output", error
     steps, history = zip(*search.steps, strict=True)
     signs = np.array([goal.sign for goal in study.goals])
     return Optimum(

@@ -3,27 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
 from flexmech.analyses.digits import rounded
 from flexmech.analyses.frequencies.extremes import Extremes
-from flexmech.analyses.frequencies.positions import strain_energy_damping
 from flexmech.analyses.stability.compute import stability
-from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.errors import InputError, suggestion
-from flexmech.linkages import CouplerPoint, FourBar, InverseDynamics
-from flexmech.linkages.motion import direction
-from flexmech.mechanism import Mechanism
+from flexmech.linkages import FourBar
 from flexmech.studies.designs.design import (
     Design,
     ExtremesWanted,
     FrequencyNeeds,
     every_extreme,
-    turn,
+)
+from flexmech.studies.designs.peaks import (
+    least_damping,
+    path_error,
+    peak_driving_torque,
+    peak_joint_force,
 )
 from flexmech.units import (
     ANGLE,
@@ -59,6 +60,16 @@ Quantity = Literal[
 
 OF_FREQUENCIES = ("lowest_frequency", "highest_frequency", "order_margin")
 """Quantities that are found from the natural frequencies over a turn."""
+
+COSTLY = (
+    "peak_deflection",
+    "peak_strain",
+    "peak_stress",
+    "strain_energy_damping",
+    "largest_multiplier",
+    "stable_speed_margin",
+)
+"""Quantities that take a second or more a design, or nearly so."""
 
 _SHOWN = {LENGTH: "mm", ANGLE: "deg", STRESS: "MPa"}
 # Part of the crank speed by which unstable bands are searched for, and at how many speeds.
@@ -103,7 +114,7 @@ class Output:
     prestress : {"none", "axial", "equilibrium"}
         Of frequencies.
     angles : int
-        Crank angles over a turn.
+        Crank angles over a turn, between which extremes are sought as well.
     points : tuple of (float, float)
         In m: the path of the coupler point should pass them. Left out: ``path_error`` is the
         greatest distance from the path of the model itself at equal crank angles.
@@ -201,10 +212,6 @@ def _frequencies(design: Design, output: Output) -> Extremes:
     return design.frequencies(needs)
 
 
-def _forces(design: Design, output: Output) -> InverseDynamics:
-    return design.forces(output.speed_of(design), output.angles)
-
-
 def _peak(name: str) -> Callable[[Design, Output], float]:
     return lambda design, output: design.peak(name, output.speed_of(design), output.link)
 
@@ -241,59 +248,21 @@ def _transmission_angle(design: Design, output: Output) -> float:
     return min(least, np.pi - greatest)
 
 
-def _path(mechanism: Mechanism, output: Output) -> FloatArray:
-    """Places of the coupler point over a turn, (angles, 2) in m."""
-    point = mechanism.coupler_point
-    if point is None:
-        raise InputError("path_error needs a coupler_point in the model file")
-    return _places(mechanism, point, output.angles)
-
-
-def _places(mechanism: Mechanism, point: CouplerPoint, count: int) -> FloatArray:
-    motion = mechanism.linkage.motion(turn(count))
-    coupler = mechanism.linkage.topology.index("coupler")
-    arm = point.distance * direction(motion.angle[..., coupler] + point.angle)
-    return np.asarray(motion.origin[..., coupler, :] + arm)
-
-
 def _path_error(design: Design, output: Output) -> float:
-    if not output.points:
-        apart = _path(design.mechanism, output) - _path(design.model, output)
-        return float(np.linalg.norm(apart, axis=-1).max())
-    # Polylines of few angles cut corners: four times as many.
-    fine = replace(output, angles=4 * output.angles)
-    start = _path(design.mechanism, fine)
-    along = np.roll(start, -1, axis=0) - start
-    to = np.array(output.points)[:, None] - start
-    part = np.einsum("psc,sc->ps", to, along) / np.einsum("sc,sc->s", along, along)
-    nearest = to - np.clip(part, 0.0, 1.0)[..., None] * along
-    return float(np.linalg.norm(nearest, axis=-1).min(axis=1).max())
+    return path_error(design, output.angles, output.points)
 
 
 def _peak_torque(design: Design, output: Output) -> float:
-    return float(np.abs(_forces(design, output).driving_torque).max())
+    return peak_driving_torque(design, output.speed_of(design), output.angles)
 
 
 def _peak_joint_force(design: Design, output: Output) -> float:
-    forces: Mapping[str, FloatArray] = _forces(design, output).joint_force
-    if output.joint is not None and output.joint not in forces:
-        raise InputError(
-            f"there is no joint {output.joint!r}; {suggestion(output.joint, list(forces))}"
-        )
-    chosen = [force for name, force in forces.items() if output.joint in (None, name)]
-    return float(max(np.linalg.norm(force, axis=-1).max() for force in chosen))
+    return peak_joint_force(design, output.speed_of(design), output.angles, output.joint)
 
 
 def _damping(design: Design, output: Output) -> float:
-    """Least damping ratio of a mode over the turn by modal strain energy."""
-    found = strain_energy_damping(
-        design.engine,
-        turn(output.angles),
-        output.speed_of(design),
-        modes=max(output.mode, 3),
-        prestress=output.prestress,
-    )
-    return float(found[:, output.mode - 1].min())
+    speed = output.speed_of(design)
+    return least_damping(design, speed, output.angles, output.mode, output.prestress)
 
 
 def _multiplier(design: Design, output: Output) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
+from concurrent.futures import Executor
 from typing import Any
 
 import numpy as np
@@ -11,11 +12,15 @@ import pandas as pd
 import xarray as xr
 
 from flexmech.analyses.datasets import origin
-from flexmech.arrays import FloatArray
-from flexmech.studies.designs.evaluation import STATUSES, Evaluated, evaluate
+from flexmech.arrays import FloatArray, LabelledProgress
+from flexmech.studies.designs.evaluation import STATUSES, Evaluated
 from flexmech.studies.designs.study import Study
+from flexmech.studies.designs.tasks import computed_tasks, gathered
 
 DESIGN = "design"
+TOLD = 1e-6
+"""Relative error of a peak that is sought between crank angles, as of ``kinematics``: less is below
+the digits of all that is printed."""
 
 
 def designs_dataset(study: Study, designs: FloatArray, found: Evaluated) -> xr.Dataset:
@@ -82,26 +87,59 @@ def violations(study: Study, values: FloatArray) -> FloatArray:
     return total
 
 
-def finer_errors(study: Study, design: FloatArray, values: FloatArray) -> FloatArray:
-    """Relative change of one design's outputs with twice the elements and crank angles, (m,).
+def finer_errors(
+    study: Study,
+    designs: FloatArray,
+    values: FloatArray,
+    executor: Executor | None = None,
+    progress: LabelledProgress | None = None,
+) -> FloatArray:
+    """Relative changes of outputs with twice the elements and crank angles, (n, m).
 
     Parameters
     ----------
     study : Study
-    design : ndarray, shape (k,)
-    values : ndarray, shape (m,)
-        Its outputs.
+    designs : ndarray, shape (n, k)
+    values : ndarray, shape (n, m)
+        Their outputs.
+    executor : concurrent.futures.Executor, optional
+    progress : callable, optional
+        Called as ``progress(label, done, total)``.
 
     Returns
     -------
-    ndarray
+    ndarray, shape (n, m)
         Not numbers where the finer model cannot be computed.
     """
-    return relative_changes(values, evaluate(study, design[None], finer=2).values[0])
+    every = np.arange(len(designs))
+    tasks = computed_tasks(study, designs, every, executor, progress, "finer models", finer=2)
+    return relative_changes(values, gathered(study, designs, tasks).values)
+
+
+def near_a_limit(dataset: xr.Dataset) -> list[int]:
+    """Numbers of the designs that are nearer to a limit than their outputs are known.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of :func:`designs_dataset`, with ``relative_error`` over ``output``.
+
+    Returns
+    -------
+    list of int
+    """
+    near = np.zeros(dataset.sizes[DESIGN], dtype=bool)
+    for name in dataset.attrs["outputs"].split():
+        values = dataset[name].values
+        error = float(dataset["relative_error"].sel(output=name)) * np.abs(values)
+        for end in ("least", "greatest"):
+            if end in dataset[name].attrs:
+                near |= np.abs(values - dataset[name].attrs[end]) <= error
+    return [int(number) for number in dataset[DESIGN].values[near]]
 
 
 def relative_changes(values: FloatArray, finer: FloatArray) -> FloatArray:
-    """Differences of outputs from those of a finer model, over the greater of both, (m,)."""
+    """Differences of outputs from those of a finer model, over the greater of both."""
     size = np.maximum(np.abs(finer), np.abs(values))
     with np.errstate(invalid="ignore"):
         change = np.abs(finer - values) / size

@@ -11,13 +11,14 @@ import numpy as np
 import scipy
 
 from flexmech.analyses.datasets import versions
-from flexmech.arrays import FloatArray, LabelledProgress
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.studies.designs.evaluation import Evaluated
 from flexmech.studies.designs.kept import KeptDesigns
 from flexmech.studies.designs.result import violations
 from flexmech.studies.designs.scatter import Scatter
 from flexmech.studies.designs.study import Study, sobol_points
+from flexmech.studies.designs.variables import Variable
 
 INSTALL = "several goals need the extra packages of [study]: pip install 'flexmech[study]'"
 # Starts of the search for one goal: the best designs of a sample of so many for each variable.
@@ -43,7 +44,6 @@ class Search:
         Gives the outputs of designs.
     scatter : Scatter
         Of what is uncertain, around every design.
-    progress : callable or None
     count : int
         Designs computed.
     steps : list of (int, ndarray)
@@ -61,7 +61,6 @@ class Search:
     study: Study
     computed: KeptDesigns
     scatter: Scatter
-    progress: LabelledProgress | None
     count: int = 0
     steps: list[tuple[int, FloatArray]] = field(default_factory=list)
     best: FloatArray | None = None
@@ -80,8 +79,6 @@ class Search:
         violation : ndarray, shape (n,)
         """
         self.count += len(designs)
-        if self.progress is not None:
-            self.progress("search", self.count, self.count)
         if self.nearest is None or violation.min() < self.violation:
             number = int(violation.argmin())
             self.nearest, self.violation = designs[number], float(violation[number])
@@ -114,8 +111,8 @@ class Search:
         return np.nan_to_num(goals, nan=np.inf), violation
 
 
-def most_designs(study: Study) -> int:
-    """Designs that a search can ask for.
+def most_of_one_goal(study: Study) -> int:
+    """Designs that :func:`one_goal` can ask for.
 
     Parameters
     ----------
@@ -125,12 +122,17 @@ def most_designs(study: Study) -> int:
     -------
     int
     """
-    samples = study.percentile_samples if study.uncertain else 1
-    if len(study.goals) > 1:
-        return samples * _POPULATION * _GENERATIONS
-    count = _chosen(study)
-    # One more of each of the first sample, at the medians of what is uncertain.
-    return (samples + 1) * (_sample_size(study) + _STARTS * (_MOST_STEPS * count + 1))
+    return _sample_size(study) + _STARTS * (_MOST_STEPS * _chosen(study) + 1)
+
+
+def most_of_several_goals() -> int:
+    """Designs that :func:`several_goals` can ask for.
+
+    Returns
+    -------
+    int
+    """
+    return _POPULATION * _GENERATIONS
 
 
 def search_content(study: Study) -> dict[str, str]:
@@ -160,9 +162,23 @@ def search_content(study: Study) -> dict[str, str]:
     return content
 
 
+def chosen_variables(study: Study) -> list[Variable]:
+    """Variables that the search chooses.
+
+    Parameters
+    ----------
+    study : Study
+
+    Returns
+    -------
+    list of Variable
+    """
+    return [variable for variable in study.variables if not variable.is_random]
+
+
 def _chosen(study: Study) -> int:
     """Number of the variables that the search chooses."""
-    return len(study.variables) - len(study.uncertain)
+    return len(chosen_variables(study))
 
 
 def _sample_size(study: Study) -> int:

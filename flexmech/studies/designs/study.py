@@ -14,7 +14,7 @@ import scipy
 
 from flexmech.analyses.parameters import Parameters
 from flexmech.arrays import FloatArray
-from flexmech.choices import EngineName
+from flexmech.choices import MOST_SEED, EngineName
 from flexmech.errors import InputError, suggestion
 from flexmech.mechanism import Mechanism
 from flexmech.studies.designs.outputs import Output
@@ -147,7 +147,7 @@ class Study:
             raise InputError("vary: nothing varies; name a quantity of the model and its range")
         if not self.outputs:
             raise InputError("outputs: nothing is computed; name an output")
-        check_count(self.seed, "seed", least=0)
+        check_count(self.seed, "seed", least=0, most=MOST_SEED)
         for name in (*self.outputs, *self.names):
             if name in _RESERVED or not re.fullmatch(_NAME, name):
                 raise InputError(

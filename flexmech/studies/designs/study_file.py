@@ -14,11 +14,12 @@ from pydantic import Field, ValidationError
 from flexmech.analyses.parameters import Parameters
 from flexmech.choices import EngineName, Prestress
 from flexmech.errors import InputError
-from flexmech.files import given_path
+from flexmech.files import bytes_of, given_path
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile import base_table as base
 from flexmech.modelfile import load_mechanism
 from flexmech.modelfile.messages import Findings, input_error
+from flexmech.modelfile.read import MOST_BYTES
 from flexmech.studies.designs.outputs import Output, Quantity
 from flexmech.studies.designs.study import Correlation, Goal, Limit, Sense, Study, known_output
 from flexmech.studies.designs.variables import Distribution, Variable, known_variable
@@ -125,7 +126,7 @@ def load_study(path: str | os.PathLike[str]) -> Study:
     """
     file, shown = given_path(path), os.fspath(path)
     try:
-        text = file.read_bytes().decode("utf-8-sig")
+        text = bytes_of(file, shown, "a study file", MOST_BYTES).decode("utf-8-sig")
         data = tomllib.loads(text)
     except OSError as error:
         raise InputError(

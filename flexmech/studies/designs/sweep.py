@@ -23,9 +23,11 @@ from flexmech.mechanism import Mechanism
 from flexmech.studies.designs.campaign import evaluate_all
 from flexmech.studies.designs.outputs import Output
 from flexmech.studies.designs.result import (
+    TOLD,
     designs_dataset,
     designs_table,
     finer_errors,
+    near_a_limit,
     reason_lines,
     status_line,
 )
@@ -36,8 +38,8 @@ from flexmech.units import ANGULAR_SPEED, from_si
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Of the table of the best designs.
-_ROWS = 8
+ROWS = 8
+"""Of the table of the best designs."""
 
 
 class DesignSweep(Result):
@@ -48,7 +50,7 @@ class DesignSweep(Result):
     dataset : xarray.Dataset
         Outputs over ``design`` in SI units, with the variables as coordinates; ``status`` and
         ``reason`` of designs that cannot be computed, ``within`` where every limit is kept, and
-        ``relative_error`` of the outputs of the best design over ``output``.
+        ``relative_error`` over ``output``, the greatest of the best designs, those of the table.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """
@@ -97,15 +99,27 @@ class DesignSweep(Result):
             told = ", ".join(f"{one.name} {one}" for one in numbers)
             which = "The best" if first["within"] else "None does; the nearest"
             lines.append(f"{which} is design {int(first['design'])}: {told}.")
-            table = designs_in_words(best.isel(design=slice(_ROWS)), data.attrs["mechanism"])
-            error = float(data["relative_error"].max())
+            table = designs_in_words(best.isel(design=slice(ROWS)), data.attrs["mechanism"])
+            error = float(data["relative_error"].max(skipna=False).clip(min=TOLD))
         return Summary(
             tuple(lines),
             table,
             trust_line([data.attrs["engine"]], error),
-            details=(status_line(data), *reason_lines(data)),
+            details=(status_line(data), *reason_lines(data), *_near_lines(data)),
             numbers=numbers,
         )
+
+
+def _near_lines(data: xr.Dataset) -> list[str]:
+    """Which designs keep or fail a limit by less than their outputs are known."""
+    near = near_a_limit(data)
+    if not near:
+        return []
+    told = ", ".join(map(str, near[:ROWS])) + (", ..." if len(near) > ROWS else "")
+    return [
+        "nearer to a limit than the outputs are known, so that a finer model may turn the verdict: "
+        f"design{'s' * (len(near) > 1)} {told}"
+    ]
 
 
 def ranked(dataset: xr.Dataset) -> xr.Dataset:
@@ -200,16 +214,40 @@ def sweep_study(
         content={"samples": samples},
     )
     dataset = designs_dataset(study, designs, found)
-    return DesignSweep(dataset.assign(relative_error=_errors(study, designs, dataset)))
+    errors = table_errors(study, designs, dataset, executor, progress)
+    return DesignSweep(dataset.assign(relative_error=errors))
 
 
-def _errors(study: Study, designs: FloatArray, dataset: xr.Dataset) -> xr.DataArray:
-    """Errors of the best design's outputs over ``output``; not numbers where none is computed."""
-    best, errors = ranked(dataset), np.full(len(study.outputs), np.nan)
+def table_errors(
+    study: Study,
+    designs: FloatArray,
+    dataset: xr.Dataset,
+    executor: Executor | None = None,
+    progress: LabelledProgress | None = None,
+) -> xr.DataArray:
+    """Greatest relative errors of the outputs of the best designs, those of the table.
+
+    Parameters
+    ----------
+    study : Study
+    designs : ndarray, shape (n, k)
+    dataset : xarray.Dataset
+        Of these designs.
+    executor : concurrent.futures.Executor, optional
+    progress : callable, optional
+        Called as ``progress(label, done, total)``.
+
+    Returns
+    -------
+    xarray.DataArray
+        Over ``output``; not numbers where no design or no finer model of one can be computed.
+    """
+    best = ranked(dataset).isel(design=slice(ROWS))
+    errors = np.full(len(study.outputs), np.nan)
     if best.sizes["design"]:
-        first = best.isel(design=0)
-        values = np.array([float(first[name]) for name in study.outputs])
-        errors = finer_errors(study, designs[int(first["design"]) - 1], values)
+        values = np.stack([best[name].values for name in study.outputs], axis=1)
+        rows = designs[best["design"].values - 1]
+        errors = finer_errors(study, rows, values, executor, progress).max(axis=0)
     return xr.DataArray(errors, {"output": list(study.outputs)}, "output")
 
 

@@ -2,32 +2,38 @@
 
 from __future__ import annotations
 
-import warnings
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
-import scipy
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.digits import Quantity
+from flexmech.analyses.digits import Quantity, percent
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
-from flexmech.arrays import FloatArray, LabelledProgress
+from flexmech.arrays import ROUND_OFF, FloatArray, LabelledProgress
 from flexmech.errors import InputError
 from flexmech.studies.designs.bands import bands_table, frequency_bands
 from flexmech.studies.designs.campaign import evaluate_all
 from flexmech.studies.designs.evaluation import Evaluated
 from flexmech.studies.designs.result import (
+    TOLD,
     designs_dataset,
     designs_table,
+    finer_errors,
     reason_lines,
     status_line,
 )
 from flexmech.studies.designs.scatter import causes_of, with_failures
+from flexmech.studies.designs.sobol_indices import (
+    INDICES,
+    poor_shares,
+    share_text,
+    sobol_shares,
+)
 from flexmech.studies.designs.study import Study, check_power_of_two, sobol_points
 from flexmech.units import from_si
 
@@ -35,11 +41,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PERCENTILES = {"p2_5": 2.5, "p50": 50.0, "p97_5": 97.5}
-CONFIDENCE = 0.95
 _SAMPLES = 1024
-# Of the bootstrap of Sobol's indices.
-_RESAMPLES = 1000
-_INDICES = ("first_order", "total")
 _BANDS = "frequency_percentile"
 
 
@@ -50,10 +52,10 @@ class Uncertainty(Result):
     ----------
     dataset : xarray.Dataset
         Designs as of a ``DesignSweep``; ``mean``, ``std``, ``p2_5``, ``p50``, ``p97_5``, their
-        standard errors and ``failure_probability`` over ``output``; ``first_order`` and ``total``
-        with ``_low`` and ``_high`` ends of their 95 % intervals over (output, input), where inputs
-        are not correlated; ``frequency_percentile`` over (percentile, mode, crank_angle), where an
-        output is found from natural frequencies.
+        standard errors, ``failure_probability`` and ``relative_error`` of a design over
+        ``output``; ``first_order`` and ``total`` with ``_low`` and ``_high`` ends of their 95 %
+        intervals over (output, input), where inputs are not correlated; ``frequency_percentile``
+        over (percentile, mode, crank_angle), where an output is found from natural frequencies.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """
@@ -79,7 +81,7 @@ class Uncertainty(Result):
         of_outputs = data[names].to_dataframe().reset_index()
         tables = {self.stem: of_outputs[["output", *names]], "designs": designs_table(data)}
         if "total" in data:
-            shares = [f"{name}{end}" for name in _INDICES for end in ("", "_low", "_high")]
+            shares = [f"{name}{end}" for name in INDICES for end in ("", "_low", "_high")]
             found = data[shares].to_dataframe().reset_index()
             tables["sensitivity"] = found[["output", "input", *shares]]
         if _BANDS in data:
@@ -139,8 +141,8 @@ class Uncertainty(Result):
         return Summary(
             ("; ".join(lines) + ".",),
             table,
-            f"medians are known to {100 * spread:.2g} % by {data.sizes['design']} designs; "
-            f"the {data.attrs['engine']} engine alone ran",
+            _trust(data, spread),
+            warnings=poor_shares(data, data.sizes["design"] // 2),
             details=(
                 status_line(data),
                 *reason_lines(data),
@@ -151,12 +153,24 @@ class Uncertainty(Result):
         )
 
 
+def _trust(data: xr.Dataset, spread: float) -> str:
+    """How far medians are known by the number of designs, and the outputs of one of them."""
+    error = float(data["relative_error"].max(skipna=False))
+    model = f"each design to {percent(max(error, TOLD))}"
+    if not np.isfinite(error):
+        model = "errors of the designs themselves are not estimated"
+    return (
+        f"medians are known to {100 * spread:.2g} % by {data.sizes['design']} designs, {model}; "
+        f"the {data.attrs['engine']} engine alone ran"
+    )
+
+
 def _cause(own: xr.Dataset) -> str:
     """What an output depends on most."""
     if "total" not in own or not np.isfinite(own["total"]).all():
         return ""
     most = str(own["total"].idxmax().item())
-    return f", most by {most} ({100 * float(own['total'].sel(input=most)):.0f} % of the variance)"
+    return f", most by {most} ({share_text(own, most)})"
 
 
 def _failure_lines(data: xr.Dataset) -> list[str]:
@@ -225,8 +239,7 @@ def uncertainty_study(
     """Distribution of a study's outputs, and the share of every input in their variance.
 
     The designs are Saltelli's A, B and A_B of Sobol's method (Saltelli et al. 2010, *Computer
-    Physics Communications* 181); indices and their bootstrap intervals are those of
-    :func:`scipy.stats.sobol_indices`.
+    Physics Communications* 181), whose indices have bootstrap intervals drawn by the study's seed.
 
     Parameters
     ----------
@@ -274,13 +287,15 @@ def uncertainty_study(
     )
     dataset = designs_dataset(study, designs[independent], own)
     dataset = dataset.merge(_statistics(study, values[independent], dataset))
+    dataset = dataset.assign(relative_error=_error_of_a_design(study, dataset, designs, executor))
     worth = [f"{name} {study.outputs[name].told(v)}" for name, v in study.failure_values.items()]
     dataset = dataset.assign_attrs(failures_count_as=", ".join(worth))
     dataset = dataset.merge(frequency_bands(study, designs[independent]))
     if study.correlations:
         why = "inputs are correlated: shares in the variance are not defined (Sobol's method)"
         return Uncertainty(dataset.assign_attrs(no_shares=why))
-    return Uncertainty(dataset.merge(_sensitivity(study, inputs, values, samples)))
+    parts = values.reshape(len(inputs) + 2, samples, len(study.outputs))
+    return Uncertainty(dataset.merge(sobol_shares(parts, list(study.outputs), inputs, study.seed)))
 
 
 def _inputs(study: Study) -> list[str]:
@@ -329,6 +344,18 @@ def _complete(study: Study, found: Evaluated) -> FloatArray:
     return values
 
 
+def _error_of_a_design(
+    study: Study, dataset: xr.Dataset, designs: FloatArray, executor: Executor | None
+) -> tuple[str, FloatArray]:
+    """Relative errors of the outputs of the design that is nearest to all medians, (m,)."""
+    known = np.flatnonzero(dataset["status"].values == "ok")
+    values = np.stack([dataset[name].values[known] for name in study.outputs], axis=1)
+    away = np.abs(values - dataset["p50"].values) / np.maximum(dataset["std"].values, ROUND_OFF)
+    middle = int(away.max(axis=1).argmin())
+    row = known[middle : middle + 1]
+    return "output", finer_errors(study, designs[row], values[middle : middle + 1], executor)[0]
+
+
 def _statistics(study: Study, values: FloatArray, dataset: xr.Dataset) -> xr.Dataset:
     """Moments, percentiles and failures over ``output``."""
     outputs = list(study.outputs)
@@ -351,43 +378,3 @@ def _statistics(study: Study, values: FloatArray, dataset: xr.Dataset) -> xr.Dat
         failing.append(beyond.mean())
     found["failure_probability"] = np.array(failing)
     return xr.Dataset({name: ("output", each) for name, each in found.items()}, {"output": outputs})
-
-
-def _sensitivity(study: Study, inputs: list[str], values: FloatArray, samples: int) -> xr.Dataset:
-    """Sobol's indices with their intervals over (output, input)."""
-    outputs = list(study.outputs)
-    parts = np.moveaxis(values.reshape(len(inputs) + 2, samples, len(outputs)), -1, 1)
-    # An output that never changes has no variance to share.
-    varies = np.ptp(values, axis=0) > 1e-12 * np.abs(values).max(axis=0)
-    shape = len(outputs), len(inputs)
-    found = {
-        f"{name}{end}": np.full(shape, np.nan) for name in _INDICES for end in ("", "_low", "_high")
-    }
-    if varies.any():
-        count = int(varies.sum())
-        # SciPy drops the dimension of a single output: it gets that one twice.
-        chosen = parts[:, np.resize(np.flatnonzero(varies), max(count, 2))]
-        indices = scipy.stats.sobol_indices(
-            func={"f_A": chosen[0], "f_B": chosen[1], "f_AB": chosen[2:]},
-            n=samples,
-            random_state=np.random.default_rng(study.seed),
-        )
-        with np.errstate(invalid="ignore"), warnings.catch_warnings():
-            # Of an input that changes nothing there is no interval: its share is zero.
-            warnings.simplefilter("ignore", scipy.stats.DegenerateDataWarning)
-            interval = indices.bootstrap(confidence_level=CONFIDENCE, n_resamples=_RESAMPLES)
-        changes = (parts[2:, varies] != parts[0, varies]).any(axis=-1).T
-        for name, short in zip(_INDICES, ("first_order", "total_order"), strict=True):
-            ends = getattr(interval, short).confidence_interval
-            for end, each in (
-                ("", getattr(indices, short)),
-                ("_low", ends.low),
-                ("_high", ends.high),
-            ):
-                found[f"{name}{end}"][varies] = np.where(
-                    changes, np.reshape(each, (-1, len(inputs)))[:count], 0.0
-                )
-    over = ("output", "input")
-    return xr.Dataset(
-        {name: (over, each) for name, each in found.items()}, {"output": outputs, "input": inputs}
-    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -34,8 +35,8 @@ class StepTable:
     ) -> None:
         self._linkage = linkage
         self._step = step
-        self._load = load
-        self._table = PositionTable(linkage, self._solve)
+        # Not by a method of its own: what refers to itself is kept until memory is searched for it.
+        self._table = PositionTable(linkage, partial(_operators, linkage, step, load))
 
     def rows(
         self, time: FloatArray, force: FloatArray | None = None
@@ -62,18 +63,21 @@ class StepTable:
             expansion = StaticExpansion(matrix.copy(), offset + _under(acting, pushed_offset))
         return StepOperators(self._step, advance, forced + _under(acting, pushed)), expansion
 
-    def _solve(self, time: FloatArray) -> list[FloatArray]:
-        linkage = self._linkage
-        equations = linkage.equations(time, tables=False)
-        units = linkage.unit_equations(time, self._load)
-        linear, expansion = step_operators(equations, self._step), equations.expansion
-        pushed = [step_operators(one, self._step).forced for one in units]
-        parts = [linear.advance, linear.forced, _side_by_side(pushed, linear.forced)]
-        if linkage.is_condensed:
-            offsets = [one.expansion.offset for one in units]
-            parts += [expansion.matrix, expansion.offset]
-            parts.append(_side_by_side(offsets, expansion.offset))
-        return parts
+
+def _operators(
+    linkage: DrivenLinkage, step: float, load: Sequence[FloatArray] | None, time: FloatArray
+) -> list[FloatArray]:
+    """Arrays of :class:`StepTable` at times of shape (m,)."""
+    equations = linkage.equations(time, tables=False)
+    units = linkage.unit_equations(time, load)
+    linear, expansion = step_operators(equations, step), equations.expansion
+    pushed = [step_operators(one, step).forced for one in units]
+    parts = [linear.advance, linear.forced, _side_by_side(pushed, linear.forced)]
+    if linkage.is_condensed:
+        offsets = [one.expansion.offset for one in units]
+        parts += [expansion.matrix, expansion.offset]
+        parts.append(_side_by_side(offsets, expansion.offset))
+    return parts
 
 
 def _side_by_side(units: list[FloatArray], like: FloatArray) -> FloatArray:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -86,8 +87,10 @@ class StretchMarch:
     ) -> None:
         assert linkage.stretch is not None
         self._linkage, self._stretch = linkage, linkage.stretch
-        self._step, self._load = step, load
-        self._table = PositionTable(linkage, self._solve, reach=step)
+        self._step = step
+        # Not by a method of its own: what refers to itself is kept until memory is searched for it.
+        solve = partial(_double_steps, linkage, step, load)
+        self._table = PositionTable(linkage, solve, reach=step)
         self._forces = StretchForces(linkage.stretch, STAGES, 2 * step)
         self.restart()
 
@@ -133,19 +136,6 @@ class StretchMarch:
             history[:, some] = self._block(rows, history[:, first])
         whole = VibrationState(history[0], history[1] / double, history[2] / double**2)
         return whole, StaticExpansion.of_all(self._linkage.size)
-
-    def _solve(self, end: FloatArray) -> list[FloatArray]:
-        """Arrays of the double steps that end at times of shape (m,)."""
-        linkage, count = self._linkage, len(end)
-        time = np.column_stack([end - self._step, end]).reshape(-1)
-        equations = linkage.equations(time, tables=False)
-        rows = stage_operators(equations, self._stretch, 2 * self._step)
-        loaded = linkage.unit_equations(time, self._load)
-        units = np.zeros((count, STAGES, len(loaded), linkage.size))
-        for number, one in enumerate(loaded):
-            units[:, :, number] = one.force.reshape(count, STAGES, -1)
-        turns = (rows.turns.turn, rows.turns.rate)
-        return [rows.resistance, rows.force, rows.compliance, rows.relaxation, *turns, units]
 
     def _rows(self, time: FloatArray, force: FloatArray | None) -> StageOperators:
         """Operators at middles and ends, (2 m,); valid until the next call."""
@@ -262,6 +252,23 @@ class StretchMarch:
         forces.rate[:] = self._stretch.augmented(turn, start[1][:, None])[:, 0]
         force = forces.evaluate()[0]
         return np.concatenate([force, forces.second[0]])
+
+
+def _double_steps(
+    linkage: DrivenLinkage, step: float, load: Sequence[FloatArray] | None, end: FloatArray
+) -> list[FloatArray]:
+    """Arrays of the double steps of :class:`StretchMarch` that end at times of shape (m,)."""
+    assert linkage.stretch is not None
+    count = len(end)
+    time = np.column_stack([end - step, end]).reshape(-1)
+    equations = linkage.equations(time, tables=False)
+    rows = stage_operators(equations, linkage.stretch, 2 * step)
+    loaded = linkage.unit_equations(time, load)
+    units = np.zeros((count, STAGES, len(loaded), linkage.size))
+    for number, one in enumerate(loaded):
+        units[:, :, number] = one.force.reshape(count, STAGES, -1)
+    turns = (rows.turns.turn, rows.turns.rate)
+    return [rows.resistance, rows.force, rows.compliance, rows.relaxation, *turns, units]
 
 
 def _rates_by_ends(turns: PinRotations, double: float) -> FloatArray:

@@ -1,0 +1,168 @@
+"""Natural modes of the linkage where its crank has stopped, and how far each of them rings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.analyses.frequencies.eigenproblem import solve_modes
+from flexmech.analyses.response.measurements import deflections_of
+from flexmech.analyses.response.plan import undamped, vibrating_engine
+from flexmech.analyses.response.request import ResponseRequest
+from flexmech.arrays import FloatArray
+from flexmech.linear_system import Engine
+from flexmech.time_domain import Trajectory
+
+# Modal coordinates are fitted over so many periods: fewer tell a constant from a wave badly, and of
+# more a phase is lost where the frequency of a run is not quite that of its modes.
+_PERIODS = 2.0
+# In kg^(1/2) m: of a mode that bends no link by as much as its length, for a linear reading.
+_SMALL = 1e-6
+
+
+@dataclass(frozen=True)
+class StandingModes:
+    """Natural modes of the linkage where its crank has stopped, each with its damping.
+
+    Parameters
+    ----------
+    frequency : ndarray, shape (m,)
+        Of the undamped linkage in Hz.
+    damping_ratio : ndarray, shape (m,)
+        By the damping of the linkage in each undamped mode. A mode with a ratio of 1 or more does
+        not vibrate, and its amplitude is zero.
+    weights : list of ndarray, shape (n_link, m)
+        Mass times shape of each link of the engine: by them its coordinates become modal ones.
+    bending : ndarray, shape (m, n_links)
+        Deflection of each link at its probe by a unit of the modal coordinate.
+    frame_weights : ndarray, shape (3, m)
+        The same for the coordinates of a frame on springs; zero of one that stands.
+    """
+
+    frequency: FloatArray
+    damping_ratio: FloatArray
+    weights: list[FloatArray]
+    bending: FloatArray
+    frame_weights: FloatArray
+
+    @classmethod
+    def of(cls, engine: Engine, request: ResponseRequest) -> Self:
+        """Modes at the crank angle at which a law stops.
+
+        Parameters
+        ----------
+        engine : Engine
+        request : ResponseRequest
+
+        Returns
+        -------
+        StandingModes
+
+        Raises
+        ------
+        ComputationError
+            If the linkage has no equilibrium there, or does not vibrate about it.
+        """
+        standing = vibrating_engine(engine)
+        free = undamped(standing)
+        angle = request.drive.crank_angle(request.drive.law_time)
+        system, damped = (
+            one.linear_system(angle, prestress=one.prestress_at_rest, rotation_terms=False)
+            for one in (free, standing)
+        )
+        modes = solve_modes(system, min(request.modes, system.size))
+        shapes = [q[0] for q in system.unreduced_links(modes.vectors)]
+        weights, of_frame = system.modal_weights(modes.vectors, free.links)
+        small = deflections_of(free, [_SMALL * q.T for q in shapes])
+        vectors, frequency = modes.vectors[0], modes.frequency[0]
+        damping = np.einsum("nm,nk,km->m", vectors, damped.damping[0], vectors)
+        ratio = damping / (4 * np.pi * frequency)
+        return cls(frequency, ratio, weights, small / _SMALL, of_frame)
+
+    @property
+    def decay(self) -> FloatArray:
+        """Rate in 1/s at which the amplitude of each mode decays, (m,)."""
+        return 2 * np.pi * self.frequency * self.damping_ratio
+
+    @property
+    def angular_frequency(self) -> FloatArray:
+        """Of each damped mode in rad/s, (m,); zero of one that does not vibrate."""
+        left = np.maximum(1 - self.damping_ratio**2, 0.0)
+        return np.asarray(2 * np.pi * self.frequency * np.sqrt(left))
+
+    def of_state(
+        self,
+        displacement: Sequence[FloatArray],
+        rate: Sequence[FloatArray],
+        at_rest: Sequence[FloatArray],
+    ) -> NDArray[np.complex128]:
+        """Complex amplitude of each mode in each link's deflection, from the state at the stop.
+
+        It tells how far the mode goes on to vibrate, without a run of the rest.
+
+        Parameters
+        ----------
+        displacement, rate, at_rest : sequence of ndarray, shape (n_link,)
+            Of each link of the engine, in its frame, in m and m/s; the last is where it comes to
+            rest under its loads.
+
+        Returns
+        -------
+        ndarray of complex, shape (n_links, m)
+            In m, of the time since that state.
+        """
+        moved = [q - rest for q, rest in zip(displacement, at_rest, strict=True)]
+        position, velocity = (
+            np.sum([q @ weight for q, weight in zip(each, self.weights, strict=True)], axis=0)
+            for each in (moved, rate)
+        )
+        turning = self.angular_frequency
+        vibrates = turning > 0
+        quarter = np.zeros_like(position)
+        np.divide(velocity + self.decay * position, turning, out=quarter, where=vibrates)
+        return np.asarray(self.bending.T * (position - 1j * quarter) * vibrates)
+
+    def waves(self, trajectory: Trajectory, begin: float) -> NDArray[np.complex128]:
+        """Complex amplitude of each mode in the deflection of each link at the stop.
+
+        The modal coordinates of the run are projected by the mass, and a constant and a wave of the
+        mode's frequency and decay are fitted to each over two periods.
+
+        Parameters
+        ----------
+        trajectory : Trajectory
+            Of the engine.
+        begin : float
+            When the crank stops, in s.
+
+        Returns
+        -------
+        ndarray of complex, shape (n_links, m)
+            In m, of the time that ``begin`` is zero of; not a number where the rest is shorter than
+            a period.
+        """
+        after = trajectory.time >= begin
+        time = trajectory.time[after] - begin
+        moved = zip(trajectory.displacement, self.weights, strict=True)
+        modal = np.sum([q[after] @ weight for q, weight in moved], axis=0)
+        if trajectory.frame is not None:
+            modal = modal + trajectory.frame.displacement[after] @ self.frame_weights
+        found = np.full(len(self.frequency), np.nan, dtype=complex)
+        for number, (frequency, decay, turning) in enumerate(
+            zip(self.frequency, self.decay, self.angular_frequency, strict=True)
+        ):
+            if time[-1] * frequency < 1:
+                continue
+            if not turning:
+                found[number] = 0.0
+                continue
+            some = time * frequency <= _PERIODS
+            wave = np.exp((1j * turning - decay) * time[some])
+            columns = np.column_stack([np.ones(len(wave)), wave.real, -wave.imag])
+            _, real, imaginary = np.linalg.lstsq(columns, modal[some, number])[0]
+            found[number] = complex(real, imaginary)
+        return np.asarray(self.bending.T * found)
