@@ -41,6 +41,11 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
     return 0 if alone else None
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Pictures and pages first, in one worker: they share results that a process computes once."""
+    items.sort(key=lambda item: item.path.parent.name not in ("figures", "report"))
+
+
 def pytest_collection_finish() -> None:
     """What was imported and collected stays: searches for unused objects need not look at it.
 

@@ -61,8 +61,9 @@ def netcdf_bytes(dataset: xr.Dataset, attributes: Mapping[str, str]) -> bytes:
     -------
     bytes
     """
-    written = dataset.copy()
-    written.attrs = {**attributes, **dataset.attrs}
+    # Coordinates first: a dimension that a variable has before it is written would be made twice.
+    written = xr.Dataset(coords=dataset.coords, attrs={**attributes, **dataset.attrs})
+    written = written.assign(dataset.data_vars)
     encoding: dict[Hashable, dict[str, Any]] = {}
     for name, variable in written.variables.items():
         if variable.dtype.kind == "f" and variable.size >= LEAST_COMPRESSED:

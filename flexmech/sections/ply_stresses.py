@@ -6,6 +6,8 @@ of plane stress ask for, then the shear stresses 13 and 23 between the plies.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from flexmech.arrays import FloatArray
@@ -21,6 +23,8 @@ STRESSES = ("1", "2", "12", "13", "23")
 """In the order of the last axis."""
 
 
+# A search for the weakest place judges the same few layers hundreds of times: a fifth of its time.
+@lru_cache(maxsize=64)
 def unit_ply_stresses(layers: Layers) -> FloatArray:
     """Stresses under a unit axial force, bending moment and shear force at the pins' axis.
 
@@ -33,7 +37,7 @@ def unit_ply_stresses(layers: Layers) -> FloatArray:
     ndarray, shape (3, N, 2, 5)
         In Pa for 1 N along the pins' axis (with coupling it bends the link), 1 N m that stretches
         the side of lower y, and 1 N along y on the face towards higher x; of each layer at both
-        surfaces. The mean over the width of what free edges let go.
+        surfaces. The mean over the width of what free edges let go. Read-only.
     """
     laminate, place = layers.laminate, layers.places(2)
     # Along the pins' axis the force has this lever about the neutral axis.
@@ -49,6 +53,7 @@ def unit_ply_stresses(layers: Layers) -> FloatArray:
         else:
             in_plane = layers.plane_stress(place, force, moment, shear)
             stress[..., :3] = _in_ply_axes(laminate, in_plane)
+    found.setflags(write=False)
     return found
 
 

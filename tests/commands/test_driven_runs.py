@@ -98,6 +98,7 @@ def test_a_shaped_run_is_a_run_by_the_shaped_law(journey: Journey) -> None:
     assert tells(journey.said["answer"][0], delay)
 
 
+@pytest.mark.thorough
 def test_residual_vibration_over_the_time_of_a_move_is_a_table(journey: Journey) -> None:
     """At the time of the law it is that of the run."""
     table, data = journey.table("residual_over_move_time"), journey.result().dataset

@@ -146,6 +146,7 @@ def test_under_a_law_tables_are_over_time(driven: Journey) -> None:
     assert tells(line, power.min())
 
 
+@pytest.mark.thorough
 def test_under_a_motor_its_settled_speed_and_current_are_told(tmp_path: Path) -> None:
     motor = 'motor = { kind = "dc", resistance = "1.2 ohm", torque_constant = "0.06 N m/A", '
     motor += 'voltage = "12 V", gear_ratio = 10, inertia = "2e-5 kg m^2" }'

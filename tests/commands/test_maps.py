@@ -121,6 +121,7 @@ def test_a_speed_in_a_band_has_a_multiplier_beyond_one(stability):
         assert growth["multiplier_modulus"][at] == pytest.approx(largest, rel=1e-9)
 
 
+@pytest.mark.thorough
 def test_enough_damping_closes_all_bands(command, stability):
     ratio = 1.05 * stability.table("bands")["closing_damping_ratio"].max()
     words = (*BANDS, "--steps", "128", "--no-plots", "--damping-ratio", f"{ratio:.6f}")

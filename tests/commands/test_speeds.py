@@ -94,6 +94,7 @@ def maps(mechanism, speeds, unit):
         yield flexmech.speed_sweep(engine, speeds, **few)
 
 
+@pytest.mark.thorough
 def test_a_map_reads_its_speeds_in_the_unit_that_is_given():
     mechanism = with_speeds("300 rpm")
     pairs = zip(

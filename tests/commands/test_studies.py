@@ -273,7 +273,7 @@ def test_a_sample_with_failures_is_refused_with_their_share(tmp_path):
 def test_a_computed_design_is_freed_before_the_next_one():
     """Nothing of it refers to itself: the command line searches memory for that seldom."""
     outputs = {
-        "bent": Output("peak_deflection", speed=10.0),
+        "bent": Output("peak_deflection", speed=60.0),
         "f": Output("lowest_frequency", speed=10.0, angles=4),
     }
     arm = load_mechanism(MODELS / "rotating_arm.toml")

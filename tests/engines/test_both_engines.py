@@ -248,7 +248,7 @@ JUDGED = (
 def test_forces_inside_links_at_equilibrium_are_alike(name: str) -> None:
     """By statics of the displaced links: axial and shear forces and moments at all stations."""
     one = case(name)
-    request = StrengthRequest(one.angles, one.speed, search_speed=False)
+    request = StrengthRequest(one.angles[1:2], one.speed, search_speed=False)
     first, second = both(strength, name, request, elements=12)
     for of in ("axial_force", "bending_moment", "shear_force"):
         size = first[of].pipe(np.abs).max(["crank_angle", "station"])
@@ -268,7 +268,7 @@ def test_stiff_links_bear_what_rigid_ones_do(name: str) -> None:
     stiff = replace(one, mechanism=replace(one.mechanism, sections=sections))
     found = [
         strength(
-            engine, StrengthRequest(one.angles, one.speed, source=source, search_speed=False)
+            engine, StrengthRequest(one.angles[1:2], one.speed, source=source, search_speed=False)
         ).dataset.isel(engine=0, drop=True)
         for source in ("rigid", "quasi-static")
         for engine in stiff.engines(8)

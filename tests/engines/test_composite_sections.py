@@ -166,6 +166,7 @@ def deflected(engine: Any, drive: ConstantSpeed, time: np.ndarray, step: float) 
     return deflections(engine, run), run
 
 
+@pytest.mark.thorough
 def test_runs_of_both_engines_agree() -> None:
     """Run-up of undamped unsymmetric links: 3e-4 of the peaks apart, 8e-2 without coupling."""
     drive, step, time = ConstantSpeed(20.0, run_up_time=0.05), 1e-4, np.linspace(0.0, 0.05, 101)

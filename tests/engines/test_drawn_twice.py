@@ -202,6 +202,7 @@ def test_both_speed_up_alike(make: Make) -> None:
     assert_same(*ran(make, DRAWINGS["across"], 8.0, 0.05, component_modes=False, **asked))
 
 
+@pytest.mark.thorough
 def test_both_have_the_same_response_on_a_moving_guide() -> None:
     """A body without the stiffness by its own weight and inertia was 1e-2 off."""
     assert_same(*ran(ReferenceEngine, GUIDED, 6.0, 0.03, elements=2, component_modes=False))

@@ -81,6 +81,7 @@ def test_both_engines_start_alike_under_a_motor(motor: Any, control: Any) -> Non
     xr.testing.assert_allclose(data["motor_speed"].drop_attrs(), wanted)
 
 
+@pytest.mark.thorough
 def test_the_work_of_the_motor_is_in_the_energies() -> None:
     """But for what the mesh leaves: a quarter of it with twice the elements."""
     request = ResponseRequest(MotorDrive(CURVE, time=0.03), samples=60, modes=2, step=4e-5)
@@ -181,6 +182,7 @@ def test_the_work_of_the_shaft_along_a_law_is_in_the_energies(name: str) -> None
     assert float(data["energy_error"].item()) < 5e-5
 
 
+@pytest.mark.thorough
 def test_a_table_of_constant_speed_is_the_run_at_that_speed() -> None:
     time = np.linspace(0.0, 2 * np.pi / 20.0, 91)
     table = TableDrive(tuple(time), tuple(0.2 + 20.0 * time))

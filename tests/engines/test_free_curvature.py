@@ -143,6 +143,7 @@ def test_exact_beams_refuse_a_free_strain() -> None:
         ExudynEngine(stretched, element="geometrically-exact")
 
 
+@pytest.mark.thorough
 def test_bent_links_run_alike() -> None:
     """From the equilibrium on, with links bowed by 8 mm: ten times their thickness."""
     request = ResponseRequest(ConstantSpeed(20.0), revolutions=0.08, start="equilibrium")

@@ -117,6 +117,7 @@ def test_a_force_that_turns_with_a_bent_section_does_its_work() -> None:
     assert float(found.dataset["energy_error"].sel(engine="reference")) < 2e-5
 
 
+@pytest.mark.thorough
 def test_all_that_can_act_on_a_four_bar_is_in_the_energies_of_both_engines() -> None:
     """Loads over the crank angle and over time, a follower, a spring, a hinge, dampers."""
     push = Load(

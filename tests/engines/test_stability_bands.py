@@ -49,6 +49,7 @@ def test_edges_by_both_engines_agree_within_their_errors(maps: list[xr.Dataset])
         assert gap < 3 * errors
 
 
+@pytest.mark.thorough
 def test_modes_that_meet_in_a_band_have_opposite_krein_signatures(maps: list[xr.Dataset]) -> None:
     """Elsewhere the signature of a definite system is the sign of the Floquet exponent's angle."""
     for found in maps:

@@ -170,7 +170,7 @@ def integrated_multipliers(engine: Any, speed: float, prestress: Any) -> Complex
 @pytest.mark.parametrize(
     ("time", "prestress", "connected"),
     [
-        (5e-5, "axial", False),
+        pytest.param(5e-5, "axial", False, marks=pytest.mark.thorough),
         pytest.param(0.0, "equilibrium", False, marks=pytest.mark.thorough),
         pytest.param(0.0, "axial", True, marks=pytest.mark.thorough),
     ],

@@ -71,7 +71,11 @@ def elastica(speed: float, acceleration: float) -> float:
 
 @pytest.mark.parametrize(
     ("speed", "acceleration"),
-    [(0.0, 40.0), (8.0, 0.0), (6.0, -30.0)],
+    [
+        (0.0, 40.0),
+        (8.0, 0.0),
+        pytest.param(6.0, -30.0, marks=pytest.mark.thorough),
+    ],
     ids=["start", "turn", "stop"],
 )
 def test_an_arm_that_carries_a_body_hangs_back_as_an_elastica(

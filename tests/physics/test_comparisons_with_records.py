@@ -221,7 +221,7 @@ def test_a_calibration_3_percent_off_is_a_gain_and_no_damping():
     assert 2e-5 < plain.fitted("damping").value < 4e-5
 
 
-@pytest.mark.parametrize("factor", [-1.0, 1e-3, 1000.0])
+@pytest.mark.parametrize("factor", [-1e-3, 1000.0])
 def test_a_gain_of_any_size_and_sign_changes_no_damping(factor):
     """The gain is linear: that of noise of 1 % and 4e-5 s in the coupler comes back to 1e-6."""
     engine = ENGINE.with_(mechanism=damped(ALUMINIUM, **(TIMES | {"coupler": 0.0})))

@@ -143,6 +143,7 @@ def test_the_material_of_a_link_changes_its_mass():
     assert mass[0] - mass[1] == pytest.approx((2923.0 - 2698.0) * volume, rel=1e-9)
 
 
+@pytest.mark.thorough
 def test_laminate_and_stacking_change_mass_and_frequency():
     """Plies of 1 mm, 20 mm wide and 160 mm long, of glass of 1813.9 and carbon of 1566.7 kg/m^3."""
     key, area = "links.coupler.laminate", 20e-3 * 160e-3

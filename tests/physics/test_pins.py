@@ -205,15 +205,16 @@ def loaded() -> Mechanism:
 
 def test_at_its_speed_factor_each_check_is_at_its_bound() -> None:
     """Weight and load stay, inertia grows: seen by computing anew at the faster speed."""
-    mechanism, angles, seen = loaded(), np.radians(np.arange(0.0, 361.0, 20.0)), set()
+    mechanism, angles = loaded(), np.radians(np.arange(0.0, 361.0, 20.0))
     slow = rigid(mechanism, StrengthRequest(angles, 100.0)).dataset
-    for number, factor in enumerate(slow["pin_speed_factor"].values[0]):
-        faster = StrengthRequest(angles, 100.0 * float(factor))
+    first = {str(mode): number for number, mode in reversed([*enumerate(slow["pin_mode"].values)])}
+    for number in first.values():
+        factor = float(slow["pin_speed_factor"][0, number])
+        faster = StrengthRequest(angles, 100.0 * factor)
         fast = rigid(mechanism, faster).dataset.isel(pin_check=number, engine=0)
         assert float(fast["pin_load_factor"]) == pytest.approx(1.0, rel=1e-9)
-        seen.add(str(fast["pin_mode"].item()))
         assert factor**2 != pytest.approx(float(slow["pin_load_factor"][0, number]), rel=1e-2)
-    assert seen == {"bearing yield", "bearing pressure", "net tension", "shear-out", "p v"}
+    assert set(first) == {"bearing yield", "bearing pressure", "net tension", "shear-out", "p v"}
 
 
 def test_inertia_alone_grows_by_square_and_by_cube_and_at_rest_no_bush_wears() -> None:
@@ -250,7 +251,9 @@ def test_pins_of_a_model_file_are_read_judged_and_written_again() -> None:
         assert said in lines
 
 
-@pytest.mark.parametrize("source", ["rigid", "quasi-static"])
+@pytest.mark.parametrize(
+    "source", ["rigid", pytest.param("quasi-static", marks=pytest.mark.thorough)]
+)
 def test_a_pin_has_a_row_for_the_check_that_loads_and_for_the_one_that_speed_breaks_first(
     source: str,
 ) -> None:

@@ -132,6 +132,7 @@ def test_the_step_that_a_response_chooses_balances_deeply_bowed_links(models: An
     assert float(found.dataset["energy_error"].max()) < 1e-6
 
 
+@pytest.mark.thorough
 def test_errors_of_a_speed_sweep_are_those_against_a_far_finer_mesh(aluminium: Mechanism) -> None:
     """The greatest is right to a factor of two, and few are less than half of the true one."""
     speeds = [10.0, 36.0, 37.0, 41.0]

@@ -103,6 +103,7 @@ def test_exudyn_stops_wu_and_tisos_slider_crank_where_sonneville_does() -> None:
         assert np.linalg.norm(tip(found, instant) - place) < 1e-3
 
 
+@pytest.mark.thorough
 def test_the_reference_refuses_the_blow_of_wu_and_tisos_crank_and_is_near_until_it() -> None:
     """Its equations are linear in the bend but for the tension: off by 2e-4 of the length."""
     engine, drive = ReferenceEngine(WU_TISO, 8), WU_TISO.drive

@@ -91,6 +91,7 @@ def test_an_unbalanced_arm_shakes_its_frame_as_a_rotor_does(models: Path) -> Non
     np.testing.assert_allclose(found, wanted, rtol=0, atol=2e-4 * amplitude.max())
 
 
+@pytest.mark.thorough
 def test_the_work_of_the_drive_is_the_energy_with_that_of_the_frame(
     aluminium: flexmech.Mechanism,
 ) -> None:

@@ -177,6 +177,7 @@ def test_failed_designs_count_as_what_the_study_says_they_are_worth():
     assert found["total"].values == pytest.approx([1.0, 0.0], abs=0.02)
 
 
+@pytest.mark.thorough
 def test_bands_of_frequencies_are_percentiles_of_single_runs():
     output = Output("lowest_frequency", speed=20.0, prestress="axial", angles=4)
     whole = study(thickness(1.4e-3, 3e-3), outputs={"f1": output})

@@ -158,7 +158,7 @@ def test_a_disk_whirls_between_its_critical_speeds_alone(
 
 
 @pytest.mark.parametrize(
-    "seed", [1, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (0, 2, 3))]
+    "seed", [pytest.param(seed, marks=pytest.mark.thorough) for seed in (0, 1, 2, 3)]
 )
 def test_the_map_finds_the_critical_speeds(seed: int) -> None:
     shaft = drawn(seed)

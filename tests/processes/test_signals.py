@@ -30,6 +30,9 @@ RUN = ("frequencies", MODEL, *QUICK, "--out", "out")
 WHOLE = ["frequencies.csv", "frequencies.nc", "summary.txt"]
 LINES = {signal.SIGINT: "interrupted: ", signal.SIGTERM: "terminated: "}
 SIGNALS = pytest.mark.parametrize("number", LINES, ids=lambda number: number.name)
+BY_WORKERS = pytest.mark.skipif(
+    sys.platform != "linux" or len(os.sched_getaffinity(0)) < 2, reason="one process does it all"
+)
 BEFORE, AFTER = False, True
 # Whether the set of files is there when a signal comes at the place.
 PLACES = {
@@ -133,9 +136,7 @@ def in_another_thread() -> None:
     threading.Thread(target=take, daemon=True).start()
 
 
-@pytest.mark.skipif(
-    sys.platform != "linux" or len(os.sched_getaffinity(0)) < 2, reason="one process does it all"
-)
+@BY_WORKERS
 @pytest.mark.parametrize("way", ["SIGTERM", "SIGKILL", "SIGINT in another thread"])
 def test_workers_at_work_end_with_the_map(way: str, tmp_path: Path) -> None:
     other = in_another_thread if way.endswith("thread") else None
@@ -170,9 +171,7 @@ def as_a_worker_is_split_off() -> None:
     os.register_at_fork(before=lambda: os.kill(os.getpid(), signal.SIGINT))
 
 
-@pytest.mark.skipif(
-    sys.platform != "linux" or len(os.sched_getaffinity(0)) < 2, reason="one process does it all"
-)
+@BY_WORKERS
 def test_a_signal_as_workers_are_split_off_ends_the_map(tmp_path: Path) -> None:
     model = MODELS / "steel_fourbar.toml"
     quick = ("--speeds", "20:60:10", "--modes", "1", "--elements", "2", "--engine", "reference")

@@ -17,7 +17,6 @@ from flexmech.analyses.strength.dataset import pin_variables, strength_dataset
 from flexmech.analyses.strength.equilibria import Equilibria
 from flexmech.analyses.strength.joint_loads import LoadsOfTurn
 from flexmech.analyses.strength.judged_mechanism import JudgedMechanism
-from flexmech.analyses.strength.judged_pins import judge_pins
 from flexmech.analyses.strength.margins import (
     PinFailure,
     failures_of,
@@ -45,7 +44,7 @@ from flexmech.mechanism import Mechanism, drawing, require_standing_frame
 MOST_SEARCHED = 73
 TOLD = 1e-6
 """Relative error of a load factor: less is below the digits of all that is printed."""
-# Rigid links cost nothing: until nothing changes.
+# Of rigid links, which cost little: as a rule five of them settle every factor.
 _ROUNDS = 8
 RIGID = "rigid"
 """In place of an engine: the links are taken as rigid."""
@@ -279,14 +278,13 @@ def _judged_by(
 ) -> xr.Dataset:
     """What one engine's loads at some crank angles make of links and pins; those asked for told."""
     links, pins = judged.judge(loads, static)
-    asked = loads.at(np.searchsorted(judged_at, angles))
+    numbers = np.searchsorted(judged_at, angles)
+    asked = loads.at(numbers)
     dataset = strength_dataset(judged.mechanism, engine, angles, asked.links, links, judged_at)
     still = None if static is None else static.links
     enduring = judged.enduring.judge(judged_at, loads.links, still)
-    # A mean is that of the crank angles asked for, evenly apart as they may be.
-    means = judge_pins(judged.pins.made, asked.joints, None).mean
     return dataset.assign(
-        **pin_variables(judged.pins.made, replace(pins, mean=means), judged_at),
+        **pin_variables(judged.pins.made, pins, judged_at, numbers),
         **judged.enduring.variables(dataset, enduring, judged_at),
     )
 

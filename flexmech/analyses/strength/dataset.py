@@ -13,7 +13,7 @@ from flexmech.analyses.strength.forces import InternalForces
 from flexmech.analyses.strength.judged import JudgedLink
 from flexmech.analyses.strength.judged_pins import JudgedPins
 from flexmech.analyses.strength.pin_checks import PinCheck
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.mechanism import Mechanism
 from flexmech.sections import SURFACES
 
@@ -99,7 +99,7 @@ def strength_dataset(
 
 
 def pin_variables(
-    checks: Sequence[PinCheck], judged: JudgedPins, angles: FloatArray
+    checks: Sequence[PinCheck], judged: JudgedPins, angles: FloatArray, asked: IntArray
 ) -> dict[str, Any]:
     """Variables of what one engine's forces make of the pins; none without checks.
 
@@ -109,6 +109,8 @@ def pin_variables(
     judged : JudgedPins
     angles : ndarray, shape (A,)
         Crank angles in rad.
+    asked : ndarray of int, shape (B,)
+        Numbers of those that were asked for, evenly apart as they may be: means are over them.
 
     Returns
     -------
@@ -120,7 +122,7 @@ def pin_variables(
     words = {name: [getattr(one, name) for one in checks] for name in ("joint", "link", "mode")}
     numbers = {
         "stress": judged.stress,
-        "mean": judged.mean,
+        "mean": judged.stresses[:, asked].mean(axis=1),
         "load_factor": judged.load_factor,
         "speed_factor": judged.speed_factor,
         "worst_angle": angles[judged.worst],

@@ -23,28 +23,44 @@ SpeedOf = Callable[[FloatArray, FloatArray], FloatArray]
 
 @dataclass(frozen=True)
 class JudgedPins:
-    """What is found by each check, at its worst crank angle.
+    """What each check gives at every crank angle.
 
     Parameters
     ----------
-    stress : ndarray, shape (c,)
+    stresses : ndarray, shape (c, A)
         In Pa, or in Pa m/s.
-    mean : ndarray, shape (c,)
-        Over the crank angles.
-    load_factor, speed_factor : ndarray, shape (c,)
-        Speed factors over all crank angles; not numbers where they do not follow.
-    worst : ndarray of int, shape (c,)
-        Number of the crank angle at which the stress is greatest.
-    fastest : ndarray of int, shape (c,)
-        Number of the crank angle at which the speed factor is least.
+    load_factors, speed_factors : ndarray, shape (c, A)
+        Speed factors are not numbers where they do not follow.
     """
 
-    stress: FloatArray
-    mean: FloatArray
-    load_factor: FloatArray
-    speed_factor: FloatArray
-    worst: IntArray
-    fastest: IntArray
+    stresses: FloatArray
+    load_factors: FloatArray
+    speed_factors: FloatArray
+
+    @property
+    def stress(self) -> FloatArray:
+        """Greatest stress of each check, (c,)."""
+        return np.asarray(self.stresses.max(axis=1))
+
+    @property
+    def worst(self) -> IntArray:
+        """Number of the crank angle at which the stress of each check is greatest, (c,)."""
+        return np.asarray(self.stresses.argmax(axis=1))
+
+    @property
+    def load_factor(self) -> FloatArray:
+        """Least load factor of each check, (c,)."""
+        return np.asarray(self.load_factors.min(axis=1))
+
+    @property
+    def speed_factor(self) -> FloatArray:
+        """Least speed factor of each check, (c,)."""
+        return np.asarray(self.speed_factors.min(axis=1))
+
+    @property
+    def fastest(self) -> IntArray:
+        """Number of the crank angle at which the speed factor of each check is least, (c,)."""
+        return np.asarray(self.speed_factors.argmin(axis=1))
 
 
 def judge_pins(
@@ -66,7 +82,7 @@ def judge_pins(
     JudgedPins
     """
     stress = np.zeros((len(checks), len(loads.force)))
-    speed, fastest = np.full(len(checks), np.nan), np.zeros(len(checks), dtype=np.intp)
+    speed = np.full_like(stress, np.nan)
     for number, check in enumerate(checks):
         size, speed_of = _GROWTH.get(check.mode, (_length, speed_of_force))
         acting = _acting(check, loads, loads)
@@ -74,14 +90,10 @@ def judge_pins(
         if static is not None:
             still = _acting(check, static, loads)
             over = check.stress / check.allowable
-            over_turn = speed_of(over * still, over * (acting - still))
-            speed[number], fastest[number] = over_turn.min(), over_turn.argmin()
+            speed[number] = speed_of(over * still, over * (acting - still))
     allowable = np.array([check.allowable for check in checks])
-    worst = stress.argmax(axis=1)
-    greatest = np.take_along_axis(stress, worst[:, None], axis=1)[:, 0]
     with np.errstate(divide="ignore"):
-        factor = allowable / greatest
-    return JudgedPins(greatest, stress.mean(axis=1), factor, speed, worst, fastest)
+        return JudgedPins(stress, allowable[:, None] / stress, speed)
 
 
 def _acting(check: PinCheck, loads: JointLoads, running: JointLoads) -> FloatArray:

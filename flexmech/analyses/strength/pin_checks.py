@@ -218,6 +218,6 @@ def _yield_strength(mechanism: Mechanism, link: str) -> float | str:
     (ply, *others) = {layer.ply for layer in layers.laminate.layers}
     if others or ply.isotropic_material is None:
         return "for the strengths of plies do not give that of an eye"
-    # Without it the link itself would have been refused.
-    assert ply.yield_strength is not None
+    if ply.yield_strength is None:
+        return WANT.format("yield_strength of the material")
     return ply.yield_strength

@@ -25,8 +25,8 @@ from flexmech.mechanism import Mechanism
 STEP = np.radians(5.0)
 """Between crank angles at which parts are judged, at most."""
 _PARTS = 32
-# Below this a factor does not change any more but by round-off.
-_SETTLED = 1e-12
+# Of a factor. A round leaves less than a tenth of what it changed: below the digits that are told.
+_SETTLED = 1e-8
 
 Factor = tuple[Name, str]
 """A factor of a part, and which one."""

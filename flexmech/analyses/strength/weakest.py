@@ -13,7 +13,6 @@ from flexmech.analyses.strength.endurance import Endurance, stress_along
 from flexmech.analyses.strength.joint_loads import LoadsOfTurn
 from flexmech.analyses.strength.judged import JudgedLink, judge
 from flexmech.analyses.strength.judged_mechanism import JudgedMechanism
-from flexmech.analyses.strength.judged_pins import judge_pins
 from flexmech.arrays import FloatArray, IntArray
 
 # Of the range of samples: a vertex nearer to a sample is that sample, whose stress is less than its
@@ -84,23 +83,17 @@ def weakest_parts(
         yield _of_link(judged, name, found, crank_angles, loads, None)
         if static is not None:
             yield _of_link(judged, name, found, crank_angles, loads, static)
-    for number, check in enumerate(judged.pins.made):
-        for of_speed, worst, factor in (
-            (False, pins.worst, pins.load_factor),
-            (True, pins.fastest, pins.speed_factor),
-        ):
-            if not np.isfinite(factor[number]):
-                continue
-
-            def at(some: IntArray, of_speed: bool = of_speed, check: object = check) -> float:
-                still = static.at(some).joints if static is not None else None
-                one = judge_pins([check], loads.at(some).joints, still)  # type: ignore[list-item]
-                return float((one.speed_factor if of_speed else one.load_factor)[0])
-
-            angles = _vertices(crank_angles, int(worst[number]), at, turns=True)
-            pin, here = ("pin", check.joint), (float(crank_angles[worst[number]]),)
-            of = f"{_OF[of_speed]} {number}"
-            yield Weakest(pin, float(factor[number]), of, here, math.nan, angles)
+    for of_speed, worst, factors in (
+        (False, pins.worst, pins.load_factors),
+        (True, pins.fastest, pins.speed_factors),
+    ):
+        for number, check in enumerate(judged.pins.made):
+            own, at = factors[number], int(worst[number])
+            if np.isfinite(own[at]):
+                angles = _vertices(crank_angles, at, own.take, turns=True)
+                pin, here = ("pin", check.joint), (float(crank_angles[at]),)
+                of = f"{_OF[of_speed]} {number}"
+                yield Weakest(pin, float(own[at]), of, here, math.nan, angles)
     still = None if static is None else static.links
     for name, one in judged.enduring.judge(crank_angles, loads.links, still).items():
         yield _of_fatigue(judged, name, one, crank_angles, loads)
@@ -126,19 +119,17 @@ def _of_link(
     own, still = loads.links[name], None if static is None else static.links[name].loads
     asked, residual = judged.request.criterion, judged.residual[name]
 
-    def factors(angle: IntArray, where: IntArray) -> FloatArray:
-        """At one crank angle and some places of this layer and surface."""
-        acting = own.loads[angle][:, where]
-        stays = None if still is None else still[angle][:, where]
+    def factors(angle: IntArray | int, where: IntArray | int) -> FloatArray:
+        """At pairs of a crank angle and a place, of this layer and surface."""
+        acting = own.loads[angle, where][None]
+        stays = None if still is None else still[angle, where][None]
         one = judge(judged.layers[name], acting, stays, residual, asked)
         return (one.speed_factor if of_speed else one.load_factor)[:, layer, surface]
 
     angle = int(worst[place, layer, surface])
-    angles = _vertices(
-        crank_angles, angle, lambda some: float(factors(some, np.array([place]))[0]), turns=True
-    )
+    angles = _vertices(crank_angles, angle, lambda some: factors(some, place), turns=True)
     x = own.place
-    places = _vertices(x, place, lambda some: float(factors(np.array([angle]), some)[0]))
+    places = _vertices(x, place, lambda some: factors(angle, some))
     here = (float(crank_angles[angle]),)
     return Weakest(("link", name), least, _OF[of_speed], here, float(x[place]), angles, places)
 
@@ -164,15 +155,9 @@ def _of_fatigue(
         top = int(values.argmax())
         here.append(float(crank_angles[top]))
         # Of a stress, which may be of either sign, the vertex is that of the parabola itself.
-        angles += _vertices(
-            crank_angles,
-            top,
-            lambda some: -float(values[some][0]),  # noqa: B023
-            inverse=False,
-            turns=True,
-        )
+        angles += _vertices(crank_angles, top, (-values).take, inverse=False, turns=True)
     swing = np.ptp(stress, axis=0)
-    places = _vertices(own.place, place, lambda some: 1.0 / float(swing[some][0] or 1.0))
+    places = _vertices(own.place, place, (1.0 / np.where(swing > 0, swing, 1.0)).take)
     x = float(own.place[place])
     return Weakest(("fatigue", name), least, _OF[False], tuple(here), x, tuple(angles), places)
 
@@ -180,7 +165,7 @@ def _of_fatigue(
 def _vertices(
     samples: FloatArray,
     number: int,
-    factor_at: Callable[[IntArray], float],
+    factors_at: Callable[[IntArray], FloatArray],
     *,
     inverse: bool = True,
     turns: bool = False,
@@ -193,8 +178,8 @@ def _vertices(
         Ascending; two that are equal are the sides of a jump, over which there is no parabola.
     number : int
         Of the least factor.
-    factor_at : callable
-        Of one sample.
+    factors_at : callable
+        From numbers of samples to their factors.
     inverse : bool
         Whether the parabola is of the inverse of the factor, which stresses are proportional to.
     turns : bool
@@ -220,7 +205,7 @@ def _vertices(
     sides = np.array([left[-1], number, right[0]])
     x, sides = x[sides], numbers[sides]
     before, after = np.diff(x)
-    factors = np.array([factor_at(sides[n : n + 1]) for n in range(3)])
+    factors = factors_at(sides)
     with np.errstate(divide="ignore", invalid="ignore"):
         values = 1.0 / factors if inverse else -factors
     if not np.isfinite(values).all():
