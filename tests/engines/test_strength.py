@@ -155,6 +155,7 @@ def test_at_rest_weight_and_loads_bend_links_and_no_speed_raises_them() -> None:
     assert next(factors) != pytest.approx(next(factors), rel=1e-3)
 
 
+@pytest.mark.thorough
 def test_heat_and_moisture_are_in_the_equilibrium() -> None:
     """Swollen longer links: forces of the mechanism as it is then."""
     mechanism = with_strengths(load_mechanism(MODELS / "moist_composite_fourbar.toml"))

@@ -163,6 +163,7 @@ def test_energies_balance_where_a_link_slides_on_a_moving_one() -> None:
     assert float(data["energy_error"]) < 1e-5
 
 
+@pytest.mark.thorough
 def test_periodic_motion_converges_in_second_order_of_the_step(aluminium: Mechanism) -> None:
     mechanism, turn = damped(aluminium, 1e-4), 2 * np.pi / 20.0
     curves = [

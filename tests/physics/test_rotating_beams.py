@@ -139,6 +139,7 @@ def test_the_l_beam_at_rest_has_its_published_frequencies_by_the_exact_equations
     np.testing.assert_allclose(frequency, (0.9614, 7.0364, 16.757), rtol=3e-5)
 
 
+@pytest.mark.thorough
 def test_above_the_first_frequency_at_rest_tension_holds_the_l_beam() -> None:
     """The inertia forces of a displacement alone are beyond the stiffness of straight arms."""
     root = steady_root(12.0)
