@@ -138,8 +138,9 @@ def passing(angles: FloatArray) -> str:
 
 
 def _listed(angles: FloatArray) -> str:
-    *others, last = [in_degrees(angle) for angle in angles.tolist()]
-    return " and ".join([*(other.removesuffix(" deg") for other in others), last])
+    """Angles in rad as text in degrees from 0 to 360."""
+    degrees = np.unique(np.round(np.degrees(angles), 9) % 360)
+    return " and ".join(f"{angle:g}" for angle in degrees) + " deg"
 
 
 def in_degrees(angle: float) -> str:

@@ -313,6 +313,12 @@ def test_pins_that_no_joint_can_have_are_refused() -> None:
         PinEye("rocker", thickness=-1.0)
 
 
+def test_pins_in_links_without_a_yield_strength_are_refused_with_the_remedy() -> None:
+    soft = in_sections(load_mechanism(MODELS / "slider_crank.toml"), Material(70e9, 2700.0))
+    with pytest.raises(InputError, match=r"links\.crank: .*Add yield_strength"):
+        rigid(pinned(soft), 20.0)
+
+
 def test_a_hole_between_the_ends_of_a_link_tears_nothing_out() -> None:
     mechanism = in_sections(load_mechanism(MODELS / "stephenson_six_bar.toml"), LIGHT)
     eyes = tuple(PinEye(link, edge_distance=EDGE) for link in ("coupler-1", "rocker"))

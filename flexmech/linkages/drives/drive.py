@@ -236,7 +236,8 @@ class ConstantSpeed(Drive):
         # At the least numbers a turn takes longer than numbers tell.
         if not np.isfinite(self.revolution_time):
             raise InputError(
-                f"crank speed must be a number other than zero, got {self.speed:g} rad/s"
+                f"crank speed must be a number other than zero, got {self.speed:g} rad/s; give a "
+                "speed at which the crank turns"
             )
         check_number(self.run_up_time, "run-up time", "s", NOT_NEGATIVE)
         check_number(self.start_angle, "start angle", "rad")
