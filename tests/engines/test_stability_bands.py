@@ -60,6 +60,15 @@ def test_modes_that_meet_in_a_band_have_opposite_krein_signatures(maps: list[xr.
         assert float(found["liouville_defect"].max()) < 1e-6
 
 
+def test_modes_of_a_branch_are_conjugate_or_both_real_inside_a_band_too() -> None:
+    """At 137 rad/s one mode of the steel four-bar has two real multipliers."""
+    steel = ReferenceEngine(case("steel four-bar").mechanism, 2)
+    found = stability(steel, [137.0], prestress="axial", modes=3, damping_ratio=0.0005).dataset
+    [turn] = np.exp(1j * found["angle"].values[0])
+    assert np.abs(turn.imag).min() < 1e-6
+    np.testing.assert_allclose(turn[::2] * turn[1::2], 1.0, atol=1e-6)
+
+
 @pytest.mark.thorough
 def test_growth_ends_at_the_closing_damping_ratio(maps: list[xr.Dataset]) -> None:
     band = maps[0].isel(band=0)

@@ -36,6 +36,12 @@ def size(name: str, **place: object) -> Values:
     return lambda d: np.hypot(*(d[name].sel(component=c, **place) for c in ("x", "y")))
 
 
+def worst_station(data: xr.Dataset, link: str) -> int:
+    """Number of the place of a link that its margin is of."""
+    [place] = data["margin_position"].values[data["margin_part"].values == link]
+    return int(np.nanargmin(np.abs(data["position"].sel(link=link).values - place)))
+
+
 def last_turn(values: Values) -> Values:
     """Of a run of two turns; where it begins, at 0 degrees, the page shows its end."""
     return lambda d: values(d).isel(time=slice(d.sizes["time"] // 2 + 1, None))
@@ -184,11 +190,7 @@ SHOWN: dict[Callable[[], flexmech.Result], list[Shown]] = {
             "internal-forces",
             "N (N)",
             "coupler",
-            lambda d: d["axial_force"].sel(link="coupler")[
-                0,
-                :,
-                int(np.argmin(np.abs(d["position"].values[1] - d["margin_position"].values[1]))),
-            ],
+            lambda d: d["axial_force"].sel(link="coupler")[0, :, worst_station(d, "coupler")],
         ),
     ],
     results.sections: [

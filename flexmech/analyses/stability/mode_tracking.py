@@ -15,7 +15,7 @@ import numpy as np
 import scipy.optimize
 from numpy.typing import NDArray
 
-from flexmech.analyses.stability.selected_modes import GROWS, SelectedModes
+from flexmech.analyses.stability.selected_modes import GROWS, SelectedModes, wrapped
 from flexmech.arrays import FloatArray, IntArray
 
 # What the likeness of a mode that turns the other way round counts for: less than that of any mode
@@ -57,7 +57,13 @@ class BranchShapes:
         most = np.maximum(FREQUENCY_CHANGE * size, np.finfo(float).eps)
         near = np.maximum(0.0, 1 - change / most)
         score = (alike**2 + 2 * near) * np.where(same_sense, 1.0, OTHER_SENSE)
-        places = scipy.optimize.linear_sum_assignment(-score)[1]
+        pairs = conjugate_pairs(modes)
+        straight, turned = (
+            score[::2, one] + score[1::2, other] for one, other in (pairs.T, pairs.T[::-1])
+        )
+        branch, pair = scipy.optimize.linear_sum_assignment(-np.maximum(straight, turned))
+        is_turned = (turned > straight)[branch, pair]
+        places = np.where(is_turned[:, None], pairs[pair, ::-1], pairs[pair]).ravel()
         return places, alike[np.arange(len(places)), places]
 
     def updated(self, modes: SelectedModes, alike: FloatArray) -> BranchShapes:
@@ -161,10 +167,26 @@ def likeness(first: NDArray[np.complex64], second: NDArray[np.complex128]) -> Fl
     return np.asarray(products.sum(axis=0), dtype=float)
 
 
+def conjugate_pairs(modes: SelectedModes) -> IntArray:
+    """Pairs of modes that make a branch each: a mode and its complex conjugate, (m, 2).
+
+    Real multipliers have no conjugate: two that lie on the same side of zero make a branch.
+    """
+    size = np.abs(modes.log_modulus[:, None] - modes.log_modulus)
+    gap = size + np.abs(wrapped(modes.angle[:, None] + modes.angle))
+    gap[np.tril_indices(len(gap))] = np.inf
+    pairs = []
+    for _ in range(len(gap) // 2):
+        pair = np.array(np.unravel_index(gap.argmin(), gap.shape))
+        pairs.append(pair)
+        gap[pair], gap[:, pair] = np.inf, np.inf
+    return np.array(pairs, dtype=np.intp)
+
+
 def _by_frequency(modes: SelectedModes) -> IntArray:
     """Branches by frequency, the mode that turns forward before its conjugate."""
-    order = np.argsort(np.abs(np.round(modes.exponent.imag, 6)), kind="stable")
-    pairs = order.reshape(-1, 2)
-    backward = modes.exponent.imag[pairs[:, 0]] < modes.exponent.imag[pairs[:, 1]]
-    pairs[backward] = pairs[backward][:, ::-1]
-    return np.asarray(pairs.ravel(), dtype=np.intp)
+    pairs = conjugate_pairs(modes)
+    turning = modes.exponent.imag[pairs]
+    forward = np.take_along_axis(pairs, np.argsort(-turning, axis=1), axis=1)
+    order = np.argsort(np.abs(turning).min(axis=1), kind="stable")
+    return np.asarray(forward[order].ravel(), dtype=np.intp)

@@ -196,9 +196,9 @@ def _by_engines(
     def least(factor: float) -> dict[str, float]:
         faster = source.of(engines[:1], thinned, factor * speed)
         engine = faster.engines[0]
-        loads = faster.loads(engine, found.cuts, report)
-        angles = faster.crank_angles
-        own = _judged_by(judged, engine.name, angles, angles, loads)
+        there = faster.weakest(engine, judged, report)
+        angles = there.crank_angles
+        own = _judged_by(judged, engine.name, angles, angles, there.loads)
         weakest[factor] = weakest_checks(own)
         return _load_factors(_with_margins(own))
 
@@ -226,9 +226,7 @@ def _by_engines(
         searched_load_factor=("search", search.load_factor),
         searched_part=("search", search.part),
     )
-    counted = f"{len(thinned.crank_angles)} of {len(request.crank_angles)}" if at_rest else ""
-    note = {"search_note": search.note, "searched_angles": counted}
-    return dataset, attributes | note
+    return dataset, attributes | {"search_note": search.note}
 
 
 def _gap_attribute(gaps: list[FloatArray]) -> dict[str, str]:

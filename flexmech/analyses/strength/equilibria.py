@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.analyses.strength.forces import Cuts
 from flexmech.analyses.strength.joint_loads import LoadsOfTurn
 from flexmech.analyses.strength.judged_mechanism import JudgedMechanism
 from flexmech.analyses.strength.request import StrengthRequest
@@ -82,21 +81,19 @@ class Equilibria:
         """What was chosen for the engines: nothing."""
         return {}
 
-    def loads(
-        self, engine: Engine, cuts: Mapping[str, Cuts], report: LabelledProgress
-    ) -> LoadsOfTurn:
-        """Internal and joint forces of an engine's equilibria.
+    def weakest(self, engine: Engine, judged: JudgedMechanism, report: LabelledProgress) -> Sought:
+        """Loads of an engine's equilibria, where every part is weakest.
 
         Parameters
         ----------
         engine : Engine
-        cuts : mapping of str to Cuts
+        judged : JudgedMechanism
         report : callable
             Progress.
 
         Returns
         -------
-        LoadsOfTurn
+        Sought
 
         Raises
         ------
@@ -106,13 +103,14 @@ class Equilibria:
             If an equilibrium does not converge or is unstable; names the crank angle.
         """
         source = self._source(engine, report)
-        source.add(self.crank_angles)
-        return source.loads(cuts)
+        every, between = angles_between(engine.mechanism, self.crank_angles)
+        source.add(every)
+        return seek(judged, source, rounds=_ROUNDS, between=between)
 
     def sought(
         self, engine: Engine, judged: JudgedMechanism, report: LabelledProgress
     ) -> tuple[Sought, dict[Name, float]]:
-        """Loads where every part is weakest, and how much twice the elements change its factor.
+        """:meth:`weakest`, and how much twice the elements change the factor of each part.
 
         Parameters
         ----------
@@ -126,16 +124,8 @@ class Equilibria:
         Sought
         dict of (str, str) to float
             By kind and part, relative.
-
-        Raises
-        ------
-        InputError, ComputationError
-            As :meth:`loads`.
         """
-        source = self._source(engine, report)
-        every, between = angles_between(engine.mechanism, self.crank_angles)
-        source.add(every)
-        found = seek(judged, source, rounds=_ROUNDS, between=between)
+        found = self.weakest(engine, judged, report)
         finer = engine.with_(elements=2 * engine.elements)
         return found, changes_of(judged, found, self._source(finer, report))
 

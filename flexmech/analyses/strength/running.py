@@ -84,10 +84,8 @@ class Runs:
         """At the samples, in rad, counted on over turns."""
         return np.asarray(self.request.drive.crank_angle(self.plan.time))
 
-    def loads(
-        self, engine: Engine, cuts: Mapping[str, Cuts], report: LabelledProgress
-    ) -> LoadsOfTurn:
-        """Run an engine.
+    def weakest(self, engine: Engine, judged: JudgedMechanism, report: LabelledProgress) -> Sought:
+        """Run an engine, and find the loads where every part is weakest.
 
         Internal and joint forces balance what moves, by d'Alembert's principle: its accelerations
         are the slopes of the rates between the samples.
@@ -95,16 +93,16 @@ class Runs:
         Parameters
         ----------
         engine : Engine
-        cuts : mapping of str to Cuts
+        judged : JudgedMechanism
         report : callable
             Progress.
 
         Returns
         -------
-        LoadsOfTurn
+        Sought
         """
         run = run_engine(engine, self.request, self.plan, report)
-        return self._source(engine, run).loads(cuts)
+        return seek(judged, self._source(engine, run), rounds=_ROUNDS)
 
     def sought(
         self, engine: Engine, judged: JudgedMechanism, report: LabelledProgress

@@ -112,8 +112,8 @@ def seek(
     -------
     Sought
     """
-    mechanism, request = judged.mechanism, judged.request
-    fine = request.elements * math.ceil(_PARTS / request.elements)
+    mechanism, elements = judged.mechanism, judged.request.elements
+    fine = elements * math.ceil(_PARTS / elements)
     places: dict[str, tuple[float, ...]] = {}
     found: list[Weakest] = []
     factors: dict[Factor, float] = {}
@@ -137,8 +137,7 @@ def seek(
         if not math.isnan(part.place):
             weakest.setdefault(part.name[1], []).append(part.place)
     asked = {
-        name: cuts_of(mechanism, name, request.elements, weakest.get(name, ()))
-        for name in judged.cuts
+        name: cuts_of(mechanism, name, elements, weakest.get(name, ())) for name in judged.cuts
     }
     return Sought(
         source.crank_angles,

@@ -209,10 +209,7 @@ def _search_lines(data: xr.Dataset) -> list[str]:
             "between them"
         )
         if by == "equilibria":
-            told = (
-                f"of every part, at {data.attrs['searched_angles']} crank angles; where links "
-                "stayed straight it would be that of rigid ones"
-            )
+            told = "of every part; where links stayed straight it would be that of rigid ones"
         lines = [
             f"speed factor: searched by {by} at other speeds, {told}",
             f"{by} by speed over that asked for, least load factor and part: {found}",
