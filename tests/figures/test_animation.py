@@ -38,6 +38,7 @@ def count_near(frame: np.ndarray, color: str) -> int:
     return int(np.sum(np.abs(frame - wanted).max(axis=-1) < 24))
 
 
+@pytest.mark.thorough
 def test_the_linkage_moves_and_its_path_grows(tmp_path: Path) -> None:
     """Of 9 samples the last is the first again and is left out: 8 frames on white."""
     calls: list[tuple[int, int]] = []

@@ -233,6 +233,7 @@ def search(folder: Path, **more: Any):
     return optimum_study(SEARCH, **({"executor": Scripted(masses)} | more), folder=folder).dataset
 
 
+@pytest.mark.thorough
 def test_a_search_goes_on_from_what_is_kept_and_ends_with_the_same_bytes(tmp_path):
     """A search that is done computes nothing anew; another one or a sweep is none of it."""
     done, stopped = tmp_path / "done", tmp_path / "stopped"

@@ -271,6 +271,7 @@ def test_links_whose_fatigue_is_not_judged_are_told_with_the_reason() -> None:
         assert re.search(words, left_out), left_out
 
 
+@pytest.mark.thorough
 def test_periodic_runs_are_judged_by_their_own_stress() -> None:
     """A sixth of its lowest frequency makes the bending of an arm 1/35 larger."""
     strong = with_fatigue(BY_EXPONENT).sections["rocker"].with_damping_ratio(0.02, frequency=40.0)

@@ -217,6 +217,7 @@ def test_a_running_arm_on_a_free_shaft_neither_grows_nor_decays(engine: Any) -> 
     assert (found.dataset["frequency"] > 40).all()
 
 
+@pytest.mark.thorough
 def test_the_shaft_of_nearly_rigid_links_follows_hills_equation() -> None:
     """``J p'' + J' p' + J'' p / 2 = 0`` over the crank angle: torque follows the time."""
     aluminium = load_mechanism("models/aluminium_fourbar.toml")

@@ -55,6 +55,7 @@ def changed(key: str, old: str, new: str, tmp_path) -> Mechanism:
     return load_mechanism(file)
 
 
+@pytest.mark.thorough
 def test_outputs_are_those_of_single_runs_of_the_changed_model_file(tmp_path):
     """Frequencies and margin of order 2, transmission angle, torque and pin forces, peaks."""
     low, high, margin, above, angle, torque, force, at_b, bent, strain = outputs_of(

@@ -91,6 +91,7 @@ def tip(data: Any, time: float) -> Any:
     return end.sel(time=time, method="nearest").values
 
 
+@pytest.mark.thorough
 def test_exudyn_stops_wu_and_tisos_slider_crank_where_sonneville_does() -> None:
     """V16: to 1e-4 of the crank's 10 m; the crank angle is ``3 pi t^2 / 50`` until 5 s."""
     drive = WU_TISO.drive

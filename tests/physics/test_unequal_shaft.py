@@ -157,9 +157,8 @@ def test_a_disk_whirls_between_its_critical_speeds_alone(
         assert apart(own, expected, speed) < 1e-4 * last
 
 
-@pytest.mark.parametrize(
-    "seed", [pytest.param(seed, marks=pytest.mark.thorough) for seed in (0, 1, 2, 3)]
-)
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", [0, 1, 2, 3])
 def test_the_map_finds_the_critical_speeds(seed: int) -> None:
     shaft = drawn(seed)
     first, last = shaft.critical_speeds
