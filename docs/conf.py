@@ -7,6 +7,8 @@ import shutil
 import sys
 from pathlib import Path
 
+from jupyter_cache.cache.db import create_db
+
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
@@ -40,6 +42,9 @@ myst_dmath_double_inline = True
 # for as long as the code of flexmech, the models and the versions beneath stay the same.
 nb_execution_mode = "cache"
 nb_execution_cache_path = str(cache_folder() / "cells")
+# Pages are read by several processes: one would find the database while another makes its tables.
+Path(nb_execution_cache_path).mkdir(parents=True, exist_ok=True)
+create_db(nb_execution_cache_path)
 nb_execution_in_temp = True
 nb_execution_raise_on_error = True
 nb_execution_timeout = 240

@@ -239,15 +239,14 @@ def _of_rubber(links: Sequence[str]) -> str:
 
 def _point_of(mechanism: Mechanism, given: CouplerPoint | None) -> CouplerPoint:
     point = mechanism.coupler_point if given is None else given
-    file = mechanism.provenance.file or "mechanism"
     if point is None and not isinstance(mechanism.linkage, FourBar):
         raise InputError(
-            f"{file}: of what point is not said; ask for one by its distance from the link's first "
-            'joint and the angle from its line, as --point "33 mm,320 deg"'
+            "point: is left out; give one by its distance from the link's first joint and the "
+            'angle from its line, as --point "33 mm,320 deg"'
         )
     if point is None:
         raise InputError(
-            f"{file}: linkage.coupler_point: is missing; add "
+            "linkage.coupler_point: is missing; add "
             'coupler_point = { distance = "33 mm", angle = "320 deg" }, or ask for a point'
         )
     if not isinstance(point, CouplerPoint):
