@@ -19,6 +19,8 @@ _STEP = np.radians(1.0)
 # around the best of them; so often, two degrees become 1e-7 deg, where a corner of a table of loads
 # or a dead point is found to 1e-9 of a quantity that changes by its own size over a radian.
 _INSIDE, _ZOOMS = 17, 8
+# Of a step: angles nearer to each other are one.
+_SAME = 1e-9
 # Of a mean: steps of the first trapezoidal rule a turn, and how often they are halved at most. The
 # rule converges faster than any power for what is smooth and periodic, as the square of the step
 # for tables of loads, whose mean is known to 1e-7 by then.
@@ -134,7 +136,9 @@ def _with_steps(angles: FloatArray, step: float) -> FloatArray:
     if angles.size == 1:
         return angles
     steps = int(np.ceil(round((angles[-1] - angles[0]) / step, 6)))
-    return np.union1d(angles, np.linspace(angles[0], angles[-1], max(steps, 1) + 1))
+    every = np.union1d(angles, np.linspace(angles[0], angles[-1], max(steps, 1) + 1))
+    # Two that differ by round-off are one: a peak is sought between the neighbours of its angle.
+    return np.asarray(every[np.append(True, np.diff(every) > _SAME * step)])
 
 
 def _greatest(
