@@ -19,7 +19,7 @@ _STEP = np.radians(1.0)
 # around the best of them; so often, two degrees become 1e-7 deg, where a corner of a table of loads
 # or a dead point is found to 1e-9 of a quantity that changes by its own size over a radian.
 _INSIDE, _ZOOMS = 17, 8
-# Of a step: angles nearer to each other are one.
+# Angles closer than this part of a step count as one angle.
 _SAME = 1e-9
 # Of a mean: steps of the first trapezoidal rule a turn, and how often they are halved at most. The
 # rule converges faster than any power for what is smooth and periodic, as the square of the step

@@ -44,7 +44,7 @@ from flexmech.mechanism import Mechanism, drawing, require_standing_frame
 MOST_SEARCHED = 73
 TOLD = 1e-6
 """Relative error of a load factor: less is below the digits of all that is printed."""
-# Of rigid links, which cost little: as a rule five of them settle every factor.
+# Rounds for rigid links, which cost little: five usually settle every factor.
 _ROUNDS = 8
 RIGID = "rigid"
 """In place of an engine: the links are taken as rigid."""

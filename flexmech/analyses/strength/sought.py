@@ -25,7 +25,8 @@ from flexmech.mechanism import Mechanism
 STEP = np.radians(5.0)
 """Between crank angles at which parts are judged, at most."""
 _PARTS = 32
-# Of a factor. A round leaves less than a tenth of what it changed: below the digits that are told.
+# The search ends when a round changes every factor by less than this part: the next round would
+# change less than a tenth of it, which is below the printed digits.
 _SETTLED = 1e-8
 
 Factor = tuple[Name, str]
