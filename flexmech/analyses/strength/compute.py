@@ -183,11 +183,11 @@ def _by_engines(
         each, "engine", data_vars="minimal", coords="minimal", compat="override", join="override"
     )
     known = {name: change + errors.get(name, 0.0) for name, change in found.change.items()}
-    dataset = _with_errors(_with_margins(dataset), known)
+    dataset = _with_margins(dataset)
     # At rest no speed raises the loads.
     attributes = asked.attributes | _gap_attribute([gap for gap in gaps if gap is not None])
     if not request.search_speed or not speed:
-        return dataset, attributes
+        return _with_errors(dataset, known), attributes
 
     thinned = replace(request, crank_angles=_searched_angles(dataset, request.crank_angles))
 
@@ -207,9 +207,8 @@ def _by_engines(
     else:
         search = search_speed(least, float(dataset["margin_load_factor"][0]))
     weakest[1.0] = weakest_checks(each[0])
-    dataset = dataset.drop_vars("margin_error")
+    # The speeds of pins may bring rows of a second check.
     dataset = _with_margins(dataset, failures_of(search.speed_factor, weakest))
-    # The speeds of pins may have brought rows of a second check.
     dataset = _with_errors(dataset, known)
     factors = [
         own if kind == "pin" else search.speed_factor.get(name, np.nan)
