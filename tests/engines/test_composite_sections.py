@@ -163,7 +163,7 @@ def deflected(engine: Any, drive: ConstantSpeed, time: np.ndarray, step: float) 
     else:
         linkage = DrivenLinkage(engine, drive, "equilibrium")
         run = linear_run(linkage, linkage.unstressed(), np.zeros(linkage.size), time, step)
-    return deflections(engine, run), run
+    return deflections(engine, run.displacement), run
 
 
 @pytest.mark.thorough
