@@ -359,6 +359,27 @@ class Equilibrium:
             for number, link in self._links.items()
         }
 
+    def damping_stiffness(
+        self, displacement: Sequence[FloatArray], rate: Sequence[FloatArray]
+    ) -> dict[int, FloatArray]:
+        """Derivative of each element's damping forces by its displacement at given rates.
+
+        Parameters
+        ----------
+        displacement, rate : sequence of ndarray, shape (B, n_link)
+
+        Returns
+        -------
+        dict of int to ndarray, shape (B, e, 2 p, 2 p)
+            Of each flexible link.
+        """
+        return {
+            number: link.damping_stiffness(
+                *(element_ends(q[number], self._per_node) for q in (displacement, rate))
+            )
+            for number, link in self._links.items()
+        }
+
     def _advance(
         self, z: FloatArray, change: FloatArray, problem: Problem, before: Imbalance
     ) -> tuple[FloatArray, Imbalance]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from itertools import chain, compress
@@ -151,7 +152,8 @@ class _EngineMap:
         solvable = [speed for speed in every if speed not in refused]
         if not solvable:
             raise next(iter(refused.values()))
-        self._open_windows(solvable)
+        if self._request.prestress != "trajectory":
+            self._open_windows(solvable)
         outcomes, interrupted = self._outcomes(solvable)
         asked = set(self._request.crank_speeds.tolist())
         refused |= {w: each for w, each in outcomes.items() if isinstance(each, ComputationError)}
@@ -221,6 +223,11 @@ class _EngineMap:
         steps = steps[~_among(np.array(asked), steps)]
         speeds = sorted([*asked, *steps.tolist()], key=abs)
         found: dict[float, _Outcome] = {}
+        if self._request.prestress == "trajectory":
+            for number, speed in enumerate(speeds, 1):
+                with suppress(ComputationError):
+                    self._solver.orbit(speed)
+                self._progress("periodic motions", number, len(speeds))
         try:
             for outcome in in_order(partial(_outcome, self._solver), speeds):
                 found[speeds[len(found)]] = outcome

@@ -365,7 +365,7 @@ class LinkageSolver:
             order = order[:: samples // SHAPE_ANGLES]
             motion, samples = motion.at(order), len(order)
         if self.prestress == "trajectory":
-            orbit = self._orbit(crank_speed)
+            orbit = self.orbit(crank_speed)
             stressed = self.engine.running_links(motion, orbit.at(motion.crank_angle)[0])
         else:
             near = None if self.known is None else self.known.near(crank_speed, samples)
@@ -375,7 +375,7 @@ class LinkageSolver:
         turn = SampledTurn.of(self.engine, motion, stressed, self.quasi_static, self.modes, fastest)
         return _SampledState(turn, orbit)
 
-    def _orbit(self, crank_speed: float) -> NonlinearOrbit:
+    def orbit(self, crank_speed: float) -> NonlinearOrbit:
         """Periodic motion at a crank speed, found from a known one nearby."""
         if crank_speed not in self.orbits:
             engine, near = self._moving_engine, None

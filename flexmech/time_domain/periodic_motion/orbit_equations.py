@@ -56,8 +56,8 @@ class OrbitState:
     ----------
     z : ndarray, shape (N, n)
         Independent coordinates of the unreduced links at the samples.
-    displacement : list of ndarray, shape (N, n_link)
-        Of each link in its frame.
+    displacement, rate : list of ndarray, shape (N, n_link)
+        Of each link in its frame, and its time derivative.
     stressed : StressedLinks
         At these displacements.
     connected : ConnectedMatrices or None
@@ -70,6 +70,7 @@ class OrbitState:
 
     z: FloatArray
     displacement: list[FloatArray]
+    rate: list[FloatArray]
     stressed: StressedLinks
     connected: ConnectedMatrices | None
     residual: FloatArray
@@ -235,7 +236,9 @@ class OrbitEquations:
             stressed = self._with_rigid_links(stressed, forces, moving)
         else:
             residual += self.frames.gather(self.motion, forces)
-        return OrbitState(z, displacement, stressed, connected, residual, self.error(residual))
+        velocities = [rate for _, rate, _ in moving]
+        error = self.error(residual)
+        return OrbitState(z, displacement, velocities, stressed, connected, residual, error)
 
     def beyond_linear(self, z: FloatArray) -> list[FloatArray]:
         """Displacement of each link beyond the linear one, by finite poses of rigid links.
@@ -262,10 +265,11 @@ class OrbitEquations:
     def linearized(self, state: OrbitState, damping_rate: float = 0.0) -> SystemMatrices:
         """Matrices of small changes of the motion; each (N, n, n).
 
-        What the change of the damping matrix and the elastic motion of bodies' arms would add is
-        left out: Newton's method takes a pass more without it, and finds the same.
+        What the elastic motion of bodies' arms would add is left out: Newton's method takes a pass
+        more without it, and finds the same. The change of the damping matrix counts near a
+        critical speed, where little else holds the motion.
         """
-        stressed, connected = state.stressed, state.connected
+        stressed, connected = self._with_changing_damping(state), state.connected
         turns = [
             [q @ body.rows[2] for body in link.bodies]
             for link, q in zip(self.engine.links, state.displacement, strict=True)
@@ -281,6 +285,14 @@ class OrbitEquations:
             damped = damped + connected.damping
             stiffness = stiffness + connected.stiffness + connected.rate_stiffness
         return SystemMatrices(own.mass, damped, stiffness)
+
+    def _with_changing_damping(self, state: OrbitState) -> StressedLinks:
+        """Stressed links whose tangents have the change of the damping forces."""
+        more = self.engine.damping_stiffness(state.displacement, state.rate)
+        if more is None:
+            return state.stressed
+        pairs = zip(state.stressed.tangent, more, strict=True)
+        return replace(state.stressed, tangent=[whole(own) + whole(other) for own, other in pairs])
 
     def independent(self, displacement: Sequence[FloatArray]) -> FloatArray:
         """Independent coordinates z (N, n) of the displacement of each link, (N, n_link)."""

@@ -29,8 +29,9 @@ logger = logging.getLogger(__name__)
 # The iteration ends at this residual, over the loads; see OrbitEquations.error. At 1e-5 an orbit of
 # linear links is noticeably not that of the linear equations.
 TOLERANCE = 1e-9
-# A run that converges takes three to five passes; with shortened steps a dozen.
-MOST_PASSES = 14
+# A run that converges takes three to five passes; with shortened steps a dozen or two. Those of an
+# engine that does not tell how damping changes with the displacement gain a digit in two.
+MOST_PASSES = 40
 # Shorter steps mean that another way, by continuation, costs less: each halving is a solution.
 SHORTEST_STEP = 1 / 64
 # A correction with the same matrices must be shorter than the step by this part of its length, as
