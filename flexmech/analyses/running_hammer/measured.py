@@ -224,9 +224,9 @@ def added_by_impacts(
 def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: int) -> ImpactRun:
     """Runs of an engine from the periodic motion at crank angle zero.
 
-    An engine that simulates runs the nonlinear motion from the periodic motion at large
-    displacements. The others run their own equations, at prestress ``equilibrium`` with links that
-    stretch by the square of their slopes, from the periodic motion of their linear ones.
+    An engine that simulates runs the nonlinear motion. The others run their own equations, at
+    prestress ``equilibrium`` with links that stretch by the square of their slopes. Both begin on
+    the periodic motion at large displacements; linear equations begin on their own.
 
     Parameters
     ----------
