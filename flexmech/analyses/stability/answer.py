@@ -56,11 +56,13 @@ def answer(dataset: xr.Dataset) -> tuple[str, ...]:
 
 def _about(dataset: xr.Dataset) -> list[str]:
     """Which motion vibrations are about, where it is not the one that runs."""
-    if dataset.attrs["prestress"] == "trajectory":
+    level = dataset.attrs["prestress"]
+    if level == "trajectory":
         return []
+    state = "the quasi-static equilibrium" if level == "equilibrium" else "straight links"
     return [
-        "These are vibrations about the quasi-static equilibrium; about the motion itself, which "
-        "--prestress trajectory finds, others may grow."
+        f"These are vibrations about {state}; about the motion itself, which --prestress "
+        "trajectory finds, others may grow."
     ]
 
 
