@@ -27,7 +27,6 @@ from flexmech.linear_system import (
     TheoryComparison,
     among_alike,
     component_modes,
-    inverse_mass_root,
     rigid_link,
 )
 from flexmech.linkages import (
@@ -236,7 +235,7 @@ def _of_stack(designs: Sequence[_Links], theory: str, modes: int) -> FloatArray:
     stiffness = [link.stiffness for link in reduction.models]
     system = reduction.frames.assemble(motion, stiffness, still)
     with one_thread():
-        lower = inverse_mass_root(system.mass)
+        lower = np.linalg.inv(np.linalg.cholesky(system.mass))
         squares = np.linalg.eigvalsh(lower @ system.stiffness @ np.swapaxes(lower, 1, 2))
     found = np.sqrt(np.abs(squares[:, :modes])) / (2 * np.pi)
     return np.asarray(found.reshape(len(designs), -1, found.shape[1]))

@@ -78,7 +78,6 @@ from flexmech.linear_system.links.link_model import LinkModel, RigidFields
 from flexmech.linear_system.links.link_readings import LinkReadings
 from flexmech.linear_system.links.link_stack import among_alike, same_of_all
 from flexmech.linear_system.links.link_stretch import LinkStretch
-from flexmech.linear_system.links.mass_root import inverse_mass_root
 from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
 from flexmech.linear_system.links.rigid_link import rigid_link
 from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
@@ -179,7 +178,6 @@ __all__ = [
     "has_relative_motion",
     "in_positions",
     "inertia_loads",
-    "inverse_mass_root",
     "is_constant_turn",
     "kinks_of",
     "likeness",
