@@ -20,7 +20,7 @@ from flexmech.linear_system.assembly.constant_turn import (
     stressed_along_turn,
 )
 from flexmech.linear_system.assembly.element_kinds import (
-    ELASTICITY,
+    COMPRESSED,
     NEGLIGIBLE,
     RESTRAINED_ENDS,
     TheoryComparison,
@@ -100,8 +100,8 @@ from flexmech.linear_system.reduction.link_pencil import LinkPencil
 from flexmech.linear_system.reduction.static_response import StaticResponse
 
 __all__ = [
+    "COMPRESSED",
     "COORDINATES",
-    "ELASTICITY",
     "GREAT_DETAIL",
     "LAST_STEP",
     "LESS_LOADED",
