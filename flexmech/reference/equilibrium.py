@@ -33,7 +33,7 @@ from flexmech.linear_system import (
     LinkFrames,
     LinkMatrix,
     RigidGeometricStiffness,
-    link_matrices,
+    chain_matrix,
     refuse_positions,
     whole,
 )
@@ -293,8 +293,8 @@ class Equilibrium:
             force += by_elements(more, relative)
             tangent += more
             forces[number] = node_forces(force, self._per_node).T
-            nodal.append(np.moveaxis(link.of_nodes(tangent), -1, 0))
-        tangents = dict(zip(self._links, link_matrices(nodal), strict=True))
+            nodal.append(np.ascontiguousarray(np.moveaxis(link.of_nodes(tangent), -1, 0)))
+        tangents = dict(zip(self._links, map(chain_matrix, nodal), strict=True))
         for number, coupling in self._couplings.items():
             bent = displacement[number] @ coupling.rows.T - coupling.unloaded
             forces[number] += bent @ coupling.elastic @ coupling.rows
