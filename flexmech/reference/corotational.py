@@ -159,29 +159,6 @@ class CorotationalElements:
         )
         return ElementResponse(force, tangent, LinearStrain(moved, pure.strain, gradient))
 
-    def relative_force(
-        self, relative: FloatArray, swelling: float = 1.0, design: IntArray | None = None
-    ) -> FloatArray:
-        """Internal forces as of :meth:`relative_response`, without the tangent.
-
-        Parameters
-        ----------
-        relative : ndarray, shape (e, r, B)
-        swelling : float
-        design : ndarray of int, shape (B,), optional
-
-        Returns
-        -------
-        ndarray, shape (e, r, B)
-        """
-        numbers = self._numbers_at(design)
-        pure = self._pure(self._arms.moved(relative), numbers)
-        bending = by_elements(numbers.bending, pure.turns - swelling * self._arc)
-        stress = self._stress(pure, bending, pure.strain, swelling, numbers)
-        force = pure.by_relative_coordinates(*stress)
-        self._arms.turn_force(relative, force)
-        return force
-
     def damping(self, displacement: FloatArray, design: IntArray | None = None) -> FloatArray:
         """Kelvin-Voigt damping matrix of deformed elements.
 

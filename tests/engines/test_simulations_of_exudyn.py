@@ -101,8 +101,8 @@ def test_a_body_on_an_eccentric_arm_keeps_its_energy(offset: tuple[float, float]
     assert simulate(engine, drive, time, 1e-4).energy_error < 1e-4
 
 
-@pytest.mark.parametrize("name", ["L-arm with bodies", "rigid ternary coupler", "moving guide"])
 @pytest.mark.thorough
+@pytest.mark.parametrize("name", ["L-arm with bodies", "rigid ternary coupler", "moving guide"])
 def test_a_run_keeps_its_energy_and_its_joints(name: str) -> None:
     engine, drive = ExudynEngine(case(name).mechanism, 3), ConstantSpeed(20.0)
     data = response(engine, ResponseRequest(drive, 0.03, samples=400, step=4e-5)).dataset
