@@ -123,12 +123,7 @@ class Parameters:
         )
         return mechanism_in_state(changed, state)
 
-    def engine_with(
-        self,
-        engine: Engine,
-        values: Mapping[str, float | str],
-        mechanism: Mechanism | None = None,
-    ) -> Engine:
+    def engine_with(self, engine: Engine, values: Mapping[str, float | str]) -> Engine:
         """The engine with other values.
 
         Parameters
@@ -137,8 +132,6 @@ class Parameters:
             Of the mechanism.
         values : mapping of str to float or str
             In SI units, or texts.
-        mechanism : Mechanism, optional
-            What :meth:`mechanism_with` gave for these values.
 
         Returns
         -------
@@ -149,9 +142,7 @@ class Parameters:
         InputError
             If the mechanism cannot be so.
         """
-        changed = engine
-        if mechanism is None:
-            mechanism = self.mechanism_with(values)
+        changed, mechanism = engine, self.mechanism_with(values)
         if values.keys() - {DAMPING_PARAMETER}:
             changed = engine.with_(mechanism=mechanism)
         if DAMPING_PARAMETER not in values:

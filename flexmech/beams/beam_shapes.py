@@ -106,12 +106,6 @@ def linear(fraction: FloatArray, length: FloatArray, size: int) -> tuple[FloatAr
     return value, slope
 
 
-def diagonal_matrix(*entries: FloatArray | float) -> FloatArray:
-    """Matrices (..., k, k) with k entries (...) on their diagonals."""
-    every = np.stack(np.broadcast_arrays(*entries), axis=-1)
-    return every[..., None] * np.eye(len(entries))
-
-
 # Exact to degree 9; products of quartics, and of squared cubics with a quadratic tension, have 8.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 
@@ -185,8 +179,7 @@ class BeamShapes(ABC):
         ----------
         fraction, length : ndarray, shape (s,)
             Place in the element from 0 to 1, and the element's length in m.
-        section : BeamSection or SectionStack
-            Of designs that are repeated for their places.
+        section : BeamSection
 
         Returns
         -------
@@ -199,11 +192,11 @@ class BeamShapes(ABC):
 
         Parameters
         ----------
-        section : BeamSection or SectionStack
+        section : BeamSection
 
         Returns
         -------
-        ndarray, shape (..., 2 + 2 w, 2 + 2 w)
+        ndarray, shape (2 + 2 w, 2 + 2 w)
             By axial strain, curvature, changes of the w shear angles, and shear angles.
         """
 
@@ -213,11 +206,11 @@ class BeamShapes(ABC):
 
         Parameters
         ----------
-        section : BeamSection or SectionStack
+        section : BeamSection
 
         Returns
         -------
-        ndarray, shape (..., 2 + w, 2 + w)
+        ndarray, shape (2 + w, 2 + w)
             By displacement along, rotation and shear angles; its first entry is the mass per
             length, which the deflection moves too.
         """
@@ -255,30 +248,30 @@ class BeamShapes(ABC):
 
         Parameters
         ----------
-        length : ndarray, shape (..., e)
+        length : ndarray, shape (e,)
             Of the elements in m.
-        section : BeamSection or SectionStack
+        section : BeamSection
 
         Returns
         -------
-        fraction : ndarray, shape (..., e, g)
+        fraction : ndarray, shape (e, g)
             Place in the element from 0 to 1.
-        weight : ndarray, shape (..., e, g)
+        weight : ndarray, shape (e, g)
             In m.
         """
-        places = np.broadcast_to((_POINTS + 1) / 2, (*length.shape, len(_POINTS)))
-        return places, length[..., None] / 2 * _WEIGHTS
+        places = np.broadcast_to((_POINTS + 1) / 2, (len(length), len(_POINTS)))
+        return places, length[:, None] / 2 * _WEIGHTS
 
-    def softening(self, section: BeamSection) -> FloatArray | float:
+    def softening(self, section: BeamSection) -> float:
         """Coefficient of the squared shear angle in the work of the tension.
 
         Parameters
         ----------
-        section : BeamSection or SectionStack
+        section : BeamSection
 
         Returns
         -------
-        float or ndarray, shape (D,)
+        float
             Without unit.
         """
         return 0.0

@@ -2,32 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
 import scipy.linalg
 
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import FloatArray
 from flexmech.beams.elements import BEAM_SHAPES
-from flexmech.beams.link_matrices import build_chain, stack_chains
+from flexmech.beams.link_matrices import build_chain
 from flexmech.beams.plane_link import compression_frequency, plane_link
 from flexmech.beams.restrained_ends import restrained_beam
 from flexmech.choices import ELEMENTS_A_LINK, MODES
 from flexmech.errors import InputError
 from flexmech.linear_system import (
     ELASTICITY,
-    MOST_WHOLE,
     RESTRAINED_ENDS,
     Connectors,
     LinkFrames,
     LinkModel,
     RotationTerms,
     TheoryComparison,
-    among_alike,
     component_modes,
-    inverse_mass_root,
     rigid_link,
 )
 from flexmech.linkages import (
@@ -37,7 +33,6 @@ from flexmech.linkages import (
     RigidMotion,
     Spring,
     Topology,
-    connections,
     picture_crank_angle,
 )
 from flexmech.linkages.applied_forces import SpringLine
@@ -50,8 +45,6 @@ ANGLES = np.radians(np.arange(0.0, 360.0, 60.0))
 FINEST = "zigzag"
 # Of slender links these two are all that is compared.
 SIMPLEST = ("euler", "timoshenko")
-# Designs whose links are in memory at a time. Memory and speed alone.
-AT_ONCE = 32
 # Of the frequency at which the layers of a link are compressed: lower modes of sandwiches were
 # all within 1 % of two-dimensional elasticity.
 STIFF_THROUGH = 0.05
@@ -133,16 +126,10 @@ class _Links:
         return RigidMotion(still[:, 0], still[:, 0], angle, still, still, places, nowhere, nowhere)
 
     @property
-    def likeness(self) -> Hashable | None:
-        """What several must have in common to be computed at once; None of one by itself."""
-        if self.springs or self.joint_springs or None in self.sections:
-            return None
-        if any(section is not None and section.is_eccentric for section in self.sections):
-            return None
-        if any(mass.bodies or not mass.mass_per_length for mass in self.masses):
-            return None
-        points = tuple(len(mass.point_masses) for mass in self.masses)
-        return connections(self.mechanism.linkage), points, len(self.angles)
+    def is_reducible(self) -> bool:
+        """Whether component modes are right to 1e-5: elastic links with mass, without springs."""
+        sprung = self.springs or self.joint_springs or None in self.sections
+        return not sprung and all(mass.mass_per_length for mass in self.masses)
 
     def spring_places(self, link: int) -> tuple[float, ...]:
         """Places along a link, from its start, at which springs between points act."""
@@ -175,80 +162,14 @@ def _at_rest(mechanism: Mechanism, crank_angle: FloatArray) -> RigidMotion:
     return motion
 
 
-def prepare_comparisons(mechanisms: Sequence[Mechanism], modes: int = MODES) -> None:
-    """Find what :func:`compare_theories` needs first of many mechanisms, those alike at once.
-
-    Parameters
-    ----------
-    mechanisms : sequence of Mechanism
-    modes : int
-        As there.
-    """
-    _PREPARED.clear()
-    alike: dict[Hashable, list[_Links]] = {}
-    for mechanism in mechanisms:
-        links = _links_of(mechanism)
-        if (likeness := links.likeness) is not None:
-            alike.setdefault(likeness, []).append(links)
-    counted = max(modes, MODES)
-    if _elements(counted) > MOST_WHOLE:
-        return
-    for own in alike.values():
-        for theory in SIMPLEST:
-
-            def frequencies(numbers: IntArray) -> Sequence[FloatArray]:
-                some = [own[number] for number in numbers]  # noqa: B023
-                return [*_of_stack(some, theory, counted)]  # noqa: B023
-
-            for first in range(0, len(own), AT_ONCE):
-                numbers = np.arange(first, min(first + AT_ONCE, len(own)))
-                for number, found in zip(numbers, among_alike(numbers, frequencies), strict=True):
-                    _PREPARED[own[number], theory, counted] = found
-
-
 def _elements(modes: int) -> int:
     """Elements of a link for so many modes."""
     return max(ELEMENTS_A_LINK, 2 * modes)
 
 
-# Frequencies that are found beforehand, until they are asked for.
-_PREPARED: dict[tuple[_Links, str, int], FloatArray] = {}
-
-
-def _of_stack(designs: Sequence[_Links], theory: str, modes: int) -> FloatArray:
-    """Natural frequencies in Hz of D designs of one likeness by a simple theory, (D, A, modes).
-
-    Links are reduced to component modes, which are right to 1e-5 or so.
-    """
-    names = designs[0].topology.link_names
-    shapes, elements = BEAM_SHAPES[theory], _elements(modes)
-    models = []
-    for number, name in enumerate(names):
-        sections = [links.sections[number] for links in designs]
-        masses = [links.masses[number] for links in designs]
-        own = [section for section in sections if section is not None]
-        models.append(stack_chains(name, own, masses, elements, shapes).model)
-    reduction = component_modes(
-        designs[0].topology, models, modes, np.zeros(len(designs)), couples_axially=False
-    )
-    motion = RigidMotion.of_designs([links.motion for links in designs])
-    still = RotationTerms.all_or_none(False)
-    stiffness = [link.stiffness for link in reduction.models]
-    system = reduction.frames.assemble(motion, stiffness, still)
-    with one_thread():
-        lower = inverse_mass_root(system.mass)
-        squares = np.linalg.eigvalsh(lower @ system.stiffness @ np.swapaxes(lower, 1, 2))
-    found = np.sqrt(np.abs(squares[:, :modes])) / (2 * np.pi)
-    return np.asarray(found.reshape(len(designs), -1, found.shape[1]))
-
-
 @lru_cache(maxsize=1024)
 def _frequencies(links: _Links, theory: str, modes: int) -> FloatArray:
     """Natural frequencies in Hz of the lowest modes that there are, (A, modes)."""
-    if (prepared := _PREPARED.pop((links, theory, modes), None)) is not None:
-        return prepared
-    if theory in SIMPLEST and links.likeness is not None and _elements(modes) <= MOST_WHOLE:
-        return np.asarray(_of_stack([links], theory, modes)[0])
     if theory == ELASTICITY:
         highest = float(_frequencies(links, FINEST, modes).max())
         compressed = [_is_compressed(*each, highest) for each in _flexible(links)]
@@ -262,7 +183,9 @@ def _frequencies(links: _Links, theory: str, modes: int) -> FloatArray:
     ]
     motion, still = links.motion, RotationTerms.all_or_none(False)
     frames = LinkFrames(links.topology, chains)
-    system = frames.assemble(motion, [chain.stiffness for chain in chains], still)
+    if theory in SIMPLEST and links.is_reducible:
+        frames = component_modes(links.topology, chains, modes, 0.0, couples_axially=False).frames
+    system = frames.assemble(motion, [link.stiffness for link in frames.links], still)
     if links.springs or links.joint_springs:
         system = Connectors(links.mechanism, chains).added(frames, motion, system, still, "none")
     with one_thread():

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import FloatArray
 from flexmech.beams.beam_shapes import BeamShapes
 from flexmech.beams.elements import ROTATION, BeamElements
 from flexmech.linear_system import LinkModel, LinkReadings, RigidFields, chain_matrices
 from flexmech.linkages import LinkMass
 from flexmech.mesh import node_positions
-from flexmech.sections import BeamSection, SectionStack
+from flexmech.sections import BeamSection
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +46,7 @@ class Coupling:
 
 @dataclass(frozen=True)
 class Chain:
-    """One link of beam elements, or that of D designs with this leading dimension.
+    """One link of beam elements.
 
     Parameters
     ----------
@@ -56,7 +55,7 @@ class Chain:
     nodes : ndarray, shape (e + 1,)
         Node positions in m.
     elements : BeamElements
-    line_mass : float or ndarray, shape (D,)
+    line_mass : float
         Mass per length that is distributed along it, in kg/m.
     coupling : Coupling, optional
         What the link's matrices have besides those of the elements.
@@ -65,7 +64,7 @@ class Chain:
     model: LinkModel
     nodes: FloatArray
     elements: BeamElements
-    line_mass: FloatArray | float
+    line_mass: float
     coupling: Coupling | None = None
 
 
@@ -97,7 +96,8 @@ def build_chain(
     """
     fixed = [*mass.point_positions, *(body.position for body in mass.bodies), *acting_at]
     nodes = node_positions(mass.length, elements, fixed)
-    own = _section_of_elements(section, mass.length, shapes)
+    # A shear flexibility that elements can have, where they shear.
+    own = section if shapes.stiff_in_shear else section.shearing_over(mass.length)
     beams = BeamElements(shapes, own, np.diff(nodes), _kinked(nodes, section, mass, acting_at))
     points = zip(mass.point_positions, mass.point_masses, strict=True)
     lumps = [(int(np.argmin(np.abs(nodes - position))), lump) for position, lump in points]
@@ -108,68 +108,21 @@ def build_chain(
     return Chain(model.carrying(mass), nodes, beams, mass.mass_per_length)
 
 
-def _section_of_elements(section: BeamSection, length: float, shapes: BeamShapes) -> BeamSection:
-    """Section with a shear flexibility that elements can have, where they shear."""
-    return section if shapes.stiff_in_shear else section.shearing_over(length)
-
-
-def stack_chains(
-    name: str,
-    sections: Sequence[BeamSection],
-    masses: Sequence[LinkMass],
-    elements: int,
-    shapes: BeamShapes,
-) -> Chain:
-    """Build one link of D designs, as :func:`build_chain` builds that of one.
-
-    Parameters
-    ----------
-    name : str
-    sections : sequence of BeamSection
-        Whose axes are that of the pins, without free strains.
-    masses : sequence of LinkMass
-        Distributed and as many point masses in every design; no bodies.
-    elements : int
-    shapes : BeamShapes
-        Kind of element, of Euler-Bernoulli's or Timoshenko's theory.
-
-    Returns
-    -------
-    Chain
-    """
-    own = tuple(
-        _section_of_elements(section, mass.length, shapes)
-        for section, mass in zip(sections, masses, strict=True)
-    )
-    nodes = np.stack([node_positions(m.length, elements, m.point_positions) for m in masses])
-    beams = BeamElements(shapes, cast("BeamSection", SectionStack(own)), np.diff(nodes))
-    lumps = []
-    for number in range(len(masses[0].point_masses)):
-        place = np.array([mass.point_positions[number] for mass in masses])
-        node = np.abs(nodes - place[:, None]).argmin(axis=1)
-        lumps.append((node, np.array([mass.point_masses[number] for mass in masses])))
-    model = _straight_link(name, nodes, beams, lumps, has_line=True)
-    if not shapes.has_rotary_inertia:
-        rotary = np.array([mass.rotary_inertia for mass in masses])
-        model = replace(model, uncounted_rotary_inertia=rotary)
-    return Chain(model, nodes, beams, np.array([mass.mass_per_length for mass in masses]))
-
-
 def _straight_link(
     name: str,
     nodes: FloatArray,
     beams: BeamElements,
-    lumps: Sequence[tuple[int | IntArray, float | FloatArray]],
+    lumps: Sequence[tuple[int, float]],
     *,
     has_line: bool,
 ) -> LinkModel:
-    """Straight link of beam elements between nodes (..., e + 1), with point masses at nodes.
+    """Straight link of beam elements between nodes (e + 1,), with point masses at nodes.
 
     ``has_line`` tells whether mass is distributed along it.
     """
     shapes = beams.shapes
     per_node = shapes.per_node
-    size = per_node * nodes.shape[-1]
+    size = per_node * len(nodes)
     matrices = np.stack(
         [
             beams.mass,
@@ -212,7 +165,7 @@ def _straight_link(
         fields=_rigid_fields(nodes, shapes),
         start_warping=warping,
         end_warping=last + warping,
-        vectors=per_node * np.arange(nodes.shape[-1]) + np.array([[0], [1]]),
+        vectors=per_node * np.arange(len(nodes)) + np.array([[0], [1]]),
     )
 
 
@@ -230,24 +183,23 @@ def _kinked(
     return kinked[:-1]
 
 
-def _add_point_mass(matrices: FloatArray, node: int | IntArray, mass: float | FloatArray) -> None:
+def _add_point_mass(matrices: FloatArray, node: int, mass: float) -> None:
     """Add a point mass to the mass, the centrifugal mass and ``S`` of elements.
 
     Parameters
     ----------
-    matrices : ndarray, shape (3, e, 2 p, 2 p) or (3, D, e, 2 p, 2 p)
-    node, mass : int and float, or ndarray, shape (D,)
+    matrices : ndarray, shape (3, e, 2 p, 2 p)
+    node : int
+    mass : float
     """
-    count, per_node = matrices.shape[-3], matrices.shape[-1] // 2
-    element = np.minimum(node, count - 1)
-    u = per_node * (node - element)
-    design = () if matrices.ndim == 4 else (np.arange(len(matrices[0])),)
-    inertia, centrifugal, gyroscopic = matrices
+    element = min(node, matrices.shape[1] - 1)
+    u = matrices.shape[-1] // 2 * (node - element)
+    inertia, centrifugal, gyroscopic = matrices[:, element]
     for matrix in (inertia, centrifugal):
-        for place in (u, u + 1):
-            matrix[(*design, element, place, place)] += mass
-    gyroscopic[(*design, element, u, u + 1)] -= mass
-    gyroscopic[(*design, element, u + 1, u)] += mass
+        matrix[u, u] += mass
+        matrix[u + 1, u + 1] += mass
+    gyroscopic[u, u + 1] -= mass
+    gyroscopic[u + 1, u] += mass
 
 
 def sum_of_elements(vectors: FloatArray) -> FloatArray:
@@ -269,11 +221,11 @@ def sum_of_elements(vectors: FloatArray) -> FloatArray:
 
 
 def _rigid_fields(nodes: FloatArray, shapes: BeamShapes) -> RigidFields:
-    every = np.zeros((4, *nodes.shape, shapes.per_node))
+    every = np.zeros((4, len(nodes), shapes.per_node))
     along, across, centripetal, tangential = every
-    along[..., 0] = 1.0
-    across[..., 1] = 1.0
-    centripetal[..., 0] = nodes
-    tangential[..., 1] = nodes
-    tangential[..., shapes.angles] = 1.0
-    return RigidFields(*every.reshape(4, *nodes.shape[:-1], -1))
+    along[:, 0] = 1.0
+    across[:, 1] = 1.0
+    centripetal[:, 0] = nodes
+    tangential[:, 1] = nodes
+    tangential[:, shapes.angles] = 1.0
+    return RigidFields(*every.reshape(4, -1))

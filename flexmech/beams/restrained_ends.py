@@ -29,7 +29,7 @@ from flexmech.linear_system import whole
 from flexmech.linkages import LinkEnd, LinkMass
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection, LaminateSection
-from flexmech.sections.free_edges import layer_runs
+from flexmech.sections.free_edges import is_off_axis, layer_runs
 
 WAVES = 3
 """Loads in half sines whose bending moments are among the distributions."""
@@ -155,6 +155,8 @@ def restrained_beam(mechanism: Mechanism, link: str) -> tuple[BeamSection, Restr
     """
     section, layers = mechanism.sections[link], mechanism.sections[link].layers
     if not isinstance(layers, LaminateSection) or layers.twist == "free":
+        return section, None
+    if not is_off_axis(layers.laminate):
         return section, None
     ends = {LinkEnd(link, "start"), LinkEnd(link, "end")}
     between_joints = ends <= mechanism.linkage.topology.joined_ends

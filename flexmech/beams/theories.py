@@ -8,7 +8,6 @@ from flexmech.arrays import FloatArray
 from flexmech.beams.beam_shapes import (
     BeamFields,
     BeamShapes,
-    diagonal_matrix,
     hermite,
     hermite_integral,
     linear,
@@ -36,7 +35,7 @@ class EulerBernoulli(BeamShapes):
 
     def strain_stiffness(self, section: BeamSection) -> FloatArray:
         """See :class:`BeamShapes`."""
-        return diagonal_matrix(section.axial_stiffness, section.bending_stiffness, 0.0, 0.0)
+        return np.diag([section.axial_stiffness, section.bending_stiffness, 0.0, 0.0])
 
     def inertia(self, section: BeamSection) -> FloatArray:
         """See :class:`BeamShapes`: all mass is on the line through the centres of mass."""
@@ -93,17 +92,17 @@ class Timoshenko(BeamShapes):
 
     def strain_stiffness(self, section: BeamSection) -> FloatArray:
         """See :class:`BeamShapes`."""
-        return diagonal_matrix(
-            section.axial_stiffness, section.bending_stiffness, 0.0, section.shear_stiffness
+        return np.diag(
+            [section.axial_stiffness, section.bending_stiffness, 0.0, section.shear_stiffness]
         )
 
     def inertia(self, section: BeamSection) -> FloatArray:
         """See :class:`BeamShapes`: with rotary inertia."""
         inertia = _inertia_of_the_mass_axis(section)
-        inertia[..., 1, 1] += section.rotary_inertia
+        inertia[1, 1] += section.rotary_inertia
         return inertia
 
-    def softening(self, section: BeamSection) -> FloatArray | float:
+    def softening(self, section: BeamSection) -> float:
         """See :class:`BeamShapes`.
 
         A stretch lambda under a shear angle gamma strains the section's normal by
@@ -172,4 +171,4 @@ class Reddy(BeamShapes):
 
 def _inertia_of_the_mass_axis(section: BeamSection) -> FloatArray:
     arm = np.array([1.0, -section.mass_axis, 0.0])
-    return np.multiply.outer(section.mass_per_length, np.outer(arm, arm))
+    return section.mass_per_length * np.outer(arm, arm)

@@ -179,7 +179,7 @@ class ZigzagBeam(Timoshenko):
         inertia[2:, 2:] = mass * zigzag.square
         return inertia
 
-    def softening(self, section: BeamSection) -> FloatArray | float:
+    def softening(self, section: BeamSection) -> float:
         """See :class:`BeamShapes`: none, the faces carry the tension along the axis."""
         return 0.0
 

@@ -11,7 +11,7 @@ from flexmech.linear_system.assembly.balanced_loads import (
     refuse_large_displacements,
     swelling_force,
 )
-from flexmech.linear_system.assembly.batches import check_elastic, checked_mechanism, stack_batches
+from flexmech.linear_system.assembly.batches import check_elastic, checked_mechanism
 from flexmech.linear_system.assembly.constant_turn import (
     all_constant,
     has_constant_tangents,
@@ -27,7 +27,6 @@ from flexmech.linear_system.assembly.element_kinds import (
     TheoryDifference,
 )
 from flexmech.linear_system.assembly.engine import Engine
-from flexmech.linear_system.assembly.engine_stack import MechanismStack, likeness, stack_engines
 from flexmech.linear_system.assembly.link_points import LinkPoint, displacement_row, point_rows
 from flexmech.linear_system.assembly.running_links import RunningLinks
 from flexmech.linear_system.assembly.section_forces import DisplacedLinks
@@ -36,7 +35,6 @@ from flexmech.linear_system.assembly.straight_links import (
     StraightForces,
     element_tensions,
     straight_forces,
-    ties_beyond_pins,
     with_rigid_links,
 )
 from flexmech.linear_system.assembly.system import LinearSystem, condense
@@ -65,7 +63,6 @@ from flexmech.linear_system.links.chains import (
     in_positions,
     link_matrices,
     summed,
-    times,
     whole,
 )
 from flexmech.linear_system.links.dead_moments import (
@@ -76,7 +73,6 @@ from flexmech.linear_system.links.displaced_inertia import DisplacedInertia
 from flexmech.linear_system.links.link_inertia import LinkInertia, MovingLink
 from flexmech.linear_system.links.link_model import LinkModel, RigidFields
 from flexmech.linear_system.links.link_readings import LinkReadings
-from flexmech.linear_system.links.link_stack import among_alike, same_of_all
 from flexmech.linear_system.links.link_stretch import LinkStretch
 from flexmech.linear_system.links.mass_root import inverse_mass_root
 from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
@@ -139,7 +135,6 @@ __all__ = [
     "LinkPoint",
     "LinkReadings",
     "LinkStretch",
-    "MechanismStack",
     "MovingLink",
     "OverdampedError",
     "PointForce",
@@ -161,7 +156,6 @@ __all__ = [
     "TooManyModesError",
     "acts_at_rest",
     "all_constant",
-    "among_alike",
     "bent_curvature",
     "body_nodes",
     "body_turns",
@@ -182,21 +176,15 @@ __all__ = [
     "inverse_mass_root",
     "is_constant_turn",
     "kinks_of",
-    "likeness",
     "link_matrices",
     "point_rows",
     "refuse_large_displacements",
     "refuse_positions",
     "rigid_link",
-    "same_of_all",
-    "stack_batches",
-    "stack_engines",
     "straight_forces",
     "stressed_along_turn",
     "summed",
     "swelling_force",
-    "ties_beyond_pins",
-    "times",
     "whole",
     "with_rigid_links",
 ]

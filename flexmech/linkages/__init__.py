@@ -34,7 +34,6 @@ from flexmech.linkages.linkage import (
     picture_crank_angle,
     refuse_passing,
 )
-from flexmech.linkages.linkage_stack import LinkageStack, connections
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.motors.along_motion import states_along, yielded_along
 from flexmech.linkages.motors.drive_train import DriveTrain
@@ -91,7 +90,6 @@ __all__ = [
     "LinkEnd",
     "LinkMass",
     "Linkage",
-    "LinkageStack",
     "Load",
     "LockedCrank",
     "Motor",
@@ -127,7 +125,6 @@ __all__ = [
     "carried_motion",
     "check_shapeable",
     "circuit_of",
-    "connections",
     "continuous_angles",
     "coupler_sextic",
     "double_points",

@@ -1,4 +1,4 @@
-"""Closed forms of the four-bar's motion, of one linkage or of several at once."""
+"""Closed forms of the four-bar's motion."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from flexmech.linkages.motion import RigidMotion, direction, normal
 
 @dataclass(frozen=True)
 class FourBarDimensions:
-    """Lengths and branch of four-bars; each a number, or an array (...) of several linkages.
+    """Lengths and branch of a four-bar.
 
     Parameters
     ----------
-    ground, crank, coupler, rocker : float or ndarray
+    ground, crank, coupler, rocker : float
         In m.
-    side : float or ndarray
+    side : float or ndarray, shape (...)
         1 where B is to the left of the line from A to O4, -1 where it is to the right.
     """
 
-    ground: FloatArray | float
-    crank: FloatArray | float
-    coupler: FloatArray | float
-    rocker: FloatArray | float
+    ground: float
+    crank: float
+    coupler: float
+    rocker: float
     side: FloatArray | float
 
     def cosine_at_b(self, crank_cosine: FloatArray) -> FloatArray:
@@ -79,8 +79,7 @@ class FourBarDimensions:
             + self.coupler * omega3**2
         ) / (self.rocker * sin_43)
 
-        arm = np.asarray(self.crank)[..., None]
-        along, across = arm * direction(theta2), arm * normal(theta2)
+        along, across = self.crank * direction(theta2), self.crank * normal(theta2)
         position, velocity, acceleration = np.zeros((3, *theta2.shape, 3, 2))
         position[..., 1, :] = along
         position[..., 2, 0] = self.ground

@@ -49,8 +49,7 @@ class LinkForces:
         link : int
         x : float or ndarray, shape (k,)
             Distances from the link's start in m. A point mass, body or load exactly there
-            counts to the far side of the cut. Of links of several designs (B, k), those in
-            each position.
+            counts to the far side of the cut.
 
         Returns
         -------
@@ -119,10 +118,10 @@ class LinkForces:
         by_x, by_y = (tangential, centripetal) if axis_at is normal else (centripetal, -tangential)
         carried = np.sum(self.start_force[..., link, :] * axis, axis=-1)
         force = (
-            _times(np.sum(self._pull(link) * axis, axis=-1), mass)
-            + _times(by_x, first)
-            + _times(by_y, moment_across)
-            - _times(carried, np.ones_like(place))
+            np.multiply.outer(np.sum(self._pull(link) * axis, axis=-1), mass)
+            + np.multiply.outer(by_x, first)
+            + np.multiply.outer(by_y, moment_across)
+            - _spread(carried, place)
         )
         for one, passed in self._forces_before(link, place):
             force = force - passed * _spread(np.sum(one.force * axis, axis=-1), place)
@@ -144,27 +143,17 @@ class LinkForces:
 
 def _mass_before(mass: LinkMass, place: FloatArray) -> FloatArray:
     """Mass of a link before cuts, first moments along and across, polar second one, (4, ...)."""
-    of_designs = place.ndim > 1
-    line = np.reshape(mass.mass_per_length, (-1, 1) if of_designs else ()) * place
-    rotary = np.reshape(mass.rotary_inertia, (-1, 1) if of_designs else ()) * place
-    second = line * (place**2 / 3 + mass.offset**2) + rotary
+    line = mass.mass_per_length * place
+    second = line * (place**2 / 3 + mass.offset**2) + mass.rotary_inertia * place
     sums: FloatArray = np.stack([line, line * place / 2, line * mass.offset, second])
     for at, lump in zip(mass.point_positions, mass.point_masses, strict=True):
-        own = np.stack([lump, lump * at, 0 * lump, lump * at**2])
-        before = np.reshape(at, (-1, 1) if of_designs else ()) < place
-        sums = sums + _times(own, before.astype(float))
+        own = lump * np.array([1.0, at, 0.0, at**2])
+        sums = sums + np.multiply.outer(own, at < place)
     for body in mass.bodies:
         x, y = body.centre
         own = body.mass * np.array([1.0, x, y, x**2 + y**2]) + [0.0, 0.0, 0.0, body.inertia]
         sums = sums + np.multiply.outer(own, body.position < place)
     return np.asarray(sums)
-
-
-def _times(values: FloatArray, per_place: FloatArray) -> FloatArray:
-    """Values (...) times numbers of places: (k,) in all positions, or (..., k) in each."""
-    if per_place.ndim < 2:
-        return np.multiply.outer(values, per_place)
-    return np.asarray(values[..., None] * per_place)
 
 
 def _spread(values: FloatArray, place: FloatArray) -> FloatArray:

@@ -88,7 +88,6 @@ def inverse_dynamics(
     joint_springs: Sequence[JointSpring] = (),
     time: ArrayLike = 0.0,
     continuous_angles: FloatArray | None = None,
-    longer: FloatArray | None = None,
 ) -> InverseDynamics:
     """Solve the rigid linkage's equations of motion for its joint forces.
 
@@ -110,9 +109,6 @@ def inverse_dynamics(
     continuous_angles : ndarray, shape (..., n_links), optional
         Angles of the links counted on as the linkage turns, for springs in joints; those of
         ``motion`` if left out. :func:`continuous_angles` gives them.
-    longer : ndarray, shape (B, n_links), optional
-        By how much each link is longer than the topology says, in m, where positions (B,) are of
-        several designs; their masses are those in each position.
 
     Returns
     -------
@@ -128,11 +124,7 @@ def inverse_dynamics(
     applied = tuple(applied_forces(topology, motion, loads, springs, joint_springs, angles, time))
     rows = np.concatenate([force, moment[..., None]], axis=-1)
     _add_forces(rows, motion, applied)
-    displaced = None
-    if longer is not None:
-        displaced = np.zeros((*longer.shape, 2), dtype=complex)
-        displaced[..., 1] = longer * np.exp(1j * motion.angle)
-    matrix = connection_matrix(topology, motion, displaced)
+    matrix = connection_matrix(topology, motion)
     unknown = solve_connections(topology, motion, rows.reshape(*rows.shape[:-2], -1), matrix)
     vectors = unknown[..., None] * connection_vectors(topology, matrix)
     return _collect(
@@ -150,10 +142,8 @@ def _inertia_loads(
     motion: RigidMotion, masses: Sequence[LinkMass], gravity: tuple[float, float]
 ) -> tuple[FloatArray, FloatArray]:
     """Inertia force and moment about each link's start, weight included."""
-    mass, first, second = (
-        np.stack([np.asarray(m.moment(order)) for m in masses], axis=-1) for order in (0, 1, 2)
-    )
-    beside = np.stack([np.asarray(m.moment_across) for m in masses], axis=-1)
+    mass, first, second = (np.array([m.moment(order) for m in masses]) for order in (0, 1, 2))
+    beside = np.array([m.moment_across for m in masses])
     pull = motion.origin_acceleration - np.asarray(gravity)
     along, across = direction(motion.angle), normal(motion.angle)
     turning = motion.angular_acceleration[..., None] * across

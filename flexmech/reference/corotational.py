@@ -25,14 +25,8 @@ import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.elements import BeamElements
-from flexmech.reference.element_numbers import (
-    ElementNumbers,
-    by_elements,
-    in_positions,
-    over_positions,
-)
+from flexmech.reference.element_arrays import by_elements, in_positions
 from flexmech.reference.rigid_arms import RigidArms
-from flexmech.sections import damping_times
 
 
 @dataclass(frozen=True)
@@ -118,7 +112,6 @@ class CorotationalElements:
         swelling: float = 1.0,
         before: LinearStrain | None = None,
         out: FloatArray | None = None,
-        design: IntArray | None = None,
     ) -> ElementResponse:
         """Internal forces and tangent stiffness by the relative coordinates.
 
@@ -132,22 +125,20 @@ class CorotationalElements:
             tension to which it leads. Left out: with the tension of the state itself.
         out : ndarray, shape (e, r, r, B), optional
             Where to write the tangent.
-        design : ndarray of int, shape (B,), optional
-            Of each position, where elements are those of several designs.
 
         Returns
         -------
         ElementResponse
         """
-        moved, numbers = self._arms.moved(relative), self._numbers_at(design)
-        pure = self._pure(moved, numbers)
+        moved, numbers = self._arms.moved(relative), self._numbers
+        pure = self._pure(moved)
         bending = by_elements(numbers.bending, pure.turns - swelling * self._arc)
-        own = self._stress(pure, bending, pure.strain, swelling, numbers)
+        own = self._stress(pure, bending, pure.strain, swelling)
         force = pure.by_relative_coordinates(*own)
         tangent = np.empty((*relative.shape[:2], *relative.shape[1:])) if out is None else out
         for_tangent = own
         if before is not None:
-            for_tangent = self._stress(pure, bending, before.at(moved), swelling, numbers)
+            for_tangent = self._stress(pure, bending, before.at(moved), swelling)
         self._fill(tangent, pure, numbers, for_tangent)
         self._arms.turn_tangent(relative, tangent, force)
         self._arms.turn_force(relative, force)
@@ -156,30 +147,26 @@ class CorotationalElements:
         )
         return ElementResponse(force, tangent, LinearStrain(moved, pure.strain, gradient))
 
-    def relative_force(
-        self, relative: FloatArray, swelling: float = 1.0, design: IntArray | None = None
-    ) -> FloatArray:
+    def relative_force(self, relative: FloatArray, swelling: float = 1.0) -> FloatArray:
         """Internal forces as of :meth:`relative_response`, without the tangent.
 
         Parameters
         ----------
         relative : ndarray, shape (e, r, B)
         swelling : float
-        design : ndarray of int, shape (B,), optional
 
         Returns
         -------
         ndarray, shape (e, r, B)
         """
-        numbers = self._numbers_at(design)
-        pure = self._pure(self._arms.moved(relative), numbers)
-        bending = by_elements(numbers.bending, pure.turns - swelling * self._arc)
-        stress = self._stress(pure, bending, pure.strain, swelling, numbers)
+        pure = self._pure(self._arms.moved(relative))
+        bending = by_elements(self._numbers.bending, pure.turns - swelling * self._arc)
+        stress = self._stress(pure, bending, pure.strain, swelling)
         force = pure.by_relative_coordinates(*stress)
         self._arms.turn_force(relative, force)
         return force
 
-    def damping(self, displacement: FloatArray, design: IntArray | None = None) -> FloatArray:
+    def damping(self, displacement: FloatArray) -> FloatArray:
         """Kelvin-Voigt damping matrix of deformed elements.
 
         A bowed element that bends further stretches no fibre on its axis, and nothing is to
@@ -190,20 +177,20 @@ class CorotationalElements:
         ----------
         displacement : ndarray, shape (B, e, 2 p)
             As in :meth:`response`.
-        design : ndarray of int, shape (B,), optional
-            As in :meth:`relative_response`.
 
         Returns
         -------
         ndarray, shape (B, e, 2 p, 2 p)
         """
-        relative, numbers = self._relative(displacement), self._numbers_at(design)
-        pure = self._pure(self._arms.moved(relative), numbers)
+        relative = self._relative(displacement)
+        pure = self._pure(self._arms.moved(relative))
         matrix = np.empty((*relative.shape[:2], *relative.shape[1:]))
-        axial = damping_times(self.elements.section)[..., 0] * self._numbers.axial_stiffness
-        own = self._by_design(self._own_part(self.elements.neutral_damping))
-        damped = replace(self._numbers, axial_stiffness=axial, bending=own)
-        self._fill(matrix, pure, damped if design is None else damped.at(design), None)
+        damped = replace(
+            self._numbers,
+            axial_stiffness=self.elements.section.damping.axial * self._numbers.axial_stiffness,
+            bending=self._own_part(self.elements.neutral_damping),
+        )
+        self._fill(matrix, pure, damped, None)
         self._arms.turn_tangent(relative, matrix, None)
         return np.moveaxis(self.of_nodes(matrix), -1, 0)
 
@@ -258,33 +245,22 @@ class CorotationalElements:
 
     @cached_property
     def _arc(self) -> FloatArray:
-        """Rotations of the nodes of elements by free curvature, (e, k, 1); none of a stack."""
-        if self.elements.length.ndim > 1:
-            return np.zeros((1, 1, 1))
+        """Rotations of the nodes of elements by free curvature, (e, k, 1)."""
         return self.elements.shapes.arc(self.elements.section, self.elements.length)[..., None]
 
     def _own_part(self, matrix: FloatArray) -> FloatArray:
-        """Block of the coordinates other than displacements; (..., e, 2 p, 2 p) -> (..., k, k)."""
-        return matrix[..., self._own[:, None], self._own]
-
-    def _by_design(self, values: FloatArray) -> FloatArray:
-        """Numbers of elements with the designs behind them, where there are several."""
-        return values if self.elements.length.ndim == 1 else np.moveaxis(values, 0, -1)
+        """Block of the coordinates other than displacements; (e, 2 p, 2 p) -> (e, k, k)."""
+        return matrix[:, self._own[:, None], self._own]
 
     @cached_property
-    def _numbers(self) -> ElementNumbers:
-        """Of one design, or (..., D) of several."""
+    def _numbers(self) -> _ElementNumbers:
         elements = self.elements
-        axial = elements.neutral_stiffness[..., 0, 0, 0] * elements.length[..., 0]
-        length = elements.length[..., None] if elements.length.ndim == 1 else elements.length.T
+        axial = float(elements.neutral_stiffness[0, 0, 0] * elements.length[0])
         own = (self._own_part(x) for x in (elements.neutral_stiffness, elements.arch))
-        return ElementNumbers(length, np.asarray(axial), *map(self._by_design, own))
+        return _ElementNumbers(elements.length[:, None], axial, *own)
 
-    def _numbers_at(self, design: IntArray | None) -> ElementNumbers:
-        return self._numbers if design is None else self._numbers.at(design)
-
-    def _pure(self, relative: FloatArray, numbers: ElementNumbers) -> _PureDeformation:
-        length = numbers.length
+    def _pure(self, relative: FloatArray) -> _PureDeformation:
+        length = self._numbers.length
         du, dv = relative[:, 0], relative[:, 1]
         along = length + du
         chord = np.hypot(along, dv)
@@ -292,7 +268,7 @@ class CorotationalElements:
         elongation = ((2 * length + du) * du + dv**2) / (chord + length)
         turns = relative[:, 2:].copy()
         turns[:, self._angles] -= np.arctan2(dv, along)[:, None]
-        lift = by_elements(numbers.arch, turns)
+        lift = by_elements(self._numbers.arch, turns)
         strain = elongation / length + (turns * lift).sum(axis=1) / 2
         return _PureDeformation(chord, along / chord, dv / chord, strain, turns, lift)
 
@@ -302,19 +278,18 @@ class CorotationalElements:
         bending: FloatArray,
         strain: FloatArray,
         swelling: float,
-        numbers: ElementNumbers,
     ) -> _Stress:
         """Stress of bending moments (e, k, B) and of an axial strain (e, B)."""
         free = swelling * self.elements.section.free_strain
-        tension = numbers.axial_stiffness * (strain - free)
-        moments = bending + (tension * numbers.length)[:, None] * pure.lift
+        tension = self._numbers.axial_stiffness * (strain - free)
+        moments = bending + (tension * self._numbers.length)[:, None] * pure.lift
         return _Stress(tension, moments, moments[:, self._angles].sum(axis=1))
 
     def _fill(
         self,
         matrix: FloatArray,
         pure: _PureDeformation,
-        numbers: ElementNumbers,
+        numbers: _ElementNumbers,
         stress: _Stress | None,
     ) -> None:
         """Write the derivative of the forces on the neutral axis's nodes, (e, r, r, B).
@@ -323,7 +298,7 @@ class CorotationalElements:
         ----------
         matrix : ndarray, shape (e, r, r, B)
         pure : _PureDeformation
-        numbers : ElementNumbers
+        numbers : _ElementNumbers
         stress : _Stress, optional
             None leaves the part that comes from it out.
         """
@@ -331,9 +306,9 @@ class CorotationalElements:
         own = matrix[:, 2:, 2:]
         lift = numbers.axial_stiffness * pure.lift
         np.multiply((lift * length[:, None])[:, :, None], pure.lift[:, None], out=own)
-        own += over_positions(numbers.bending)
+        own += numbers.bending[..., None]
         if stress is not None:
-            own += (stress.tension * length)[:, None, None] * over_positions(numbers.arch)
+            own += (stress.tension * length)[:, None, None] * numbers.arch[..., None]
         by_turn = own[:, self._angles].sum(axis=1)
         turning = by_turn[:, self._angles].sum(axis=1)
         both = -lift[:, self._angles].sum(axis=1)
@@ -352,6 +327,20 @@ class CorotationalElements:
         matrix[:, 0, 2:] = lift * cosine[:, None] + by_turn * across[:, None]
         matrix[:, 1, 2:] = lift * sine[:, None] - by_turn * along[:, None]
         matrix[:, 2:, :2] = np.swapaxes(matrix[:, :2, 2:], 1, 2)
+
+
+@dataclass(frozen=True)
+class _ElementNumbers:
+    """Constants of elements, by which their forces are computed.
+
+    Lengths (e, 1) in m, EA in N, stiffness against what turns and bends an element and mean of the
+    squared slope, (e, k, k).
+    """
+
+    length: FloatArray
+    axial_stiffness: float
+    bending: FloatArray
+    arch: FloatArray
 
 
 @dataclass(frozen=True)

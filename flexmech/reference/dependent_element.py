@@ -9,7 +9,7 @@ import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import DisplacedTies
-from flexmech.reference.element_numbers import in_positions
+from flexmech.reference.element_arrays import in_positions
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import FloatArray
 from flexmech.beams.elements import BeamElements
 from flexmech.beams.link_matrices import Coupling
 from flexmech.linear_system import (
@@ -42,7 +42,7 @@ from flexmech.linkages import JointSpring, RigidMotion
 from flexmech.reference import banded
 from flexmech.reference.corotational import CorotationalElements
 from flexmech.reference.coupled_links import CoupledLinks
-from flexmech.reference.element_numbers import by_elements, in_positions
+from flexmech.reference.element_arrays import by_elements, in_positions
 from flexmech.reference.force_balance import ForceBalance
 from flexmech.reference.linkage_tangents import LinkageTangents, angle_per_unit
 from flexmech.reference.newton_state import Imbalance, Problem, State
@@ -108,8 +108,8 @@ class Equilibrium:
         self._balance = ForceBalance(
             self._links, self._tangents, self._springs, coupled, self._per_node
         )
-        scales = [e.section.bending_stiffness / e.length.sum(axis=-1) ** 2 for e in links.values()]
-        self._force_scale = np.asarray(np.min(scales, axis=0))
+        scales = [e.section.bending_stiffness / e.length.sum() ** 2 for e in links.values()]
+        self._force_scale = float(min(scales))
         self._angle_per_unit = angle_per_unit(frames, links)
 
     def solve(
@@ -242,7 +242,7 @@ class Equilibrium:
                 factors = banded.factorize(imbalance.band)
                 change = self._change(factors, imbalance.residual)
                 change[:, state.converged[which]] = 0.0
-                turned = self._turned(change, problem)
+                turned = self._turned(change)
                 last = turned <= LAST_STEP
                 z = z + np.where(last, change, 0.0)
                 # The tangent of the start has no tension yet. No position depends on another one.
@@ -275,7 +275,7 @@ class Equilibrium:
         going = ~last
         for _ in range(KEPT_STEPS):
             change = self._change(factors, self._balance.residual(z, problem))
-            now = self._turned(change, problem)
+            now = self._turned(change)
             falls = going & (now <= KEPT_FALL * turned)
             z = z + np.where(falls, change, 0.0)
             last |= falls & (now <= LAST_STEP) & (now**2 <= LEFT * turned)
@@ -290,19 +290,13 @@ class Equilibrium:
         change[order] = banded.solve(factors, residual[order])
         return change
 
-    def _turned(self, change: FloatArray, problem: Problem) -> FloatArray:
+    def _turned(self, change: FloatArray) -> FloatArray:
         """Greatest rotation in rad of a change (size, B) of the displacements, (B,)."""
-        design = problem.motion.design
-        scale = self._angle_per_unit
-        if design is not None:
-            scale = in_positions(scale, design)
-        return np.asarray(np.abs(change * scale).max(axis=0, initial=0.0), dtype=float)
+        turned = np.abs(change * self._angle_per_unit)
+        return np.asarray(turned.max(axis=0, initial=0.0), dtype=float)
 
     def response(
-        self,
-        displacement: Sequence[FloatArray],
-        extra: Sequence[FloatArray],
-        design: IntArray | None = None,
+        self, displacement: Sequence[FloatArray], extra: Sequence[FloatArray]
     ) -> tuple[list[FloatArray], dict[int, LinkMatrix]]:
         """Internal forces and tangents of the links at given displacements.
 
@@ -312,8 +306,6 @@ class Equilibrium:
         extra : sequence of ndarray, shape (e, r, r, B)
             Stiffness of each element besides that of the corotational beam, by its relative
             coordinates.
-        design : ndarray of int, shape (B,), optional
-            Of each position of several designs.
 
         Returns
         -------
@@ -326,7 +318,7 @@ class Equilibrium:
         for (number, link), more in zip(self._links.items(), extra, strict=True):
             q = displacement[number]
             relative = relative_coordinates(q.T, self._per_node)
-            force, tangent, _ = link.relative_response(relative, design=design)
+            force, tangent, _ = link.relative_response(relative)
             force += by_elements(more, relative)
             tangent += more
             forces[number] = node_forces(force, self._per_node).T
@@ -338,16 +330,12 @@ class Equilibrium:
             tangents[number] = whole(tangents[number]) + coupling.stiffness
         return forces, tangents
 
-    def damping(
-        self, displacement: Sequence[FloatArray], design: IntArray | None = None
-    ) -> dict[int, FloatArray]:
+    def damping(self, displacement: Sequence[FloatArray]) -> dict[int, FloatArray]:
         """Kelvin-Voigt damping matrix of each element at given displacements.
 
         Parameters
         ----------
         displacement : sequence of ndarray, shape (B, n_link)
-        design : ndarray of int, shape (B,), optional
-            Of each position of several designs.
 
         Returns
         -------
@@ -355,7 +343,7 @@ class Equilibrium:
             Of each flexible link.
         """
         return {
-            number: link.damping(element_ends(displacement[number], self._per_node), design)
+            number: link.damping(element_ends(displacement[number], self._per_node))
             for number, link in self._links.items()
         }
 
@@ -366,12 +354,10 @@ class Equilibrium:
         length = np.ones(z.shape[1])
         loaded = np.abs(problem.outer).max(axis=0, initial=0.0)
         limit = np.maximum(ALLOWED_GROWTH * before.error, ALLOWED_FORCES * loaded)
-        design = problem.motion.design
-        scale = self._force_scale if design is None else self._force_scale[design]
         while True:
             trial = z + length * change
             imbalance = self._balance.imbalance(trial, problem, before.strains)
-            worse = ~(imbalance.error <= np.maximum(limit, scale * ALLOWED_FORCES))
+            worse = ~(imbalance.error <= np.maximum(limit, self._force_scale * ALLOWED_FORCES))
             if not np.any(worse & (length > SHORTEST_STEP)):
                 return trial, imbalance
             length[worse] = np.maximum(length[worse] / 2, SHORTEST_STEP)

@@ -16,7 +16,7 @@ from flexmech.linear_system import DeadMoments
 from flexmech.reference.corotational import CorotationalElements, LinearStrain
 from flexmech.reference.coupled_links import CoupledLinks
 from flexmech.reference.dependent_element import Ties
-from flexmech.reference.element_numbers import by_elements
+from flexmech.reference.element_arrays import by_elements
 from flexmech.reference.linkage_tangents import LinkageTangents, TangentEntries
 from flexmech.reference.newton_state import Imbalance, Problem
 from flexmech.reference.nodal_chains import node_forces, relative_coordinates
@@ -77,7 +77,6 @@ class ForceBalance:
                 problem.swelling,
                 None if before is None else before[place],
                 out=entries.of_link(number),
-                design=problem.motion.design,
             )
             force += by_elements(extra, relative)
             tangent += extra
@@ -114,9 +113,7 @@ class ForceBalance:
         inner = self._rigid_link_forces(displacement)
         for number, extra in zip(self.links, problem.extra, strict=True):
             relative = relative_coordinates(displacement[number], self.per_node)
-            force = self.links[number].relative_force(
-                relative, problem.swelling, problem.motion.design
-            )
+            force = self.links[number].relative_force(relative, problem.swelling)
             force += by_elements(extra, relative)
             inner[number] = node_forces(force, self.per_node)
         problem.dead.add_forces(inner, displacement)

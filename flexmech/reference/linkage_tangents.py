@@ -276,16 +276,11 @@ def angle_per_unit(frames: LinkFrames, links: Mapping[int, BeamElements]) -> Flo
 
     Returns
     -------
-    ndarray, shape (size, 1), or (size, D) of the links of several designs
+    ndarray, shape (size, 1)
     """
-    every = [link.length for link in frames.topology.links]
-    for number, own in links.items():
-        if own.length.ndim > 1:
-            every[number] = own.length.sum(axis=-1)
-    # Of rigid links, of which a stack has none, the length is a number.
-    lengths = np.stack(np.broadcast_arrays(*map(np.atleast_1d, every)))
-    shortest, shapes = 1.0 / lengths.min(axis=0), next(iter(links.values())).shapes
-    scale = np.tile(shortest, (frames.size, 1))
+    lengths = [link.length for link in frames.topology.links]
+    shortest, shapes = 1.0 / min(lengths), next(iter(links.values())).shapes
+    scale = np.full((frames.size, 1), shortest)
     for link in frames.rigid.links:
         turn = frames.targets[link][2]
         scale[turn[turn >= 0]] = 1.0

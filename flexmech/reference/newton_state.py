@@ -13,7 +13,7 @@ from flexmech.linear_system import DeadMoments
 from flexmech.linkages import RigidMotion
 from flexmech.reference.corotational import LinearStrain
 from flexmech.reference.dependent_element import Ties
-from flexmech.reference.element_numbers import in_positions
+from flexmech.reference.element_arrays import in_positions
 
 
 @dataclass(frozen=True)

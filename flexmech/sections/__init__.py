@@ -8,7 +8,6 @@ from flexmech.sections.free_edges import TWISTS
 from flexmech.sections.hygrothermal import HygrothermalProfile, swollen_section
 from flexmech.sections.laminate_section import LaminateSection
 from flexmech.sections.ply_stresses import SURFACES, residual_ply_stresses, unit_ply_stresses
-from flexmech.sections.section_stack import SectionStack, damping_times
 from flexmech.sections.shear_theories import WARPINGS, ThirdOrder, Zigzag
 from flexmech.sections.sheet_section import SheetSection
 from flexmech.sections.solid_section import SolidSection, solid_section
@@ -28,13 +27,11 @@ __all__ = [
     "LayerDirection",
     "Layers",
     "Reduction",
-    "SectionStack",
     "SheetSection",
     "SolidSection",
     "SpecificDamping",
     "ThirdOrder",
     "Zigzag",
-    "damping_times",
     "residual_ply_stresses",
     "sections_between_joints",
     "solid_section",

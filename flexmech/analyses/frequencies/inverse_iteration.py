@@ -18,7 +18,6 @@ from flexmech.linear_system import (
     SparseMatrices,
     StaticResponse,
     inverse_mass_root,
-    times,
 )
 
 # Relative difference of eigenvalues below which they are one: the root of round-off. A step of
@@ -156,12 +155,13 @@ def responding_values(
     ndarray, shape (B, m)
         In rad/s; not a number where a squared frequency is negative by round-off.
     """
-    loads = [times(*pair) for pair in zip(masses, shapes, strict=True)]
+    loads = [mass @ shape for mass, shape in zip(masses, shapes, strict=True)]
     better = response.displacements(loads)
-    inertia, strain = 0.0, 0.0
-    for mass, load, moved in zip(masses, loads, better, strict=True):
-        across = np.swapaxes(moved, 1, 2)
-        inertia, strain = inertia + across @ times(mass, moved), strain + across @ load
+    across = [np.swapaxes(moved, 1, 2) for moved in better]
+    inertia = sum(
+        own @ mass @ moved for own, mass, moved in zip(across, masses, better, strict=True)
+    )
+    strain = sum(own @ load for own, load in zip(across, loads, strict=True))
     return _ritz_values(np.asarray(inertia), np.asarray(strain))
 
 

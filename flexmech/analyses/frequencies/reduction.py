@@ -32,7 +32,6 @@ from flexmech.linear_system import (
     StaticResponse,
     StressedLinks,
     diagonal,
-    same_of_all,
     whole,
 )
 from flexmech.linkages import RigidMotion
@@ -146,8 +145,7 @@ def converged_modes(
             none = np.zeros((len(modes.frequency), count))
             return CheckedModes(detailed, system, modes, ModeErrors(none, none))
         error = reduction_error(exact, system, modes.lowest(count))
-        small = error.small(modes, damped=systems.is_damped)
-        if same_of_all(small.reshape(systems.engine.designs or 1, -1).all(axis=1)):
+        if error.small(modes, damped=systems.is_damped).all():
             return CheckedModes(detailed, system, modes, error)
         logger.info(
             "component modes with detail %g are off by %.1e of a frequency and %.1e in a ratio",
@@ -250,7 +248,7 @@ class UnreducedPositions:
         at_a_time = max(1, MATRIX_BYTES // (8 * engine.frames.size**2))
         if self.sparse is not None:
             yield from (Pencil.of(self.sparse.at(place)) for place in range(count))
-        elif at_a_time >= count or engine.designs is not None:
+        elif at_a_time >= count:
             yield from self._every
         else:
             for start in range(0, count, at_a_time):

@@ -8,7 +8,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from flexmech.arrays import IntArray
 from flexmech.choices import MOST_ELEMENTS
 from flexmech.errors import InputError
 from flexmech.linear_system.links.chains import ChainMatrix
@@ -22,30 +21,6 @@ LEAST_BATCH = 4
 # A position of a link stored by elements takes memory as of so many columns of its matrix. Memory
 # alone.
 STORED_COLUMNS = 100
-
-# Positions of each design of a stack in a batch. Memory alone, and speed: the memory of more is
-# given back to the system after every step, and asked for anew. As many of a small stack, so that
-# its numbers are those of a large one to the last bit.
-STACK_POSITIONS = 12
-
-
-def stack_batches(count: int, designs: int) -> list[IntArray]:
-    """Batches of positions of several designs, as many of each design in every batch.
-
-    Parameters
-    ----------
-    count : int
-        Positions, as many of each design, one after the other.
-    designs : int
-
-    Returns
-    -------
-    list of ndarray of int
-        Numbers of the positions.
-    """
-    places = np.arange(count).reshape(designs, -1)
-    parts = equal_batches(places.shape[1], STACK_POSITIONS)
-    return [places[:, part].ravel() for part in parts]
 
 
 def batch_size(links: Sequence[LinkModel]) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -56,18 +56,6 @@ class ElementKinds(ABC):
         -------
         TheoryComparison
         """
-
-    @classmethod
-    def prepare_comparisons(cls, mechanisms: Sequence[Mechanism], modes: int = MODES) -> None:
-        """Find what :meth:`default_element` needs of many mechanisms at once, before it is asked.
-
-        Parameters
-        ----------
-        mechanisms : sequence of Mechanism
-        modes : int
-            As there.
-        """
-        del mechanisms, modes
 
     @classmethod
     def default_element(cls, mechanism: Mechanism, modes: int = MODES) -> str:

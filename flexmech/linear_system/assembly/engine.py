@@ -7,7 +7,6 @@ from copy import copy
 from dataclasses import replace
 from typing import ClassVar, Self
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
@@ -46,7 +45,6 @@ from flexmech.validation import (
     check_count,
     check_flag,
     check_number,
-    checked_array,
 )
 
 # A map of that many frequencies needs two more, among which it tracks modes.
@@ -131,7 +129,7 @@ class Engine(EngineLinks):
         self.shaft = shaft
         self.free_shaft = FreeShaft.of(mechanism) if shaft == "free" else None
         self._element_asked = element
-        self._reductions: dict[tuple[int, tuple[float, ...], bool, float], ComponentModes] = {}
+        self._reductions: dict[tuple[int, float, bool, float], ComponentModes] = {}
 
     def with_(
         self,
@@ -242,6 +240,9 @@ class Engine(EngineLinks):
         """The engine with an element fit for so many natural frequencies, if none was asked for."""
         if modes == self.modes or not self.chooses_element:
             return self
+        # The simplest theory that is fit for more frequencies is fit for fewer.
+        if modes < self.modes and self.theory == "euler":
+            return self
         other = self.with_(modes=modes)
         return self if other.element == self.element else other
 
@@ -251,18 +252,13 @@ class Engine(EngineLinks):
         return self._element_asked is None
 
     @property
-    def designs(self) -> int | None:
-        """Number of designs of a stack."""
-        return len(self.members) or None
-
-    @property
     def batch_size(self) -> int:
         """Number of positions to hold in memory at a time."""
         return batch_size(self.links)
 
     def batches(self, count: int) -> list[slice]:
-        """Batches of equal size for a number of positions; of a stack there is one."""
-        return equal_batches(count, self.batch_size if self.designs is None else count)
+        """Batches of equal size for a number of positions."""
+        return equal_batches(count, self.batch_size)
 
     def linear_system(
         self,
@@ -273,7 +269,7 @@ class Engine(EngineLinks):
         running: Sequence[FloatArray] | None = None,
         rotation_terms: bool | RotationTerms = True,
         modes: int | None = None,
-        fastest: FloatArray | float | None = None,
+        fastest: float | None = None,
         detail: float | None = None,
         stressed: StressedLinks | None = None,
     ) -> LinearSystem:
@@ -293,7 +289,7 @@ class Engine(EngineLinks):
             many as there are.
         fastest : float, optional
             Greatest angular velocity of a link in the whole map in rad/s, by which the
-            reduction is chosen, of each design (D,) of a stack; of this batch by default.
+            reduction is chosen; that of this batch by default.
         detail : float, optional
             Multiplies the frequency up to which component modes are kept, whose error
             ``natural_frequencies`` measures; left out: all coordinates are kept.
@@ -320,7 +316,7 @@ class Engine(EngineLinks):
         if detail is not None:
             check_number(detail, "detail", "", POSITIVE)
         if fastest is not None:
-            checked_array(fastest, "fastest", "rad/s")
+            check_number(fastest, "fastest", "rad/s")
         terms = RotationTerms.of(rotation_terms)
         angle, speed, _ = checked_drive(crank_angle, crank_speed, 0.0)
         if not angle.size:
@@ -343,8 +339,7 @@ class Engine(EngineLinks):
                     most_modes=system.size,
                 )
             return self._completed(system)
-        greatest = self.fastest(motion) if fastest is None else np.abs(np.atleast_1d(fastest))
-        greatest = greatest if terms.any else 0 * greatest
+        greatest = abs(motion.fastest if fastest is None else fastest) if terms.any else 0.0
         loaded = not stressed.unstressed and any(t.ndim == 3 for t in stressed.tangent)
         reduction = self._reduction(modes or SYSTEM_MODES, greatest, loaded, detail)
         if reduction.frames.rigid.size:
@@ -379,10 +374,8 @@ class Engine(EngineLinks):
 
         return connect
 
-    def _reduction(
-        self, modes: int, fastest: FloatArray, loaded: bool, detail: float
-    ) -> ComponentModes:
-        key = (modes, tuple(fastest.tolist()), loaded, detail)
+    def _reduction(self, modes: int, fastest: float, loaded: bool, detail: float) -> ComponentModes:
+        key = (modes, fastest, loaded, detail)
         if key not in self._reductions:
             if len(self._reductions) >= KEPT_REDUCTIONS:
                 del self._reductions[next(iter(self._reductions))]
@@ -390,7 +383,7 @@ class Engine(EngineLinks):
                 self.topology,
                 self.links,
                 modes,
-                float(fastest[0]) if self.designs is None else fastest,
+                fastest,
                 couples_axially=loaded,
                 detail=detail,
                 with_damping_shapes=any(link.damping.any() for link in self.links),

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
-
-import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
@@ -48,15 +46,12 @@ class EngineLinks(ElementKinds):
     solves_connectors : bool
         Whether the engine's own equilibrium includes loads and springs; otherwise their forces
         are applied as loads.
-    members : tuple of EngineLinks
-        Of a stack the engines of its designs; see :func:`flexmech.linear_system.stack_engines`.
     """
 
     name: ClassVar[str]
     solves_connectors: ClassVar[bool] = False
     mechanism: Mechanism
     free_shaft: FreeShaft | None
-    members: tuple[EngineLinks, ...] = ()
 
     @cached_property
     def topology(self) -> Topology:
@@ -365,19 +360,6 @@ class EngineLinks(ElementKinds):
             If the mechanism has a frame on springs.
         """
         require_standing_frame(self.mechanism.frame, what)
-
-    def fastest(self, motion: RigidMotion) -> FloatArray:
-        """Greatest angular velocity of a link in a motion in rad/s, (1,); (D,) of a stack."""
-        every = np.abs(motion.angular_velocity).reshape(len(self.members) or 1, -1)
-        return np.asarray(every.max(axis=1, initial=0.0))
-
-    @property
-    def likeness_of_links(self) -> Hashable | None:
-        """What the links of several designs must have in common to be stacked.
-
-        None where the engine does not stack them.
-        """
-        return None
 
     @property
     def turns_as_one_body(self) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import FloatArray
 from flexmech.linear_system.assembly.system import LinearSystem, condense
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.chains import LinkMatrix, in_positions, whole
@@ -106,18 +106,16 @@ def reduced_system(
     condensed = np.zeros(frames.size, dtype=bool)
     for target, link in zip(frames.targets, reduction.links, strict=True):
         condensed[target[link.condensed]] = True
-    damping = _damping(links, reduction, stressed, motion.design)
+    damping = _damping(links, reduction, stressed)
     turns = body_turns(links, stressed.displacement)
     at_once = max(1, MATRIX_BYTES // (8 * frames.size**2))
-    if motion.design is not None:
-        at_once = len(motion.crank_angle)
     parts = []
     for first in range(0, len(motion.crank_angle), at_once):
         some = slice(first, first + at_once)
         projected = [
             link.model.stiffness
             if stressed.unstressed or tangent is full.stiffness
-            else _projected(link.basis_at(motion.design), in_positions(tangent, some))
+            else _projected(link.basis, in_positions(tangent, some))
             for full, link, tangent in zip(links, reduction.links, stressed.tangent, strict=True)
         ]
         own = damping and [each.at(some) for each in damping]
@@ -151,7 +149,7 @@ def reduced_system(
 
 def _projected(basis: FloatArray, tangent: LinkMatrix) -> FloatArray:
     """Tangent stiffness of a link in component modes."""
-    return np.asarray(np.swapaxes(basis, -1, -2) @ (tangent @ basis))
+    return np.asarray(basis.T @ (tangent @ basis))
 
 
 def _joined(parts: list[FloatArray]) -> FloatArray:
@@ -159,10 +157,7 @@ def _joined(parts: list[FloatArray]) -> FloatArray:
 
 
 def _damping(
-    links: Sequence[LinkModel],
-    reduction: ComponentModes,
-    stressed: StressedLinks,
-    design: IntArray | None,
+    links: Sequence[LinkModel], reduction: ComponentModes, stressed: StressedLinks
 ) -> list[LinkDamping] | None:
     """Damping of the stressed links in component modes."""
     if stressed.damping is None:
@@ -171,10 +166,9 @@ def _damping(
     for full, link, matrix in zip(links, reduction.links, stressed.damping, strict=True):
         names = ("start", "end", "start_rotation", "end_rotation")
         kept = {name: getattr(link.model, name) for name in names}
-        basis = link.basis_at(design)
-        ends = full.end_basis(link.model.size, kept) if not full.rigid else basis
-        forces = np.swapaxes(basis, -1, -2) @ matrix
-        damping.append(LinkDamping(forces @ basis, forces @ ends))
+        ends = full.end_basis(link.model.size, kept) if not full.rigid else link.basis
+        forces = link.basis.T @ matrix
+        damping.append(LinkDamping(forces @ link.basis, forces @ ends))
     return damping
 
 
@@ -197,6 +191,5 @@ def _damped_ends(
         ends = whole(link.model.ends.damping if damping is None else damping[number].ends)
         rows = frames.targets[number][link.condensed] - first
         columns = slice(last[number] - ways[number], last[number])
-        answer = ends[..., link.condensed, :] @ link.damped_ends
-        forces[:, rows, columns] = answer if motion.design is None else answer[motion.design]
+        forces[:, rows, columns] = ends[..., link.condensed, :] @ link.damped_ends
     return forces

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.carried_linkage import COORDINATES, CarriedLinkage
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.links.chains import times, whole
+from flexmech.linear_system.links.chains import whole
 from flexmech.linear_system.links.link_inertia import rigid_inertia
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
@@ -39,7 +39,7 @@ class LinearSystem:
         How z becomes the links' coordinates.
     expansion : ndarray, shape (B, size, n), or None
         From z to the coordinates of ``frames`` where some were condensed.
-    bases : tuple of ndarray, shape (n_full, n_link) or (D, n_full, n_link), or None
+    bases : tuple of ndarray, shape (n_full, n_link), or None
         From each reduced link's coordinates to its unreduced ones.
     unit_mass_from : int, optional
         From this coordinate on the mass matrix is the unit matrix in every position, and zero
@@ -143,7 +143,7 @@ class LinearSystem:
         moved = self.link_coordinates(vectors)
         if self.bases is None:
             return moved
-        return [times(*pair) for pair in zip(self.bases, moved, strict=True)]
+        return [basis @ own for basis, own in zip(self.bases, moved, strict=True)]
 
     def modal_weights(
         self, vectors: NDArray[Any], links: Sequence[LinkModel]

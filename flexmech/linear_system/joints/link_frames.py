@@ -163,7 +163,7 @@ class LinkFrames:
             Batch of shape (B,).
         stiffness : sequence of ndarray, shape (n, n) or (B, n, n)
             Tangent stiffness of each link in its frame, at the chosen prestress. Of straight links
-            their own, also where it is that of several designs.
+            their own.
         terms : RotationTerms
         damping : sequence of LinkDamping, optional
             At the chosen prestress; that of the straight links by default.
@@ -177,22 +177,9 @@ class LinkFrames:
         SystemMatrices
         """
         batch = len(motion.crank_angle)
-        own_damping = damping is None
         if damping is None:
             damping = [LinkDamping(link.damping, link.ends.damping) for link in self.links]
         links, resisting = [link.whole() for link in self.links], [own.whole() for own in damping]
-        straight = [x is link.stiffness for x, link in zip(stiffness, self.links, strict=True)]
-        moving = terms.any or len(self._steady.numbers) < len(links)
-        if (design := motion.design) is not None and moving:
-            links = [link.at(design) for link in links]
-            stiffness = [
-                whole(x)[design] if own else x for x, own in zip(stiffness, straight, strict=True)
-            ]
-        if design is not None and own_damping:
-            resisting = [
-                (matrix[design], ends[design]) if matrix.any() else (matrix, ends)
-                for matrix, ends in resisting
-            ]
         turned: dict[int, WholeLink] = {}
         for number, angles in enumerate(turns or ()):
             if (change := self.links[number].inertia_change(angles)) is not None:
@@ -210,11 +197,7 @@ class LinkFrames:
         tangents = [_tangent(links[n], motion, n, whole(x), terms) for n, x in enumerate(stiffness)]
         factors = self._steady.factors.at(motion.angle)
         self._steady.mass.write(mass, factors)
-        steady = {
-            n: tangents[n]
-            for n in self._steady.numbers
-            if tangents[n].ndim == 2 or tangents[n] is self.links[n].stiffness
-        }
+        steady = {n: tangents[n] for n in self._steady.numbers if tangents[n].ndim == 2}
         if steady:
             self._steady.sum_of_tangents(steady).write(total, factors)
         else:

@@ -54,7 +54,7 @@ class SteadyLinks:
         return self._sum({n: whole(self._links[n].mass) for n in self.numbers})
 
     def sum_of_tangents(self, tangents: Mapping[int, FloatArray]) -> SteadySum:
-        """Sum over tangents (..., n, n) of some of the links; that of unstressed ones is cached."""
+        """Sum over tangents (n, n) of some of the links; that of unstressed ones is cached."""
         unstressed = all(x is self._links[n].stiffness for n, x in tangents.items())
         if unstressed and len(tangents) == len(self.numbers):
             return self._stiffness
@@ -70,7 +70,6 @@ class SteadyLinks:
         Parameters
         ----------
         total : ndarray, shape (B, size, size)
-            Of several designs as many positions of each, one after the other.
         speed : ndarray, shape (B, n_links)
             Angular velocities in rad/s.
         numbers : sequence of int
@@ -78,35 +77,28 @@ class SteadyLinks:
         if not numbers:
             total[:] = 0.0
             return
-        order, (*designs, count, entries) = sorted(self.numbers), self._coriolis.shape
-        each = (*designs, len(total) // (designs or [1])[0])
+        order = sorted(self.numbers)
         counted = speed[:, order] * [float(number in numbers) for number in order]
-        whole_one = total.reshape(*each, entries)
-        np.matmul(counted.reshape(*each, count), self._coriolis, out=whole_one)
+        np.matmul(counted, self._coriolis, out=total.reshape(len(total), self._ties.size**2))
 
     @cached_property
     def _coriolis(self) -> FloatArray:
-        """Constant part of ``N' 2 S N`` of each of these links, (..., k, size size)."""
-        size, found = self._ties.size, []
-        for number in sorted(self.numbers):
-            matrix = 2 * whole(self._links[number].gyroscopic)
-            found.append(np.zeros((*matrix.shape[:-2], size, size)))
-            self._places[number].add_constant(found[-1], matrix)
-        every = np.stack(found, axis=-3)
-        return every.reshape(*every.shape[:-2], size * size)
+        """Constant part of ``N' 2 S N`` of each of these links, (k, size size)."""
+        found = np.zeros((len(self.numbers), self._ties.size, self._ties.size))
+        for total, number in zip(found, sorted(self.numbers), strict=True):
+            self._places[number].add_constant(total, 2 * whole(self._links[number].gyroscopic))
+        return found.reshape(len(found), self._ties.size**2)
 
     def _sum(self, matrices: Mapping[int, FloatArray]) -> SteadySum:
-        """Sum of ``N'XN`` over symmetric matrices (..., n, n), by link."""
+        """Sum of ``N'XN`` over symmetric matrices (n, n), by link."""
         # Terms that vary have a row or a column of a leading end, and those come first.
         leading = [columns for n in matrices for _, columns in self._ties.dependencies(n)]
         ends = 1 + max((int(pair.max()) for pair in leading), default=-1)
-        designs = next((matrix.shape[:-2] for matrix in matrices.values()), ())
-        constant = np.zeros((*designs, self._ties.size, self._ties.size))
+        constant = np.zeros((self._ties.size, self._ties.size))
         for number, matrix in matrices.items():
             self._places[number].add_constant(constant, matrix)
         terms = [m.rotating_terms(matrices.get(n), ends) for n, m in enumerate(self._maps)]
-        every = [np.broadcast_to(each, (*designs, *each.shape[-3:])) for each in terms]
-        return SteadySum.of(constant, np.concatenate(every, axis=-3))
+        return SteadySum.of(constant, np.concatenate(terms))
 
 
 @dataclass(frozen=True)
@@ -148,25 +140,23 @@ class LinkMap:
 
         Parameters
         ----------
-        matrix : ndarray, shape (..., n, n), or None
+        matrix : ndarray, shape (n, n), or None
             Symmetric; None for zero.
         rows : int
             How many, the first ones.
 
         Returns
         -------
-        ndarray, shape (..., r, rows, size)
+        ndarray, shape (r, rows, size)
             Of ``f_i f_j`` for i <= j without the first, constant one; r = m (m + 1) / 2 - 1.
         """
         first, second = _two_of(len(self.parts))
         if matrix is None or not len(first):
             return np.zeros((len(first), rows, self.parts.shape[2]))
-        left = np.swapaxes(self.parts[:, None, :, :rows], 2, 3) @ matrix[..., None, None, :, :]
+        left = np.swapaxes(self.parts[:, None, :, :rows], 2, 3) @ matrix
         products = left @ self.parts
         mirrored = np.where(first == second, 0.0, 1.0)[:, None, None]
-        return np.asarray(
-            products[..., first, second, :, :] + mirrored * products[..., second, first, :, :]
-        )
+        return np.asarray(products[first, second] + mirrored * products[second, first])
 
 
 @dataclass(frozen=True)
@@ -222,13 +212,13 @@ class RotationFactors:
 
 @dataclass(frozen=True)
 class SteadySum:
-    """Sum of ``N'XN`` over links whose matrices are the same in all positions of a design.
+    """Sum of ``N'XN`` over links whose matrices are the same in all positions.
 
     Parameters
     ----------
-    constant : ndarray, shape (..., size, size)
+    constant : ndarray, shape (size, size)
         The part that does not depend on the angles.
-    terms : ndarray, shape (..., 1 + r, e, w)
+    terms : ndarray, shape (1 + r, e, w)
         First rows and columns of that part and of the coefficients of the products of factors. All
         other rows are constant but, by symmetry, in these columns.
     """
@@ -242,13 +232,13 @@ class SteadySum:
 
         Parameters
         ----------
-        constant : ndarray, shape (..., size, size)
-        terms : ndarray, shape (..., r, e, size)
+        constant : ndarray, shape (size, size)
+        terms : ndarray, shape (r, e, size)
         """
         ends = terms.shape[-2]
-        turning = np.flatnonzero(terms.any(axis=tuple(range(terms.ndim - 1))))
+        turning = np.flatnonzero(terms.any(axis=(0, 1)))
         width = max(ends, 1 + int(turning[-1]) if len(turning) else 0)
-        every = np.concatenate([constant[..., None, :ends, :], terms], axis=-3)
+        every = np.concatenate([constant[None, :ends], terms])
         return cls(constant, np.ascontiguousarray(every[..., :width]))
 
     def write(self, total: FloatArray, factors: FloatArray) -> None:
@@ -257,16 +247,13 @@ class SteadySum:
         Parameters
         ----------
         total : ndarray, shape (B, size, size)
-            Of several designs as many positions of each, one after the other.
         factors : ndarray, shape (1 + r, B)
             See :class:`RotationFactors`.
         """
-        designs, (count, ends, width) = self.terms.shape[:-3], self.terms.shape[-3:]
-        each = (*designs, len(total) // (designs[0] if designs else 1))
-        own = factors.T.reshape(*each, count)
-        turned = own @ self.terms.reshape(*designs, count, -1)
+        count, ends, width = self.terms.shape
+        turned = factors.T @ self.terms.reshape(count, ends * width)
         turned = turned.reshape(len(total), ends, width)
-        total.reshape(*each, *total.shape[1:])[:] = self.constant[..., None, :, :]
+        total[:] = self.constant
         total[:, :ends, :width] = turned
         total[:, ends:width, :ends] = np.swapaxes(turned[:, :, ends:], 1, 2)
 

@@ -36,7 +36,7 @@ def bent_curvature(
     Parameters
     ----------
     link : LinkModel
-        Elastic, of a single design.
+        Elastic.
     displacement : ndarray, shape (B, n_link)
     place : ndarray, shape (k,)
         From the link's start in m.

@@ -251,28 +251,6 @@ def summed(first: LinkMatrix, second: LinkMatrix) -> LinkMatrix:
     return whole(first) + whole(second)
 
 
-def times(matrix: FloatArray, columns: NDArray[Any]) -> NDArray[Any]:
-    """Product of a link's matrix with vectors in all positions.
-
-    Parameters
-    ----------
-    matrix : ndarray, shape (r, n), (D, r, n) or (B, r, n)
-        The same in all positions, in those of each design, or different in every one.
-    columns : ndarray, shape (B, n, m)
-
-    Returns
-    -------
-    ndarray, shape (B, r, m)
-    """
-    batch, size, count = columns.shape
-    if matrix.ndim == 3 and len(matrix) == batch:
-        return np.asarray(matrix @ columns)
-    *designs, rows, _ = matrix.shape
-    each = batch // (designs or [1])[0]
-    product = matrix[..., None, :, :] @ columns.reshape(*designs, each, size, count)
-    return np.asarray(product.reshape(batch, rows, count))
-
-
 def as_real(columns: NDArray[Any]) -> FloatArray:
     """Columns (B, n, m), each complex one as two: its real and its imaginary part."""
     return np.ascontiguousarray(columns).view(float)

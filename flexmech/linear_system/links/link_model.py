@@ -77,10 +77,6 @@ class WholeLink:
     end_mass: FloatArray
     end_gyroscopic: FloatArray
 
-    def at(self, designs: IntArray) -> WholeLink:
-        """Matrices (B, n, n) in positions of several designs."""
-        return WholeLink(*(matrix[designs] for matrix in vars(self).values()))
-
     def __add__(self, other: WholeLink) -> WholeLink:
         pairs = zip(vars(self).values(), vars(other).values(), strict=True)
         return WholeLink(*(own + more for own, more in pairs))
@@ -136,7 +132,7 @@ class LinkModel:
         Whether the link is rigid; see :func:`flexmech.linear_system.links.rigid_link`.
     bodies : tuple of RigidBody
         Part of the straight link's matrices. A rigid link is one, mass off the axis one a node.
-    uncounted_rotary_inertia : float or ndarray, shape (D,)
+    uncounted_rotary_inertia : float
         Of sections, kg m, that ``mass`` leaves out; see ``rigid_inertia`` in ``link_inertia``.
     """
 
@@ -161,7 +157,7 @@ class LinkModel:
     receding: IntArray = field(default_factory=NONE.copy)
     rigid: bool = False
     bodies: tuple[RigidBody, ...] = ()
-    uncounted_rotary_inertia: float | FloatArray = 0.0
+    uncounted_rotary_inertia: float = 0.0
 
     def carrying(self, mass: LinkMass) -> LinkModel:
         """The unreduced link with attached bodies, and with its mass off the axis as bodies.
@@ -333,7 +329,7 @@ class LinkModel:
             As in :meth:`projected`.
         stiffness : ndarray, shape (..., b, b)
         """
-        none = np.zeros_like(stiffness)
+        none = np.zeros(stiffness.shape[-2:])
         return replace(
             self,
             mass=none,
@@ -362,19 +358,18 @@ class LinkModel:
             New positions of ``start`` and ``end``, and of ``start_rotation`` and
             ``end_rotation`` where they are kept.
         """
-        across = np.swapaxes(basis, -1, -2)
 
         def project(matrix: LinkMatrix) -> FloatArray:
-            return across @ matrix @ basis
+            return basis.T @ matrix @ basis
 
         unit = self.end_basis(basis.shape[-1], kept)
         ends = EndMatrices(
-            mass=across @ self.mass @ unit,
-            gyroscopic=across @ self.gyroscopic @ unit,
-            damping=across @ self.damping @ unit,
+            mass=basis.T @ self.mass @ unit,
+            gyroscopic=basis.T @ self.gyroscopic @ unit,
+            damping=basis.T @ self.damping @ unit,
             readings=self.readings.projected(unit),
         )
-        size = np.abs(basis).reshape(-1, *basis.shape[-2:]).sum(axis=0)
+        size = np.abs(basis)
         axial = size[self.is_axial].sum(axis=0) > size[~self.is_axial].sum(axis=0)
         return replace(
             self,

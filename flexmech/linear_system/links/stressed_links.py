@@ -38,7 +38,7 @@ class StressedLinks:
     guide_stiffness : ndarray, shape (B, n_sliders), or None
         Geometric stiffness between the rotation of a slider's guide and its slide in N/rad.
     unstressed : bool
-        Whether the tangents are the links' own stiffness, those of designs as they are.
+        Whether the tangents are the links' own stiffness.
     motion : RigidMotion, or None
         Of the linkage in these positions, a batch of shape (B,); None where it is not kept.
     """

@@ -41,11 +41,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.chains import LinkMatrix
 from flexmech.linear_system.links.link_model import LinkModel
-from flexmech.linear_system.links.link_stack import same_of_all
 from flexmech.linear_system.reduction.fixed_interface_modes import (
     FixedInterfaceLink,
     fix_interfaces,
@@ -77,7 +76,7 @@ NODES_A_WAVE = 2
 
 @dataclass(frozen=True)
 class ReducedLink:
-    """One link reduced to component modes, or that of D designs with this leading dimension.
+    """One link reduced to component modes.
 
     Parameters
     ----------
@@ -95,10 +94,6 @@ class ReducedLink:
     basis: FloatArray
     condensed: NDArray[np.bool_]
     damped_ends: FloatArray
-
-    def basis_at(self, designs: IntArray | None) -> FloatArray:
-        """The basis in positions (B,) of several designs, (B, n_full, n_reduced), or of one."""
-        return self.basis if designs is None else self.basis[designs]
 
 
 @dataclass(frozen=True)
@@ -132,7 +127,7 @@ def component_modes(
     topology: Topology,
     links: Sequence[LinkModel],
     modes: int,
-    fastest: FloatArray | float,
+    fastest: float,
     *,
     couples_axially: bool,
     detail: float = 1.0,
@@ -151,9 +146,8 @@ def component_modes(
         Unreduced.
     modes : int
         Number of natural frequencies asked for.
-    fastest : ndarray, shape (...)
-        Greatest angular velocity of a link in rad/s (sets which axial modes stay dynamic), of each
-        design where links are of several.
+    fastest : float
+        Greatest angular velocity of a link in rad/s (sets which axial modes stay dynamic).
     couples_axially : bool
         Whether the links may bow (prestress ``equilibrium``), so that condensed axial
         modes are needed.
@@ -179,24 +173,18 @@ def component_modes(
     Returns
     -------
     ComponentModes
-
-    Raises
-    ------
-    UnlikeDesignsError
-        If links are of several designs that do not need the same number of modes.
     """
     if fixed is None:
         fixed = fix_interfaces(topology, links)
-    every = np.sort(np.concatenate([h.bending.lowest(modes) for h in fixed], axis=-1), axis=-1)
-    usual_cutoff = BENDING_CUTOFF * every[..., min(modes, every.shape[-1]) - 1]
+    every = np.sort(np.concatenate([h.bending.lowest(modes) for h in fixed]))
+    usual_cutoff = BENDING_CUTOFF * float(every[:modes][-1])
     bending_cutoff = detail * usual_cutoff
     # Short links stretch at frequencies like those at which they bend.
-    axial_cutoff = np.maximum(bending_cutoff, detail * AXIAL_CUTOFF * np.abs(fastest))
+    axial_cutoff = max(bending_cutoff, detail * AXIAL_CUTOFF * abs(fastest))
     if axial_modes is None:
         axial_modes = round(detail * CONDENSED_AXIAL_MODES)
     condensed = axial_modes if couples_axially else 0
     responses = [with_damping_shapes and bool(h.link.damping.any()) for h in fixed]
-    turning = bool(same_of_all(np.asarray(fastest) != 0))
     reduced = (
         _reduce(
             h,
@@ -205,7 +193,7 @@ def component_modes(
             condensed,
             stretches=h.axial.below(STRETCHING_BY_INERTIA * usual_cutoff) > 0,
             damped=damped,
-            turning=turning,
+            turning=fastest != 0,
             fine=detail > 1,
             great_detail=detail >= GREAT_DETAIL,
             turning_sections=turning_sections,
@@ -225,8 +213,8 @@ def _unreduced(link: LinkModel) -> ReducedLink:
 
 def _reduce(
     fixed: FixedInterfaceLink,
-    bending_cutoff: FloatArray,
-    axial_cutoff: FloatArray,
+    bending_cutoff: float,
+    axial_cutoff: float,
     condensed_modes: int,
     *,
     stretches: bool,
@@ -240,29 +228,27 @@ def _reduce(
     bending = fixed.bending.shapes(0, fixed.bending.below(bending_cutoff))
     n_axial = fixed.axial.below(axial_cutoff)
     mass, axial = fixed.link.mass, fixed.axial.shapes(0, n_axial)
-    if same_of_all((_across(bending) @ (mass @ axial)).any(axis=(-2, -1))):
+    if (bending.T @ (mass @ axial)).any():
         axial = _complement(axial, bending, mass)
-    dynamic = np.concatenate([bending, axial], axis=-1)
+    dynamic = np.concatenate([bending, axial], axis=1)
     along = fixed.axial_relief if stretches else fixed.floating_relief
-    relief = np.concatenate([fixed.bending_relief, along], axis=-1)
+    relief = np.concatenate([fixed.bending_relief, along], axis=1)
     if damped:
-        shapes = np.concatenate([fixed.constraint_modes, dynamic], axis=-1)
-        relief = np.concatenate([relief, _damping_shapes(fixed, shapes)], axis=-1)
-    dynamic = np.concatenate([dynamic, _complement(relief, dynamic, mass)], axis=-1)
+        shapes = np.concatenate([fixed.constraint_modes, dynamic], axis=1)
+        relief = np.concatenate([relief, _damping_shapes(fixed, shapes)], axis=1)
+    dynamic = np.concatenate([dynamic, _complement(relief, dynamic, mass)], axis=1)
     candidates = fixed.axial.shapes(n_axial, max(n_axial, condensed_modes))
     if condensed_modes and great_detail and turning_sections:
-        sections = _turning_sections(fixed)
-        sections = np.broadcast_to(sections, (*candidates.shape[:-1], sections.shape[-1]))
-        candidates = np.concatenate([candidates, sections], axis=-1)
+        candidates = np.concatenate([candidates, _turning_sections(fixed)], axis=1)
     if damped and turning:
-        candidates = np.concatenate([candidates, fixed.interior_shapes], axis=-1)
+        candidates = np.concatenate([candidates, fixed.interior_shapes], axis=1)
     condensed = _complement(candidates, dynamic, mass)
     static = fixed.constraint_modes
     if decouples_mass:
-        static = static - dynamic @ (_across(dynamic) @ (mass @ static))
-    basis = np.concatenate([static, dynamic, condensed], axis=-1)
-    size = basis.shape[-1]
-    is_condensed = np.arange(size) >= size - condensed.shape[-1]
+        static = static - dynamic @ (dynamic.T @ (mass @ static))
+    basis = np.concatenate([static, dynamic, condensed], axis=1)
+    size = basis.shape[1]
+    is_condensed = np.arange(size) >= size - condensed.shape[1]
     answered = damped and turning and fine
     return ReducedLink(
         fixed.link.projected(basis, fixed.boundary.kept),
@@ -273,26 +259,25 @@ def _reduce(
 
 
 def _damped_ends(fixed: FixedInterfaceLink, basis: FloatArray, condensed: FloatArray) -> FloatArray:
-    """Motions (..., n_reduced, r) of dependent ends whose damping deforms condensed shapes."""
+    """Motions (n_reduced, r) of dependent ends whose damping deforms condensed shapes."""
     link, inner, dependent = fixed.link, fixed.inner, fixed.boundary.dependent
     force = link.damping @ fixed.boundary.unit[:, dependent]
-    inside = force[..., inner, :]
-    whole = (inside * fixed.flexibility.displacements(inside)).sum(axis=-2)
+    inside = force[inner]
+    whole = (inside * fixed.flexibility.displacements(inside)).sum(axis=0)
     scale = 1 / np.sqrt(np.where(whole > 0, whole, np.inf))
-    part = _across(condensed) @ force * scale[..., None, :]
-    stiffness = _across(condensed) @ (link.stiffness @ condensed)
-    values, combination = np.linalg.eigh(_across(part) @ np.linalg.solve(stiffness, part))
-    combination = _greatest(values > ROUND_OFF_SHAPE**2, combination)
-    ways = np.zeros((*basis.shape[:-2], basis.shape[-1], combination.shape[-1]))
-    ways[..., dependent, :] = scale[..., None] * combination
+    part = condensed.T @ force * scale
+    stiffness = condensed.T @ (link.stiffness @ condensed)
+    values, combination = np.linalg.eigh(part.T @ np.linalg.solve(stiffness, part))
+    combination = combination[:, values > ROUND_OFF_SHAPE**2]
+    ways = np.zeros((basis.shape[1], combination.shape[1]))
+    ways[dependent] = scale[:, None] * combination
     return ways
 
 
 def _turning_sections(fixed: FixedInterfaceLink) -> FloatArray:
     """Shapes (n, m) whose sections rotate and warp in waves without displacement of the axis."""
     link = fixed.link
-    # Of several designs alike.
-    across = link.fields.across.reshape(-1, link.size)[0]
+    across = link.fields.across
     of_sections = np.flatnonzero(~link.is_axial & (across == 0))
     nodes = int(np.count_nonzero(across))
     place = np.linspace(0, 1, nodes)
@@ -305,42 +290,29 @@ def _turning_sections(fixed: FixedInterfaceLink) -> FloatArray:
 
 
 def _damping_shapes(fixed: FixedInterfaceLink, shapes: FloatArray) -> FloatArray:
-    """Static responses (..., n, m) to the damping forces of shapes beyond one damping time.
+    """Static responses (n, m) to the damping forces of shapes beyond one damping time.
 
     With one damping time the forces vanish on a constraint mode, and leave a mode a mode.
     """
     link, inner = fixed.link, fixed.inner
     if not len(inner):
-        return shapes[..., :0]
-    time = fixed.flexibility.trace_with(link.damping)[..., None, None] / len(inner)
+        return shapes[:, :0]
+    time = fixed.flexibility.trace_with(link.damping) / len(inner)
     responses = np.zeros_like(shapes)
     unlike = (link.damping @ shapes) / time - link.stiffness @ shapes
-    responses[..., inner, :] = fixed.flexibility.displacements(unlike[..., inner, :])
-    response, shape = ((x * (link.mass @ x)).sum(axis=-2) for x in (responses, shapes))
-    kept = (response > ROUND_OFF_SHAPE**2 * shape).reshape(-1, shapes.shape[-1])
-    # Which are kept, as a number.
-    same_of_all(np.unique(kept, axis=0, return_inverse=True)[1].ravel())
-    return responses[..., kept[0]]
+    responses[inner] = fixed.flexibility.displacements(unlike[inner])
+    response, shape = ((x * (link.mass @ x)).sum(axis=0) for x in (responses, shapes))
+    return responses[:, response > ROUND_OFF_SHAPE**2 * shape]
 
 
 def _complement(vectors: FloatArray, others: FloatArray, mass: LinkMatrix) -> FloatArray:
     """Mass-orthonormal complement of ``vectors`` to mass-orthonormal ``others``."""
-    if not vectors.shape[-1]:
+    if not vectors.shape[1]:
         return vectors
-    scale = np.sqrt((vectors * (mass @ vectors)).sum(axis=-2, keepdims=True))
+    scale = np.sqrt((vectors * (mass @ vectors)).sum(axis=0))
     rest = vectors / np.where(scale > 0, scale, 1.0)
     for _ in range(2):  # twice is enough against round-off
-        rest = rest - others @ (_across(others) @ (mass @ rest))
-    values, combination = np.linalg.eigh(_across(rest) @ (mass @ rest))
-    new = _greatest(values > ROUND_OFF_SHAPE**2, combination)
-    sizes = values[..., None, values.shape[-1] - new.shape[-1] :]
-    return np.asarray(rest @ new / np.sqrt(sizes), dtype=float)
-
-
-def _greatest(chosen: NDArray[np.bool_], vectors: FloatArray) -> FloatArray:
-    """Vectors (..., k, r) of the greatest eigenvalues, which are chosen (..., k), of vectors."""
-    return vectors[..., chosen.shape[-1] - same_of_all(chosen.sum(axis=-1)) :]
-
-
-def _across(vectors: FloatArray) -> FloatArray:
-    return np.swapaxes(vectors, -1, -2)
+        rest = rest - others @ (others.T @ (mass @ rest))
+    values, combination = np.linalg.eigh(rest.T @ (mass @ rest))
+    new = values > ROUND_OFF_SHAPE**2
+    return np.asarray(rest @ combination[:, new] / np.sqrt(values[new]), dtype=float)

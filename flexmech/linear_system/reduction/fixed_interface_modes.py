@@ -17,7 +17,6 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.links.chains import ChainMatrix, LinkMatrix, couples, whole
 from flexmech.linear_system.links.link_model import LinkModel
-from flexmech.linear_system.links.link_stack import same_of_all
 from flexmech.linear_system.reduction.link_boundary import JoinedEnds, LinkBoundary, link_boundary
 from flexmech.linkages import Topology
 
@@ -32,8 +31,7 @@ class FixedInterfaceLink:
         Of n coordinates.
     boundary : LinkBoundary
     constraint_modes : ndarray, shape (n, b)
-        Static displacement by a unit of each boundary coordinate. These and all that follow have
-        a leading dimension where the link is of several designs.
+        Static displacement by a unit of each boundary coordinate.
     bending, axial : FixedInterfaceModes
         Fixed-interface modes, normalized by the mass.
     bending_relief, axial_relief : ndarray, shape (n, r)
@@ -107,21 +105,21 @@ def _fix_interface(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> Fi
     boundary = link_boundary(ends, link)
     flexibility, constraint_modes = static_modes(boundary, link.stiffness)
     inner = flexibility.free
-    interior_shapes = (constraint_modes - boundary.unit)[..., boundary.dependent]
+    interior_shapes = (constraint_modes - boundary.unit)[:, boundary.dependent]
     relief = np.zeros_like(constraint_modes)
     inertia = link.mass @ constraint_modes
-    relief[..., inner, :] = flexibility.displacements(inertia[..., inner, :])
+    relief[inner] = flexibility.displacements(inertia[inner])
     axial_boundary = boundary.unit[link.is_axial].any(axis=0)
     # A link that no end ties to the ground moves along itself as a whole: one axial shape.
     # One with fixed ends only stretches: of a slender one far too little for inertia to matter.
     floats = bool(axial_boundary.any()) and not boundary.fixed.any()
-    axial_relief = relief[..., axial_boundary]
-    floating_relief = axial_relief.sum(axis=-1, keepdims=True)
+    axial_relief = relief[:, axial_boundary]
+    floating_relief = axial_relief.sum(axis=1, keepdims=True)
     stretching, turning = inner[link.is_axial[inner]], inner[~link.is_axial[inner]]
-    responses = [relief[..., ~axial_boundary], _attachment_modes(link, flexibility)]
+    responses = [relief[:, ~axial_boundary], _attachment_modes(link, flexibility)]
     # Modes of a link whose ends turn freely converge slowly to a spring against that.
-    turned = np.zeros((*relief.shape[:-2], *couples.shape))
-    turned[..., inner, :] = flexibility.displacements(couples[inner])
+    turned = np.zeros_like(couples)
+    turned[inner] = flexibility.displacements(couples[inner])
     return FixedInterfaceLink(
         link=link,
         boundary=boundary,
@@ -129,9 +127,9 @@ def _fix_interface(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> Fi
         # Where an axis off the pins couples both, bending goes along without axial force.
         bending=FixedInterfaceModes(link, turning, stretching),
         axial=FixedInterfaceModes(link, stretching),
-        bending_relief=np.concatenate([*responses, turned], axis=-1),
+        bending_relief=np.concatenate([*responses, turned], axis=1),
         axial_relief=axial_relief,
-        floating_relief=floating_relief if floats else relief[..., :0],
+        floating_relief=floating_relief if floats else relief[:, :0],
         interior_shapes=interior_shapes,
         flexibility=flexibility,
     )
@@ -165,13 +163,13 @@ def _attachment_modes(link: LinkModel, flexibility: Flexibility) -> FloatArray:
     """
     off_axis = any(body.of_section for body in link.bodies)
     if not (off_axis or couples(link.stiffness, link.is_axial, ~link.is_axial)):
-        return np.zeros((*link.mass.shape[:-2], link.size, 0))
+        return np.zeros((link.size, 0))
     ends, inner = np.concatenate([link.start_rotation[:1], link.end_rotation[:1]]), flexibility.free
     turned = ends[np.isin(ends, inner)]
     unit = np.zeros((link.size, len(turned)))
     unit[turned, np.arange(len(turned))] = 1.0
-    shapes = np.zeros((*link.mass.shape[:-2], *unit.shape))
-    shapes[..., inner, :] = flexibility.displacements(unit[inner])
+    shapes = np.zeros_like(unit)
+    shapes[inner] = flexibility.displacements(unit[inner])
     return shapes
 
 
@@ -201,30 +199,29 @@ class FixedInterfaceModes:
         moves, condenses = np.zeros((2, link.size), dtype=bool)
         moves[which], condenses[self._condensed] = True, True
         self._couples = couples(link.stiffness, moves, condenses)
-        batch = link.mass.shape[:-2]
-        self._frequency, self._shapes = np.zeros((*batch, 0)), np.zeros((*batch, link.size, 0))
+        self._frequency, self._shapes = np.zeros(0), np.zeros((link.size, 0))
 
     def lowest(self, count: int) -> FloatArray:
-        """Lowest angular frequencies in rad/s, (..., count), or all if there are fewer."""
+        """Lowest angular frequencies in rad/s, (count,), or all if there are fewer."""
         self._find(count)
-        return self._frequency[..., :count]
+        return self._frequency[:count]
 
-    def below(self, frequency: FloatArray) -> int:
-        """Number of modes up to an angular frequency (...) in rad/s, the same of all designs."""
+    def below(self, frequency: float) -> int:
+        """Number of modes up to an angular frequency in rad/s."""
         self._find(1)
-        while self._known < len(self._which) and (self._frequency[..., -1] <= frequency).any():
+        while self._known < len(self._which) and self._frequency[-1] <= frequency:
             self._find(2 * self._known)
-        return same_of_all((self._frequency <= np.asarray(frequency)[..., None]).sum(axis=-1))
+        return int((self._frequency <= frequency).sum())
 
     def shapes(self, first: int, last: int) -> FloatArray:
-        """Modes from one number up to another, (..., n, last - first), or up to the last one."""
+        """Modes from one number up to another, (n, last - first), or up to the last one."""
         self._find(last)
-        return self._shapes[..., first:last]
+        return self._shapes[:, first:last]
 
     @property
     def _known(self) -> int:
         """Number of modes that are found."""
-        return int(self._frequency.shape[-1])
+        return len(self._frequency)
 
     def _find(self, count: int) -> None:
         """Find at least ``count`` modes, if there are so many."""
@@ -241,11 +238,10 @@ class FixedInterfaceModes:
     def _all(self) -> tuple[FloatArray, FloatArray]:
         link = self._link
         shapes = self._moved(np.eye(len(self._which)))
-        across = np.swapaxes(shapes, -1, -2)
-        unit_mass = np.linalg.inv(np.linalg.cholesky(across @ (link.mass @ shapes))) @ across
-        turned = np.swapaxes(unit_mass, -1, -2)
-        values, vectors = np.linalg.eigh(unit_mass @ (link.stiffness @ turned))
-        return np.sqrt(np.abs(values)), turned @ vectors
+        root = np.linalg.cholesky(shapes.T @ (link.mass @ shapes))
+        unit_mass = np.linalg.inv(root) @ shapes.T
+        values, vectors = np.linalg.eigh(unit_mass @ (link.stiffness @ unit_mass.T))
+        return np.sqrt(np.abs(values)), unit_mass.T @ vectors
 
     def _lowest(self, count: int) -> tuple[FloatArray, FloatArray]:
         link, which, size = self._link, self._which, len(self._which)
@@ -274,12 +270,11 @@ class FixedInterfaceModes:
         return np.sqrt(np.abs(squares[order])), self._moved(vectors[:, order])
 
     def _moved(self, amplitudes: FloatArray) -> FloatArray:
-        """Coordinates (..., n, k) of the link at amplitudes (m, k) of the shapes."""
+        """Coordinates (n, k) of the link at amplitudes (m, k) of the shapes."""
         moved = _scattered(self._link.size, self._which, amplitudes)
         if self._couples:
-            force = (self._link.stiffness @ moved)[..., self._condensed, :]
-            moved = np.array(np.broadcast_to(moved, (*force.shape[:-2], *moved.shape)))
-            moved[..., self._condensed, :] = -self._condensing.displacements(force)
+            force = (self._link.stiffness @ moved)[self._condensed]
+            moved[self._condensed] = -self._condensing.displacements(force)
         return moved
 
     def _load(self, forces: FloatArray) -> FloatArray:
@@ -342,12 +337,12 @@ class Flexibility:
         """The matrix itself, (..., i, i); not of a chain of elements."""
         return np.asarray(self._inverse, dtype=float)
 
-    def trace_with(self, matrix: LinkMatrix) -> FloatArray:
-        """Trace of the product with a symmetric matrix (..., n, n) in the same coordinates."""
-        free, total = self.free, np.zeros(matrix.shape[:-2])
+    def trace_with(self, matrix: LinkMatrix) -> float:
+        """Trace of the product with a symmetric matrix (n, n) in the same coordinates."""
+        free, total = self.free, 0.0
         for first in range(0, len(free), AT_A_TIME):
             unit = np.zeros((matrix.shape[-1], len(free[first : first + AT_A_TIME])))
             unit[free[first : first + AT_A_TIME], np.arange(unit.shape[1])] = 1.0
-            moved = self.displacements((matrix @ unit)[..., free, :])
-            total += np.trace(moved[..., first : first + AT_A_TIME, :], axis1=-2, axis2=-1)
+            moved = self.displacements((matrix @ unit)[free])
+            total += float(np.trace(moved[first : first + AT_A_TIME]))
         return total

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.link_place import DependentRows
-from flexmech.linear_system.links.chains import LinkMatrix, as_given, as_real, times, whole
+from flexmech.linear_system.links.chains import LinkMatrix, as_given, as_real, whole
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.links.stressed_links import StressedLinks
@@ -124,28 +124,28 @@ class LinkPencil:
         """Forces on a link by its coordinates, their rates by its ends, and those of these."""
         terms, (rows, rate, change) = self.terms, ends
         mass, gyroscopic = whole(link.mass), whole(link.gyroscopic)
-        inertia = times(mass, q)
-        by_rate, by_place = np.zeros_like(q), times(self._tangent(number, link), q)
+        inertia = mass @ q
+        by_rate, by_place = np.zeros_like(q), self._tangent(number, link) @ q
         damping = self._damping(number, link)
         if damping.any():
-            by_rate += times(damping, q)
+            by_rate += damping @ q
             if terms.coriolis:
-                by_place += times(damping[..., rows], rate)
+                by_place += damping[..., rows] @ rate
         speed = self.motion.angular_velocity[:, number, None, None]
         if terms.coriolis or terms.tangential:
-            momentum = times(gyroscopic, q)
+            momentum = gyroscopic @ q
         if terms.coriolis:
             by_rate += 2 * (speed * momentum)
             if len(rows):
-                by_rate += times(2 * mass[..., rows], rate)
+                by_rate += 2 * mass[:, rows] @ rate
         if terms.centripetal:
-            by_place -= speed**2 * times(whole(link.centrifugal_mass), q)
+            by_place -= speed**2 * (whole(link.centrifugal_mass) @ q)
             if len(rows):
-                by_place += times(2 * gyroscopic[..., rows], speed * rate)
+                by_place += 2 * gyroscopic[:, rows] @ (speed * rate)
         if terms.tangential:
             by_place += self.motion.angular_acceleration[:, number, None, None] * momentum
         if (terms.centripetal or terms.tangential) and len(rows):
-            by_place += times(mass[..., rows], change)
+            by_place += mass[:, rows] @ change
         return inertia, by_rate, by_place
 
     def _tangent(self, number: int, link: LinkModel) -> FloatArray:

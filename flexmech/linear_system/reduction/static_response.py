@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.links.chains import LinkMatrix, as_given, as_real, times, whole
+from flexmech.linear_system.links.chains import LinkMatrix, as_given, as_real, whole
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.reduction.fixed_interface_modes import FixedInterfaceLink, static_modes
@@ -121,12 +121,12 @@ class StaticResponse:
 
     def _displacements(self, forces: Sequence[FloatArray]) -> list[FloatArray]:
         on_ends = [
-            times(np.swapaxes(link.constraint_modes, -1, -2), force)
+            np.swapaxes(link.constraint_modes, -1, -2) @ force
             for link, force in zip(self._condensed, forces, strict=True)
         ]
         z = self._flexibility @ self._frames.gather(self.motion, on_ends)
         moved = []
         ends = self._frames.link_coordinates(self.motion, z)
         for link, force, end in zip(self._condensed, forces, ends, strict=True):
-            moved.append(times(link.constraint_modes, end) + times(link.flexibility, force))
+            moved.append(link.constraint_modes @ end + link.flexibility @ force)
         return moved

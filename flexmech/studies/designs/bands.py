@@ -7,14 +7,11 @@ import pandas as pd
 import xarray as xr
 
 from flexmech.analyses.default_engines import engine_kind
-from flexmech.analyses.designs import of_designs
 from flexmech.analyses.frequencies.formulation import Formulation
 from flexmech.analyses.frequencies.positions import frequencies_at
-from flexmech.arrays import FloatArray, IntArray
-from flexmech.errors import FlexmechError
-from flexmech.linear_system import Engine
+from flexmech.arrays import FloatArray
 from flexmech.studies.designs.design import turn
-from flexmech.studies.designs.evaluation import built
+from flexmech.studies.designs.evaluation import design_of, guarded
 from flexmech.studies.designs.outputs import OF_FREQUENCIES, Output
 from flexmech.studies.designs.study import Study
 
@@ -96,18 +93,14 @@ def bands_table(bands: xr.DataArray) -> pd.DataFrame:
 
 def _frequencies(study: Study, output: Output, designs: FloatArray) -> list[FloatArray]:
     """Frequencies (angles, modes) of the designs that have some."""
-    made, _, _ = built(study, engine_kind(study.engine)(study.mechanism), designs)
-    every = list(made.values())
-    modes = max(output.mode, 3)
-    angles = turn(output.angles)
-    speeds = np.array([output.speed_of(design) for design in every])
+    engine = engine_kind(study.engine)(study.mechanism)
+    angles, modes = turn(output.angles), max(output.mode, 3)
+    formulation = Formulation(output.prestress, True, modes)
 
-    def compute(engine: Engine, numbers: IntArray) -> list[FloatArray]:
-        shape = (len(numbers), len(angles))
-        angle = np.broadcast_to(angles, shape).ravel()
-        speed = np.repeat(speeds[numbers], len(angles))
-        formulation = Formulation(output.prestress, True, modes)
-        return [*frequencies_at(engine, angle, speed, formulation).reshape(*shape, modes)]
+    def compute(row: FloatArray) -> FloatArray:
+        design = design_of(study, engine, row)
+        own, speed = design.engine.fit_for(modes), output.speed_of(design)
+        return frequencies_at(own, angles, speed, formulation)
 
-    found = of_designs([design.engine.fit_for(modes) for design in every], compute)
-    return [each for each in found if not isinstance(each, FlexmechError)]
+    found = [guarded(lambda: compute(row))[0] for row in designs]  # noqa: B023
+    return [each for each in found if each is not None]
