@@ -118,12 +118,11 @@ def predicted_minimum(nodes: FloatArray, values: FloatArray) -> PredictedMinimum
 
 def _through(nodes: FloatArray, values: FloatArray, at: FloatArray) -> FloatArray:
     """Polynomials through nodes (n, b) at abscissae (k, b), shape (k, b)."""
-    total = np.zeros(at.shape)
+    itself = np.eye(len(nodes), dtype=bool)[:, :, None]
+    from_others = np.where(itself, 1.0, at[:, None, None] - nodes).prod(axis=2)
+    between = np.where(itself, 1.0, nodes[:, None] - nodes).prod(axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        for n, (node, value) in enumerate(zip(nodes, values, strict=True)):
-            others = np.delete(nodes, n, axis=0)
-            total += value * _distances(others, at) / np.prod(node - others, axis=0)
-    return total
+        return np.asarray((values * from_others / between).sum(axis=1))
 
 
 def _distances(nodes: FloatArray, at: FloatArray) -> FloatArray:
