@@ -6,7 +6,7 @@ import copy
 import tomllib
 import types
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any, Self, Union, get_args, get_origin
 
@@ -106,8 +106,7 @@ class StatedModel:
             tables = ModelFile(**data)
         except ValidationError as error:
             raise input_error(error, data, SHOWN) from error
-        changed = build_mechanism(tables, SHOWN, "", "")
-        return replace(changed, provenance=self.mechanism.provenance)
+        return build_mechanism(tables, SHOWN, self.mechanism.provenance)
 
     def text_with(self, values: Mapping[str, float | str]) -> str:
         """The model file with other values; see :meth:`with_values`."""

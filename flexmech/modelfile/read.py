@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from flexmech.errors import InputError
 from flexmech.files import bytes_of, given_path
 from flexmech.linkages import PlanarLinkage
-from flexmech.mechanism import Mechanism
+from flexmech.mechanism import Mechanism, Provenance
 from flexmech.modelfile.build import build_mechanism
 from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.linkage_tables import PlanarTable
@@ -155,9 +155,11 @@ def _mechanism(text: str, shown: str, file: str, sha256: str, folder: Path = Pat
         tables = ModelFile.model_validate(data)
     except ValidationError as error:
         raise input_error(error, data, shown) from error
-    mechanism = build_mechanism(tables, shown, file, sha256, folder)
+    provenance = Provenance(tables.name, tables.source, file, sha256, text)
+    mechanism = build_mechanism(tables, shown, provenance, folder)
     drawn_from_file = tables.drive is not None and isinstance(tables.drive.table, str)
     if drawn_from_file or any(load.file is not None for load in tables.loads.values()):
         # The text alone has to say it all: the files beside it may be gone when it is read again.
-        text = mechanism.to_toml()
-    return replace(mechanism, provenance=replace(mechanism.provenance, text=text))
+        stated = replace(provenance, text=mechanism.to_toml())
+        return replace(mechanism, provenance=stated)
+    return mechanism
