@@ -24,6 +24,7 @@ from flexmech.linear_system import (
     RotationTerms,
     TheoryComparison,
     component_modes,
+    inverse_mass_root,
     rigid_link,
 )
 from flexmech.linkages import (
@@ -68,7 +69,9 @@ def compare_theories(mechanism: Mechanism, modes: int = MODES) -> TheoryComparis
     """
     links, counted = _links_of(mechanism), max(modes, MODES)
     return TheoryComparison(
-        lambda theory: _frequencies(links, theory, counted)[:, :modes], mechanism.is_eccentric
+        lambda theory: _frequencies(links, theory, counted)[:, :modes],
+        mechanism.is_eccentric,
+        lambda: float(_changes_by_shear(links, counted)[:, :modes].max()),
     )
 
 
@@ -194,6 +197,42 @@ def _frequencies(links: _Links, theory: str, modes: int) -> FloatArray:
             for k, m in zip(system.stiffness, system.mass, strict=True)
         ]
     return np.asarray(np.sqrt(np.abs(np.stack(squares))) / (2 * np.pi))
+
+
+@lru_cache(maxsize=1024)
+def _changes_by_shear(links: _Links, modes: int) -> FloatArray:
+    """Relative changes of frequencies by shear and rotary inertia, to first order, (A, modes).
+
+    Of the modes of Euler-Bernoulli beams ``(EI v''')^2 / kGA`` is what shear takes of the strain
+    energy, and ``rho I v'^2`` what the rotation of sections adds to the kinetic energy. Infinite
+    where links are not reducible.
+    """
+    if not links.is_reducible:
+        return np.full((1, modes), np.inf)
+    models = [_beam(links, number, "euler", modes) for number in range(len(links.sections))]
+    reduced = component_modes(links.topology, models, modes, 0.0, couples_axially=False)
+    motion, frames, still = links.motion, reduced.frames, RotationTerms.all_or_none(False)
+    system = frames.assemble(motion, [link.stiffness for link in frames.links], still)
+    lower = inverse_mass_root(system.mass)
+    across = np.swapaxes(lower, 1, 2)
+    with one_thread():
+        squares, vectors = np.linalg.eigh(lower @ system.stiffness @ across)
+    squares, vectors = squares[:, :modes], across @ vectors[:, :, :modes]
+    amplitudes = frames.link_coordinates(motion, vectors)
+    found = np.zeros(squares.shape)
+    for number, (section, mass) in enumerate(_flexible(links)):
+        assert section is not None
+        own = section.shearing_over(mass.length)
+        nodal = (reduced.links[number].basis @ amplitudes[number]).reshape(
+            len(vectors), -1, 3, vectors.shape[2]
+        )
+        v, turn = nodal[:, :, 1], nodal[:, :, 2]
+        h = np.diff(models[number].readings.nodes)[:, None]
+        start, end = turn[:, :-1], turn[:, 1:]
+        third = 12 * ((start + end) / 2 - np.diff(v, axis=1) / h) / h**2
+        shear = (h * (own.bending_stiffness * third) ** 2).sum(axis=1) / own.shear_stiffness
+        found += shear / squares + own.rotary_inertia * (h * (start**2 + end**2) / 2).sum(axis=1)
+    return found / 2
 
 
 def _flexible(links: _Links) -> list[tuple[BeamSection | None, LinkMass]]:

@@ -38,6 +38,7 @@ from flexmech import (
     natural_frequencies,
     strain_energy_damping,
 )
+from flexmech.beams.comparison import compare_theories
 from flexmech.errors import ComputationError
 from flexmech.linkages import AttachmentPoint
 from flexmech.materials import Layer, PlyDamping, solid_stiffness
@@ -262,6 +263,13 @@ def test_the_element_changes_where_a_frequency_asked_for_would_by_one_per_cent()
             chosen.append(wanted)
     assert chosen[::2] != chosen[1::2]
     assert set(chosen) == {"euler", "timoshenko"}
+
+
+@pytest.mark.parametrize("model", ["neat_resin_figure_10", "watt_six_bar"])
+def test_what_shear_changes_to_first_order_is_the_difference_of_the_theories(model: str) -> None:
+    compared = compare_theories(load_mechanism(MODELS / f"{model}.toml"), modes=2)
+    apart = compared.difference("euler", "timoshenko").value
+    assert compared.change_by_shear() == pytest.approx(apart, rel=0.05)
 
 
 # --- stiff in shear, off axis, couples, large displacements, round-off ----------------------------

@@ -143,10 +143,14 @@ class TheoryComparison:
         some crank angles, (A, modes).
     eccentric : bool
         Whether a neutral axis is off the pins' axis, which asks for a beam that shears.
+    change_by_shear : callable
+        Gives the greatest relative change of these frequencies by shear and rotary inertia, to
+        first order in them.
     """
 
     frequency: Callable[[str], FloatArray]
     eccentric: bool
+    change_by_shear: Callable[[], float]
 
     def difference(self, theory: str, finer: str) -> TheoryDifference:
         """Greatest relative difference of a theory from a finer one over angles and modes."""
@@ -166,7 +170,11 @@ class TheoryComparison:
     @property
     def suitable(self) -> str:
         """The simplest theory whose frequencies a finer one changes negligibly."""
-        slender = self.difference("euler", "timoshenko").value <= NEGLIGIBLE
+        # What is left out to first order, and by the mesh, is less than the other half.
+        slender = (
+            self.change_by_shear() <= NEGLIGIBLE / 2
+            or self.difference("euler", "timoshenko").value <= NEGLIGIBLE
+        )
         # Zigzag beams are between the two: what shear does not change, warping cannot.
         if slender:
             return "timoshenko" if self.eccentric else "euler"
