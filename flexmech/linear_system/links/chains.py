@@ -178,7 +178,7 @@ def couples(matrix: LinkMatrix, some: NDArray[np.bool_], others: NDArray[np.bool
     some, others : ndarray of bool, shape (n,)
     """
     if not isinstance(matrix, ChainMatrix):
-        return bool(matrix[..., some, :][..., others].any())
+        return bool(matrix[some][:, others].any())
     index = _coordinates(*matrix.elements.shape[:2])
     between = some[index][:, :, None] & others[index][:, None]
     return bool(matrix.elements[between].any())
