@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from itertools import chain, compress
@@ -224,13 +223,12 @@ class _EngineMap:
         speeds = sorted([*asked, *steps.tolist()], key=abs)
         found: dict[float, _Outcome] = {}
         if self._request.prestress == "trajectory":
-            for number, speed in enumerate(speeds, 1):
-                with suppress(ComputationError):
-                    self._solver.orbit(speed)
-                self._progress("periodic motions", number, len(speeds))
+            found.update(self._without_orbit(speeds))
+        solvable = [speed for speed in speeds if speed not in found]
         try:
-            for outcome in in_order(partial(_outcome, self._solver), speeds):
-                found[speeds[len(found)]] = outcome
+            outcomes = in_order(partial(_outcome, self._solver), solvable)
+            for speed, outcome in zip(solvable, outcomes, strict=True):
+                found[speed] = outcome
                 self._progress("speeds", len(found), len(speeds))
         except KeyboardInterrupt:
             if not any(isinstance(each, SolvedSpeed) for each in found.values()):
@@ -238,6 +236,17 @@ class _EngineMap:
             logger.info("interrupted after %d of %d speeds", len(found), len(speeds))
             return found, True
         return found, False
+
+    def _without_orbit(self, speeds: Sequence[float]) -> dict[float, ComputationError]:
+        """Find the periodic motions at all speeds; why there is none at some."""
+        refused = {}
+        for number, speed in enumerate(speeds, 1):
+            try:
+                self._solver.orbit(speed)
+            except ComputationError as refusal:
+                refused[speed] = refusal
+            self._progress("periodic motions", number, len(speeds))
+        return refused
 
     def _following_speeds(self) -> FloatArray:
         return following_speeds(self._request.crank_speeds[-1], FOLLOWING_STEP * self._lowest)
