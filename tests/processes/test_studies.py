@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
 import sys
+from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from pathlib import Path
 
 import pytest
 
+import flexmech
+from flexmech.studies import load_study, sweep_study
 from tests.processes.forked import Place, files_of, run, send
 from tests.support.command import MODELS
 
@@ -80,6 +84,14 @@ def test_killed_workers_are_told_and_what_is_done_is_kept(
     assert [name for name in files_of(folder / "out") if "done/c/" in name]
     assert run(folder, *RESUME).code == 0
     assert bytes_of(folder / "out") == whole
+
+
+def test_a_pool_that_has_lost_its_worker_before_a_study_is_told(tmp_path: Path) -> None:
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+        with pytest.raises(BrokenExecutor):
+            pool.submit(os.abort).result()
+        with pytest.raises(flexmech.ComputationError, match="a worker was lost"):
+            sweep_study(load_study(study(tmp_path) / "study.toml"), executor=pool)
 
 
 def test_a_cluster_finds_the_bytes_of_one_process(whole: dict[str, bytes], tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -193,20 +194,25 @@ def _by_workers(
     try:
         while True:
             while len(waiting) < _AHEAD * plan.workers and len(numbers := plan.take()):
-                waiting[executor.submit(evaluate_task, study, designs[numbers], finer)] = numbers
+                with _loss_of_workers():
+                    future = executor.submit(evaluate_task, study, designs[numbers], finer)
+                waiting[future] = numbers
             if not waiting:
                 return
             for future in wait(waiting, return_when=FIRST_COMPLETED).done:
-                yield waiting.pop(future), _result(future)
+                with _loss_of_workers():
+                    found = future.result()
+                yield waiting.pop(future), found
     finally:
         for future in waiting:
             future.cancel()
 
 
-def _result(future: Future[Task]) -> Task:
-    """What a worker found; no failure of a design ends a task, so that others are the worker's."""
+@contextmanager
+def _loss_of_workers() -> Iterator[None]:
+    """No failure of a design ends a task, so that other failures are the worker's."""
     try:
-        return future.result()
+        yield
     except FlexmechError:
         raise
     except Exception as error:
