@@ -33,8 +33,7 @@ TOLERANCE = 1e-9
 # engine that does not tell how damping changes with the displacement gain a digit in two.
 MOST_PASSES = 40
 # Shorter steps mean that another way, by continuation, costs less: each halving is a solution.
-# With 1/64 three of four critical speeds of a steel four-bar take up to half as long again.
-SHORTEST_STEP = 1 / 8
+SHORTEST_STEP = 1 / 64
 # A correction with the same matrices must be shorter than the step by this part of its length, as
 # Deuflhard has it.
 SHORTENED = 0.25
