@@ -28,6 +28,8 @@ from typing import Any
 
 ROOT = Path(__file__).parents[2]
 TABLE = Path(__file__).parent / "table.toml"
+# The default suite; the stored numbers first, which most faults change.
+SUITE = ("golden", "physics", "invariants", "parts", "engines", "commands", "figures", "report")
 # Seconds of processor time after which a changed program is taken to run for ever.
 LIMIT = 600
 HEAVY = ("numpy", "scipy.optimize", "pandas", "xarray", "matplotlib.figure", "exudyn", "hypothesis")
@@ -78,7 +80,7 @@ def main() -> int:
     faults = drawn_faults(asked.draw, asked.seed) if asked.draw else faults_of_table()
     faults = [fault for fault in faults if asked.only in str(fault)]
     if asked.tests or asked.draw:
-        tests = tuple(asked.tests or ["tests"])
+        tests = tuple(asked.tests or [f"tests/{folder}" for folder in SUITE])
         faults = [dataclasses.replace(fault, tests=tests) for fault in faults]
     for fault in faults:
         fault.source()
