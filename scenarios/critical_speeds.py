@@ -5,7 +5,7 @@ against crank speed, each speed's periodic motion found directly. Loads repeat w
 so the linkage rings where a natural frequency divided by a whole number is the turning
 frequency; these critical speeds are marked, each as the range over which the frequency moves.
 The paper's links have no damping; Kelvin-Voigt damping of 1 % in the first mode is assumed.
-At a few speeds a periodic motion of Exudyn's nonlinear simulation stands beside.
+At a few speeds the periodic motion of Exudyn's nonlinear equations stands beside.
 
     python scenarios/critical_speeds.py [--out results/critical_speeds]
 """  # noqa: D400 - a scenario asks a question
@@ -19,7 +19,6 @@ import numpy as np
 from _common import four_bar, output_folder, save_pictures
 
 from flexmech import (
-    ConstantSpeed,
     ExudynEngine,
     Mechanism,
     ReferenceEngine,
@@ -29,12 +28,11 @@ from flexmech import (
 )
 from flexmech.analyses import deflections
 from flexmech.arrays import FloatArray
-from flexmech.time_domain import DrivenLinkage, simulated_orbit
+from flexmech.time_domain import nonlinear_orbit
 
 SPEEDS = np.linspace(8.0, 30.0, 89)
-SIMULATED = (10.0, 15.0, 20.0, 25.0)
+NONLINEAR = (10.0, 15.0, 20.0, 25.0)
 DAMPING_RATIO = 0.01
-STEPS = 2160
 
 
 @dataclass(frozen=True)
@@ -44,20 +42,20 @@ class CriticalSpeedAnswer:
     Parameters
     ----------
     sweep : SpeedSweep
-        Linear periodic motion; at some speeds also the simulated one, as ``settled_peak``.
+        Linear periodic motion; at some speeds also the nonlinear one, as ``settled_peak``.
     """
 
     sweep: SpeedSweep
 
     @property
     def gap(self) -> float:
-        """Greatest relative difference of both at the simulated speeds, coupler and rocker."""
+        """Greatest relative difference of both at these speeds, coupler and rocker."""
         data = self.sweep.dataset
         pinned = data.isel(link=(data["probe"] == "middle").values)
-        simulated = pinned["settled_peak"].rename(settled_speed="crank_speed")
-        speeds = simulated["crank_speed"]
+        nonlinear = pinned["settled_peak"].rename(settled_speed="crank_speed")
+        speeds = nonlinear["crank_speed"]
         linear = pinned["peak_deflection"].sel(crank_speed=speeds, method="nearest")
-        return float(np.abs(linear.values / simulated.values - 1).max())
+        return float(np.abs(linear.values / nonlinear.values - 1).max())
 
     @property
     def ringing(self) -> float:
@@ -71,7 +69,7 @@ def main(
     *,
     names: tuple[str, ...] = ("steel", "aluminium"),
     speeds: FloatArray = SPEEDS,
-    simulated: tuple[float, ...] = SIMULATED,
+    nonlinear: tuple[float, ...] = NONLINEAR,
     elements: int = 8,
 ) -> dict[str, CriticalSpeedAnswer]:
     """Sweep the crank speed of both four-bars, print where they ring, draw it.
@@ -83,9 +81,9 @@ def main(
     names : tuple of str
         Which four-bars.
     speeds : ndarray, shape (S,)
-        Crank speeds in rad/s; ``simulated`` lie among them.
-    simulated : tuple of float
-        Speeds at which Exudyn simulates besides.
+        Crank speeds in rad/s; ``nonlinear`` lie among them.
+    nonlinear : tuple of float
+        Speeds of Exudyn's nonlinear motions.
     elements : int
         Elements a link.
 
@@ -98,14 +96,14 @@ def main(
     for name in names:
         mechanism = with_damping(four_bar(name))
         sweep = speed_sweep(ReferenceEngine(mechanism, elements), speeds)
-        peaks = np.stack([_simulated_peak(mechanism, elements, speed) for speed in simulated])
-        data = sweep.dataset.assign_coords(settled_speed=list(simulated))
+        peaks = np.stack([_nonlinear_peak(mechanism, elements, speed) for speed in nonlinear])
+        data = sweep.dataset.assign_coords(settled_speed=list(nonlinear))
         data["settled_peak"] = (("settled_speed", "link"), peaks, {"units": "m"})
         answer = answers[name] = CriticalSpeedAnswer(SpeedSweep(data))
         figures[f"{name}_critical_speeds"] = answer.sweep.plot()
         print(answer.sweep.summary())
         print(
-            f"{name} four-bar: rings most at {answer.ringing:.4g} rad/s; simulated peaks differ "
+            f"{name} four-bar: rings most at {answer.ringing:.4g} rad/s; nonlinear peaks differ "
             f"from the linear ones by at most {100 * answer.gap:.2f} %"
         )
     save_pictures(figures, out)
@@ -121,16 +119,11 @@ def with_damping(mechanism: Mechanism) -> Mechanism:
     return replace(mechanism, sections=sections)
 
 
-def _simulated_peak(mechanism: Mechanism, elements: int, speed: float) -> FloatArray:
+def _nonlinear_peak(mechanism: Mechanism, elements: int, speed: float) -> FloatArray:
     """Greatest deflections over a turn of Exudyn's periodic motion, (n_links,)."""
-    engine, drive = ExudynEngine(mechanism, elements), ConstantSpeed(speed)
-    turn = drive.revolution_time
-    time = turn / 720 * np.arange(721, dtype=float)
-    linkage = DrivenLinkage(engine, drive, "equilibrium", detail=2.0, with_energy=False)
-    orbit = simulated_orbit(
-        linkage, STEPS, lambda start: engine.simulate(drive, start, time, turn / STEPS)
-    )
-    return np.asarray(np.abs(deflections(engine, orbit.turn)).max(axis=0))
+    engine = ExudynEngine(mechanism, elements)
+    displacement, _ = nonlinear_orbit(engine, speed).at(np.radians(np.arange(0.0, 360.0, 0.5)))
+    return np.asarray(np.abs(deflections(engine, displacement)).max(axis=0))
 
 
 if __name__ == "__main__":

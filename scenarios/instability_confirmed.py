@@ -145,18 +145,18 @@ def plus(first: LinkState, second: LinkState, factor: float = 1.0) -> LinkState:
 
 def predict(engine: ExudynEngine, crank_speed: float) -> Prediction:
     """The periodic motion at a crank speed in rad/s, and how its neighbours move away from it."""
-    orbit = nonlinear_orbit(engine, crank_speed, SAMPLES)
+    orbit = nonlinear_orbit(engine, crank_speed)
     angle = 2 * np.pi / SAMPLES * np.arange(SAMPLES)
+    displacement, _ = orbit.at(angle)
     motion = engine.mechanism.linkage.motion(angle, np.full(SAMPLES, crank_speed))
-    stressed = engine.running_links(motion, list(orbit.displacement))
+    stressed = engine.running_links(motion, displacement)
     turn = SampledTurn.of(engine, motion, stressed, "equilibrium", MODES)
     moving = moving_modes(turn, counts_of_modes(turn, MODES, 1)[0])
     modes = floquet_modes(moving.system(), PROPAGATED)
-    size = SMALL * float(np.abs(at_stations(engine, list(orbit.displacement))).max())
-    start = LinkState([q[0] for q in orbit.displacement], [q[0] for q in orbit.rate])
+    size = SMALL * float(np.abs(at_stations(engine, displacement)).max())
     nothing = LinkState.rigid(engine.links)
     real, imaginary = (plus(nothing, part, size) for part in floquet_state(moving, modes))
-    return Prediction(crank_speed, complex(modes.exponent[0]), start, (real, imaginary))
+    return Prediction(crank_speed, complex(modes.exponent[0]), orbit.state(0.0), (real, imaginary))
 
 
 def confirm(engine: ExudynEngine, prediction: Prediction, steps: int) -> Confirmation:

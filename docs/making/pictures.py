@@ -7,7 +7,6 @@ browser: without one it is not compared, unless ``FLEXMECH_REQUIRE_BROWSER`` is 
 
 from __future__ import annotations
 
-import os
 import shlex
 import shutil
 import subprocess
@@ -20,6 +19,7 @@ from PIL import Image
 
 from making.blocks import block_folder
 from making.state import REPOSITORY, cache_folder, environment
+from tests.support.browser import MISSING, installed_browser, is_required
 
 __all__ = ["README", "changed_pictures", "write_pictures"]
 
@@ -31,8 +31,6 @@ BY_COMMAND = {
     "frequencies.png": ("frequencies models/aluminium_fourbar.toml", "frequencies.png"),
 }
 CAMPBELL, REPORT = "campbell.png", "report.png"
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-REQUIRED = "FLEXMECH_REQUIRE_BROWSER"
 WINDOW = (1280, 1100)
 # Root mean square of the differences of colours, of 255: another build of FreeType shifts the edges
 # of letters by 1; one word that changes counts 2 and more.
@@ -99,10 +97,10 @@ def _drawn_by(command: str, drawn: str) -> bytes:
 
 def _photograph(page: Path, picture: Path) -> bool:
     """Photograph the top of a page in a browser; false where there is none."""
-    executable = next(filter(None, map(shutil.which, BROWSERS)), None)
+    executable = installed_browser()
     if executable is None:
-        if os.environ.get(REQUIRED):
-            raise RuntimeError(f"no browser is installed ({', '.join(BROWSERS)})")
+        if is_required():
+            raise RuntimeError(MISSING)
         return False
     # A browser that root runs has no sandbox.
     quiet = ("--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars")

@@ -29,7 +29,7 @@ COARSER: dict[str, dict[str, Any]] = {
     "critical_speeds": {
         "names": ("aluminium",),
         "speeds": np.linspace(16.0, 24.0, 17),
-        "simulated": (20.0,),
+        "nonlinear": (20.0,),
         "elements": 4,
     },
     "damping_found_back": {"elements": 4},

@@ -11,7 +11,7 @@ import numpy as np
 from flexmech.beams.restrained_ends import RestrainedEnds, restrained_beam
 from flexmech.beams.solid_link import beam_error
 from flexmech.linear_system import (
-    ELASTICITY,
+    COMPRESSED,
     NEGLIGIBLE,
     RESTRAINED_ENDS,
     Engine,
@@ -56,7 +56,7 @@ def theory_attributes(engines: Sequence[Engine], modes: int) -> dict[str, str]:
     """
     first = engines[0]
     comparison = first.compare_theories(first.mechanism, modes)
-    warnings = [_left_out(engine, comparison) for engine in engines]
+    warnings = [*(_left_out(engine, comparison) for engine in engines), _compressed(comparison)]
     for engine in engines:
         warnings += [*_off_axis(engine), _one_stiffness(engine, comparison)]
     reasons = []
@@ -110,22 +110,28 @@ def _left_out(engine: Engine, comparison: TheoryComparison) -> str:
     """Bound of what an engine's theory leaves out; nothing where that is negligible."""
     if comparison.difference("euler", "timoshenko").value <= NEGLIGIBLE:
         return ""
-    finest = comparison.finest
-    found = comparison.difference(engine.theory, finest)
+    found = comparison.difference(engine.theory, "zigzag")
     if found.value <= NEGLIGIBLE:
         return ""
-    left_out = [LEFT_OUT[engine.theory]] if engine.theory in LEFT_OUT else []
-    compared, rest = f"{_percent(found)} from zigzag beams", "what those leave out"
-    if finest == ELASTICITY:
-        left_out.append("how soft layers are compressed")
-        compared, rest = f"{_percent(found)} from two-dimensional elasticity", "other crank angles"
-        if found.noticed_from < found.mode:
-            compared += f", more than {100 * NEGLIGIBLE:g} % from mode {found.noticed_from} on"
     bound = 100 * (found.value + NEGLIGIBLE)
     return (
-        f"element {engine.element} ({engine.name}) leaves out {' and '.join(left_out)}: its "
-        f"frequencies may be off by {bound:.3g} % (at rest {compared}, "
-        f"and {100 * NEGLIGIBLE:g} % for {rest})"
+        f"element {engine.element} ({engine.name}) leaves out {LEFT_OUT[engine.theory]}: its "
+        f"frequencies may be off by {bound:.3g} % (at rest {_percent(found)} from zigzag beams, "
+        f"and {100 * NEGLIGIBLE:g} % for what those leave out)"
+    )
+
+
+def _compressed(comparison: TheoryComparison) -> str:
+    """From which mode on soft layers are compressed, which no beam knows; nothing if in none."""
+    if comparison.difference("euler", "timoshenko").value <= NEGLIGIBLE:
+        return ""
+    mode, compression = comparison.compressed_from, comparison.compression()
+    if not mode:
+        return ""
+    return (
+        f"soft layers are compressed at {compression:.3g} Hz, which no beam knows: from mode "
+        f"{mode} on, above {100 * COMPRESSED:g} % of that, frequencies may be several times too "
+        f"high (below, by {100 * NEGLIGIBLE:g} %)"
     )
 
 

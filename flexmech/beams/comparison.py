@@ -12,12 +12,11 @@ import scipy.linalg
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.elements import BEAM_SHAPES
 from flexmech.beams.link_matrices import build_chain, stack_chains
-from flexmech.beams.plane_link import compression_frequency, plane_link
+from flexmech.beams.parabolas import Parabolas, rows_of_runs
 from flexmech.beams.restrained_ends import restrained_beam
 from flexmech.choices import ELEMENTS_A_LINK, MODES
 from flexmech.errors import InputError
 from flexmech.linear_system import (
-    ELASTICITY,
     MOST_WHOLE,
     RESTRAINED_ENDS,
     Connectors,
@@ -27,12 +26,10 @@ from flexmech.linear_system import (
     TheoryComparison,
     among_alike,
     component_modes,
-    inverse_mass_root,
     rigid_link,
 )
 from flexmech.linkages import (
     JointSpring,
-    LinkEnd,
     LinkMass,
     RigidMotion,
     Spring,
@@ -41,20 +38,21 @@ from flexmech.linkages import (
     picture_crank_angle,
 )
 from flexmech.linkages.applied_forces import SpringLine
+from flexmech.materials import solid_stiffness
 from flexmech.mechanism import Mechanism
-from flexmech.sections import BeamSection, DampingTimes
+from flexmech.sections import BeamSection, DampingTimes, LaminateSection
 from flexmech.threads import one_thread
 
 # Theories differ by the wavelength of a mode, hardly by the crank angle.
 ANGLES = np.radians(np.arange(0.0, 360.0, 60.0))
-FINEST = "zigzag"
 # Of slender links these two are all that is compared.
 SIMPLEST = ("euler", "timoshenko")
 # Designs whose links are in memory at a time. Memory and speed alone.
 AT_ONCE = 32
-# Of the frequency at which the layers of a link are compressed: lower modes of sandwiches were
-# all within 1 % of two-dimensional elasticity.
-STIFF_THROUGH = 0.05
+# Rows of elements over the thickness of a link.
+ROWS = 4
+# Strains z, yz and xz, which no load of the plane keeps from a narrow layer.
+ACROSS = np.array([2, 3, 4])
 
 
 def compare_theories(mechanism: Mechanism, modes: int = MODES) -> TheoryComparison:
@@ -69,14 +67,55 @@ def compare_theories(mechanism: Mechanism, modes: int = MODES) -> TheoryComparis
     Returns
     -------
     TheoryComparison
-        Of the theories in :data:`flexmech.beams.BEAM_SHAPES`, and of two-dimensional elasticity
-        for those links whose layers are compressed at such frequencies; and of links of off-axis
-        plies whose ends joints restrain.
+        Of the theories in :data:`flexmech.beams.BEAM_SHAPES`, and of links of off-axis plies whose
+        ends joints restrain.
     """
     links, counted = _links_of(mechanism), max(modes, MODES)
+
+    def compression() -> float:
+        layered = (
+            section.layers.smeared
+            for section, mass in zip(links.sections, links.masses, strict=True)
+            if section is not None and section.layers is not None and mass.mass_per_length
+        )
+        return min(map(compression_frequency, layered), default=np.inf)
+
     return TheoryComparison(
-        lambda theory: _frequencies(links, theory, counted)[:, :modes], mechanism.is_eccentric
+        lambda theory: _frequencies(links, theory, counted)[:, :modes],
+        mechanism.is_eccentric,
+        compression,
     )
+
+
+def compression_frequency(section: LaminateSection) -> float:
+    """Lowest thickness-stretch frequency of a wide layered plate in Hz.
+
+    Its faces stay parallel: the layers are rods through the thickness. Beams know none of it.
+
+    Parameters
+    ----------
+    section : LaminateSection
+
+    Returns
+    -------
+    float
+    """
+    layers = section.laminate.layers
+    faces, count = rows_of_runs(section.laminate.boundaries, ROWS)
+    modulus = []
+    for solid in map(solid_stiffness, layers):
+        own = solid[1, 1]
+        if section.reduction != "wide":
+            coupling = solid[ACROSS, 1]
+            own = own - coupling @ np.linalg.solve(solid[np.ix_(ACROSS, ACROSS)], coupling)
+        modulus.append(own)
+    line, density = Parabolas(faces), np.array([layer.ply.density for layer in layers])
+    squares = scipy.linalg.eigh(
+        line.stiffness(np.repeat(modulus, count)).toarray(),
+        line.mass(np.repeat(density, count)).toarray(),
+        eigvals_only=True,
+    )
+    return float(np.sqrt(squares[1]) / (2 * np.pi))
 
 
 def _links_of(mechanism: Mechanism) -> _Links:
@@ -143,12 +182,6 @@ class _Links:
             return None
         points = tuple(len(mass.point_masses) for mass in self.masses)
         return connections(self.mechanism.linkage), points, len(self.angles)
-
-    def spring_places(self, link: int) -> tuple[float, ...]:
-        """Places along a link, from its start, at which springs between points act."""
-        name = self.topology.link_names[link]
-        ends = (end for spring in self.springs for end in (spring.first, spring.second))
-        return tuple(end.x for end in ends if end.link == name)
 
 
 def _configurations(mechanism: Mechanism) -> RigidMotion:
@@ -236,7 +269,7 @@ def _of_stack(designs: Sequence[_Links], theory: str, modes: int) -> FloatArray:
     stiffness = [link.stiffness for link in reduction.models]
     system = reduction.frames.assemble(motion, stiffness, still)
     with one_thread():
-        lower = inverse_mass_root(system.mass)
+        lower = np.linalg.inv(np.linalg.cholesky(system.mass))
         squares = np.linalg.eigvalsh(lower @ system.stiffness @ np.swapaxes(lower, 1, 2))
     found = np.sqrt(np.abs(squares[:, :modes])) / (2 * np.pi)
     return np.asarray(found.reshape(len(designs), -1, found.shape[1]))
@@ -249,17 +282,7 @@ def _frequencies(links: _Links, theory: str, modes: int) -> FloatArray:
         return prepared
     if theory in SIMPLEST and links.likeness is not None and _elements(modes) <= MOST_WHOLE:
         return np.asarray(_of_stack([links], theory, modes)[0])
-    if theory == ELASTICITY:
-        highest = float(_frequencies(links, FINEST, modes).max())
-        compressed = [_is_compressed(*each, highest) for each in _flexible(links)]
-        if not any(compressed):
-            return _frequencies(links, FINEST, modes)
-    else:
-        compressed = [False] * len(links.sections)
-    chains = [
-        _plane(links, number, modes) if plane else _beam(links, number, theory, modes)
-        for number, plane in enumerate(compressed)
-    ]
+    chains = [_beam(links, number, theory, modes) for number in range(len(links.sections))]
     motion, still = links.motion, RotationTerms.all_or_none(False)
     frames = LinkFrames(links.topology, chains)
     system = frames.assemble(motion, [chain.stiffness for chain in chains], still)
@@ -273,33 +296,10 @@ def _frequencies(links: _Links, theory: str, modes: int) -> FloatArray:
     return np.asarray(np.sqrt(np.abs(np.stack(squares))) / (2 * np.pi))
 
 
-def _flexible(links: _Links) -> list[tuple[BeamSection | None, LinkMass]]:
-    return list(zip(links.sections, links.masses, strict=True))
-
-
-def _is_compressed(section: BeamSection | None, mass: LinkMass, highest: float) -> bool:
-    """Whether frequencies in Hz come near to the one at which a link's layers are compressed."""
-    if section is None or section.layers is None or not mass.mass_per_length:
-        return False
-    return highest > STIFF_THROUGH * compression_frequency(section.layers.smeared)
-
-
-def _plane(links: _Links, number: int, modes: int) -> LinkModel:
-    """One link in two-dimensional elasticity."""
-    section, mass = links.sections[number], links.masses[number]
-    assert section is not None
-    assert section.layers is not None
-    name = links.topology.link_names[number]
-    ends = (LinkEnd(name, "start"), LinkEnd(name, "end"))
-    joined = [end in links.topology.joined_ends for end in ends]
-    return plane_link(
-        name, section.layers.smeared, mass, joined, modes, links.spring_places(number)
-    )
-
-
 def _beam(links: _Links, number: int, theory: str, modes: int) -> LinkModel:
     """One link of beam elements, or a rigid one."""
-    name, section, mass = links.topology.link_names[number], *_flexible(links)[number]
+    name = links.topology.link_names[number]
+    section, mass = links.sections[number], links.masses[number]
     if section is None:
         return rigid_link(name, mass)
     elements = _elements(modes)
@@ -307,5 +307,4 @@ def _beam(links: _Links, number: int, theory: str, modes: int) -> LinkModel:
         own, ends = restrained_beam(links.mechanism, name)
         chain = build_chain(name, own, mass, elements, BEAM_SHAPES["timoshenko"])
         return chain.model if ends is None else ends.restrain(chain, mass.mass_per_length).model
-    shapes = BEAM_SHAPES[FINEST if theory == ELASTICITY else theory]
-    return build_chain(name, section, mass, elements, shapes).model
+    return build_chain(name, section, mass, elements, BEAM_SHAPES[theory]).model

@@ -45,7 +45,7 @@ def frequencies(
     prestress
         none: elastic stiffness alone; axial: with the axial forces of the rigid motion;
         equilibrium: at the nonlinear quasi-static equilibrium; trajectory: in the
-        states that Exudyn's settled simulation runs through, beside the quasi-static ones.
+        states that the periodic motion runs through, beside the quasi-static ones.
     mass
         distributed: along the links; lumped: in points as Kumar & Chandrakar have it, twelve of a
         four-bar. Of the reference engine; Exudyn keeps distributed mass.

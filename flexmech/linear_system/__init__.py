@@ -20,7 +20,7 @@ from flexmech.linear_system.assembly.constant_turn import (
     stressed_along_turn,
 )
 from flexmech.linear_system.assembly.element_kinds import (
-    ELASTICITY,
+    COMPRESSED,
     NEGLIGIBLE,
     RESTRAINED_ENDS,
     TheoryComparison,
@@ -63,7 +63,6 @@ from flexmech.linear_system.links.chains import (
     chain_matrix,
     diagonal,
     in_positions,
-    link_matrices,
     summed,
     times,
     whole,
@@ -78,7 +77,6 @@ from flexmech.linear_system.links.link_model import LinkModel, RigidFields
 from flexmech.linear_system.links.link_readings import LinkReadings
 from flexmech.linear_system.links.link_stack import among_alike, same_of_all
 from flexmech.linear_system.links.link_stretch import LinkStretch
-from flexmech.linear_system.links.mass_root import inverse_mass_root
 from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
 from flexmech.linear_system.links.rigid_link import rigid_link
 from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
@@ -101,8 +99,8 @@ from flexmech.linear_system.reduction.link_pencil import LinkPencil
 from flexmech.linear_system.reduction.static_response import StaticResponse
 
 __all__ = [
+    "COMPRESSED",
     "COORDINATES",
-    "ELASTICITY",
     "GREAT_DETAIL",
     "LAST_STEP",
     "LESS_LOADED",
@@ -179,11 +177,9 @@ __all__ = [
     "has_relative_motion",
     "in_positions",
     "inertia_loads",
-    "inverse_mass_root",
     "is_constant_turn",
     "kinks_of",
     "likeness",
-    "link_matrices",
     "point_rows",
     "refuse_large_displacements",
     "refuse_positions",

@@ -34,6 +34,9 @@ from flexmech.reference.element_numbers import (
 from flexmech.reference.rigid_arms import RigidArms
 from flexmech.sections import damping_times
 
+# Step of differences over a radian or an element's length: half the digits.
+DIFFERENCE = 1e-7
+
 
 @dataclass(frozen=True)
 class LinearStrain:
@@ -156,29 +159,6 @@ class CorotationalElements:
         )
         return ElementResponse(force, tangent, LinearStrain(moved, pure.strain, gradient))
 
-    def relative_force(
-        self, relative: FloatArray, swelling: float = 1.0, design: IntArray | None = None
-    ) -> FloatArray:
-        """Internal forces as of :meth:`relative_response`, without the tangent.
-
-        Parameters
-        ----------
-        relative : ndarray, shape (e, r, B)
-        swelling : float
-        design : ndarray of int, shape (B,), optional
-
-        Returns
-        -------
-        ndarray, shape (e, r, B)
-        """
-        numbers = self._numbers_at(design)
-        pure = self._pure(self._arms.moved(relative), numbers)
-        bending = by_elements(numbers.bending, pure.turns - swelling * self._arc)
-        stress = self._stress(pure, bending, pure.strain, swelling, numbers)
-        force = pure.by_relative_coordinates(*stress)
-        self._arms.turn_force(relative, force)
-        return force
-
     def damping(self, displacement: FloatArray, design: IntArray | None = None) -> FloatArray:
         """Kelvin-Voigt damping matrix of deformed elements.
 
@@ -206,6 +186,36 @@ class CorotationalElements:
         self._fill(matrix, pure, damped if design is None else damped.at(design), None)
         self._arms.turn_tangent(relative, matrix, None)
         return np.moveaxis(self.of_nodes(matrix), -1, 0)
+
+    def damping_stiffness(self, displacement: FloatArray, rate: FloatArray) -> FloatArray:
+        """Derivative of the damping forces of deformed elements by their displacement.
+
+        By differences, which is near enough for Newton's method.
+
+        Parameters
+        ----------
+        displacement, rate : ndarray, shape (B, e, 2 p)
+            As in :meth:`response`, and its time derivative.
+
+        Returns
+        -------
+        ndarray, shape (B, e, 2 p, 2 p)
+        """
+        per_node, count = self.elements.shapes.per_node, displacement.shape[-1]
+        columns = np.zeros((*displacement.shape, count))
+
+        def forces(place: FloatArray) -> FloatArray:
+            return np.asarray((self.damping(place) @ rate[..., None])[..., 0])
+
+        before, length = forces(displacement), self.elements.length[:, None]
+        for column in self.relative_part:
+            step = DIFFERENCE * (length if column % per_node < 2 else np.ones_like(length))
+            moved = displacement.copy()
+            moved[..., column] += step[:, 0]
+            columns[..., column] = (forces(moved) - before) / step
+        # What both nodes move by alike changes nothing.
+        columns[..., :2] = -columns[..., per_node : per_node + 2]
+        return columns
 
     def of_nodes(self, matrix: FloatArray) -> FloatArray:
         """Element matrices in nodal coordinates: (e, r, r, B) -> (e, 2 p, 2 p, B)."""

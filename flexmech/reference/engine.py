@@ -289,6 +289,18 @@ class ReferenceEngine(Engine):
             found[number] = whole(found[number]) + coupling.damping_time * coupling.stiffness
         return found
 
+    def damping_stiffness(
+        self, displacement: Sequence[FloatArray], rate: Sequence[FloatArray]
+    ) -> list[LinkMatrix] | None:
+        """See :meth:`Engine.damping_stiffness`."""
+        if not any(link.damping.any() for link in self.clamped_links):
+            return None
+        found = self.equilibrium.damping_stiffness(displacement, rate)
+        return [
+            chain_matrix(found[number]) if number in found else np.zeros((*q.shape, q.shape[1]))
+            for number, q in enumerate(displacement)
+        ]
+
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links with the geometric stiffness of their tension."""
         frames = self._rigid_joint_frames

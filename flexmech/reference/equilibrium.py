@@ -18,7 +18,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.elements import BeamElements
@@ -34,7 +33,7 @@ from flexmech.linear_system import (
     LinkFrames,
     LinkMatrix,
     RigidGeometricStiffness,
-    link_matrices,
+    chain_matrix,
     refuse_positions,
     whole,
 )
@@ -61,13 +60,6 @@ FIRST_ITERATIONS = 8
 # A full step may make forces out of balance this much greater, or as great as this times the forces
 # between nodes and the loads: stretching by the square of a turn, which the next step takes back.
 ALLOWED_GROWTH, ALLOWED_FORCES = 10, 1e3
-# After steps that turn nothing by more than this, in rad, the tangent that led there is kept for so
-# many steps, as long as each is this part of the one before. Little must be left after the last: it
-# counts by the ratio of axial to bending stiffness in the tension, where it may stretch a link.
-NEAR = 2e-6
-KEPT_STEPS = 2
-KEPT_FALL = 0.1
-LEFT = 1e-18
 
 
 class Equilibrium:
@@ -238,51 +230,22 @@ class Equilibrium:
         which = np.arange(z.shape[1])
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             imbalance = self._balance.imbalance(z, problem)
-            for number in range(iterations):
+            for _ in range(iterations):
                 factors = banded.factorize(imbalance.band)
                 change = self._change(factors, imbalance.residual)
                 change[:, state.converged[which]] = 0.0
-                turned = self._turned(change, problem)
-                last = turned <= LAST_STEP
+                last = self._turned(change, problem) <= LAST_STEP
                 z = z + np.where(last, change, 0.0)
-                # The tangent of the start has no tension yet. No position depends on another one.
-                near = ~last & (turned <= NEAR) & bool(number)
-                if near.any():
-                    some = np.flatnonzero(near)
-                    moved, tangent = (in_positions(x, some) for x in (z + change, factors))
-                    kept = self._kept_tangent(moved, tangent, turned[some], problem.at(some))
-                    z[:, some], last[some] = kept
                 state = state.with_part(which, State(z, imbalance.error, factors, last))
                 if last.all():
                     break
-                change[:, last | near] = 0.0
+                change[:, last] = 0.0
                 if 2 * np.count_nonzero(last) > len(last):
                     rest = np.flatnonzero(~last)
                     which, problem, imbalance = which[rest], problem.at(rest), imbalance.at(rest)
                     z, change = in_positions(z, rest), in_positions(change, rest)
                 z, imbalance = self._advance(z, change, problem, imbalance)
         return state
-
-    def _kept_tangent(
-        self, z: FloatArray, factors: FloatArray, turned: FloatArray, problem: Problem
-    ) -> tuple[FloatArray, NDArray[np.bool_]]:
-        """Last steps with the tangent of the step to z (size, B), and which converge.
-
-        ``turned`` (B,) is the size of that step, which was not the last one. Near the equilibrium
-        the residual decreases by the same factor with each step, which two steps give.
-        """
-        last = np.zeros(len(turned), dtype=bool)
-        going = ~last
-        for _ in range(KEPT_STEPS):
-            change = self._change(factors, self._balance.residual(z, problem))
-            now = self._turned(change, problem)
-            falls = going & (now <= KEPT_FALL * turned)
-            z = z + np.where(falls, change, 0.0)
-            last |= falls & (now <= LAST_STEP) & (now**2 <= LEFT * turned)
-            turned, going = np.where(falls, now, turned), falls & ~last
-            if not going.any():
-                break
-        return z, last
 
     def _change(self, factors: FloatArray, residual: FloatArray) -> FloatArray:
         """Change of the displacements (size, B) by which a tangent balances forces (size, B)."""
@@ -330,8 +293,8 @@ class Equilibrium:
             force += by_elements(more, relative)
             tangent += more
             forces[number] = node_forces(force, self._per_node).T
-            nodal.append(np.moveaxis(link.of_nodes(tangent), -1, 0))
-        tangents = dict(zip(self._links, link_matrices(nodal), strict=True))
+            nodal.append(np.ascontiguousarray(np.moveaxis(link.of_nodes(tangent), -1, 0)))
+        tangents = dict(zip(self._links, map(chain_matrix, nodal), strict=True))
         for number, coupling in self._couplings.items():
             bent = displacement[number] @ coupling.rows.T - coupling.unloaded
             forces[number] += bent @ coupling.elastic @ coupling.rows
@@ -356,6 +319,27 @@ class Equilibrium:
         """
         return {
             number: link.damping(element_ends(displacement[number], self._per_node), design)
+            for number, link in self._links.items()
+        }
+
+    def damping_stiffness(
+        self, displacement: Sequence[FloatArray], rate: Sequence[FloatArray]
+    ) -> dict[int, FloatArray]:
+        """Derivative of each element's damping forces by its displacement at given rates.
+
+        Parameters
+        ----------
+        displacement, rate : sequence of ndarray, shape (B, n_link)
+
+        Returns
+        -------
+        dict of int to ndarray, shape (B, e, 2 p, 2 p)
+            Of each flexible link.
+        """
+        return {
+            number: link.damping_stiffness(
+                *(element_ends(q[number], self._per_node) for q in (displacement, rate))
+            )
             for number, link in self._links.items()
         }
 

@@ -69,7 +69,7 @@ class ForceBalance:
         """
         entries, ties = self.tangents.entries(z.shape[1]), self.ties(z, problem)
         displacement = self.tangents.link_displacement(z, ties)
-        inner, strains = self._rigid_link_forces(displacement), []
+        inner, strains = [np.zeros_like(q) for q in displacement], []
         for place, (number, extra) in enumerate(zip(self.links, problem.extra, strict=True)):
             relative = relative_coordinates(displacement[number], self.per_node)
             force, tangent, strain = self.links[number].relative_response(
@@ -106,28 +106,6 @@ class ForceBalance:
             )
         band = self.tangents.band(entries, ties, ties.displaced.matrix(stiffness), springs)
         return Imbalance(residual, band, strains)
-
-    def residual(self, z: FloatArray, problem: Problem) -> FloatArray:
-        """Residual forces (size, B) at displacements (size, B): applied less internal ones."""
-        ties = self.ties(z, problem)
-        displacement = self.tangents.link_displacement(z, ties)
-        inner = self._rigid_link_forces(displacement)
-        for number, extra in zip(self.links, problem.extra, strict=True):
-            relative = relative_coordinates(displacement[number], self.per_node)
-            force = self.links[number].relative_force(
-                relative, problem.swelling, problem.motion.design
-            )
-            force += by_elements(extra, relative)
-            inner[number] = node_forces(force, self.per_node)
-        problem.dead.add_forces(inner, displacement)
-        self.coupled.add_forces(displacement, inner, problem.swelling)
-        if self.springs.columns:
-            self.springs.add_forces(problem.motion, displacement, inner, ties.displaced)
-        return self._unbalanced(inner, ties, problem)
-
-    def _rigid_link_forces(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
-        """Zero internal forces of rigid links, and arrays for those of the others."""
-        return [np.zeros_like(q) if n not in self.links else q for n, q in enumerate(displacement)]
 
     def _unbalanced(self, inner: Sequence[FloatArray], ties: Ties, problem: Problem) -> FloatArray:
         """Residual forces (size, B) in independent coordinates."""

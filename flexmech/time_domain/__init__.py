@@ -37,7 +37,6 @@ from flexmech.time_domain.periodic_motion.sampled_turn import SampledTurn
 from flexmech.time_domain.periodic_motion.shooting import (
     periodic_state,
     periodic_turn,
-    simulated_orbit,
     state_under_motor,
 )
 from flexmech.time_domain.recorded_runs.recording import Recorder, StepBlock
@@ -81,7 +80,6 @@ __all__ = [
     "periodic_state",
     "periodic_turn",
     "rigid_torque",
-    "simulated_orbit",
     "simulator",
     "state_under_motor",
     "static_balance",

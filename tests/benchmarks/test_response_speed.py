@@ -66,7 +66,9 @@ def test_errors_of_the_steps(aluminium, benchmark, tell):
 
     def errors(run, engine):
         coarse, fine = (run(refined=refined, band=BAND) for refined in (1, 8))
-        curves, expected = (deflections(engine(aluminium, 8), one) for one in (coarse, fine))
+        curves, expected = (
+            deflections(engine(aluminium, 8), one.displacement) for one in (coarse, fine)
+        )
         apart = np.linalg.norm(coarse.joint_force - fine.joint_force, axis=-1).max(axis=0)
         return (
             np.abs(curves - expected).max() / np.abs(expected).max(),

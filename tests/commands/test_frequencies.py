@@ -111,6 +111,7 @@ def test_pictures_are_those_that_there_is_data_for(command, rough_pictures):
     assert (damped > 0).all()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("words", "elements"),
     [
@@ -119,7 +120,6 @@ def test_pictures_are_those_that_there_is_data_for(command, rough_pictures):
         ("--engine reference --element reddy", ["reddy"]),
     ],
 )
-@pytest.mark.thorough
 def test_an_element_goes_to_the_engine_that_has_it(words, elements, command):
     model = "models/steel_fourbar.toml"
     words = [*COARSE, "--speeds", "0", *words.split(), "--no-plots"]

@@ -233,8 +233,8 @@ def check(typed: list[str]) -> None:
     assert not re.search(r"Traceback|<[A-Za-z]+\.[a-z]+: '|object at 0x", done.stderr), told
 
 
-@pytest.mark.parametrize("block", range((CASES + BLOCK - 1) // BLOCK))
 @pytest.mark.thorough
+@pytest.mark.parametrize("block", range((CASES + BLOCK - 1) // BLOCK))
 def test_any_command_line_and_model_file_runs_or_is_refused_in_one_line(block, tmp_path):
     broken = []
     for number in range(block * BLOCK, min(CASES, (block + 1) * BLOCK)):

@@ -169,8 +169,8 @@ DAMPED = (
 )
 
 
-@pytest.mark.parametrize("name", DAMPED)
 @pytest.mark.thorough
+@pytest.mark.parametrize("name", DAMPED)
 def test_damping_ratios_at_equilibrium_tend_to_each_other(name: str) -> None:
     one = case(name)
     result = moving_frequencies(
@@ -216,8 +216,8 @@ def test_campbell_diagrams_of_both_engines_are_alike(name: str) -> None:
         np.testing.assert_allclose(second, first, rtol=2e-4)
 
 
-@pytest.mark.parametrize("name", ["steel four-bar", "slider-crank uphill", "crank-rocker 0"])
 @pytest.mark.thorough
+@pytest.mark.parametrize("name", ["steel four-bar", "slider-crank uphill", "crank-rocker 0"])
 def test_periodic_motions_of_both_engines_peak_alike(name: str) -> None:
     one = case(name)
     first, second = (

@@ -55,6 +55,7 @@ def gap(data: xr.Dataset, name: str) -> float:
     return float(np.abs(second - first).max() / np.abs(first).max())
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("motor", "control"),
     [
@@ -65,7 +66,6 @@ def gap(data: xr.Dataset, name: str) -> float:
     ],
     ids=["curve with control", "on a coupling", "dc", "dc on a coupling"],
 )
-@pytest.mark.thorough
 def test_both_engines_start_alike_under_a_motor(motor: Any, control: Any) -> None:
     """What elastic links do to the shaft is its rotation away from the rigid linkage's."""
     data = run(motor, control, time=0.03)
@@ -172,8 +172,8 @@ DRIVES: dict[str, Any] = {
 }
 
 
-@pytest.mark.parametrize("name", DRIVES)
 @pytest.mark.thorough
+@pytest.mark.parametrize("name", DRIVES)
 def test_the_work_of_the_shaft_along_a_law_is_in_the_energies(name: str) -> None:
     """From rest: all that moves and bends comes from the shaft, and goes back to it."""
     request = ResponseRequest(DRIVES[name], samples=100, step=1e-4, modes=2)
@@ -281,6 +281,7 @@ def test_residual_vibration_between_the_times_of_a_move_is_that_of_runs_there() 
     assert any("too far apart" in str(line) for line in told[2].summary().details)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("kind", "damping", "tolerated"),
     [
@@ -289,7 +290,6 @@ def test_residual_vibration_between_the_times_of_a_move_is_that_of_runs_there() 
         pytest.param("ei", 0.02, 0.05, marks=THOROUGH),
     ],
 )
-@pytest.mark.thorough
 def test_a_shaper_for_its_frequency_keeps_an_arm_quiet(
     kind: Any, damping: float, tolerated: float
 ) -> None:

@@ -132,7 +132,7 @@ def test_sensors_measure_what_the_engine_does(name: str, element: str) -> None:
     assert made.mbs.SolveDynamic(made.settings)
     time = made.step * np.arange(made.steps + 1)
     run = engine.simulate(ConstantSpeed(20.0), start, time, made.step)
-    topology, deflection = mechanism.linkage.topology, deflections(engine, run)
+    topology, deflection = mechanism.linkage.topology, deflections(engine, run.displacement)
     for number, link in enumerate(topology.links):
         if link.rigid:
             assert f"{link.name}_deflection" not in made.sensors

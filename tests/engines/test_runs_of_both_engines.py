@@ -189,11 +189,11 @@ def test_a_rigid_start_rings_alike_to_twice_its_bow() -> None:
         assert np.corrcoef(bent["strain"], bent["deflection"])[0, 1] > 0.9
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "speed", "near"),
     [("four-bar on a frame", 8.0, 2e-4), ("slider-crank on a frame", 20.0, 1e-3)],
 )
-@pytest.mark.thorough
 def test_a_frame_on_springs_moves_alike(name: str, speed: float, near: float) -> None:
     """Exudyn's frame is a rigid body, the reference's coordinates of linear equations."""
     found = run(case(name), ConstantSpeed(speed), 0.25, start="periodic", samples=360)
@@ -216,11 +216,11 @@ def test_a_rod_that_bows_by_a_twentieth_takes_a_free_shaft_five_degrees_along() 
     assert float(found.dataset["energy_error"].max()) < 3e-4
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("shaft", "of", "near"),
     [("free", "shaft_rotation", 3e-3), ("prescribed", "driving_torque", 3e-3)],
 )
-@pytest.mark.thorough
 def test_a_lever_that_guides_a_bowed_crank_runs_alike(shaft: str, of: str, near: float) -> None:
     """Lines that turn linearly left deflections 2e-2 off, joint forces on a free shaft 0.2."""
     one = Case(bowed_guide(), 6.0, shaft=shaft)

@@ -166,7 +166,7 @@ def test_speeds_without_equilibrium_are_not_said_to_be_stable() -> None:
     data = data.isel(curve=data["curve_speed"].values < 23)
     states = np.array([["no", "no", "no equilibrium"]])
     data = data.assign(unstable=(data["unstable"].dims, states))
-    operating, stable, _ = StabilityMap(data).summary().answer
+    operating, stable, *_ = StabilityMap(data).summary().answer
     assert operating.startswith("Whether 24 rad/s is stable is not known")
     last = data["curve_speed"].values.max()
     assert stable == f"No vibration is found to grow from 20 to {last:.6g} rad/s."

@@ -33,6 +33,8 @@ LOOSER = {
     r".*(error|difference|gap|coherence).*": (0.02, 1e-6, 1e-12),
     # Poles are fitted to noise.
     r"hammer (identified.csv|printed): .*": (1e-4, 1e-6, 1e-12),
+    # Limits of an index of 1 by a bootstrap of few samples, whose ties round-off decides.
+    r"uncertainty sensitivity.csv: .*_(low|high)": (0.02, 0.0, 0.02),
     # Of undamped linkages they are round-off.
     r".*damping_ratio": (1e-6, 1e-9, 1e-10),
 }

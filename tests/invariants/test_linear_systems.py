@@ -60,9 +60,9 @@ def damped(mechanism: Mechanism, damping_time: float) -> Mechanism:
     return replace(mechanism, sections=beams)
 
 
+@pytest.mark.thorough
 @few
 @given(running_mechanisms(), levels)
-@pytest.mark.thorough
 def test_frozen_matrices_are_symmetric_and_positive_definite(case: Running, level: str) -> None:
     """Material damping is the damping time times the stiffness."""
     system = system_of(case, level, terms=False)

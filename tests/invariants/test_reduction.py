@@ -54,11 +54,11 @@ def test_six_frequencies_are_those_of_all_coordinates(prestress: Any, speed: flo
         assert (found >= exact * (1 - 1e-10)).all()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("speed", "time", "element"),
     [(60.0, 0.0, "euler"), (33.0, 1e-3, "euler"), (60.0, 0.0, "timoshenko")],
 )
-@pytest.mark.thorough
 def test_deeply_bowed_and_strongly_damped_links_stay_as_they_are(
     aluminium: Mechanism, speed: float, time: float, element: str
 ) -> None:
@@ -87,8 +87,8 @@ def test_random_damped_mechanisms_at_high_speed_stay_as_they_are(seed: int, kind
     assert ratio[0] == pytest.approx(ratio[1], rel=1.1e-3)
 
 
-@pytest.mark.parametrize("kind", [ReferenceEngine, ExudynEngine])
 @pytest.mark.thorough
+@pytest.mark.parametrize("kind", [ReferenceEngine, ExudynEngine])
 def test_dampers_of_springs_and_joints_stay_as_they_are(kind: Any) -> None:
     """Their forces bend links in ways that few modes have."""
     case = random_case(5303, angles=3)
@@ -134,8 +134,8 @@ def test_a_fast_arm_and_one_whose_fourth_mode_stretches_stay_as_they_are(
         assert 2 * np.pi * found[3] == pytest.approx(np.pi / 2 * 70, rel=1e-3)
 
 
-@pytest.mark.parametrize("kind", [ReferenceEngine, ExudynEngine])
 @pytest.mark.thorough
+@pytest.mark.parametrize("kind", [ReferenceEngine, ExudynEngine])
 def test_positions_together_have_the_frequencies_of_each_alone(
     aluminium: Mechanism, kind: Any
 ) -> None:

@@ -38,6 +38,7 @@ def damped(mechanism: Mechanism, time: float) -> Mechanism:
     return replace(mechanism, sections=sections)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "kind", "speed", "prestress"),
     [
@@ -46,7 +47,6 @@ def damped(mechanism: Mechanism, time: float) -> Mechanism:
         ("aluminium", ExudynEngine, 20.0, "axial"),
     ],
 )
-@pytest.mark.thorough
 def test_moduli_of_an_undamped_linkage_are_one_whatever_the_steps(
     mechanisms: dict[str, Mechanism], name: str, kind: Any, speed: float, prestress: Any
 ) -> None:

@@ -235,6 +235,21 @@ def test_sandwich_arms_are_those_of_plane_elasticity(
     assert low[1] < 0.6 * exact[1] < 0.4 * high[1]
 
 
+@pytest.mark.parametrize(("core", "length", "named"), [(6, 0.08, 3), (8, 0.07, 2)])
+def test_modes_in_which_a_core_is_compressed_are_named(
+    core: float, length: float, named: int
+) -> None:
+    """Those below are within 1 % of plane elasticity; of the others one is off by more."""
+    section = sandwich(1, core, (0.0, 0.0))
+    exact, _ = arm_in_elasticity(section, length)
+    mechanism = Mechanism(RotatingArm(length), {"arm": BeamSection.of_laminate(section)})
+    engine = ReferenceEngine(mechanism)
+    off = np.abs(natural_frequencies(engine, 0.0, modes=3) / exact - 1)
+    assert off[: named - 1].max() < 0.01 < off[named - 1 :].max()
+    mapped = moving_frequencies(engine, [0.0], [0.0], modes=3, rotation_terms=False)
+    assert any(f"from mode {named} on" in warning for warning in mapped.summary().warnings)
+
+
 def test_a_map_says_which_element_was_chosen_and_what_it_leaves_out() -> None:
     section = BeamSection.of_laminate(sandwich(1, 6, (0.0, 0.0)))
     mechanism = Mechanism(FourBar(0.48, 0.16, 0.48, 0.40), dict.fromkeys(LINKS, section))

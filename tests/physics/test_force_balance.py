@@ -97,8 +97,8 @@ def test_whatever_the_masses_of_a_four_bar_nothing_is_left(seed: int) -> None:
     assert peak(after) < 1e-12 * max(peak(before), float(abs(data["joint_force"]).max()))
 
 
-@pytest.mark.parametrize("name", ["aluminium_fourbar", "composite_fourbar", "sandwich_fourbar"])
 @pytest.mark.thorough
+@pytest.mark.parametrize("name", ["aluminium_fourbar", "composite_fourbar", "sandwich_fourbar"])
 def test_the_file_that_is_written_shakes_no_frame(name: str, tmp_path: Path) -> None:
     """At speeds and accelerations that it was not balanced at, too."""
     given_one = load_mechanism(example_model(name))

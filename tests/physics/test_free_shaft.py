@@ -144,8 +144,8 @@ def run(engine: Any, shaft_inertia: float, **asked: Any) -> Any:
     ).dataset
 
 
-@pytest.mark.parametrize(("engine", "balance"), [(ReferenceEngine, 1e-5), (ExudynEngine, 1e-6)])
 @pytest.mark.thorough
+@pytest.mark.parametrize(("engine", "balance"), [(ReferenceEngine, 1e-5), (ExudynEngine, 1e-6)])
 def test_in_a_run_what_a_heavy_shaft_leaves_falls_as_one_over_its_inertia(
     engine: Any, balance: float
 ) -> None:
@@ -162,8 +162,8 @@ def test_in_a_run_what_a_heavy_shaft_leaves_falls_as_one_over_its_inertia(
     assert apart[0] / apart[1] == pytest.approx(10, rel=0.02)
 
 
-@pytest.mark.parametrize(("kind", "element"), [(ReferenceEngine, "euler"), (ExudynEngine, "ancf")])
 @pytest.mark.thorough
+@pytest.mark.parametrize(("kind", "element"), [(ReferenceEngine, "euler"), (ExudynEngine, "ancf")])
 def test_a_struck_arm_on_a_free_shaft_keeps_its_energy_and_rings_as_predicted(
     kind: Any, element: str
 ) -> None:

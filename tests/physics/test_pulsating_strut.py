@@ -176,8 +176,8 @@ def growth(strut: Strut, speed: float, damping_time: float = 0.0) -> float:
     return float(found["growth_rate"].item())
 
 
-@pytest.mark.parametrize(("seed", "part"), [(0, 0.4), (1, 0.9), (2, 0.9), (0, 1.2)])
 @pytest.mark.thorough
+@pytest.mark.parametrize(("seed", "part"), [(0, 0.4), (1, 0.9), (2, 0.9), (0, 1.2)])
 def test_damping_takes_from_the_growth_of_a_strut_what_it_should(seed: int, part: float) -> None:
     """Less than closes the region, and more."""
     strut = drawn(seed)

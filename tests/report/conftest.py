@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -11,11 +9,9 @@ import pytest
 
 import flexmech
 from tests.support import results
+from tests.support.browser import MISSING, REQUIRED, installed_browser, is_required
 from tests.support.report_page import Page
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-# Set where a browser must be found: a test is not skipped then.
-REQUIRED = "FLEXMECH_REQUIRE_BROWSER"
 OF_THE_FOURBAR = (
     results.check,
     results.frequencies,
@@ -57,14 +53,14 @@ def fourbar(write: Write) -> Page:
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Any]:
     """The distribution's chromium, driven by Playwright."""
-    executable = next(filter(None, map(shutil.which, BROWSERS)), None)
-    reason = "" if executable else f"no browser is installed ({', '.join(BROWSERS)})"
+    executable = installed_browser()
+    reason = "" if executable else MISSING
     try:
         from playwright.sync_api import sync_playwright
     except ImportError:
         reason = "playwright is not installed (extra test-browser)"
     if reason:
-        if os.environ.get(REQUIRED):
+        if is_required():
             pytest.fail(f"{reason}, and {REQUIRED} is set")
         pytest.skip(reason)
     with sync_playwright() as playwright:

@@ -25,7 +25,6 @@ from flexmech.analyses.remarks import environment_lines, left_out_attributes, st
 from flexmech.analyses.requests import Engines, as_many_modes, engines_of
 from flexmech.arrays import FloatArray, LabelledProgress, silent
 from flexmech.choices import MapPrestress, ShaftChoice
-from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine, RotationTerms
 from flexmech.mechanism import drawing
@@ -171,9 +170,8 @@ def moving_frequencies(
         Number of natural frequencies. Left out: 4, or as many as the model has and as oscillate at
         all positions.
     prestress : {"none", "axial", "equilibrium", "trajectory"}
-        With ``trajectory`` engines that simulate are linearized in the states of their
-        periodic motion, and the result holds the quasi-static frequencies besides; other
-        engines give the quasi-static ones alone.
+        With ``trajectory`` engines are linearized in the states of their periodic motion, and
+        the result holds the quasi-static frequencies besides.
     rotation_terms : bool or RotationTerms
         Terms of the turning link frames: all, none (the frozen inertial form), or those
         selected. With them, frozen eigenvalues depend on the frame in which they are written
@@ -223,12 +221,6 @@ def moving_frequencies(
     """
     engines = engines_of(engine, shaft=shaft)
     speeds, unit = asked_speeds(crank_speeds, speed_unit, engines[0].mechanism, operating_speeds)
-    if prestress == "trajectory" and not any(each.simulates for each in engines):
-        names = " and ".join(each.name for each in engines)
-        raise InputError(
-            f"prestress 'trajectory' needs an engine that simulates the running linkage, and "
-            f"{names} does not: use the exudyn engine, or prestress 'equilibrium'"
-        )
     asked_angles = MAP_ANGLES if crank_angles is None else crank_angles
     angles = checked_array(asked_angles, "crank_angles", "rad")
     report = progress or silent

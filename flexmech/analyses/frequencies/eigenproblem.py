@@ -16,7 +16,6 @@ from flexmech.linear_system import (
     LinearSystem,
     OverdampedError,
     TooManyModesError,
-    inverse_mass_root,
     refuse_positions,
 )
 
@@ -182,7 +181,7 @@ def _standard_form(system: LinearSystem) -> tuple[FloatArray, FloatArray]:
         First rows and columns of W.
     """
     ends = system.size if system.unit_mass_from is None else system.unit_mass_from
-    lower = inverse_mass_root(system.mass[:, :ends, :ends])
+    lower = np.linalg.inv(np.linalg.cholesky(system.mass[:, :ends, :ends]))
     unit_mass, stiffness = np.swapaxes(lower, 1, 2), system.stiffness.copy()
     np.matmul(system.stiffness[:, :, :ends], unit_mass, out=stiffness[:, :, :ends])
     stiffness[:, :ends, :ends] = lower @ stiffness[:, :ends, :ends]

@@ -80,7 +80,6 @@ def map_engine(engine: Engine, request: FrequencyRequest, report: LabelledProgre
     ----------
     engine : Engine
     request : FrequencyRequest
-        Engines that do not simulate answer it about the quasi-static state.
     report : callable
         Progress: ``report(label, done, total)``.
 
@@ -123,11 +122,11 @@ class _CheckedSpeed:
 
 def _checked_speeds(engine: Engine, request: FrequencyRequest) -> list[_CheckedSpeed]:
     """Reductions and errors at each speed."""
-    asked, checks = _answered_by(engine, request), []
+    checks = []
     angles = request.crank_angles[check_angle_indices(request.crank_angles, request.full_turn)]
     compared = on_compared_mesh(engine)
-    for speed in asked.crank_speeds.tolist():
-        checked = converged_modes(systems_at(engine, asked, speed), angles, speed, SPARE_MODES)
+    for speed in request.crank_speeds.tolist():
+        checked = converged_modes(systems_at(engine, request, speed), angles, speed, SPARE_MODES)
         own = checked.systems.engine
         error = mesh_error(
             checked.systems,
@@ -146,12 +145,6 @@ def _checked_speeds(engine: Engine, request: FrequencyRequest) -> list[_CheckedS
     return checks
 
 
-def _answered_by(engine: Engine, request: FrequencyRequest) -> FrequencyRequest:
-    """What an engine can answer: about the quasi-static state if it does not simulate."""
-    still = replace(request, formulation=request.formulation.quasi_static)
-    return request if engine.simulates else still
-
-
 def _map_on_mesh(
     engine: Engine,
     request: FrequencyRequest,
@@ -159,8 +152,7 @@ def _map_on_mesh(
     report: LabelledProgress,
 ) -> EngineMap:
     """Map of one engine, speed by speed; a speed begins with the branches of the one before."""
-    asked = _answered_by(engine, request)
-    angles, modes = asked.crank_angles, asked.formulation.modes
+    angles, modes = request.crank_angles, request.formulation.modes
     losses = StrainEnergyDamping.of(engine)
     numbering: IntArray | None = None
     start_shapes: NDArray[Any] | None = None
@@ -169,15 +161,15 @@ def _map_on_mesh(
     def advance(count: int) -> None:
         nonlocal done
         done += count
-        report(engine.name, done, len(asked.crank_speeds) * len(angles))
+        report(engine.name, done, len(request.crank_speeds) * len(angles))
 
-    for speed, check in zip(asked.crank_speeds.tolist(), checks, strict=True):
+    for speed, check in zip(request.crank_speeds.tolist(), checks, strict=True):
         systems, shapes = check.systems, check.shapes
         if start_shapes is not None:
             numbering = same_shapes(start_shapes, shapes[0], numbering)
         start_shapes = shapes[0]
         count = shapes.shape[1]
-        along = _along_angles(systems, count, asked, speed, Tracker(numbering), losses, advance)
+        along = _along_angles(systems, count, request, speed, Tracker(numbering), losses, advance)
         errors = {
             "discretisation_error": check.mesh_error.frequency,
             "reduction_error": check.reduction_error.frequency,
@@ -188,7 +180,7 @@ def _map_on_mesh(
                 "damping_ratio_discretisation_error": check.mesh_error.damping_ratio,
                 "damping_ratio_reduction_error": check.reduction_error.damping_ratio,
             }
-        at = angles[check_angle_indices(angles, asked.full_turn)]
+        at = angles[check_angle_indices(angles, request.full_turn)]
         if losses is not None:
             found = damping_error(systems, at, speed)
             errors["strain_energy_damping_discretisation_error"] = found
@@ -199,20 +191,17 @@ def _map_on_mesh(
         if may_flutter(engine):
             part = part.merge(flutter(systems, angles, speed))
         if request.formulation.prestress != "trajectory":
-            part = part.assign(_extremes(systems, asked, speed, part))
+            part = part.assign(_extremes(systems, request, speed, part))
         parts.append(part)
-    dataset = xr.concat(parts, pd.Index(asked.crank_speeds, name="crank_speed"), join="inner")
+    dataset = xr.concat(parts, pd.Index(request.crank_speeds, name="crank_speed"), join="inner")
     dataset.attrs["damped_by"] = checks[0].systems.damped_by
     used = tuple(check.systems for check in checks)
     if request.formulation.prestress == "trajectory":
-        quasi_static = dataset["frequency"]
-        if engine.simulates:
-            still = request.formulation.quasi_static
-            calm = [replace(s, formulation=still, running=None) for s in used]
-            pairs = zip(calm, asked.crank_speeds.tolist(), strict=True)
-            values = [frequencies_along(s, angles, speed) for s, speed in pairs]
-            quasi_static = quasi_static.copy(data=np.stack(values))
-        dataset["quasi_static_frequency"] = quasi_static
+        still = request.formulation.quasi_static
+        calm = [replace(s, formulation=still, running=None) for s in used]
+        pairs = zip(calm, request.crank_speeds.tolist(), strict=True)
+        values = [frequencies_along(s, angles, speed) for s, speed in pairs]
+        dataset["quasi_static_frequency"] = dataset["frequency"].copy(data=np.stack(values))
     return EngineMap(used, dataset)
 
 

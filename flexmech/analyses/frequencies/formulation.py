@@ -1,6 +1,6 @@
 """Which terms of the moving linkage are counted, and the linear systems that follow.
 
-They are linearized about the quasi-static equilibrium, or about states of the simulated motion.
+They are linearized about the quasi-static equilibrium, or about the periodic motion.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.choices import MODES, MOST_MODES, PRESTRESS_LEVELS, MapPrestress, Prestress
@@ -21,76 +20,8 @@ from flexmech.linear_system import (
     has_dampers,
     stack_batches,
 )
-from flexmech.linkages import ConstantSpeed
-from flexmech.time_domain import DrivenLinkage, simulated_orbit, simulator
+from flexmech.time_domain import NonlinearOrbit
 from flexmech.validation import check_choice, check_count
-
-# Vibration moves frequencies by a part of what speed does; a step of an eighth of a degree makes
-# 1e-3 of the deflection.
-STEPS_PER_TURN = 2880
-# Every fourth step: a cubic spline through states half a degree apart is nearer than the steps are.
-SAMPLES_PER_TURN = 720
-
-
-@dataclass(frozen=True)
-class RunningStates:
-    """Elastic displacements along the periodic motion at one crank speed.
-
-    Parameters
-    ----------
-    displacement : tuple of CubicSpline
-        Of each link in its frame, over the angle that the crank has turned by in a turn.
-    sense : float
-        Of the rotation: 1 counter-clockwise, -1 clockwise.
-    """
-
-    displacement: tuple[scipy.interpolate.CubicSpline, ...]
-    sense: float
-
-    @classmethod
-    def of(cls, engine: Engine, crank_speed: float) -> RunningStates:
-        """Simulate the periodic motion of an engine.
-
-        Parameters
-        ----------
-        engine : Engine
-            One that simulates.
-        crank_speed : float
-            In rad/s, not zero.
-
-        Returns
-        -------
-        RunningStates
-
-        Raises
-        ------
-        InputError
-            If the engine does not simulate.
-        ComputationError
-            If no periodic motion is found.
-        """
-        engine = engine.with_(shaft="prescribed")
-        simulating, drive = simulator(engine), ConstantSpeed(crank_speed)
-        turn = drive.revolution_time
-        time = turn / SAMPLES_PER_TURN * np.arange(SAMPLES_PER_TURN + 1, dtype=float)
-        linkage = DrivenLinkage(engine, drive, "equilibrium", with_energy=False)
-        orbit = simulated_orbit(
-            linkage,
-            STEPS_PER_TURN,
-            lambda start: simulating.simulate(drive, start, time, turn / STEPS_PER_TURN),
-        )
-        angle = np.abs(drive.crank_angle(time))
-        splines = []
-        for q in orbit.turn.displacement:
-            closed = q.copy()
-            closed[-1] = closed[0]
-            splines.append(scipy.interpolate.CubicSpline(angle, closed, bc_type="periodic"))
-        return cls(tuple(splines), float(np.sign(crank_speed)))
-
-    def at(self, crank_angle: FloatArray) -> list[FloatArray]:
-        """Displacements of each link at crank angles (A,), shape (A, n_link)."""
-        turned = np.mod(self.sense * crank_angle, 2 * np.pi)
-        return [np.asarray(spline(turned), dtype=float) for spline in self.displacement]
 
 
 @dataclass(frozen=True)
@@ -100,7 +31,7 @@ class Formulation:
     Parameters
     ----------
     prestress : {"none", "axial", "equilibrium", "trajectory"}
-        ``trajectory``: in the states of the simulated periodic motion.
+        ``trajectory``: in the states that the periodic motion runs through.
     rotation_terms : bool or RotationTerms
         Terms of the turning link frames: all, none, or those selected.
     modes : int
@@ -136,7 +67,7 @@ class Formulation:
 
     @property
     def quasi_static_prestress(self) -> Prestress:
-        """The level nearest to the one asked for that needs no simulation."""
+        """The level of the quasi-static state: that itself, or the one next to the motion."""
         return "equilibrium" if self.prestress == "trajectory" else self.prestress
 
     @property
@@ -158,15 +89,15 @@ class Systems:
         design (D,) of a stack; that of the positions asked for by default.
     detail : float
         How many component modes to take; see :meth:`flexmech.linear_system.Engine.linear_system`.
-    running : RunningStates, optional
-        States to linearize about in place of the prestress.
+    running : NonlinearOrbit, optional
+        Periodic motion to linearize about in place of the prestress.
     """
 
     engine: Engine
     formulation: Formulation
     fastest: FloatArray | float | None = None
     detail: float = 1.0
-    running: RunningStates | None = None
+    running: NonlinearOrbit | None = None
 
     @property
     def is_damped(self) -> bool:
@@ -225,7 +156,7 @@ class Systems:
 
     def states(self, crank_angle: FloatArray) -> list[FloatArray] | None:
         """Displacements to linearize about, (B, n_link) each; None where there is a prestress."""
-        return None if self.running is None else self.running.at(crank_angle)
+        return None if self.running is None else self.running.at(crank_angle)[0]
 
     def batch_numbers(self, count: int) -> Sequence[slice | IntArray]:
         """Positions of each batch, of so many; of a stack, as many of each design."""

@@ -9,11 +9,12 @@ from functools import partial
 import numpy as np
 
 from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
-from flexmech.analyses.frequencies.formulation import Formulation, RunningStates, Systems
+from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.arrays import FloatArray, IntArray, LabelledProgress
 from flexmech.choices import ROTATION_TERMS, Prestress
 from flexmech.linear_system import Engine, RotationTerms, StressedLinks
+from flexmech.time_domain import nonlinear_orbit
 
 
 def systems_at(engine: Engine, request: FrequencyRequest, crank_speed: float) -> Systems:
@@ -36,7 +37,8 @@ def systems_at(engine: Engine, request: FrequencyRequest, crank_speed: float) ->
         motion = engine.mechanism.linkage.motion(request.crank_angles, 1.0)
         fastest = float(engine.fastest(motion)[0]) * abs(crank_speed)
     runs = request.formulation.prestress == "trajectory" and crank_speed
-    running = RunningStates.of(engine, crank_speed) if runs else None
+    # Its shaft turns evenly, whether small vibrations turn it besides or not.
+    running = nonlinear_orbit(engine.with_(shaft="prescribed"), crank_speed) if runs else None
     return Systems(engine, request.formulation, fastest, running=running)
 
 

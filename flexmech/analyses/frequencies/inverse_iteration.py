@@ -17,7 +17,6 @@ from flexmech.linear_system import (
     LinkPencil,
     SparseMatrices,
     StaticResponse,
-    inverse_mass_root,
     times,
 )
 
@@ -167,7 +166,7 @@ def responding_values(
 
 def _ritz_values(inertia: FloatArray, strain: FloatArray) -> NDArray[np.complex128]:
     """Eigenvalues of projected matrices (B, m, m)."""
-    lower = inverse_mass_root(inertia)
+    lower = np.linalg.inv(np.linalg.cholesky(inertia))
     squares = np.linalg.eigvalsh(lower @ strain @ np.swapaxes(lower, 1, 2))
     # Round-off of lengths or stiffnesses beyond all proportion: of such a mode nothing is known.
     return np.asarray(1j * np.sqrt(np.where(squares < 0, np.nan, squares)))

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system import LinearSystem, inverse_mass_root
+from flexmech.linear_system import LinearSystem
 
 
 def _without_rigid_modes(
@@ -87,7 +87,7 @@ def _rigid_shapes(system: LinearSystem) -> tuple[FloatArray, FloatArray]:
 
     Of the symmetric part of the stiffness the rigid motion is the softest.
     """
-    half = inverse_mass_root(system.mass)
+    half = np.linalg.inv(np.linalg.cholesky(system.mass))
     across = np.swapaxes(half, 1, 2)
     symmetric = (system.stiffness + np.swapaxes(system.stiffness, 1, 2)) / 2
     squares, vectors = np.linalg.eigh(half @ symmetric @ across)

@@ -152,12 +152,6 @@ def vibration_lines(effect: xr.DataArray | None, dataset: xr.Dataset) -> list[st
     lines = []
     for engine in effect["engine"].values:
         change = effect.sel(engine=engine)
-        if not abs(change).max() > 0:
-            lines.append(
-                f"trajectory: the {engine} engine runs no simulation; its frequencies are the "
-                "quasi-static ones, at equilibrium"
-            )
-            continue
         place = _greatest(change)
         lines.append(
             f"trajectory: vibration moves the frequencies of {engine} by at most "

@@ -19,7 +19,7 @@ _STEP = np.radians(1.0)
 # around the best of them; so often, two degrees become 1e-7 deg, where a corner of a table of loads
 # or a dead point is found to 1e-9 of a quantity that changes by its own size over a radian.
 _INSIDE, _ZOOMS = 17, 8
-# Angles closer than this part of a step count as one angle.
+# Angles closer than this part of a step count as one.
 _SAME = 1e-9
 # Of a mean: steps of the first trapezoidal rule a turn, and how often they are halved at most. The
 # rule converges faster than any power for what is smooth and periodic, as the square of the step
@@ -88,7 +88,7 @@ def extremes(
     """
     angles, turns = crank_angles, step is None
     if between:
-        angles = _with_steps(angles, step or _STEP)
+        angles = with_steps(angles, step or _STEP)
     values = values_at(angles)
     greatest = _greatest(values_at, angles, values, 1.0, between, turns)
     least = _greatest(values_at, angles, values, -1.0, between, turns)
@@ -127,18 +127,39 @@ def greatest_between(
     >>> found.value.round(9), found.angle.round(4)
     (array([1.]), array([0.1234]))
     """
-    angles = _with_steps(crank_angles, step)
+    angles = with_steps(crank_angles, step)
     return _greatest(values_at, angles, values_at(angles), 1.0, True, True, zooms)
 
 
-def _with_steps(angles: FloatArray, step: float) -> FloatArray:
-    """Angles, and steps of equal length from the first to the last of them."""
-    if angles.size == 1:
-        return angles
-    steps = int(np.ceil(round((angles[-1] - angles[0]) / step, 6)))
-    every = np.union1d(angles, np.linspace(angles[0], angles[-1], max(steps, 1) + 1))
-    # Two that differ by round-off are one: a peak is sought between the neighbours of its angle.
-    return np.asarray(every[np.append(True, np.diff(every) > _SAME * step)])
+def with_steps(angles: FloatArray, step: float) -> FloatArray:
+    """Angles, and others between them in even steps from the first to the last.
+
+    A step that differs by round-off from an angle is that angle: a peak is sought between the
+    neighbours of its own.
+
+    Parameters
+    ----------
+    angles : ndarray, shape (A,)
+        In rad, increasing; or times.
+    step : float
+        Greatest length of a step.
+
+    Returns
+    -------
+    ndarray, shape (B,)
+        Increasing, with the angles themselves.
+
+    Examples
+    --------
+    >>> with_steps(np.array([0.0, 0.5, 2.0]), 1.0)
+    array([0. , 0.5, 1. , 2. ])
+    """
+    even = np.linspace(
+        angles[0], angles[-1], int(np.ceil(round((angles[-1] - angles[0]) / step, 6))) + 1
+    )
+    after = np.minimum(np.searchsorted(angles, even), len(angles) - 1)
+    apart = np.abs(even - angles[[np.maximum(after - 1, 0), after]]).min(axis=0)
+    return np.union1d(angles, even[apart > _SAME * step])
 
 
 def _greatest(

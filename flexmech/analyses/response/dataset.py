@@ -153,7 +153,10 @@ def _history(
     return (
         xr.Dataset(
             {
-                "deflection": (("time", "link"), measurements.deflections(engine, trajectory)),
+                "deflection": (
+                    ("time", "link"),
+                    measurements.deflections(engine, trajectory.displacement),
+                ),
                 "strain": (("time", "link"), measurements.bending_strains(engine, trajectory)),
                 "driving_torque": ("time", trajectory.driving_torque),
                 "joint_force": (("time", "joint", "component"), trajectory.joint_force),
@@ -198,7 +201,8 @@ def _shaft(trajectory: Trajectory, refined: Trajectory) -> xr.Dataset:
 def _peaks(run: EngineRun, drive: Drive) -> xr.Dataset:
     """Greatest deflections, strains and stresses, between the samples that were asked for too."""
     angle = drive.crank_angle(run.trajectory.time)
-    deflection, where = peaks_between(measurements.deflections(run.engine, run.trajectory), angle)
+    moved = measurements.deflections(run.engine, run.trajectory.displacement)
+    deflection, where = peaks_between(moved, angle)
     strain, _ = peaks_between(measurements.bending_strains(run.engine, run.trajectory), angle)
     stressed = peak_stresses(run.engine, run.trajectory, drive)
     return xr.Dataset(
@@ -296,7 +300,7 @@ def _spectra(
     """Spectra of a run at its final speed; in time as well where it is long enough."""
     begin, interval = spectra_from(request), request.sample_interval / plan.refinement
     steady = run.trajectory.time >= begin - 1e-12
-    signals = measurements.deflections(run.engine, run.trajectory)[steady].T
+    signals = measurements.deflections(run.engine, run.trajectory.displacement)[steady].T
     up_to = SPECTRUM_REACH * plan.highest
     frequency, amplitude = amplitude_spectrum(signals, interval, up_to)
     if turns := whole_turns(request):

@@ -129,7 +129,10 @@ def _residual(
     time, at = refined.time[after] - begin, sampled[shown] - begin
     # At the stop and at the end of the rest besides the samples that are kept.
     at = np.concatenate([time[:1], at, time[-1:]])
-    bent, modes = deflections(engine, refined)[after], StandingModes.of(engine, request)
+    bent, modes = (
+        deflections(engine, refined.displacement)[after],
+        StandingModes.of(engine, request),
+    )
     waves = modes.waves(refined, begin)
     period = 1 / float(modes.frequency[0])
     of_links = [

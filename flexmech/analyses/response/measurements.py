@@ -20,24 +20,7 @@ def probes(engine: Engine) -> list[str]:
     return ["tip" if name in clamped else "middle" for name in topology.link_names]
 
 
-def deflections(engine: Engine, trajectory: Trajectory) -> FloatArray:
-    """Deflection of every link at its probe along a run; see :func:`deflections_of`.
-
-    Parameters
-    ----------
-    engine : Engine
-    trajectory : Trajectory
-        N samples.
-
-    Returns
-    -------
-    ndarray, shape (N, n_links)
-        In m.
-    """
-    return deflections_of(engine, trajectory.displacement)
-
-
-def deflections_of(engine: Engine, displacement: Sequence[FloatArray]) -> FloatArray:
+def deflections(engine: Engine, displacement: Sequence[FloatArray]) -> FloatArray:
     """Deflection of every link at its probe, positive along the link frame's y axis.
 
     Of the middle from the straight line between the link's own ends, or of a clamped link's

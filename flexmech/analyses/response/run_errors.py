@@ -166,7 +166,10 @@ def _histories(
     engine: Engine, run: Trajectory, drive: Drive
 ) -> dict[str, tuple[FloatArray, FloatArray]]:
     """Histories (N, k, components) of what has an error, and their peaks (k,)."""
-    deflection, stress = deflections(engine, run), greatest_stresses(engine, run, drive)
+    deflection, stress = (
+        deflections(engine, run.displacement),
+        greatest_stresses(engine, run, drive),
+    )
     found = {
         "deflection": (deflection[..., None], peaks_between(deflection, run.time)[0]),
         "stress": (stress[..., None], peaks_between(stress, run.time)[0]),

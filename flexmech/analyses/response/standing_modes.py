@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies.eigenproblem import solve_modes
-from flexmech.analyses.response.measurements import deflections_of
+from flexmech.analyses.response.measurements import deflections
 from flexmech.analyses.response.plan import undamped, vibrating_engine
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.arrays import FloatArray
@@ -77,7 +77,7 @@ class StandingModes:
         modes = solve_modes(system, min(request.modes, system.size))
         shapes = [q[0] for q in system.unreduced_links(modes.vectors)]
         weights, of_frame = system.modal_weights(modes.vectors, free.links)
-        small = deflections_of(free, [_SMALL * q.T for q in shapes])
+        small = deflections(free, [_SMALL * q.T for q in shapes])
         vectors, frequency = modes.vectors[0], modes.frequency[0]
         damping = np.einsum("nm,nk,km->m", vectors, damped.damping[0], vectors)
         ratio = damping / (4 * np.pi * frequency)

@@ -19,6 +19,7 @@ from flexmech.time_domain import (
     DrivenLinkage,
     FrameMotion,
     LinkState,
+    nonlinear_orbit,
     periodic_state,
     static_balance,
 )
@@ -57,6 +58,15 @@ def simulation_start(engine: Engine, request: ResponseRequest, step: float) -> L
             _equilibrium(engine, request.drive), frame=_frame_at_rest(engine, request.drive)
         )
     return _on_periodic_motion(engine, request, step)
+
+
+def _has_nonlinear_orbit(engine: Engine, request: ResponseRequest) -> bool:
+    """Whether the periodic motion of the nonlinear equations is found.
+
+    Those of a frame on springs, of a motor and of other prestress are the linear equations'.
+    """
+    shaken = engine.mechanism.frame is not None or isinstance(request.drive, MotorRun)
+    return request.prestress == "equilibrium" and not shaken
 
 
 @dataclass(frozen=True)
@@ -118,10 +128,12 @@ class _PeriodicMotion:
 
 
 def _on_periodic_motion(engine: Engine, request: ResponseRequest, step: float) -> LinkState:
-    """On the periodic motion of the linear equations at time zero.
+    """On the periodic motion at time zero.
 
-    A simulation counts the stretch by the square of the slopes, which these leave out.
+    A simulation counts the stretch by the square of the slopes, which linear equations leave out.
     """
+    if _has_nonlinear_orbit(engine, request):
+        return nonlinear_orbit(engine, request.drive.speed).state(request.drive.start_angle)
     linear = _PeriodicMotion.of(engine, request, step)
     time, motion, was = linear.time, linear.motion, linear.displacement
     engine = linear.engine
@@ -273,9 +285,17 @@ def _stretching_on_periodic_motion(
 ) -> VibrationState:
     """The same of links that stretch as the linkage says."""
     assert linkage.stretch is not None
-    linear = _PeriodicMotion.of(linkage.engine, request, step)
-    time, motion, frames = linear.time, linear.motion, linkage.frames
-    forces = linear_forces(linear.engine, motion, linear.displacement, request.prestress)
+    frames, time = linkage.frames, _start_times(request.drive)
+    if _has_nonlinear_orbit(linkage.engine, request):
+        engine, motion = linkage.engine, linkage.motion(time)
+        displacement, rate = nonlinear_orbit(engine, request.drive.speed).at(motion.crank_angle)
+        forces = engine.running_links(motion, displacement).internal_force
+        assert forces is not None
+        starts = [LinkState([q[n] for q in displacement], [v[n] for v in rate]) for n in range(3)]
+    else:
+        linear = _PeriodicMotion.of(linkage.engine, request, step)
+        motion, starts = linear.motion, [linear.state(number) for number in range(len(time))]
+        forces = linear_forces(linear.engine, motion, linear.displacement, request.prestress)
     links = list(zip(frames.links, linkage.stretch.links, strict=True))
 
     def internal_forces(displacement: list[FloatArray]) -> list[FloatArray]:
@@ -284,7 +304,7 @@ def _stretching_on_periodic_motion(
             for (link, stretch), p in zip(links, displacement, strict=True)
         ]
 
-    states = [linkage.coordinates(linear.state(i), float(t)) for i, t in enumerate(time)]
+    states = [linkage.coordinates(*pair) for pair in zip(starts, time.tolist(), strict=True)]
     position = np.stack([z for z, _ in states])
     was = [p[..., 0] for p in frames.link_coordinates(motion, position[..., None])]
     expected = [force @ basis for force, basis in zip(forces, linkage.bases, strict=True)]

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from flexmech.analyses.response.request import ResponseRequest
-from flexmech.analyses.response.start import linear_start, simulation_start
+from flexmech.analyses.response.start import linear_start
 from flexmech.analyses.running_hammer.plan import RunPlan
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.analyses.stability.parallel import in_order
@@ -23,7 +23,6 @@ from flexmech.time_domain import (
     DrivenLinkage,
     Impact,
     LinkageUnderImpact,
-    LinkState,
     nonlinear_orbit,
     simulator,
     stretches_in_runs,
@@ -225,9 +224,9 @@ def added_by_impacts(
 def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: int) -> ImpactRun:
     """Runs of an engine from the periodic motion at crank angle zero.
 
-    An engine that simulates runs the nonlinear motion from the periodic motion at large
-    displacements. The others run their own equations, at prestress ``equilibrium`` with links that
-    stretch by the square of their slopes, from the periodic motion of their linear ones.
+    An engine that simulates runs the nonlinear motion. The others run their own equations, at
+    prestress ``equilibrium`` with links that stretch by the square of their slopes. Both begin on
+    the periodic motion at large displacements; linear equations begin on their own.
 
     Parameters
     ----------
@@ -273,12 +272,7 @@ def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: 
 def _simulated(
     engine: Engine, request: RunningHammerRequest, plan: RunPlan, drive: ConstantSpeed
 ) -> ImpactRun:
-    # Where the runs begin.
-    if engine.connectors.any:
-        start = _settled(engine, request, plan, drive)
-    else:
-        orbit = nonlinear_orbit(engine, request.speed, 1)
-        start = LinkState([q[0] for q in orbit.displacement], [rate[0] for rate in orbit.rate])
+    start = nonlinear_orbit(engine, request.speed).state(0.0)
     point = (request.response, request.direction)
 
     def run(pulses: Sequence[HalfSinePulse]) -> FloatArray:
@@ -289,18 +283,3 @@ def _simulated(
         return found[:, 0]
 
     return run
-
-
-def _settled(
-    engine: Engine, request: RunningHammerRequest, plan: RunPlan, drive: ConstantSpeed
-) -> LinkState:
-    """State at crank angle zero after as many turns as an impact takes to decay.
-
-    The periodic motion at large displacements is found without loads and springs alone. With them,
-    the linkage runs from that of the linear equations until damping has led it to its own.
-    """
-    asked = ResponseRequest(drive, start="periodic", prestress=request.prestress)
-    start = simulation_start(engine, asked, plan.step)
-    end = np.array([plan.turns * plan.turn_time])
-    run = simulator(engine).simulate(drive, start, end, plan.step)
-    return LinkState([q[-1] for q in run.displacement], [rate[-1] for rate in run.rate])

@@ -22,7 +22,7 @@ from flexmech.analyses.frequencies.discretisation import mesh_error, share_of_er
 from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.analyses.requests import CHECKED_SPEEDS, check_list, engine_of, sampled_turn
-from flexmech.analyses.response.measurements import deflections_of, probes
+from flexmech.analyses.response.measurements import deflections, probes
 from flexmech.analyses.response.plan import STEPS_PER_PERIOD
 from flexmech.analyses.speed_sweep.result import SpeedSweep
 from flexmech.arrays import FloatArray, IntArray, LabelledProgress, silent
@@ -216,7 +216,7 @@ def _turn(linkage: DrivenLinkage, highest: float, finer: int = 1) -> list[FloatA
 
 def _deflections(linkage: DrivenLinkage, highest: float, finer: int = 1) -> FloatArray:
     """Deflections (N, n_links) along a turn, with so many times the usual steps."""
-    return deflections_of(linkage.engine, _turn(linkage, highest, finer))
+    return deflections(linkage.engine, _turn(linkage, highest, finer))
 
 
 def _checked_speeds(peaks: FloatArray) -> IntArray:
@@ -258,7 +258,7 @@ def quasi_static_peaks(linkage: DrivenLinkage) -> FloatArray:
 
 def _greatest(linkage: DrivenLinkage, displacement: Sequence[FloatArray]) -> FloatArray:
     """Greatest deflections of displacements (n_links of (N, n)) of the engine's links."""
-    return np.asarray(np.abs(deflections_of(linkage.engine, displacement)).max(axis=0))
+    return np.asarray(np.abs(deflections(linkage.engine, displacement)).max(axis=0))
 
 
 def highest_frequency(engine: Engine, modes: int) -> float:

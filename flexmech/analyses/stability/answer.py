@@ -37,7 +37,7 @@ def answer(dataset: xr.Dataset) -> tuple[str, ...]:
         [line] = words.avoid_lines(dataset)
         if line.startswith("avoid: "):
             line = f"No vibration is found to grow{within(dataset)}."
-        return (*_at_operating_speed(dataset, bands), line, *_missed(dataset))
+        return (*_at_operating_speed(dataset, bands), line, *_missed(dataset), *_about(dataset))
     unit, count = speed_unit(dataset), bands.sizes["band"]
     fastest = bands.isel(band=int(bands["band_largest_growth_rate"].values.argmax()))
     rate = float(fastest["band_largest_growth_rate"])
@@ -51,7 +51,19 @@ def answer(dataset: xr.Dataset) -> tuple[str, ...]:
     if np.isfinite(ratios).all():
         closed = "it" if count == 1 else "all that were found"
         lines.append(f"A damping ratio of {100 * ratios.max():.{_DIGITS}g} % closes {closed}.")
-    return (*_at_operating_speed(dataset, bands), *lines, *_missed(dataset))
+    return (*_at_operating_speed(dataset, bands), *lines, *_missed(dataset), *_about(dataset))
+
+
+def _about(dataset: xr.Dataset) -> list[str]:
+    """Which motion vibrations are about, where it is not the one that runs."""
+    level = dataset.attrs["prestress"]
+    if level == "trajectory":
+        return []
+    state = "the quasi-static equilibrium" if level == "equilibrium" else "straight links"
+    return [
+        f"These are vibrations about {state}; about the motion itself, which --prestress "
+        "trajectory finds, others may grow."
+    ]
 
 
 def _missed(dataset: xr.Dataset) -> list[str]:

@@ -151,7 +151,8 @@ class _EngineMap:
         solvable = [speed for speed in every if speed not in refused]
         if not solvable:
             raise next(iter(refused.values()))
-        self._open_windows(solvable)
+        if self._request.prestress != "trajectory":
+            self._open_windows(solvable)
         outcomes, interrupted = self._outcomes(solvable)
         asked = set(self._request.crank_speeds.tolist())
         refused |= {w: each for w, each in outcomes.items() if isinstance(each, ComputationError)}
@@ -221,9 +222,13 @@ class _EngineMap:
         steps = steps[~_among(np.array(asked), steps)]
         speeds = sorted([*asked, *steps.tolist()], key=abs)
         found: dict[float, _Outcome] = {}
+        if self._request.prestress == "trajectory":
+            found.update(self._without_orbit(speeds))
+        solvable = [speed for speed in speeds if speed not in found]
         try:
-            for outcome in in_order(partial(_outcome, self._solver), speeds):
-                found[speeds[len(found)]] = outcome
+            outcomes = in_order(partial(_outcome, self._solver), solvable)
+            for speed, outcome in zip(solvable, outcomes, strict=True):
+                found[speed] = outcome
                 self._progress("speeds", len(found), len(speeds))
         except KeyboardInterrupt:
             if not any(isinstance(each, SolvedSpeed) for each in found.values()):
@@ -231,6 +236,17 @@ class _EngineMap:
             logger.info("interrupted after %d of %d speeds", len(found), len(speeds))
             return found, True
         return found, False
+
+    def _without_orbit(self, speeds: Sequence[float]) -> dict[float, ComputationError]:
+        """Find the periodic motions at all speeds; why there is none at some."""
+        refused = {}
+        for number, speed in enumerate(speeds, 1):
+            try:
+                self._solver.orbit(speed)
+            except ComputationError as refusal:
+                refused[speed] = refusal
+            self._progress("periodic motions", number, len(speeds))
+        return refused
 
     def _following_speeds(self) -> FloatArray:
         return following_speeds(self._request.crank_speeds[-1], FOLLOWING_STEP * self._lowest)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -42,6 +42,8 @@ SAMPLES = (96, 144, 224, 336, 512, 768)
 # Greatest estimated relative error of the system's matrix between the crank angles sampled: far
 # below what the mesh leaves, and above what round-off of the stiffest links does.
 SERIES_TOLERANCE = 1e-6
+# Part of the crank speed by which a known periodic motion may be off and still lead to another.
+NEAR_ORBIT = 0.1
 # Part of their size by which the multipliers' logarithms may miss the integral of the trace: steps
 # that are too long miss it by a thousandth or more, round-off by 1e-10.
 LIOUVILLE = 1e-6
@@ -118,6 +120,8 @@ class LinkageSolver:
     known : KnownEquilibria, optional
         From which the search for others starts, and to which they are added; from straight links
         and forgotten by default.
+    orbits : dict of float to NonlinearOrbit
+        Periodic motions known so far, by the crank speed, from which the search for others starts.
     """
 
     engine: Engine
@@ -131,6 +135,7 @@ class LinkageSolver:
     orbit_engine: Engine | None = None
     samples: tuple[int, ...] = SAMPLES
     known: KnownEquilibria | None = None
+    orbits: dict[float, NonlinearOrbit] = field(default_factory=dict)
 
     def moving(self, crank_speed: float) -> VibratingLinkage:
         """The linkage in its moving modes; interpolated, where a window contains the speed.
@@ -275,7 +280,8 @@ class LinkageSolver:
         engine, orbit = self.engine.with_(**changed), self.orbit_engine
         if orbit is not None:
             orbit = orbit.with_(**changed)
-        return replace(self, engine=engine, orbit_engine=orbit, windows=(), known=KnownEquilibria())
+        known = KnownEquilibria()
+        return replace(self, engine=engine, orbit_engine=orbit, windows=(), known=known, orbits={})
 
     def with_more_modes(self) -> LinkageSolver:
         """The same with a larger number of moving modes."""
@@ -359,8 +365,8 @@ class LinkageSolver:
             order = order[:: samples // SHAPE_ANGLES]
             motion, samples = motion.at(order), len(order)
         if self.prestress == "trajectory":
-            orbit = nonlinear_orbit(self._moving_engine, crank_speed, samples)
-            stressed = self.engine.running_links(motion, [q[order] for q in orbit.displacement])
+            orbit = self.orbit(crank_speed)
+            stressed = self.engine.running_links(motion, orbit.at(motion.crank_angle)[0])
         else:
             near = None if self.known is None else self.known.near(crank_speed, samples)
             stressed = stressed_along_turn(self.engine, motion, self.prestress, near)
@@ -368,6 +374,17 @@ class LinkageSolver:
                 self.known.add(crank_speed, stressed.displacement)
         turn = SampledTurn.of(self.engine, motion, stressed, self.quasi_static, self.modes, fastest)
         return _SampledState(turn, orbit)
+
+    def orbit(self, crank_speed: float) -> NonlinearOrbit:
+        """Periodic motion at a crank speed, found from a known one nearby."""
+        if crank_speed not in self.orbits:
+            engine, near = self._moving_engine, None
+            if self.orbits:
+                nearest = min(self.orbits, key=lambda known: abs(known - crank_speed))
+                if abs(nearest - crank_speed) <= NEAR_ORBIT * abs(crank_speed):
+                    near = self.orbits[nearest]
+            self.orbits[crank_speed] = nonlinear_orbit(engine, crank_speed, near)
+        return self.orbits[crank_speed]
 
     @property
     def _moving_engine(self) -> Engine:

@@ -31,7 +31,7 @@ from flexmech.analyses.strength.request import StrengthRequest
 from flexmech.analyses.strength.result import Strength
 from flexmech.analyses.strength.running import Runs
 from flexmech.analyses.strength.sampled_loads import LoadsAtAngles
-from flexmech.analyses.strength.sought import angles_between, seek
+from flexmech.analyses.strength.sought import LoadsOfEngines, angles_between, seek
 from flexmech.analyses.strength.speed_search import search_roots, search_speed
 from flexmech.analyses.strength.weakest import Name
 from flexmech.analyses.strength.words import ASKED, straight_line
@@ -111,20 +111,16 @@ def strength(
     wet, turning = judged.mechanism, request.speed_of(dry)
     rigid = all(link.rigid for link in wet.linkage.topology.links)
     source = "rigid" if rigid and request.source == "quasi-static" else request.source
-    attributes: dict[str, str] = {}
     if source == "rigid":
-        dataset = _of_rigid_links(judged, request.crank_angles, turning)
+        dataset, attributes = _of_rigid_links(judged, request.crank_angles, turning)
     else:
         dataset, attributes = _by_engines(
             judged, engines_of(engines), request, turning, progress or silent
         )
     if source == "quasi-static":
-        straight = _of_rigid_links(judged, request.crank_angles, turning)
-        attributes |= {"of_rigid_links": straight_line(straight)}
+        straight, judged_at = _of_rigid_links(judged, request.crank_angles, turning)
+        attributes |= judged_at | {"of_rigid_links": straight_line(straight)}
     _refuse_nothing(dataset)
-    if source in ("quasi-static", "rigid") and len(request.crank_angles) > 1:
-        _, between = angles_between(wet, request.crank_angles)
-        attributes |= {} if between else {"judged_at": ASKED}
     names = margin_names(dataset)
     return Strength(
         with_units(dataset, "strength").assign_attrs(
@@ -145,8 +141,10 @@ def strength(
     )
 
 
-def _of_rigid_links(judged: JudgedMechanism, angles: FloatArray, speed: float) -> xr.Dataset:
-    """What the loads of links that are taken as rigid make of links and pins."""
+def _of_rigid_links(
+    judged: JudgedMechanism, angles: FloatArray, speed: float
+) -> tuple[xr.Dataset, dict[str, str]]:
+    """What the loads of rigid links make of links and pins, and what is to be said of them."""
     mechanism = judged.mechanism
     every, between = angles_between(mechanism, angles)
     moving = LoadsAtAngles.of_rigid_links(mechanism, speed)
@@ -156,7 +154,8 @@ def _of_rigid_links(judged: JudgedMechanism, angles: FloatArray, speed: float) -
             source.add(every)
     found = seek(judged, moving, still, rounds=_ROUNDS, between=between)
     dataset = _judged_by(judged, RIGID, angles, found.crank_angles, found.loads, found.static)
-    return _with_errors(_with_margins(dataset), found.change)
+    judged_at = {} if between or len(angles) == 1 else {"judged_at": ASKED}
+    return _with_errors(_with_margins(dataset), found.change), judged_at
 
 
 def _by_engines(
@@ -168,7 +167,7 @@ def _by_engines(
 ) -> tuple[xr.Dataset, dict[str, str]]:
     """What engines' equilibria or runs make of the links, and what is to be said of them."""
     at_rest = request.source == "quasi-static"
-    source: type[Equilibria] | type[Runs] = Equilibria if at_rest else Runs
+    source: type[LoadsOfEngines] = Equilibria if at_rest else Runs
     asked = source.of(engines, request, speed)
     first, *others = asked.engines
     found, errors = asked.sought(first, judged, report)

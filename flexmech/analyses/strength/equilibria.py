@@ -7,11 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.analyses.strength.joint_loads import LoadsOfTurn
 from flexmech.analyses.strength.judged_mechanism import JudgedMechanism
 from flexmech.analyses.strength.request import StrengthRequest
 from flexmech.analyses.strength.sampled_loads import LoadsAtAngles
-from flexmech.analyses.strength.sought import Sought, angles_between, changes_of, seek
+from flexmech.analyses.strength.sought import (
+    LoadsOfEngines,
+    Sought,
+    angles_between,
+    changes_of,
+    seek,
+)
 from flexmech.analyses.strength.weakest import Name
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.errors import ComputationError, InputError
@@ -25,44 +30,22 @@ _ROUNDS = 2
 
 
 @dataclass(frozen=True)
-class Equilibria:
+class Equilibria(LoadsOfEngines):
     """Engines whose quasi-static equilibria are asked for.
 
     Parameters
     ----------
-    engines : list of Engine
-        Of the mechanism in its state.
-    crank_angles : ndarray, shape (A,)
-        In rad.
+    engines, crank_angles, attributes
+        See :class:`LoadsOfEngines`.
     speed : float
         Crank speed in rad/s.
     """
 
-    engines: list[Engine]
-    crank_angles: FloatArray
     speed: float
 
     @classmethod
     def of(cls, engines: Sequence[Engine], asked: StrengthRequest, speed: float) -> Equilibria:
-        """Engines of a mechanism in its state.
-
-        Parameters
-        ----------
-        engines : sequence of Engine
-            Of the mechanism, dry and at its reference temperature.
-        asked : StrengthRequest
-        speed : float
-            Crank speed in rad/s, whatever that of the request.
-
-        Returns
-        -------
-        Equilibria
-
-        Raises
-        ------
-        InputError
-            If a load goes over time, or as :func:`flexmech.mechanism_in_state`.
-        """
+        """See :meth:`LoadsOfEngines.of`; refuses loads over time."""
         dry, chosen = engines[0].mechanism, list(engines)
         for load in dry.loads:
             if load.over == "time":
@@ -74,35 +57,11 @@ class Equilibria:
         if asked.environment is not None:
             wet = mechanism_in_state(dry, asked.environment)
             chosen = [engine.with_(mechanism=wet) for engine in chosen]
-        return cls(chosen, asked.crank_angles, speed)
-
-    @property
-    def attributes(self) -> dict[str, str]:
-        """What was chosen for the engines: nothing."""
-        return {}
+        return cls(chosen, asked.crank_angles, {}, speed)
 
     def weakest(self, engine: Engine, judged: JudgedMechanism, report: LabelledProgress) -> Sought:
-        """Loads of an engine's equilibria, where every part is weakest.
-
-        Parameters
-        ----------
-        engine : Engine
-        judged : JudgedMechanism
-        report : callable
-            Progress.
-
-        Returns
-        -------
-        Sought
-
-        Raises
-        ------
-        InputError
-            If the shaft is free.
-        ComputationError
-            If an equilibrium does not converge or is unstable; names the crank angle.
-        """
-        source = self._source(engine, report)
+        """See :meth:`LoadsOfEngines.weakest`."""
+        source = self.source(engine, report)
         every, between = angles_between(engine.mechanism, self.crank_angles)
         source.add(every)
         return seek(judged, source, rounds=_ROUNDS, between=between)
@@ -110,45 +69,13 @@ class Equilibria:
     def sought(
         self, engine: Engine, judged: JudgedMechanism, report: LabelledProgress
     ) -> tuple[Sought, dict[Name, float]]:
-        """:meth:`weakest`, and how much twice the elements change the factor of each part.
-
-        Parameters
-        ----------
-        engine : Engine
-        judged : JudgedMechanism
-        report : callable
-            Progress.
-
-        Returns
-        -------
-        Sought
-        dict of (str, str) to float
-            By kind and part, relative.
-        """
+        """See :meth:`LoadsOfEngines.sought`: by twice the elements."""
         found = self.weakest(engine, judged, report)
         finer = engine.with_(elements=2 * engine.elements)
-        return found, changes_of(judged, found, self._source(finer, report))
+        return found, changes_of(judged, found, self.source(finer, report))
 
-    def again(self, engine: Engine, found: Sought, report: LabelledProgress) -> LoadsOfTurn:
-        """Loads of another engine at the crank angles and places that were found by one.
-
-        Parameters
-        ----------
-        engine : Engine
-        found : Sought
-        report : callable
-            Progress.
-
-        Returns
-        -------
-        LoadsOfTurn
-        """
-        source = self._source(engine, report)
-        source.add(found.crank_angles)
-        return source.loads(found.cuts)
-
-    def _source(self, engine: Engine, report: LabelledProgress) -> LoadsAtAngles:
-        """Equilibria of an engine, without any yet."""
+    def source(self, engine: Engine, report: LabelledProgress) -> LoadsAtAngles:
+        """See :meth:`LoadsOfEngines.source`: those of equilibria, without any yet."""
 
         def compute(angles: FloatArray) -> list[DisplacedLinks]:
             found, count = [], len(angles)

@@ -18,7 +18,7 @@ from flexmech.analyses.strength.joint_loads import JointLoads, LoadsOfTurn
 from flexmech.analyses.strength.judged_mechanism import JudgedMechanism
 from flexmech.analyses.strength.request import StrengthRequest
 from flexmech.analyses.strength.sampled_loads import LoadsOfRun
-from flexmech.analyses.strength.sought import Sought, seek
+from flexmech.analyses.strength.sought import LoadsOfEngines, Sought, seek
 from flexmech.analyses.strength.weakest import Name
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.linear_system import Engine, RunningLinks, bent_curvature
@@ -29,45 +29,23 @@ _ROUNDS = 2
 
 
 @dataclass(frozen=True)
-class Runs:
-    """Engines that are to run, and what they are asked.
+class Runs(LoadsOfEngines):
+    """Engines that are to run, at the crank angles of the samples, counted on over turns.
 
     Parameters
     ----------
-    engines : list of Engine
-        Of the mechanism in its state.
+    engines, crank_angles, attributes
+        See :class:`LoadsOfEngines`.
     request : ResponseRequest
     plan : RunPlan
-    attributes : dict of str to str
-        What was chosen for them.
     """
 
-    engines: list[Engine]
     request: ResponseRequest
     plan: RunPlan
-    attributes: dict[str, str]
 
     @classmethod
     def of(cls, engines: Sequence[Engine], asked: StrengthRequest, speed: float) -> Runs:
-        """Plan the runs of some engines.
-
-        Parameters
-        ----------
-        engines : sequence of Engine
-            Of the mechanism, dry and at its reference temperature.
-        asked : StrengthRequest
-        speed : float
-            Crank speed in rad/s, whatever that of the request.
-
-        Returns
-        -------
-        Runs
-
-        Raises
-        ------
-        InputError
-            As :func:`flexmech.response`.
-        """
+        """See :meth:`LoadsOfEngines.of`; refuses as :func:`flexmech.response` does."""
         periodic = asked.source == "periodic"
         request = ResponseRequest(
             speed,
@@ -77,53 +55,19 @@ class Runs:
         chosen, _ = engines_in_state(list(engines), request, asked.environment)
         loss = CountedLoss.of(chosen[0])
         chosen = [loss.engine(each) for each in chosen]
-        return cls(chosen, request, planned(chosen, request), loss.attributes)
-
-    @property
-    def crank_angles(self) -> FloatArray:
-        """At the samples, in rad, counted on over turns."""
-        return np.asarray(self.request.drive.crank_angle(self.plan.time))
+        plan = planned(chosen, request)
+        angles = np.asarray(request.drive.crank_angle(plan.time))
+        return cls(chosen, angles, loss.attributes, request, plan)
 
     def weakest(self, engine: Engine, judged: JudgedMechanism, report: LabelledProgress) -> Sought:
-        """Run an engine, and find the loads where every part is weakest.
-
-        Internal and joint forces balance what moves, by d'Alembert's principle: its accelerations
-        are the slopes of the rates between the samples.
-
-        Parameters
-        ----------
-        engine : Engine
-        judged : JudgedMechanism
-        report : callable
-            Progress.
-
-        Returns
-        -------
-        Sought
-        """
-        run = run_engine(engine, self.request, self.plan, report)
-        return seek(judged, self._source(engine, run), rounds=_ROUNDS)
+        """See :meth:`LoadsOfEngines.weakest`."""
+        return self._run(engine, judged, report)[1]
 
     def sought(
         self, engine: Engine, judged: JudgedMechanism, report: LabelledProgress
     ) -> tuple[Sought, dict[Name, float]]:
-        """Loads where every part is weakest, and how far the run's stresses and forces are known.
-
-        Parameters
-        ----------
-        engine : Engine
-        judged : JudgedMechanism
-        report : callable
-            Progress.
-
-        Returns
-        -------
-        Sought
-        dict of (str, str) to float
-            By kind and part, relative: by other time steps, component modes and elements.
-        """
-        run = run_engine(engine, self.request, self.plan, report)
-        found = seek(judged, self._source(engine, run), rounds=_ROUNDS)
+        """See :meth:`LoadsOfEngines.sought`: by other time steps, component modes and elements."""
+        run, found = self._run(engine, judged, report)
         by = run.step_error, run.reduction_error, mesh_error(run, self.request, self.plan, report)
         topology = engine.mechanism.linkage.topology
         stress, force = (
@@ -135,26 +79,22 @@ class Runs:
             errors |= dict(zip(links, stress, strict=True))
         return found, {name: float(error) for name, error in errors.items()}
 
-    def again(self, engine: Engine, found: Sought, report: LabelledProgress) -> LoadsOfTurn:
-        """Loads of another engine at the crank angles and places that were found by one.
+    def source(self, engine: Engine, report: LabelledProgress) -> LoadsOfRun:
+        """See :meth:`LoadsOfEngines.source`: those of a run."""
+        return self._source(engine, run_engine(engine, self.request, self.plan, report))
 
-        Parameters
-        ----------
-        engine : Engine
-        found : Sought
-        report : callable
-            Progress.
-
-        Returns
-        -------
-        LoadsOfTurn
-        """
-        source = self._source(engine, run_engine(engine, self.request, self.plan, report))
-        source.add(found.crank_angles)
-        return source.loads(found.cuts)
+    def _run(
+        self, engine: Engine, judged: JudgedMechanism, report: LabelledProgress
+    ) -> tuple[EngineRun, Sought]:
+        """Run of an engine, and its loads where every part is weakest."""
+        run = run_engine(engine, self.request, self.plan, report)
+        return run, seek(judged, self._source(engine, run), rounds=_ROUNDS)
 
     def _source(self, engine: Engine, run: EngineRun) -> LoadsOfRun:
-        """Loads of a run."""
+        """Internal and joint forces of a run: they balance what moves, by d'Alembert's principle.
+
+        Accelerations are the slopes of the rates between the samples.
+        """
         trajectory, running = run.trajectory, []
         with one_thread():
             gained = [

@@ -8,18 +8,23 @@ over the crank angle and along the link, are sampled too.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
+from flexmech.analyses.kinematics.extremes import with_steps
 from flexmech.analyses.strength.forces import Cuts, cuts_of
 from flexmech.analyses.strength.joint_loads import LoadsOfTurn
 from flexmech.analyses.strength.judged_mechanism import JudgedMechanism
+from flexmech.analyses.strength.request import StrengthRequest
 from flexmech.analyses.strength.sampled_loads import SampledLoads
 from flexmech.analyses.strength.weakest import Name, Weakest, weakest_parts, with_places
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.errors import InputError
+from flexmech.linear_system import Engine
 from flexmech.mechanism import Mechanism
 
 STEP = np.radians(5.0)
@@ -56,6 +61,124 @@ class Sought:
     change: dict[Name, float]
 
 
+@dataclass(frozen=True)
+class LoadsOfEngines(ABC):
+    """Engines whose loads at one crank speed are asked for.
+
+    Parameters
+    ----------
+    engines : list of Engine
+        Of the mechanism in its state.
+    crank_angles : ndarray, shape (A,)
+        At which loads are asked for, in rad, increasing.
+    attributes : dict of str to str
+        What was chosen for the engines.
+    """
+
+    engines: list[Engine]
+    crank_angles: FloatArray
+    attributes: dict[str, str]
+
+    @classmethod
+    @abstractmethod
+    def of(cls, engines: Sequence[Engine], asked: StrengthRequest, speed: float) -> Self:
+        """Engines of a mechanism in its state.
+
+        Parameters
+        ----------
+        engines : sequence of Engine
+            Of the mechanism, dry and at its reference temperature.
+        asked : StrengthRequest
+        speed : float
+            Crank speed in rad/s, whatever that of the request.
+
+        Returns
+        -------
+        LoadsOfEngines
+
+        Raises
+        ------
+        InputError
+            If links cannot have these loads.
+        """
+
+    @abstractmethod
+    def source(self, engine: Engine, report: LabelledProgress) -> SampledLoads:
+        """Loads of an engine, to which crank angles can be added.
+
+        Parameters
+        ----------
+        engine : Engine
+        report : callable
+            Progress.
+
+        Returns
+        -------
+        SampledLoads
+        """
+
+    @abstractmethod
+    def weakest(self, engine: Engine, judged: JudgedMechanism, report: LabelledProgress) -> Sought:
+        """Loads of an engine where every part is weakest.
+
+        Parameters
+        ----------
+        engine : Engine
+        judged : JudgedMechanism
+        report : callable
+            Progress.
+
+        Returns
+        -------
+        Sought
+
+        Raises
+        ------
+        InputError
+            If links that are to be at rest in their frames have a free shaft.
+        ComputationError
+            If an equilibrium or a run does not converge.
+        """
+
+    @abstractmethod
+    def sought(
+        self, engine: Engine, judged: JudgedMechanism, report: LabelledProgress
+    ) -> tuple[Sought, dict[Name, float]]:
+        """Loads of an engine where every part is weakest, and how far they are known.
+
+        Parameters
+        ----------
+        engine : Engine
+        judged : JudgedMechanism
+        report : callable
+            Progress.
+
+        Returns
+        -------
+        Sought
+        dict of (str, str) to float
+            By kind and part, relative: by a finer discretisation.
+        """
+
+    def again(self, engine: Engine, found: Sought, report: LabelledProgress) -> LoadsOfTurn:
+        """Loads of another engine at the crank angles and places that were found by one.
+
+        Parameters
+        ----------
+        engine : Engine
+        found : Sought
+        report : callable
+            Progress.
+
+        Returns
+        -------
+        LoadsOfTurn
+        """
+        source = self.source(engine, report)
+        source.add(found.crank_angles)
+        return source.loads(found.cuts)
+
+
 def angles_between(mechanism: Mechanism, crank_angles: FloatArray) -> tuple[FloatArray, bool]:
     """Crank angles asked for, and others between them, no more than five degrees apart.
 
@@ -73,14 +196,9 @@ def angles_between(mechanism: Mechanism, crank_angles: FloatArray) -> tuple[Floa
         Whether it can be moved from the first of them to the last, so that parts may be weaker
         between them; of one angle there is nothing between.
     """
-    first, last = crank_angles[0], crank_angles[-1]
-    steps = math.ceil(round((last - first) / STEP, 6))
-    if not steps:
+    if len(crank_angles) == 1:
         return crank_angles, False
-    even = np.linspace(first, last, steps + 1)
-    # Those that differ by round-off from one that was asked for are that one.
-    new = np.abs(even[:, None] - crank_angles).min(axis=1) > STEP * 1e-6
-    every = np.union1d(crank_angles, even[new])
+    every = with_steps(crank_angles, STEP)
     try:
         mechanism.linkage.motion(every)
     except InputError:

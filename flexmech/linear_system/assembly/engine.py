@@ -372,10 +372,9 @@ class Engine(EngineLinks):
             return None
 
         def connect(
-            frames: LinkFrames, motion: RigidMotion, matrices: SystemMatrices, some: slice
+            frames: LinkFrames, motion: RigidMotion, matrices: SystemMatrices
         ) -> SystemMatrices:
-            there = None if displacement is None else [q[some] for q in displacement]
-            return connectors.added(frames, motion, matrices, terms, prestress, there)
+            return connectors.added(frames, motion, matrices, terms, prestress, displacement)
 
         return connect
 

@@ -17,7 +17,7 @@ from flexmech.linear_system.assembly.balanced_loads import BalancedLoads, Solve,
 from flexmech.linear_system.assembly.element_kinds import ElementKinds
 from flexmech.linear_system.assembly.free_shaft import FreeShaft
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.links.chains import ChainMatrix
+from flexmech.linear_system.links.chains import ChainMatrix, LinkMatrix
 from flexmech.linear_system.links.dead_moments import DeadMoments, without_spin_softening
 from flexmech.linear_system.links.displaced_inertia import DisplacedInertia, turns_as_one_body
 from flexmech.linear_system.links.link_model import LinkModel
@@ -303,6 +303,24 @@ class EngineLinks(ElementKinds):
         raise InputError(
             f"the {self.name} engine does not linearize about states of the running linkage"
         )
+
+    def damping_stiffness(
+        self, displacement: Sequence[FloatArray], rate: Sequence[FloatArray]
+    ) -> Sequence[LinkMatrix] | None:
+        """Derivative of the links' damping forces by their displacement at given rates.
+
+        Parameters
+        ----------
+        displacement, rate : sequence of ndarray, shape (B, n_link)
+            Of each link in its frame, and its time derivative.
+
+        Returns
+        -------
+        sequence of ndarray, shape (B, n_link, n_link), or None
+            None where no link is damped, or an engine does not provide it.
+        """
+        del displacement, rate
+        return None
 
     def connected_matrices(
         self,

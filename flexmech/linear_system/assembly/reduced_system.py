@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields
 
 import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.assembly.system import LinearSystem, condense
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.links.chains import LinkMatrix, in_positions, whole
+from flexmech.linear_system.links.chains import LinkMatrix, whole
 from flexmech.linear_system.links.dead_moments import body_turns
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
@@ -18,11 +17,8 @@ from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.reduction.component_modes import ComponentModes
 from flexmech.linkages import RigidMotion
 
-Connect = Callable[[LinkFrames, RigidMotion, SystemMatrices, slice], SystemMatrices]
-"""Adds to matrices in the positions of a slice those of loads and springs."""
-# Of one matrix in the positions that are assembled at a time. Speed alone: memory near the
-# processor holds it.
-MATRIX_BYTES = 1_000_000
+Connect = Callable[[LinkFrames, RigidMotion, SystemMatrices], SystemMatrices]
+"""Adds to matrices those of loads and springs."""
 
 
 def unreduced_system(
@@ -59,7 +55,7 @@ def unreduced_system(
     tangent = [link.stiffness for link in frames.links] if stressed.unstressed else stressed.tangent
     matrices = frames.assemble(motion, tangent, terms, damping, stressed.guide_stiffness, turns)
     if connect is not None:
-        matrices = connect(frames, motion, matrices, slice(None))
+        matrices = connect(frames, motion, matrices)
     massless = np.all(np.diagonal(matrices.mass, axis1=1, axis2=2) == 0, axis=0)
     massless[: len(frames.rigid.independent_coordinates)] = False
     expansion = None
@@ -108,32 +104,19 @@ def reduced_system(
         condensed[target[link.condensed]] = True
     damping = _damping(links, reduction, stressed, motion.design)
     turns = body_turns(links, stressed.displacement)
-    at_once = max(1, MATRIX_BYTES // (8 * frames.size**2))
-    if motion.design is not None:
-        at_once = len(motion.crank_angle)
-    parts = []
-    for first in range(0, len(motion.crank_angle), at_once):
-        some = slice(first, first + at_once)
-        projected = [
-            link.model.stiffness
-            if stressed.unstressed or tangent is full.stiffness
-            else _projected(link.basis_at(motion.design), in_positions(tangent, some))
-            for full, link, tangent in zip(links, reduction.links, stressed.tangent, strict=True)
-        ]
-        own = damping and [each.at(some) for each in damping]
-        guide_stiffness = (
-            None if stressed.guide_stiffness is None else stressed.guide_stiffness[some]
-        )
-        turned = turns and [[angle[some] for angle in each] for each in turns]
-        matrices = frames.assemble(motion.at(some), projected, terms, own, guide_stiffness, turned)
-        if connect is not None:
-            matrices = connect(frames, motion.at(some), matrices, some)
-        forces = _damped_ends(frames, reduction, own, motion.at(some))
-        parts.append(condense(matrices, condensed, forces) if condensed.any() else (matrices, None))
-    matrices = SystemMatrices(
-        *(_joined([getattr(m, field.name) for m, _ in parts]) for field in fields(SystemMatrices))
-    )
-    expansion = _joined([e for _, e in parts if e is not None]) if condensed.any() else None
+    projected = [
+        link.model.stiffness
+        if stressed.unstressed or tangent is full.stiffness
+        else _projected(link.basis_at(motion.design), tangent)
+        for full, link, tangent in zip(links, reduction.links, stressed.tangent, strict=True)
+    ]
+    matrices = frames.assemble(motion, projected, terms, damping, stressed.guide_stiffness, turns)
+    if connect is not None:
+        matrices = connect(frames, motion, matrices)
+    expansion = None
+    if condensed.any():
+        forces = _damped_ends(frames, reduction, damping, motion)
+        matrices, expansion = condense(matrices, condensed, forces)
     has_unit_mass = reduction.decouples_mass and expansion is None and turns is None
     return LinearSystem(
         motion,
@@ -152,10 +135,6 @@ def reduced_system(
 def _projected(basis: FloatArray, tangent: LinkMatrix) -> FloatArray:
     """Tangent stiffness of a link in component modes."""
     return np.asarray(np.swapaxes(basis, -1, -2) @ (tangent @ basis))
-
-
-def _joined(parts: list[FloatArray]) -> FloatArray:
-    return np.concatenate(parts) if len(parts) > 1 else parts[0]
 
 
 def _damping(

@@ -198,7 +198,6 @@ class LinkFrames:
             if (change := self.links[number].inertia_change(angles)) is not None:
                 turned[number], links[number] = change, links[number] + change
         shape = (batch, self.size, self.size)
-        # One block of memory: the allocator keeps it for the next batch.
         mass, total = np.empty((2, *shape))
         damps = terms.coriolis or any(matrix.any() for matrix, _ in resisting)
         rates = np.empty(shape) if damps else np.broadcast_to(0.0, shape)

@@ -7,7 +7,6 @@ matrix is as small and faster, so that a link matrix is either of both.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, overload
@@ -139,12 +138,11 @@ class ChainMatrix:
         entries = (self.elements.ravel(), (rows.ravel(), columns.ravel()))
         return csc_array(entries, shape=self.shape)
 
-    def whole(self, out: FloatArray | None = None) -> FloatArray:
-        """The full matrix, (..., n, n); written into ``out``, which is zero, if it is given."""
+    def whole(self) -> FloatArray:
+        """The full matrix, (..., n, n)."""
         size, count = self.per_node, self.elements.shape[-3]
         first, second = slice(0, size), slice(size, None)
-        total = np.zeros(self.shape) if out is None else out
-        total = total.reshape(*self.elements.shape[:-3], count + 1, size, count + 1, size)
+        total = np.zeros((*self.elements.shape[:-3], count + 1, size, count + 1, size))
         of_nodes = _along_diagonal(total)
         of_nodes[..., :-1, :, :] = self.elements[..., first, first]
         of_nodes[..., 1:, :, :] += self.elements[..., second, second]
@@ -219,29 +217,6 @@ def chain_matrices(elements: FloatArray) -> list[LinkMatrix]:
     if elements.shape[-3] > MOST_WHOLE:
         return [ChainMatrix(own) for own in elements]
     return list(ChainMatrix(elements).whole())
-
-
-def link_matrices(elements: Sequence[FloatArray]) -> list[LinkMatrix]:
-    """As :func:`chain_matrix`, of several links in the same positions.
-
-    Parameters
-    ----------
-    elements : sequence of ndarray, shape (B, e, 2 p, 2 p)
-    """
-    chains = [ChainMatrix(each) for each in elements]
-    few = [chain for chain in chains if chain.elements.shape[-3] <= MOST_WHOLE]
-    # One block of memory: the allocator keeps it for the next batch.
-    room = np.zeros(sum(int(np.prod(chain.shape)) for chain in few))
-    matrices: list[LinkMatrix] = []
-    first = 0
-    for chain in chains:
-        if chain.elements.shape[-3] > MOST_WHOLE:
-            matrices.append(ChainMatrix(np.ascontiguousarray(chain.elements)))
-            continue
-        last = first + int(np.prod(chain.shape))
-        matrices.append(chain.whole(room[first:last].reshape(chain.shape)))
-        first = last
-    return matrices
 
 
 def summed(first: LinkMatrix, second: LinkMatrix) -> LinkMatrix:

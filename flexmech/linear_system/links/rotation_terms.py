@@ -9,7 +9,7 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.choices import ROTATION_TERMS
 from flexmech.errors import InputError
-from flexmech.linear_system.links.chains import LinkMatrix, in_positions, whole
+from flexmech.linear_system.links.chains import LinkMatrix, whole
 from flexmech.validation import check_flag, check_instance
 
 # All terms or none of them in one word, as users write it and as results have it.
@@ -157,10 +157,6 @@ class LinkDamping:
 
     matrix: LinkMatrix
     ends: LinkMatrix
-
-    def at(self, which: slice) -> LinkDamping:
-        """Damping in some positions; constant matrices stay."""
-        return LinkDamping(in_positions(self.matrix, which), in_positions(self.ends, which))
 
     def whole(self) -> tuple[FloatArray, FloatArray]:
         """Both as full matrices."""

@@ -102,6 +102,50 @@ class AttachedPoint:
         across = cosine * force[:, 1] - sine * force[:, 0]
         return np.asarray(np.stack([along, across, torque], axis=1) @ self.rows)
 
+    def finite_force(
+        self, motion: RigidMotion, force: FloatArray, torque: FloatArray, q: FloatArray
+    ) -> FloatArray:
+        """Generalized force on the coordinates of the displaced link, with its arm as it is turned.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        force : ndarray, shape (B, 2)
+            In ground axes.
+        torque : ndarray, shape (B,)
+        q : ndarray, shape (B, n_link)
+            Displacement of the link.
+
+        Returns
+        -------
+        ndarray, shape (B, n_link)
+        """
+        if not self.rigid:
+            return self.force(motion, force, torque)
+        turned = motion.angle[:, self.link] + q[:, 2]
+        moment = torque + self.x * np.sum(force * normal(turned), axis=1)
+        found = self.force(motion, force, moment)
+        found[:, 2] = moment
+        return found
+
+    def finite_rows(self, q: FloatArray) -> FloatArray:
+        """Derivative of :meth:`finite_displacement` in the link's axes by its coordinates.
+
+        Parameters
+        ----------
+        q : ndarray, shape (B, n_link)
+            Displacement of the link.
+
+        Returns
+        -------
+        ndarray, shape (B, 3, n_link)
+        """
+        rows = np.tile(self.rows, (len(q), 1, 1))
+        if self.rigid:
+            rows[:, 0, 2], rows[:, 1, 2] = -self.x * np.sin(q[:, 2]), self.x * np.cos(q[:, 2])
+        return rows
+
     def virial(
         self,
         motion: RigidMotion,

@@ -225,6 +225,7 @@ class Connectors:
         motion: RigidMotion,
         displacement: Sequence[FloatArray] | None = None,
         time: FloatArray | None = None,
+        rate: Sequence[FloatArray] | None = None,
     ) -> list[PointForce]:
         """Forces on points of the links, one by one.
 
@@ -236,6 +237,8 @@ class Connectors:
             Of the links; they are straight where it is left out.
         time : ndarray, shape (B,), optional
             In s; loads over time are left out without it.
+        rate : sequence of ndarray, shape (B, n_link), optional
+            Time derivative of the displacement, which dampers resist; zero where it is left out.
 
         Returns
         -------
@@ -244,14 +247,41 @@ class Connectors:
         """
         return [
             PointForce(self.at(own.link, float(own.x)), own.force, own.torque)
-            for own in self._applied(motion, displacement, time)
+            for own in self._applied(motion, displacement, time, rate)
         ]
+
+    def radial_forces(
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        rate: Sequence[FloatArray],
+    ) -> Iterator[PointForce]:
+        """Forces of radial springs and dampers in joints on both ends, in ground axes.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement, rate : sequence of ndarray, shape (B, n_link)
+            Of the links, and its time derivative.
+        """
+        moved = self._moved(motion, displacement, rate)
+        nothing = np.zeros_like(motion.crank_angle)
+        for own in self._mechanism.joint_springs:
+            if own.radial_stiffness is None:
+                continue
+            gap, opening = joint_gap(self._topology, motion, own, motion.angle, moved)
+            force = own.radial_stiffness * gap[:, :2] + own.radial_damping * opening[:, :2]
+            for point, sign in zip(self.joint_points(own), (-1.0, 1.0), strict=True):
+                if point is not None:
+                    yield PointForce(point, sign * force, nothing)
 
     def _applied(
         self,
         motion: RigidMotion,
         displacement: Sequence[FloatArray] | None,
         time: FloatArray | None,
+        rate: Sequence[FloatArray] | None = None,
     ) -> Iterator[ForceOnLink]:
         own = self._mechanism
         springs = own.joint_springs
@@ -264,19 +294,25 @@ class Connectors:
             springs,
             angles,
             0.0 if time is None else time,
-            self._moved(motion, displacement),
+            self._moved(motion, displacement, rate),
         )
 
     def _moved(
-        self, motion: RigidMotion, displacement: Sequence[FloatArray] | None
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray] | None,
+        rate: Sequence[FloatArray] | None = None,
     ) -> Moved | None:
-        """Displacements of points of links, which are constant in the link frames."""
+        """Displacements of points of links; at rest in the ground axes without a rate."""
         if displacement is None:
             return None
 
         def moved(link: int, x: float) -> tuple[FloatArray, FloatArray]:
-            found = self.at(link, x).finite_displacement(motion, displacement[link])
-            return found, np.zeros_like(found)
+            point, q = self.at(link, x), displacement[link]
+            found = point.finite_displacement(motion, q)
+            if rate is None:
+                return found, np.zeros_like(found)
+            return found, point.finite_displacement_rate(motion, q, rate[link])
 
         return moved
 

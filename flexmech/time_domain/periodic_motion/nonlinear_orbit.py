@@ -10,19 +10,25 @@ it from one motion to the next and none in the end.
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import CRANK_SPEED, ComputationError
-from flexmech.linear_system import Engine
-from flexmech.linkages import ConstantSpeed
+from flexmech.linear_system import Engine, LinkFrames
+from flexmech.linkages import ConstantSpeed, Linkage
 from flexmech.threads import one_thread
-from flexmech.time_domain.periodic_motion.orbit_equations import OrbitEquations, at_angles
+from flexmech.time_domain.periodic_motion.orbit_equations import (
+    OrbitEquations,
+    at_angles,
+    derivatives,
+)
 from flexmech.time_domain.periodic_motion.orbit_newton import NewtonRun, newton
 from flexmech.time_domain.periodic_motion.shooting import CRITICAL
-from flexmech.validation import check_count
+from flexmech.time_domain.recorded_runs.states import LinkState
 
 logger = logging.getLogger(__name__)
 
@@ -46,15 +52,19 @@ MOST_DAMPED = 16
 
 @dataclass(frozen=True)
 class NonlinearOrbit:
-    """A turn of the periodic motion at evenly spaced crank angles from zero.
+    """The periodic motion at a crank speed, a function of the crank angle.
 
     Parameters
     ----------
     crank_speed : float
         In rad/s.
-    displacement, rate : tuple of ndarray, shape (N, n_link)
-        Of each of the engine's links in the frame of its rigid motion, at crank angles
-        ``2 pi k / N``, and their time derivatives in that frame.
+    independent : ndarray, shape (N, n)
+        Independent coordinates z of the unreduced links at crank angles ``2 pi k / N``.
+    beyond_linear : tuple of ndarray, shape (N, n_link)
+        Displacement of each link beyond that which is linear in z, by finite poses of rigid links.
+    linkage : Linkage
+    frames : LinkFrames
+        Of the unreduced links.
     residual : float
         Forces out of balance over the inertia forces and weight; each is measured by the root
         of the work that the straight links would do under it.
@@ -68,28 +78,67 @@ class NonlinearOrbit:
     """
 
     crank_speed: float
-    displacement: tuple[FloatArray, ...]
-    rate: tuple[FloatArray, ...]
+    independent: FloatArray
+    beyond_linear: tuple[FloatArray, ...]
+    linkage: Linkage
+    frames: LinkFrames
     residual: float
     tail: float
     distance: float
     passes: int
 
+    def at(self, crank_angle: ArrayLike) -> tuple[list[FloatArray], list[FloatArray]]:
+        """Displacement of each link in the frame of its rigid motion, and its time derivative.
 
-def nonlinear_orbit(engine: Engine, crank_speed: float, samples: int = 128) -> NonlinearOrbit:
+        Parameters
+        ----------
+        crank_angle : array_like, shape (A,)
+            In rad.
+
+        Returns
+        -------
+        tuple of list of ndarray, shape (A, n_link)
+            The derivative is that in the link's frame.
+        """
+        angle = np.asarray(crank_angle, dtype=float)
+        motion = self.linkage.motion(angle, np.full(len(angle), self.crank_speed))
+        first = derivatives(len(self.independent), self.crank_speed)[0]
+
+        def with_rate(samples: FloatArray) -> tuple[FloatArray, FloatArray]:
+            return at_angles(samples, angle), at_angles(first @ samples, angle)
+
+        z, rate = with_rate(self.independent)
+        moving = self.frames.link_motion(motion, z, rate, np.zeros_like(z))
+        beyond = map(with_rate, self.beyond_linear)
+        pairs = [
+            (q + more, v + faster) for (q, v, _), (more, faster) in zip(moving, beyond, strict=True)
+        ]
+        return [q for q, _ in pairs], [v for _, v in pairs]
+
+    def state(self, crank_angle: float) -> LinkState:
+        """State of the links at a crank angle in rad."""
+        displacement, rate = self.at([crank_angle])
+        return LinkState([q[0] for q in displacement], [v[0] for v in rate])
+
+
+def nonlinear_orbit(
+    engine: Engine, crank_speed: float, near: NonlinearOrbit | None = None
+) -> NonlinearOrbit:
     """Find the periodic motion of an engine's links with their nonlinear internal forces.
 
-    Of several periodic motions it finds that which is next to the quasi-static equilibrium, or
-    which damping leads to.
+    Of several periodic motions it finds that which is next to the one it starts from, or which
+    damping leads to.
 
     Parameters
     ----------
     engine : Engine
+        With a prescribed shaft and a frame that stands.
     crank_speed : float
         In rad/s, not zero.
-    samples : int
-        Number N of crank angles at which the motion is wanted. The equations hold at 128 or 256
-        crank angles of their own.
+    near : NonlinearOrbit, optional
+        Of an engine with the same links' coordinates, at a crank speed nearby, from which Newton's
+        method starts; it starts from the quasi-static equilibrium by default, and where it finds
+        nothing from there.
 
     Returns
     -------
@@ -98,7 +147,8 @@ def nonlinear_orbit(engine: Engine, crank_speed: float, samples: int = 128) -> N
     Raises
     ------
     InputError
-        If the speed is zero, or the samples are no count.
+        If the speed is zero, the shaft free, the frame on springs, or what acts on the links does
+        not repeat itself every turn.
     ComputationError
         If no periodic motion is found, the crank speed is critical, or the harmonics do not
         fade out.
@@ -113,24 +163,23 @@ def nonlinear_orbit(engine: Engine, crank_speed: float, samples: int = 128) -> N
     0.09
     """
     ConstantSpeed(crank_speed)  # refuses what is no speed
-    check_count(samples, "samples")
+    engine.check_runs()
+    engine.require_prescribed_shaft("a periodic motion at large displacements")
     with one_thread():
-        return _orbit(engine, float(crank_speed), samples)
+        return _orbit(engine, float(crank_speed), near)
 
 
-def _orbit(engine: Engine, crank_speed: float, samples: int) -> NonlinearOrbit:
-    z: FloatArray | None = None
+def _orbit(engine: Engine, crank_speed: float, near: NonlinearOrbit | None) -> NonlinearOrbit:
+    z = None if near is None else near.independent
     passes = 0
     for count in SAMPLES:
         equations = OrbitEquations(engine, crank_speed, count)
         still = _equilibrium(equations)
+        straight = np.zeros((count, equations.frames.size))
+        starts = [straight if still is None else equations.independent(still)]
         if z is not None:
-            start = at_angles(z, equations.motion.crank_angle)
-        elif still is None:
-            start = np.zeros((count, equations.frames.size))
-        else:
-            start = equations.independent(still)
-        run, taken = _found(equations, start)
+            starts.insert(0, at_angles(z, equations.motion.crank_angle))
+        run, taken = _found(equations, starts)
         z, passes = run.state.z, passes + taken
         moved = equations.at_stations(run.state.displacement)
         greatest = float(np.abs(moved).max())
@@ -147,16 +196,32 @@ def _orbit(engine: Engine, crank_speed: float, samples: int) -> NonlinearOrbit:
     distance = np.nan
     if still is not None:
         distance = float(np.abs(moved - equations.at_stations(still)).max()) / greatest
-    displacement, rate = _at(equations, run.state.z, samples)
-    return NonlinearOrbit(crank_speed, displacement, rate, run.state.error, tail, distance, passes)
+    return NonlinearOrbit(
+        crank_speed,
+        run.state.z,
+        tuple(equations.beyond_linear(run.state.z)),
+        engine.mechanism.linkage,
+        equations.frames,
+        run.state.error,
+        tail,
+        distance,
+        passes,
+    )
 
 
-def _found(equations: OrbitEquations, start: FloatArray) -> tuple[NewtonRun, int]:
-    """Periodic motion, directly or by continuation in damping, with the number of passes."""
-    run = newton(equations, start)
-    passes, detuning = run.passes, run.detuning
+def _found(equations: OrbitEquations, starts: Sequence[FloatArray]) -> tuple[NewtonRun, int]:
+    """Periodic motion from one of the starts, or from the last by continuation in damping.
+
+    With the number of passes of Newton's method.
+    """
+    passes = 0
+    for start in starts:
+        run = newton(equations, start)
+        passes, detuning = passes + run.passes, run.detuning
+        if run.converged:
+            break
     if not run.converged:
-        run, taken = _by_continuation(equations, start)
+        run, taken = _by_continuation(equations, starts[-1])
         passes += taken
         if run.converged:
             detuning = run.detuning
@@ -215,21 +280,3 @@ def _tail(moved: FloatArray) -> float:
     """Greatest harmonic of the fastest quarter over the greatest displacement; (N, s)."""
     amplitude = 2 * np.abs(np.fft.rfft(moved, axis=0)) / len(moved)
     return float(amplitude[3 * len(moved) // 8 :].max() / np.abs(moved).max())
-
-
-def _at(
-    equations: OrbitEquations, z: FloatArray, samples: int
-) -> tuple[tuple[FloatArray, ...], tuple[FloatArray, ...]]:
-    """Displacement and rate of each link at evenly spaced crank angles."""
-    angle: FloatArray = 2 * np.pi / samples * np.arange(samples, dtype=float)
-    linkage = equations.engine.mechanism.linkage
-    motion = linkage.motion(angle, np.full(samples, equations.crank_speed))
-    derivative = np.asarray(equations.first @ z, dtype=float)
-    position, velocity = at_angles(z, angle), at_angles(derivative, angle)
-    moving = equations.frames.link_motion(motion, position, velocity, np.zeros_like(position))
-    beyond = [(own, equations.first @ own) for own in equations.beyond_linear(z)]
-    pairs = [
-        (q + at_angles(own, angle), rate + at_angles(faster, angle))
-        for (q, rate, _), (own, faster) in zip(moving, beyond, strict=True)
-    ]
-    return tuple(q for q, _ in pairs), tuple(rate for _, rate in pairs)

@@ -4,15 +4,17 @@ A turn of the crank is sampled at evenly spaced crank angles, and the periodic m
 differentiated by its Fourier series (collocation): no time step is taken and no numerical
 damping enters. At all samples together ::
 
-    r(z) = N' (M q'' + G q' + (alpha S - omega^2 M_t) q + f_int(q) + D(q) q' - f) = 0,    q = q(z)
+    r(z) = N' (M q'' + G q' + (alpha S - omega^2 M_t) q + f_int(q) + D(q) q' - f(q, q')) = 0,
+    q = q(z)
 
 with the inertia of the links in their turning frames (all rotation terms), f the inertia forces of
-the rigid motion and the weight, f_int the engine's own internal forces at large displacements and D
-its Kelvin-Voigt damping. Inertia is linear in the displacements, but for bodies and rigid links,
-whose arms rotate by finite angles. That is exact for Exudyn's cables, whose coordinates are
-vectors; sections have the inertia of small rotations against their link frame. N is the derivative
-of the links' coordinates q by the independent ones z. Both are linear, but for rigid links and
-sliders, whose constraints hold at finite displacements.
+the rigid motion, the weight, and the forces of loads, springs and dampers at the displaced links,
+f_int the engine's own internal forces at large displacements and D its Kelvin-Voigt damping.
+Inertia is linear in the displacements, but for bodies and rigid links, whose arms rotate by finite
+angles. That is exact for Exudyn's cables, whose coordinates are vectors; sections have the inertia
+of small rotations against their link frame. N is the derivative of the links' coordinates q by the
+independent ones z. Both are linear, but for rigid links and sliders, whose constraints hold at
+finite displacements.
 """
 
 from __future__ import annotations
@@ -24,6 +26,8 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
+    AttachedPoint,
+    ConnectedMatrices,
     Engine,
     LinkDamping,
     LinkFrames,
@@ -36,7 +40,12 @@ from flexmech.linear_system import (
     whole,
     with_rigid_links,
 )
-from flexmech.linkages import RigidMotion
+from flexmech.linkages import ConstantSpeed, RigidMotion
+from flexmech.linkages.motion import direction, normal
+from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors
+
+Moving = Sequence[tuple[FloatArray, FloatArray, FloatArray]]
+"""Displacement of each link and its two time derivatives, (N, n_link) each."""
 
 
 @dataclass(frozen=True)
@@ -47,10 +56,12 @@ class OrbitState:
     ----------
     z : ndarray, shape (N, n)
         Independent coordinates of the unreduced links at the samples.
-    displacement : list of ndarray, shape (N, n_link)
-        Of each link in its frame.
+    displacement, rate : list of ndarray, shape (N, n_link)
+        Of each link in its frame, and its time derivative.
     stressed : StressedLinks
         At these displacements.
+    connected : ConnectedMatrices or None
+        Of loads and springs there, by z; None without them.
     residual : ndarray, shape (N, n)
         Forces out of balance.
     error : float
@@ -59,7 +70,9 @@ class OrbitState:
 
     z: FloatArray
     displacement: list[FloatArray]
+    rate: list[FloatArray]
     stressed: StressedLinks
+    connected: ConnectedMatrices | None
     residual: FloatArray
     error: float
 
@@ -136,12 +149,19 @@ class OrbitEquations:
     first, second : ndarray, shape (N, N)
         See :func:`derivatives`.
     load : ndarray, shape (N, n)
-        Inertia forces of the rigid motion, and weight.
+        Inertia forces of the rigid motion, weight, and loads and springs on the straight links.
     mass : ndarray, shape (N, n, n)
+
+    Raises
+    ------
+    InputError
+        If the frame is on springs, a load goes over time, or a spring is wound up turn by turn.
     """
 
     def __init__(self, engine: Engine, crank_speed: float, samples: int) -> None:
         linkage, links = engine.mechanism.linkage, engine.links
+        engine.require_standing_frame("a periodic motion at large displacements")
+        DrivenConnectors(engine, engine.frames, ConstantSpeed(crank_speed)).require_periodic()
         self.engine, self.samples, self.crank_speed = engine, samples, crank_speed
         self.frames = LinkFrames(linkage.topology, links)
         self.motion: RigidMotion = linkage.motion(
@@ -154,20 +174,28 @@ class OrbitEquations:
         self.mass = own.mass
         self._inertias = [LinkInertia.of(link, link, np.eye(link.size)) for link in links]
         loads = inertia_loads(links, self.motion, engine.mechanism.gravity)
+        if engine.connectors.any:
+            acting = engine.connectors.forces(self.motion)
+            loads = [inertia + force for inertia, force in zip(loads, acting, strict=True)]
         self.load = self.frames.gather(self.motion, loads)
-        straight = self.elastic(StressedLinks.unloaded(links))
+        still = [np.zeros((samples, link.size)) for link in links]
+        straight = self.elastic(StressedLinks.unloaded(links), self._connected(still))
         self._half = np.linalg.inv(np.linalg.cholesky(straight))
         self._load_norm = self._norm(self.load)
 
-    def elastic(self, stressed: StressedLinks) -> FloatArray:
-        """Stiffness ``N'KN`` of the linkage from those of its links, (N, n, n)."""
+    def elastic(
+        self, stressed: StressedLinks, connected: ConnectedMatrices | None = None
+    ) -> FloatArray:
+        """Stiffness ``N'KN`` of the linkage from those of its links and springs, (N, n, n)."""
         if self.frames.rigid.size and stressed.displacement is not None:
             maps, total = self._maps(stressed.displacement), np.zeros_like(self.mass)
             for by_z, tangent in zip(maps, stressed.tangent, strict=True):
                 total += np.swapaxes(by_z, 1, 2) @ whole(tangent) @ by_z
-            return total
-        terms = RotationTerms.all_or_none(False)
-        return self.frames.assemble(self.motion, stressed.tangent, terms, self._undamped).stiffness
+        else:
+            terms = RotationTerms.all_or_none(False)
+            links = stressed.tangent
+            total = self.frames.assemble(self.motion, links, terms, self._undamped).stiffness
+        return total if connected is None else total + connected.potential
 
     def error(self, residual: FloatArray) -> float:
         """Norm of forces (N, n) over that of the loads.
@@ -198,17 +226,19 @@ class OrbitEquations:
             change += self.second @ beyond
         displacement = [q for q, _, _ in moving]
         stressed = self.engine.running_links(self.motion, displacement)
-        forces = self._forces(stressed, moving)
+        forces, connected = self._forces(stressed, moving), self._connected(displacement)
         residual = times(self.mass, damping_rate * velocity)
         if self.frames.rigid.size:
             maps = self._maps(displacement)
             residual += sum(
                 times(np.swapaxes(n, 1, 2), f) for n, f in zip(maps, forces, strict=True)
             )
-            stressed = self._with_rigid_links(stressed, forces)
+            stressed = self._with_rigid_links(stressed, forces, moving)
         else:
             residual += self.frames.gather(self.motion, forces)
-        return OrbitState(z, displacement, stressed, residual, self.error(residual))
+        velocities = [rate for _, rate, _ in moving]
+        error = self.error(residual)
+        return OrbitState(z, displacement, velocities, stressed, connected, residual, error)
 
     def beyond_linear(self, z: FloatArray) -> list[FloatArray]:
         """Displacement of each link beyond the linear one, by finite poses of rigid links.
@@ -232,16 +262,17 @@ class OrbitEquations:
                     found[:, own.rows] = own.place - q[:, own.rows, 0]
         return beyond
 
-    def linearized(self, stressed: StressedLinks, damping_rate: float = 0.0) -> SystemMatrices:
+    def linearized(self, state: OrbitState, damping_rate: float = 0.0) -> SystemMatrices:
         """Matrices of small changes of the motion; each (N, n, n).
 
-        What the change of the damping matrix and the elastic motion of bodies' arms would add is
-        left out: Newton's method takes a pass more without it, and finds the same.
+        What the elastic motion of bodies' arms would add is left out: Newton's method takes a pass
+        more without it, and finds the same. The change of the damping matrix counts near a
+        critical speed, where little else holds the motion.
         """
-        assert stressed.displacement is not None
+        stressed, connected = self._with_changing_damping(state), state.connected
         turns = [
             [q @ body.rows[2] for body in link.bodies]
-            for link, q in zip(self.engine.links, stressed.displacement, strict=True)
+            for link, q in zip(self.engine.links, state.displacement, strict=True)
         ]
         if self.frames.rigid.size:
             own = self._displaced(stressed, turns)
@@ -249,9 +280,19 @@ class OrbitEquations:
             damping = self._damping(stressed)
             terms = RotationTerms()
             own = self.frames.assemble(self.motion, stressed.tangent, terms, damping, turns=turns)
-        if not damping_rate:
-            return own
-        return SystemMatrices(own.mass, own.damping + damping_rate * own.mass, own.stiffness)
+        damped, stiffness = own.damping + damping_rate * own.mass, own.stiffness
+        if connected is not None:
+            damped = damped + connected.damping
+            stiffness = stiffness + connected.stiffness + connected.rate_stiffness
+        return SystemMatrices(own.mass, damped, stiffness)
+
+    def _with_changing_damping(self, state: OrbitState) -> StressedLinks:
+        """Stressed links whose tangents have the change of the damping forces."""
+        more = self.engine.damping_stiffness(state.displacement, state.rate)
+        if more is None:
+            return state.stressed
+        pairs = zip(state.stressed.tangent, more, strict=True)
+        return replace(state.stressed, tangent=[whole(own) + whole(other) for own, other in pairs])
 
     def independent(self, displacement: Sequence[FloatArray]) -> FloatArray:
         """Independent coordinates z (N, n) of the displacement of each link, (N, n_link)."""
@@ -301,11 +342,49 @@ class OrbitEquations:
             stiffness += self.frames.guide_matrix(self.motion, stressed.guide_stiffness)
         return SystemMatrices(mass, damping, stiffness)
 
-    def _forces(
-        self,
-        stressed: StressedLinks,
-        moving: Sequence[tuple[FloatArray, FloatArray, FloatArray]],
-    ) -> list[FloatArray]:
+    def _connected(self, displacement: Sequence[FloatArray]) -> ConnectedMatrices | None:
+        """Stiffness and damping of loads and springs by z at displacements of the links."""
+        connectors = self.engine.connectors
+        if not connectors.any:
+            return None
+        maps = self._maps(displacement)
+        stiffness, damping, rate_stiffness = np.zeros((3, *self.mass.shape))
+        for tangent in connectors.tangents(self.motion, displacement):
+            gap = np.zeros((self.samples, 3, self.frames.size))
+            for point, sign in ((tangent.second, 1.0), (tangent.first, -1.0)):
+                if point is not None:
+                    gap += sign * self._place_by_z(point, displacement, maps)
+            across = np.swapaxes(gap, 1, 2)
+            stiffness += across @ (tangent.stiffness @ gap)
+            damping += across @ (tangent.damping @ gap)
+            rate_stiffness += across @ (tangent.damping @ np.tensordot(self.first, gap, 1))
+        return ConnectedMatrices(stiffness, damping, rate_stiffness, connectors.is_conservative)
+
+    def _place_by_z(
+        self, point: AttachedPoint, displacement: Sequence[FloatArray], maps: Sequence[FloatArray]
+    ) -> FloatArray:
+        """Derivative of a point's place in ground axes, and its rotation, by z; (N, 3, n)."""
+        own = point.finite_rows(displacement[point.link]) @ maps[point.link]
+        angle = self.motion.angle[:, point.link]
+        axes = np.stack([direction(angle), normal(angle)], axis=2)
+        return np.concatenate([axes @ own[:, :2], own[:, 2:]], axis=1)
+
+    def _connector_forces(self, moving: Moving) -> list[FloatArray]:
+        """Forces (N, n_link) of loads and springs on the coordinates of each link."""
+        displacement, rate = [q for q, _, _ in moving], [v for _, v, _ in moving]
+        acting, motion = [np.zeros_like(q) for q in displacement], self.motion
+        connectors = self.engine.connectors
+        for push in (
+            *connectors.point_forces(motion, displacement, rate=rate),
+            *connectors.radial_forces(motion, displacement, rate),
+        ):
+            link = push.point.link
+            acting[link] += push.point.finite_force(
+                motion, push.force, push.torque, displacement[link]
+            )
+        return acting
+
+    def _forces(self, stressed: StressedLinks, moving: Moving) -> list[FloatArray]:
         """Forces (N, n_link) that are out of balance on each link but for those of its joints."""
         forces, motion, gravity = [], self.motion, self.engine.mechanism.gravity
         assert stressed.internal_force is not None
@@ -321,10 +400,13 @@ class OrbitEquations:
                 moved = (each @ body.rows.T for each in elastic)
                 force += body.nonlinear_inertia(motion, number, gravity, *moved) @ body.rows
             forces.append(force)
+        if self.engine.connectors.any:
+            acting = self._connector_forces(moving)
+            forces = [force - push for force, push in zip(forces, acting, strict=True)]
         return forces
 
     def _with_rigid_links(
-        self, stressed: StressedLinks, forces: Sequence[FloatArray]
+        self, stressed: StressedLinks, forces: Sequence[FloatArray], moving: Moving
     ) -> StressedLinks:
         """Stressed links with the geometric stiffness of rigid ones by all forces on them."""
         assert stressed.displacement is not None
@@ -335,6 +417,17 @@ class OrbitEquations:
             virial, _ = body.dead_moment(self.motion, number, gravity)
             square = self.motion.angular_velocity[:, number] ** 2
             by_rotation[number] = virial - square * body.central_inertia
+        displacement, rate = [q for q, _, _ in moving], [v for _, v, _ in moving]
+        connectors = self.engine.connectors
+        for push in (
+            connectors.point_forces(self.motion, displacement, rate=rate) if connectors.any else ()
+        ):
+            link = push.point.link
+            if link in by_rotation:
+                arm = push.point.x * direction(
+                    self.motion.angle[:, link] + displacement[link][:, 2]
+                )
+                by_rotation[link] = by_rotation[link] + np.sum(arm * push.force, axis=1)
         found = ties.geometric_stiffness([-force for force in forces], by_rotation)
         tangent = {n: own for n, own in enumerate(stressed.tangent) if n not in by_rotation}
         rigid = with_rigid_links(self.frames, tangent, found)

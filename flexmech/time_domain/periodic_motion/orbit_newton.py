@@ -21,7 +21,7 @@ from scipy.linalg import lapack
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import StressedLinks, SystemMatrices
+from flexmech.linear_system import SystemMatrices
 from flexmech.time_domain.periodic_motion.orbit_equations import OrbitEquations, OrbitState, times
 
 logger = logging.getLogger(__name__)
@@ -29,8 +29,9 @@ logger = logging.getLogger(__name__)
 # The iteration ends at this residual, over the loads; see OrbitEquations.error. At 1e-5 an orbit of
 # linear links is noticeably not that of the linear equations.
 TOLERANCE = 1e-9
-# A run that converges takes three to five passes; with shortened steps a dozen.
-MOST_PASSES = 14
+# A run that converges takes three to five passes; with shortened steps a dozen or two. Those of an
+# engine that does not tell how damping changes with the displacement gain a digit in two.
+MOST_PASSES = 40
 # Shorter steps mean that another way, by continuation, costs less: each halving is a solution.
 SHORTEST_STEP = 1 / 64
 # A correction with the same matrices must be shorter than the step by this part of its length, as
@@ -99,9 +100,9 @@ def newton(equations: OrbitEquations, z: FloatArray, damping_rate: float = 0.0) 
     modal: _ModalPreconditioner | None = None
     passes, detuning, products = 0, 1.0, 0
     while state.error > TOLERANCE and passes < MOST_PASSES:
-        matrices = equations.linearized(state.stressed, damping_rate)
+        matrices = equations.linearized(state, damping_rate)
         if modal is None or products > MANY_PRODUCTS:
-            modal = _ModalPreconditioner(equations, state.stressed, matrices)
+            modal = _ModalPreconditioner(equations, state, matrices)
         if passes == 0:
             detuning = modal.detuning(matrices)
         step, products = modal.solve(matrices, -state.residual)
@@ -123,7 +124,7 @@ def newton(equations: OrbitEquations, z: FloatArray, damping_rate: float = 0.0) 
         logger.info("pass %d: %.3g of a step, residual %.2e", passes, part, state.error)
     converged = state.error <= TOLERANCE
     if converged and modal is not None:
-        detuning = modal.detuning(equations.linearized(state.stressed, damping_rate))
+        detuning = modal.detuning(equations.linearized(state, damping_rate))
     return NewtonRun(state, converged, passes, detuning)
 
 
@@ -143,7 +144,8 @@ def _in_static_balance(
         size = float(np.linalg.norm(force))
         if size <= enough or not np.isfinite(size):
             break
-        stiffness = rows @ equations.elastic(state.stressed) @ np.swapaxes(rows, 1, 2)
+        elastic = equations.elastic(state.stressed, state.connected)
+        stiffness = rows @ elastic @ np.swapaxes(rows, 1, 2)
         change = np.linalg.solve(stiffness, force[..., None])[..., 0]
         state = equations.state(state.z - times(np.swapaxes(rows, 1, 2), change), damping_rate)
     return state
@@ -155,8 +157,8 @@ class _ModalPreconditioner:
     Parameters
     ----------
     equations : OrbitEquations
-    stressed : StressedLinks
-        State whose modes they are.
+    state : OrbitState
+        Whose modes they are.
     matrices : SystemMatrices
         Linearized about it.
 
@@ -169,10 +171,10 @@ class _ModalPreconditioner:
     """
 
     def __init__(
-        self, equations: OrbitEquations, stressed: StressedLinks, matrices: SystemMatrices
+        self, equations: OrbitEquations, state: OrbitState, matrices: SystemMatrices
     ) -> None:
         self._equations = equations
-        stiffness, shift = equations.elastic(stressed), 0.0
+        stiffness, shift = equations.elastic(state.stressed, state.connected), 0.0
         while (half := _inverse_root(stiffness + shift * matrices.mass)) is None:
             # Compressed beyond buckling: the modes are those of a stiffness shifted by mass.
             shift = max(10 * shift, equations.crank_speed**2)

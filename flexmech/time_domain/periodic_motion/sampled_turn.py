@@ -22,7 +22,6 @@ from flexmech.linear_system import (
     body_turns,
     has_constant_tangents,
     has_relative_motion,
-    inverse_mass_root,
     is_constant_turn,
 )
 from flexmech.linkages import ConstantSpeed, RigidMotion
@@ -300,7 +299,7 @@ class SampledTurn:
         if self.connected is not None:
             potential = self.connected.potential
             matrices = replace(matrices, stiffness=matrices.stiffness + potential)
-        half = inverse_mass_root(matrices.mass)
+        half = np.linalg.inv(np.linalg.cholesky(matrices.mass))
         across = np.swapaxes(half, 1, 2)
         squares, vectors = np.linalg.eigh(half @ matrices.stiffness @ across)
         return matrices.mass, squares, across @ vectors

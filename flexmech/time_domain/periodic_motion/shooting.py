@@ -4,17 +4,11 @@ A turn of the crank maps the state at its start to that at its end. Of linear eq
 affine, ``x -> monodromy @ x + forced``: it is computed by the trapezoidal rule for all coordinates
 at once, and its fixed point is the periodic motion. The eigenvalues of the
 monodromy matrix are the Floquet multipliers.
-
-For a nonlinear simulation the derivative of the map is that of the linear equations: Newton's
-method with an approximate Jacobian and one simulated turn an iteration. It finds the periodic
-motion whether or not a transient would decay to it.
 """
 
 from __future__ import annotations
 
-import logging
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -24,8 +18,6 @@ from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
 from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
 from flexmech.time_domain.integrators.linear_march import StepTable
-from flexmech.time_domain.recorded_runs.states import LinkState
-from flexmech.time_domain.recorded_runs.trajectory import Trajectory
 
 # Steps whose matrices are solved at once. Memory alone: fewer than in a single run, because a
 # motion from a unit of each coordinate is kept for all of them.
@@ -35,16 +27,6 @@ BLOCK_STEPS = 256
 # step of the trapezoidal rule leaves 6e-14, so that a turn of some million of them leaves this; a
 # speed that is off by a millionth of itself is periodic within 1e-5.
 CRITICAL = 1e-7
-logger = logging.getLogger(__name__)
-
-# The iteration ends when a turn closes to this part of its greatest displacement. Without
-# damping the fastest modes return with phases that the linear equations only guess: where
-# they keep it from getting there, the best turn counts if it closes to within the second. An orbit
-# that closes to 2e-4 is off by about as much, which a figure does not show.
-CLOSURE = 2e-4
-LEAST_CLOSURE = 2e-3
-# One or two turns do as a rule; each costs a simulation, and one that is no nearer ends the search.
-MOST_TURNS = 12
 
 
 def periodic_state(linkage: DrivenLinkage, steps: int) -> VibrationState:
@@ -258,92 +240,3 @@ def _solved(
             crank_speed=np.copysign(2 * np.pi / linkage.drive.revolution_time, linkage.drive.speed),
         )
     return np.asarray(np.linalg.solve(gap, rows * forced) / columns)
-
-
-@dataclass(frozen=True)
-class PeriodicOrbit:
-    """A simulated turn of the periodic motion.
-
-    Parameters
-    ----------
-    start : LinkState
-    turn : Trajectory
-    closure : float
-        How far it ends from its start, over the greatest displacement.
-    turns : int
-        Simulated turns that it took to find it.
-    """
-
-    start: LinkState
-    turn: Trajectory
-    closure: float
-    turns: int
-
-
-def simulated_orbit(
-    linkage: DrivenLinkage, steps: int, simulate_turn: Callable[[LinkState], Trajectory]
-) -> PeriodicOrbit:
-    """Find the periodic motion of a simulation.
-
-    Parameters
-    ----------
-    linkage : DrivenLinkage
-        Linear equations of the same engine at the same, constant speed.
-    steps : int
-        Time steps a turn.
-    simulate_turn : callable
-        Simulates one turn from a state; its samples include start and end.
-
-    Returns
-    -------
-    PeriodicOrbit
-
-    Raises
-    ------
-    ComputationError
-        If the iteration does not close the orbit, or the crank speed is critical.
-    """
-    linkage.engine.require_standing_frame("a simulated periodic motion")
-    (monodromy, forced), n = turn_map(linkage, steps), linkage.size
-    state = _fixed_point(linkage, monodromy, forced)
-    gain = np.linalg.inv(np.eye(2 * n) - monodromy)
-    equations = linkage.equations(np.zeros(1))
-    best: PeriodicOrbit | None = None
-    for turns in range(1, MOST_TURNS + 1):
-        first = linkage.link_state(
-            equations, VibrationState(state[None, :n], state[None, n:], np.zeros((1, n)))
-        )
-        turn = simulate_turn(first)
-        orbit = PeriodicOrbit(first, turn, _closure(linkage, turn), turns)
-        logger.info("turn %d closes to %.1e of its greatest displacement", turns, orbit.closure)
-        if best is not None and orbit.closure >= best.closure:
-            break
-        best = orbit
-        if orbit.closure <= CLOSURE:
-            return orbit
-        end, begin = (_coordinates(linkage, turn, sample) for sample in (-1, 0))
-        state = state + gain @ (end - begin)
-    assert best is not None
-    if best.closure <= LEAST_CLOSURE:
-        return best
-    raise ComputationError(
-        f"no periodic motion found at crank speed {CRANK_SPEED}: the best of {turns} turns ends "
-        f"{100 * best.closure:.3g} % of its greatest displacement away from its start; change the "
-        "crank speed a little, or give the links damping",
-        crank_speed=linkage.drive.speed,
-    )
-
-
-def _closure(linkage: DrivenLinkage, turn: Trajectory) -> float:
-    """Distance of the end from the start over the greatest displacement, at the stations."""
-    gap, size = 0.0, 0.0
-    for link, q in zip(linkage.engine.links, turn.displacement, strict=True):
-        gap = max(gap, float(np.abs(link.shape @ (q[-1] - q[0])).max()))
-        size = max(size, float(np.abs(np.einsum("scn,bn->bsc", link.shape, q)).max()))
-    return gap / size
-
-
-def _coordinates(linkage: DrivenLinkage, turn: Trajectory, sample: int) -> FloatArray:
-    """Position and velocity of the linear equations at a sample, (2 n,)."""
-    state = LinkState([q[sample] for q in turn.displacement], [r[sample] for r in turn.rate])
-    return np.concatenate(linkage.coordinates(state))

@@ -174,7 +174,7 @@ def periodic_deflection(
 
 
 def _sampled(engine: Engine, run: Trajectory, links: Sequence[int], every: int) -> FloatArray:
-    curves = 1e3 * deflections(engine, run)[::every]
+    curves = 1e3 * deflections(engine, run.displacement)[::every]
     # The last sample of a turn is the first one of the next.
     return np.asarray(curves[:-1].T[list(links)])
 
