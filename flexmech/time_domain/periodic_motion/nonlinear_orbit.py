@@ -32,9 +32,11 @@ from flexmech.time_domain.recorded_runs.states import LinkState
 
 logger = logging.getLogger(__name__)
 
-# Samples of a turn at which the equations are satisfied, first and at most: with 32 an orbit of
-# linear links is not that of the linear equations; more than 256 take minutes.
+# Samples of a turn at which the equations are satisfied: with 32 an orbit of linear links is not
+# that of the linear equations. At each number the motion is searched from all starts, at the finest
+# from the coarser motion alone: a search there takes minutes.
 SAMPLES = (128, 256)
+FINEST = 512
 # Harmonics in the fastest quarter of those that the samples show, over the greatest displacement:
 # more samples are taken above the first, and the orbit is not resolved above the second.
 TAIL = 1e-4
@@ -182,15 +184,21 @@ def _orbit(engine: Engine, crank_speed: float, near: NonlinearOrbit | None) -> N
         run, taken = _found(equations, starts)
         z, passes = run.state.z, passes + taken
         moved = equations.at_stations(run.state.displacement)
-        greatest = float(np.abs(moved).max())
-        tail = _tail(moved)
-        if tail <= TAIL:
+        if _tail(moved) <= TAIL:
             break
+    if _tail(moved) > TAIL:
+        finer = OrbitEquations(engine, crank_speed, FINEST)
+        resolved = newton(finer, at_angles(z, finer.motion.crank_angle))
+        passes += resolved.passes
+        if resolved.converged:
+            run, equations, still = resolved, finer, _equilibrium(finer)
+            moved = equations.at_stations(run.state.displacement)
+    tail, greatest = _tail(moved), float(np.abs(moved).max())
     if tail > GREATEST_TAIL:
         raise ComputationError(
             f"the periodic motion at crank speed {CRANK_SPEED} is not resolved: harmonics near the "
-            f"{count // 2}th of the crank's turn still carry {100 * tail:.2g} % of the greatest "
-            "displacement; change the crank speed a little, or give the links damping",
+            f"{len(moved) // 2}th of the crank's turn still carry {100 * tail:.2g} % of the "
+            "greatest displacement; change the crank speed a little, or give the links damping",
             crank_speed=crank_speed,
         )
     distance = np.nan
