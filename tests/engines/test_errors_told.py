@@ -36,10 +36,17 @@ def test_the_reduction_error_is_the_distance_to_all_coordinates(seed: int) -> No
     found = mapped(engine, seed)
     whole = ReferenceEngine(one.mechanism, 8, "euler", component_modes=False)
     exact = natural_frequencies(whole, one.crank_angles, one.crank_speed)
-    true = np.abs(np.sort(found["frequency"].values, axis=-1) / exact - 1).max()
-    assert true < 2e-5
-    # Frequencies that are soft against the highest one are blurred by round-off.
-    assert float(found["reduction_error"].max()) == pytest.approx(true, rel=0.3, abs=3e-8)
+    order = np.argsort(found["frequency"].values, axis=-1)
+    frequency, estimate = (
+        np.take_along_axis(found[name].values, order, axis=-1)
+        for name in ("frequency", "reduction_error")
+    )
+    true = np.abs(frequency / exact - 1)
+    assert true.max() < 2e-5
+    # Round-off blurs a frequency that is soft against the highest one, by its square: seed 56, in
+    # which 0.3 Hz stand beside 130 Hz, has 5e-7 of round-off in its reduction error.
+    hard = exact > 0.01 * exact.max()
+    assert estimate[hard].max() == pytest.approx(true[hard].max(), rel=0.3, abs=3e-8)
 
 
 def estimates_and_truth(seed: int) -> np.ndarray:

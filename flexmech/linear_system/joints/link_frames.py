@@ -28,7 +28,6 @@ from flexmech.linear_system.joints.link_place import DependentRows, LinkPlace
 from flexmech.linear_system.joints.link_ties import LinkTies
 from flexmech.linear_system.joints.rigid_coordinates import RigidCoordinates
 from flexmech.linear_system.joints.rigid_pose import DisplacedTies, RigidPose
-from flexmech.linear_system.joints.steady_links import SteadyLinks
 from flexmech.linear_system.links.chains import LinkMatrix, whole
 from flexmech.linear_system.links.link_model import LinkModel, WholeLink
 from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
@@ -176,73 +175,41 @@ class LinkFrames:
         -------
         SystemMatrices
         """
-        batch = len(motion.crank_angle)
+        links = [link.whole() for link in self.links]
+        tangents = [whole(x) for x in stiffness]
         own_damping = damping is None
         if damping is None:
             damping = [LinkDamping(link.damping, link.ends.damping) for link in self.links]
-        links, resisting = [link.whole() for link in self.links], [own.whole() for own in damping]
-        straight = [x is link.stiffness for x, link in zip(stiffness, self.links, strict=True)]
-        moving = terms.any or len(self._steady.numbers) < len(links)
-        if (design := motion.design) is not None and moving:
+        resisting = [own.whole() for own in damping]
+        if (design := motion.design) is not None:
+            straight = [x is link.stiffness for x, link in zip(stiffness, self.links, strict=True)]
             links = [link.at(design) for link in links]
-            stiffness = [
-                whole(x)[design] if own else x for x, own in zip(stiffness, straight, strict=True)
-            ]
-        if design is not None and own_damping:
-            resisting = [
-                (matrix[design], ends[design]) if matrix.any() else (matrix, ends)
-                for matrix, ends in resisting
-            ]
-        turned: dict[int, WholeLink] = {}
+            tangents = [x[design] if own else x for x, own in zip(tangents, straight, strict=True)]
+            if own_damping:
+                resisting = [(matrix[design], ends[design]) for matrix, ends in resisting]
         for number, angles in enumerate(turns or ()):
             if (change := self.links[number].inertia_change(angles)) is not None:
-                turned[number], links[number] = change, links[number] + change
-        shape = (batch, self.size, self.size)
-        mass, total = np.empty((2, *shape))
-        damps = terms.coriolis or any(matrix.any() for matrix, _ in resisting)
-        rates = np.empty(shape) if damps else np.broadcast_to(0.0, shape)
-        # Rotated bodies change the matrices of their link from position to position.
-        unturned = self._steady.numbers - turned.keys()
-        if damps:
-            counted = sorted(unturned) if terms.coriolis else []
-            self._steady.write_coriolis(rates, motion.angular_velocity, counted)
-        tangents = [_tangent(links[n], motion, n, whole(x), terms) for n, x in enumerate(stiffness)]
-        factors = self._steady.factors.at(motion.angle)
-        self._steady.mass.write(mass, factors)
-        steady = {
-            n: tangents[n]
-            for n in self._steady.numbers
-            if tangents[n].ndim == 2 or tangents[n] is self.links[n].stiffness
-        }
-        if steady:
-            self._steady.sum_of_tangents(steady).write(total, factors)
-        else:
-            total[:] = 0.0
-        dependent: list[list[DependentRows]] | None = None
-        for number, (link, tangent, (damping_matrix, damped_ends)) in enumerate(
-            zip(links, tangents, resisting, strict=True)
+                links[number] = links[number] + change
+        shape = (len(motion.crank_angle), self.size, self.size)
+        mass, total = np.zeros((2, *shape))
+        damped = [bool(matrix.any()) for matrix, _ in resisting]
+        damps = terms.coriolis or any(damped)
+        rates = np.zeros(shape) if damps else np.broadcast_to(0.0, shape)
+        dependent = self.dependent_rows(motion)
+        for number, (place, pairs, link) in enumerate(
+            zip(self._places, dependent, links, strict=True)
         ):
-            damped = bool(damping_matrix.any())
-            if number in steady and number not in turned and not damped and not terms.any:
-                continue
-            if dependent is None:
-                dependent = self.dependent_rows(motion)
-            place, pairs = self._places[number], dependent[number]
+            damping_matrix, damped_ends = resisting[number]
             speed = motion.angular_velocity[:, number, None, None]
-            if number not in self._steady.numbers:
-                place.add(mass, link.mass, pairs)
-            elif number in turned:
-                place.add(mass, turned[number].mass, pairs)
-            if number not in steady:
-                place.add(total, tangent, pairs)
-            if damped:
-                place.add(rates, damping_matrix, pairs)
             turning = [p.rate for p in pairs]
+            place.add(mass, link.mass, pairs)
+            place.add(total, _tangent(link, motion, number, tangents[number], terms), pairs)
+            if damped[number]:
+                place.add(rates, damping_matrix, pairs)
             if terms.coriolis:
-                add = place.add_dependent if number in unturned else place.add
-                add(rates, 2 * speed * link.gyroscopic, pairs)
+                place.add(rates, 2 * speed * link.gyroscopic, pairs)
                 place.add_dependent_columns(rates, 2 * link.end_mass, pairs, turning)
-                if damped:
+                if damped[number]:
                     place.add_dependent_columns(total, damped_ends, pairs, turning)
             if terms.centripetal:
                 coriolis = [2 * speed * rate for rate in turning]
@@ -268,10 +235,6 @@ class LinkFrames:
         total = np.zeros((len(guide_stiffness), self.size, self.size))
         total[:, :first, :first] = self._ties.guide_matrix(motion, guide_stiffness)
         return total
-
-    @cached_property
-    def _steady(self) -> SteadyLinks:
-        return SteadyLinks(self._ties, self.links, self._places)
 
     @cached_property
     def _places(self) -> list[LinkPlace]:

@@ -111,26 +111,9 @@ class LinkPlace:
         matrix : ndarray, shape (n, n) or (B, n, n)
         dependencies : sequence of DependentRows
         """
-        self.add_constant(total, matrix)
-        self.add_dependent(total, matrix, dependencies)
-
-    def add_constant(self, total: FloatArray, matrix: FloatArray) -> None:
-        """Add the constant part of ``Q' X Q`` to (size, size) or (B, size, size)."""
         for row, to_row in self.runs:
             for column, to_column in self.runs:
-                total[..., to_row, to_column] += matrix[..., row, column]
-
-    def add_dependent(
-        self, total: FloatArray, matrix: FloatArray, dependencies: Sequence[DependentRows]
-    ) -> None:
-        """Add the part of ``Q' X Q`` that varies: that of the dependent coordinates.
-
-        Parameters
-        ----------
-        total : ndarray, shape (B, size, size)
-        matrix : ndarray, shape (n, n) or (B, n, n)
-        dependencies : sequence of DependentRows
-        """
+                total[:, to_row, to_column] += matrix[..., row, column]
         for (rows, to_rows), tie in zip(self.dependencies, dependencies, strict=True):
             for column, to_column in self.runs:
                 block = _turned(tie.turn, matrix[..., rows, column])

@@ -89,14 +89,6 @@ class LinkTies:
         """Dependent rows of a link and the columns that determine them, tie by tie."""
         return [(tie.rows, tie.columns) for tie in self._ties[link]]
 
-    def leaders(self, link: int) -> list[int]:
-        """Leaders of the pinned ends of a link; of a link without other dependent rows."""
-        return [tie.leader for tie in self._ties[link] if isinstance(tie, RotatedEnd)]
-
-    def is_general(self, link: int) -> bool:
-        """Whether a link has other dependent rows than pinned ends."""
-        return not all(isinstance(tie, RotatedEnd) for tie in self._ties[link])
-
     def independent_coordinates(self, link: int) -> IntArray:
         """Coordinates of a link that are independent coordinates of the linkage, (k,)."""
         own = self.targets[link] >= 0
