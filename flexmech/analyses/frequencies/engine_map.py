@@ -28,7 +28,7 @@ from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along, systems_at
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
 from flexmech.analyses.frequencies.pictured import scaled_parts
-from flexmech.analyses.frequencies.reduction import ModeErrors, converged_modes
+from flexmech.analyses.frequencies.reduction import ModeErrors, converged_along
 from flexmech.analyses.frequencies.refinement import Positions, same_shapes
 from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.analyses.frequencies.tracking import Tracker
@@ -123,10 +123,18 @@ class _CheckedSpeed:
 def _checked_speeds(engine: Engine, request: FrequencyRequest) -> list[_CheckedSpeed]:
     """Reductions and errors at each speed."""
     checks = []
-    angles = request.crank_angles[check_angle_indices(request.crank_angles, request.full_turn)]
+    checked_angles = check_angle_indices(request.crank_angles, request.full_turn)
+    angles = request.crank_angles[checked_angles]
     compared = on_compared_mesh(engine)
     for speed in request.crank_speeds.tolist():
-        checked = converged_modes(systems_at(engine, request, speed), angles, speed, SPARE_MODES)
+        checked = converged_along(
+            systems_at(engine, request, speed),
+            request.crank_angles,
+            speed,
+            checked_angles,
+            spare=SPARE_MODES,
+            full_turn=request.full_turn,
+        )
         own = checked.systems.engine
         error = mesh_error(
             checked.systems,

@@ -13,7 +13,7 @@ from flexmech.analyses.frequencies.extremes import Extremes, extremes_between
 from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
-from flexmech.analyses.frequencies.reduction import converged_modes
+from flexmech.analyses.frequencies.reduction import converged_along, converged_modes
 from flexmech.analyses.requests import as_many_modes, engine_of, in_radians
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
@@ -106,8 +106,8 @@ def frequencies_at(
 def _along(systems: Systems, angle: FloatArray, speed: FloatArray) -> tuple[FloatArray, Systems]:
     """Frequencies (B, modes) at positions, and the systems with as many modes as they need."""
     count = angle.size // (systems.engine.designs or 1)
-    some = check_angle_indices(np.arange(count, dtype=float), full_turn=False)
-    some = (np.arange(0, angle.size, count)[:, None] + some).ravel()
+    checks = check_angle_indices(np.arange(count, dtype=float), full_turn=False)
+    some = (np.arange(0, angle.size, count)[:, None] + checks).ravel()
     rest = np.setdiff1d(np.arange(angle.size), some)
     with one_thread():
         # The stress is the same in whatever modes: it is sought once in the first batch, and in
@@ -116,7 +116,7 @@ def _along(systems: Systems, angle: FloatArray, speed: FloatArray) -> tuple[Floa
         known = np.union1d(first, some)
         stressed = systems.stressed(angle[known], speed[known])
         there = stressed.at(np.searchsorted(known, some))
-        checked = converged_modes(systems, angle[some], speed[some], stressed=there)
+        checked = converged_along(systems, angle, speed, checks, stressed=there)
         found = np.empty((angle.size, checked.modes.count))
         found[some] = checked.modes.frequency
         if rest.size:
