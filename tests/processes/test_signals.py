@@ -180,6 +180,18 @@ def test_a_signal_as_workers_are_split_off_ends_the_map(tmp_path: Path) -> None:
     assert ended.stderr.startswith(LINES[signal.SIGINT])
 
 
+@BY_WORKERS
+def test_a_map_that_loses_a_worker_ends_in_a_line(tmp_path: Path) -> None:
+    long = ("--speeds", "20:60:0.1", "--modes", "6", "--elements", "16", "--engine", "reference")
+    process = start(tmp_path, "stability", MODELS / "steel_fourbar.toml", *long, "--out", "out")
+    until("a worker is at work", lambda: any(map(ignores_signals, workers_of(process.pid))))
+    os.kill(next(filter(ignores_signals, workers_of(process.pid))), signal.SIGKILL)
+    ended = process.wait()
+    assert (ended.code, ended.stderr.count("\n")) == (1, 1), ended.stderr
+    assert "a worker was lost" in ended.stderr
+    assert files_of(tmp_path) == []
+
+
 def ignores_signals(process: int) -> bool:
     """Whether a process ignores SIGINT and SIGTERM, as a worker at work does."""
     wanted = sum(1 << (number - 1) for number in LINES)

@@ -10,10 +10,12 @@ import sys
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, wait
+from concurrent.futures import BrokenExecutor, ProcessPoolExecutor, wait
+from contextlib import contextmanager
 from multiprocessing.process import BaseProcess
 from typing import Any, TypeVar
 
+from flexmech.errors import ComputationError, FlexmechError, one_line
 from flexmech.interruption import STOPPING, uninterrupted
 from flexmech.threads import one_thread
 
@@ -51,6 +53,11 @@ def in_order(task: Callable[[Item], Answer], items: Sequence[Item]) -> Iterator[
     ------
     object
         Of each item, in their order.
+
+    Raises
+    ------
+    ComputationError
+        If one of the processes is lost.
     """
     here = sys.platform.startswith("linux")
     workers = min(len(os.sched_getaffinity(0)), len(items)) if here else 1
@@ -73,7 +80,9 @@ def in_order(task: Callable[[Item], Answer], items: Sequence[Item]) -> Iterator[
                 for future in waiting:
                     while not wait([future], HEARING).done:
                         pass
-                    yield future.result()
+                    with loss_of_workers("close other programs and begin anew"):
+                        answer = future.result()
+                    yield answer
             except BaseException:
                 with uninterrupted():
                     pool.shutdown(wait=False, cancel_futures=True)
@@ -81,6 +90,35 @@ def in_order(task: Callable[[Item], Answer], items: Sequence[Item]) -> Iterator[
                 raise
     finally:
         _tasks.pop()
+
+
+@contextmanager
+def loss_of_workers(
+    remedy: str, loss: type[Exception] | tuple[type[Exception], ...] = BrokenExecutor
+) -> Iterator[None]:
+    """Name a process that ended before it had answered.
+
+    Parameters
+    ----------
+    remedy : str
+        What to do.
+    loss : type of Exception, or tuple of these
+        What the executor raises then.
+
+    Raises
+    ------
+    ComputationError
+        In place of that.
+    """
+    try:
+        yield
+    except FlexmechError:
+        raise
+    except loss as error:
+        told = one_line(f"{type(error).__name__}: {error}", 200)
+        raise ComputationError(
+            f"a worker was lost, for want of memory perhaps ({told}); {remedy}"
+        ) from error
 
 
 def _end(processes: Iterable[BaseProcess]) -> None:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.analyses.stability.parallel import loss_of_workers
 from flexmech.arrays import FloatArray, IntArray, LabelledProgress, silent
-from flexmech.errors import ComputationError, FlexmechError, InputError, one_line
+from flexmech.errors import InputError
 from flexmech.studies.designs.evaluation import (
     Evaluated,
     Task,
@@ -29,6 +29,7 @@ _GROWTH = 4
 _AHEAD = 2
 # Of executors that do not say how many workers they have, such as those of clusters.
 _WORKERS = 16
+RESUMED = "what is done is kept with --out: go on with --resume and fewer workers"
 
 
 def check_executor(executor: object) -> None:
@@ -194,30 +195,15 @@ def _by_workers(
     try:
         while True:
             while len(waiting) < _AHEAD * plan.workers and len(numbers := plan.take()):
-                with _loss_of_workers():
+                with loss_of_workers(RESUMED, Exception):
                     future = executor.submit(evaluate_task, study, designs[numbers], finer)
                 waiting[future] = numbers
             if not waiting:
                 return
             for future in wait(waiting, return_when=FIRST_COMPLETED).done:
-                with _loss_of_workers():
+                with loss_of_workers(RESUMED, Exception):
                     found = future.result()
                 yield waiting.pop(future), found
     finally:
         for future in waiting:
             future.cancel()
-
-
-@contextmanager
-def _loss_of_workers() -> Iterator[None]:
-    """No failure of a design ends a task, so that other failures are the worker's."""
-    try:
-        yield
-    except FlexmechError:
-        raise
-    except Exception as error:
-        told = one_line(f"{type(error).__name__}: {error}", 200)
-        raise ComputationError(
-            f"a worker was lost, for want of memory perhaps ({told}); what is done is kept with "
-            "--out: go on with --resume and fewer workers"
-        ) from error
