@@ -13,10 +13,14 @@ from flexmech.linkages.coupler_curves.double_points import (
     full_turn,
 )
 from flexmech.linkages.drives.drive import ConstantSpeed, Drive, LockedCrank
-from flexmech.linkages.drives.shaped import ShapedDrive, check_shapeable
-from flexmech.linkages.drives.shaped_on_path import FrequenciesOnPath, PathShapedDrive
+from flexmech.linkages.drives.shaped import (
+    FrequenciesOnPath,
+    PathShapedDrive,
+    ShapedDrive,
+    check_shapeable,
+)
 from flexmech.linkages.drives.shapers import InputShaper, input_shaper
-from flexmech.linkages.drives.standard_laws import LAWS, LawDrive, LawName, unit_law
+from flexmech.linkages.drives.standard_laws import LAWS, LawDrive, LawName
 from flexmech.linkages.drives.tabulated import TABLE_ENDS, TableDrive, TableEnds
 from flexmech.linkages.fourbar import FourBar, GrashofClass
 from flexmech.linkages.inverse_dynamics import (
@@ -154,6 +158,5 @@ __all__ = [
     "time_ratio",
     "transmission_design",
     "turned",
-    "unit_law",
     "yielded_along",
 ]

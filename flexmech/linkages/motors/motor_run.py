@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
 from flexmech.linkages.drives.drive import Drive
-from flexmech.linkages.drives.hermite import hermite_coefficients, hermite_motion
-from flexmech.linkages.drives.pieces import PiecewiseMotion
+from flexmech.linkages.drives.pieces import PiecewiseMotion, hermite_coefficients
 from flexmech.linkages.motors.motor_drive import MotorDrive
 from flexmech.linkages.motors.settled import SettledMotion, TurningShaft, settled_motion
 from flexmech.linkages.motors.shaft_equation import ShaftEquation
@@ -105,9 +104,10 @@ class MotorRun(Drive):
     def law(self) -> PiecewiseMotion:
         """Pieces with the angle, speed, acceleration and jerk of the solution at their ends."""
         if self.stall is not None and self.stall.time == 0:
-            return PiecewiseMotion((), 0.0, self.start_angle, 0.0)
+            return PiecewiseMotion.steady(self.start_angle, 0.0)
         known = (*self.values[:2], self.rates[1], self.second_rates[1])
-        return hermite_motion(self.time, known, self.speed)
+        starts, ends = ([row[part] for row in known] for part in (slice(-1), slice(1, None)))
+        return PiecewiseMotion.hermite(self.time, starts, ends, float(known[0][-1]), self.speed)
 
     @property
     def words(self) -> str:
