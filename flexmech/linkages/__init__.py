@@ -41,16 +41,18 @@ from flexmech.linkages.linkage import (
 from flexmech.linkages.linkage_stack import LinkageStack, connections
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.motors.along_motion import states_along, yielded_along
-from flexmech.linkages.motors.drive_train import DriveTrain
+from flexmech.linkages.motors.drive_train import DriveTrain, MotorOutput
 from flexmech.linkages.motors.integrated_run import known_until, solved_run
 from flexmech.linkages.motors.motor import DcMotor, Motor, TorqueMotor
-from flexmech.linkages.motors.motor_drive import MotorDrive
-from flexmech.linkages.motors.motor_run import MotorRun, Stall
+from flexmech.linkages.motors.motor_drive import MotorDrive, SpeedControl
+from flexmech.linkages.motors.motor_run import MotorRun, SettledRun, Stall, repeated
 from flexmech.linkages.motors.settled import SettledMotion, settled_motion, speed_range
-from flexmech.linkages.motors.settled_run import SettledRun, TwistedShaft, repeated
-from flexmech.linkages.motors.shaft_equation import AddedTorque, ShaftEquation, ShaftLoad
-from flexmech.linkages.motors.speed_control import DrivenBy, MotorOutput, SpeedControl
-from flexmech.linkages.motors.turn_series import TurnSeries
+from flexmech.linkages.motors.shaft_equation import (
+    ShaftEquation,
+    ShaftLoad,
+    TurnSeries,
+    TwistedShaft,
+)
 from flexmech.linkages.moving_points import moving_points
 from flexmech.linkages.planar import PlanarJoint, PlanarLink, PlanarLinkage
 from flexmech.linkages.rotating_arm import RotatingArm
@@ -69,7 +71,6 @@ __all__ = [
     "LAWS",
     "LEAST_DISTANCE",
     "TABLE_ENDS",
-    "AddedTorque",
     "AttachmentPoint",
     "Clamp",
     "ConstantSpeed",
@@ -80,7 +81,6 @@ __all__ = [
     "DoublePoint",
     "Drive",
     "DriveTrain",
-    "DrivenBy",
     "FiniteDoublePoint",
     "FourBar",
     "FrequenciesOnPath",

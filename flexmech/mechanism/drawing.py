@@ -1,61 +1,33 @@
-"""What a picture or a text shows of a mechanism besides its links, the same in every posture."""
+"""What a picture, a text or a notebook shows of a mechanism."""
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
-from typing import Any, Protocol
+from collections.abc import Iterator
+from html import escape
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from flexmech.linkages import (
     AttachmentPoint,
-    Drive,
     JointSpring,
-    Linkage,
     Load,
-    MotorDrive,
     Spring,
     Topology,
     drawn_joints,
     linkage_positions,
+    picture_crank_angle,
 )
-from flexmech.mechanism.joint_pins import JointPin
-from flexmech.mechanism.parts import AttachedBody, PointMass
-from flexmech.mechanism.sprung_frame import SprungFrame
+from flexmech.mechanism.parts import AttachedBody
+from flexmech.units import from_si
+
+if TYPE_CHECKING:
+    from flexmech.mechanism.mechanism import Mechanism
 
 
-class _Drawable(Protocol):
-    """What a picture and a text ask of a mechanism."""
-
-    @property
-    def linkage(self) -> Linkage: ...
-    @property
-    def joint_masses(self) -> Mapping[str, float]: ...
-    @property
-    def link_masses(self) -> tuple[PointMass, ...]: ...
-    @property
-    def bodies(self) -> tuple[AttachedBody, ...]: ...
-    @property
-    def loads(self) -> tuple[Load, ...]: ...
-    @property
-    def springs(self) -> tuple[Spring, ...]: ...
-    @property
-    def joint_springs(self) -> tuple[JointSpring, ...]: ...
-    @property
-    def joint_pins(self) -> tuple[JointPin, ...]: ...
-    @property
-    def shaft_inertia(self) -> float: ...
-    @property
-    def drive(self) -> Drive | MotorDrive | None: ...
-    @property
-    def frame(self) -> SprungFrame | None: ...
-    @property
-    def gravity(self) -> tuple[float, float]: ...
-
-
-def drawn_parts(mechanism: _Drawable) -> dict[str, Any]:
+def drawn_parts(mechanism: Mechanism) -> dict[str, Any]:
     """Joints, masses, bodies, springs, dampers, loads and gravity as a picture shows them.
 
     Parameters
@@ -123,7 +95,7 @@ def drawn_parts(mechanism: _Drawable) -> dict[str, Any]:
     }
 
 
-def drawing(mechanism: _Drawable, crank_angle: float | None = None) -> str:
+def drawing(mechanism: Mechanism, crank_angle: float | None = None) -> str:
     """The parts of :func:`drawn_parts` as the text of a dataset's attribute ``drawing``.
 
     Parameters
@@ -169,10 +141,15 @@ def _largest(load: Load) -> dict[str, Any]:
     }
 
 
-def attachment_lines(mechanism: _Drawable) -> list[str]:
-    """Bodies, loads, springs, shaft and frame in words, a line for each kind that there is."""
+def described(mechanism: Mechanism) -> list[str]:
+    """A mechanism in words: masses, what is attached, gravity and operating speeds, a line each."""
     inertia = mechanism.shaft_inertia
-    kinds = {
+    masses = [f"{joint} {1e3 * mass:.6g} g" for joint, mass in mechanism.joint_masses.items()]
+    points = [
+        f"{point.link} {1e3 * point.mass:.6g} g at {1e3 * point.position:.6g} mm"
+        for point in mechanism.link_masses
+    ]
+    attached = {
         "bodies": [_body(body) for body in mechanism.bodies],
         "loads": [
             f"{load.name} on the {_place(load.point)}, {_size(load)}" for load in mechanism.loads
@@ -181,12 +158,30 @@ def attachment_lines(mechanism: _Drawable) -> list[str]:
         "springs in joints": [
             f"{own.joint} {', '.join(_in_joint(own))}" for own in mechanism.joint_springs
         ],
-        "diameters of pins": [pin.described() for pin in mechanism.joint_pins],
+        "diameters of pins": [
+            f"{pin.joint} {1e3 * pin.diameter:.6g} mm" for pin in mechanism.joint_pins
+        ],
         "shaft": [f"{inertia:.6g} kg m^2"] if inertia else [],
         "drive": [] if mechanism.drive is None else [mechanism.drive.words],
         "frame": [] if mechanism.frame is None else [mechanism.frame.words],
     }
-    return [f"{kind}: {'; '.join(texts)}" for kind, texts in kinds.items() if texts]
+    # Links with the point masses along them and at their joints.
+    total = sum(link.moment(0) for link in mechanism.link_masses_in_order)
+    x, y = mechanism.gravity
+    unit = mechanism.speed_unit
+    speeds = ", ".join(f"{from_si(speed, unit):.6g}" for speed in mechanism.operating_speeds)
+    lines = [
+        f"joint masses: {', '.join(masses) or 'none'}",
+        f"link point masses: {', '.join(points) or 'none'}",
+        *(f"{kind}: {'; '.join(texts)}" for kind, texts in attached.items() if texts),
+        f"total mass: {1e3 * total:.6g} g",
+        f"gravity: ({x:g}, {y:g}) m/s^2",
+        f"operating speeds: {f'{speeds} {unit}' if speeds else 'none stated'}",
+    ]
+    if (point := mechanism.coupler_point) is not None:
+        place = f"{1e3 * point.distance:.6g} mm from A, {math.degrees(point.angle):.6g} deg"
+        lines.append(f"coupler point: {place}")
+    return lines
 
 
 def _place(point: AttachmentPoint) -> str:
@@ -229,3 +224,37 @@ def _in_joint(own: JointSpring) -> Iterator[str]:
         yield f"{own.torsional_damping:.6g} N m s/rad"
     if own.radial_stiffness is not None:
         yield f"{own.radial_stiffness:.6g} N/m radially"
+
+
+def notebook_html(mechanism: Mechanism) -> str:
+    """A mechanism as a notebook shows it: in words, drawn, and its links in a table.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    """
+    from flexmech.plots import figure_html, plot_linkage
+
+    dataset = linkage_positions(mechanism.linkage, picture_crank_angle(mechanism.linkage))
+    figure = plot_linkage(
+        dataset.assign_attrs(mechanism=mechanism.provenance.name, drawing=drawing(mechanism))
+    )
+    headings = ("link", "length (mm)", "mass (g)", "EA (N)", "EI (N m²)", "thickness (mm)")
+    rows: list[tuple[str, ...]] = [headings]
+    for link in mechanism.linkage.topology.links:
+        length, section = link.length * 1e3, mechanism.sections.get(link.name)
+        if section is None:
+            mass = mechanism.link_mass(link.name).moment(0)
+            rows.append((link.name, f"{length:.5g}", f"{1e3 * mass:.5g}", "rigid", "rigid", ""))
+            continue
+        numbers = (
+            length,
+            section.mass_per_length * link.length * 1e3,
+            section.axial_stiffness,
+            section.bending_stiffness,
+            section.in_plane_thickness * 1e3,
+        )
+        rows.append((link.name, *(f"{number:.5g}" for number in numbers)))
+    cells = ("".join(f"<td>{escape(text)}</td>" for text in row) for row in rows)
+    table = "".join(f"<tr>{row}</tr>" for row in cells)
+    return f"<p>{escape(repr(mechanism))}</p>{figure_html(figure)}<table>{table}</table>"

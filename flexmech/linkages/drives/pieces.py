@@ -59,6 +59,9 @@ class PiecewiseMotion:
     ) -> PiecewiseMotion:
         """Polynomials between instants at which angles and some of their derivatives are known.
 
+        SciPy's ``BPoly.from_derivatives`` takes one interval after the other: too slow for the
+        steps of a run.
+
         Parameters
         ----------
         knots : ndarray, shape (n + 1,)
@@ -72,7 +75,18 @@ class PiecewiseMotion:
         -------
         PiecewiseMotion
         """
-        polynomials = hermite_coefficients(np.diff(knots), starts, ends).T
+        count = len(starts)
+        scales = [np.diff(knots) ** order / math.factorial(order) for order in range(count)]
+        lower = [start * by for start, by in zip(starts, scales, strict=True)]
+        # What the powers of the start leave at the end is made by as many higher ones.
+        left = [
+            end * scales[order]
+            - sum(math.comb(power, order) * row for power, row in enumerate(lower))
+            for order, end in enumerate(ends)
+        ]
+        matrix = [[math.comb(count + j, order) for j in range(count)] for order in range(count)]
+        higher = np.linalg.inv(np.array(matrix, dtype=float)) @ np.stack(left)
+        polynomials = np.concatenate([np.stack(lower), higher]).T
         return cls(knots, polynomials, np.zeros((len(knots) - 1, 0, 3)), end_angle, end_speed)
 
     def angle(self, time: ArrayLike) -> FloatArray:
@@ -230,36 +244,3 @@ def first_greatest(values: FloatArray) -> int:
     """Place of the greatest size among values (m,), the first one of those alike."""
     size = np.abs(values)
     return int(np.argmax(size >= (1 - _ALIKE) * size.max()))
-
-
-def hermite_coefficients(
-    span: FloatArray, starts: Sequence[FloatArray], ends: Sequence[FloatArray]
-) -> FloatArray:
-    """Polynomials over intervals at whose ends values and some derivatives are known (Hermite).
-
-    SciPy's ``BPoly.from_derivatives`` takes one interval after the other: too slow for the steps
-    of a run.
-
-    Parameters
-    ----------
-    span : ndarray, shape (m,)
-        Of the intervals, in s.
-    starts, ends : sequence of n ndarray, shape (..., m)
-        At the start and at the end of each: values, their first time derivative, and so on.
-
-    Returns
-    -------
-    ndarray, shape (2 n, ..., m)
-        Coefficients of the powers of ``tau = (t - start) / span``, that of the zeroth first.
-    """
-    count = len(starts)
-    scales = [span**order / math.factorial(order) for order in range(count)]
-    lower = [start * by for start, by in zip(starts, scales, strict=True)]
-    # What the powers of the start leave at the end is made by as many higher ones.
-    left = [
-        end * scales[order] - sum(math.comb(power, order) * row for power, row in enumerate(lower))
-        for order, end in enumerate(ends)
-    ]
-    matrix = [[math.comb(count + j, order) for j in range(count)] for order in range(count)]
-    higher = np.tensordot(np.linalg.inv(np.array(matrix, dtype=float)), np.stack(left), 1)
-    return np.concatenate([np.stack(lower), higher])
