@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from flexmech.linkages import (
     AttachmentPoint,
     JointSpring,
+    Linkage,
+    LinkMass,
     Load,
     Spring,
     Topology,
@@ -20,14 +22,38 @@ from flexmech.linkages import (
     linkage_positions,
     picture_crank_angle,
 )
-from flexmech.mechanism.parts import AttachedBody
-from flexmech.units import from_si
-
-if TYPE_CHECKING:
-    from flexmech.mechanism.mechanism import Mechanism
+from flexmech.mechanism.parts import AttachedBody, JointPin, PointMass, Provenance
+from flexmech.sections import BeamSection
 
 
-def drawn_parts(mechanism: Mechanism) -> dict[str, Any]:
+class _Shown(Protocol):
+    """What a picture and a notebook ask of a mechanism."""
+
+    @property
+    def linkage(self) -> Linkage: ...
+    @property
+    def sections(self) -> Mapping[str, BeamSection]: ...
+    @property
+    def joint_masses(self) -> Mapping[str, float]: ...
+    @property
+    def link_masses(self) -> tuple[PointMass, ...]: ...
+    @property
+    def bodies(self) -> tuple[AttachedBody, ...]: ...
+    @property
+    def loads(self) -> tuple[Load, ...]: ...
+    @property
+    def springs(self) -> tuple[Spring, ...]: ...
+    @property
+    def joint_springs(self) -> tuple[JointSpring, ...]: ...
+    @property
+    def gravity(self) -> tuple[float, float]: ...
+    @property
+    def provenance(self) -> Provenance: ...
+
+    def link_mass(self, link: str) -> LinkMass: ...
+
+
+def drawn_parts(mechanism: _Shown) -> dict[str, Any]:
     """Joints, masses, bodies, springs, dampers, loads and gravity as a picture shows them.
 
     Parameters
@@ -95,7 +121,7 @@ def drawn_parts(mechanism: Mechanism) -> dict[str, Any]:
     }
 
 
-def drawing(mechanism: Mechanism, crank_angle: float | None = None) -> str:
+def drawing(mechanism: _Shown, crank_angle: float | None = None) -> str:
     """The parts of :func:`drawn_parts` as the text of a dataset's attribute ``drawing``.
 
     Parameters
@@ -141,47 +167,31 @@ def _largest(load: Load) -> dict[str, Any]:
     }
 
 
-def described(mechanism: Mechanism) -> list[str]:
-    """A mechanism in words: masses, what is attached, gravity and operating speeds, a line each."""
-    inertia = mechanism.shaft_inertia
-    masses = [f"{joint} {1e3 * mass:.6g} g" for joint, mass in mechanism.joint_masses.items()]
-    points = [
-        f"{point.link} {1e3 * point.mass:.6g} g at {1e3 * point.position:.6g} mm"
-        for point in mechanism.link_masses
-    ]
-    attached = {
-        "bodies": [_body(body) for body in mechanism.bodies],
-        "loads": [
-            f"{load.name} on the {_place(load.point)}, {_size(load)}" for load in mechanism.loads
-        ],
-        "springs": [_spring(spring) for spring in mechanism.springs],
-        "springs in joints": [
-            f"{own.joint} {', '.join(_in_joint(own))}" for own in mechanism.joint_springs
-        ],
-        "diameters of pins": [
-            f"{pin.joint} {1e3 * pin.diameter:.6g} mm" for pin in mechanism.joint_pins
-        ],
-        "shaft": [f"{inertia:.6g} kg m^2"] if inertia else [],
-        "drive": [] if mechanism.drive is None else [mechanism.drive.words],
-        "frame": [] if mechanism.frame is None else [mechanism.frame.words],
+def part_lines(
+    joint_masses: Mapping[str, float],
+    link_masses: Iterable[PointMass],
+    bodies: Iterable[AttachedBody],
+    loads: Iterable[Load],
+    springs: Iterable[Spring],
+    joint_springs: Iterable[JointSpring],
+    joint_pins: Iterable[JointPin],
+) -> list[str]:
+    """Parts of a mechanism in words, a line for each kind: of masses always, of others if any."""
+    points = (f"{p.link} {1e3 * p.mass:.6g} g at {1e3 * p.position:.6g} mm" for p in link_masses)
+    kinds = {
+        "joint masses": [f"{joint} {1e3 * mass:.6g} g" for joint, mass in joint_masses.items()],
+        "link point masses": list(points),
+        "bodies": [_body(body) for body in bodies],
+        "loads": [f"{load.name} on the {_place(load.point)}, {_size(load)}" for load in loads],
+        "springs": [_spring(spring) for spring in springs],
+        "springs in joints": [f"{x.joint} {', '.join(_in_joint(x))}" for x in joint_springs],
+        "diameters of pins": [f"{pin.joint} {1e3 * pin.diameter:.6g} mm" for pin in joint_pins],
     }
-    # Links with the point masses along them and at their joints.
-    total = sum(link.moment(0) for link in mechanism.link_masses_in_order)
-    x, y = mechanism.gravity
-    unit = mechanism.speed_unit
-    speeds = ", ".join(f"{from_si(speed, unit):.6g}" for speed in mechanism.operating_speeds)
-    lines = [
-        f"joint masses: {', '.join(masses) or 'none'}",
-        f"link point masses: {', '.join(points) or 'none'}",
-        *(f"{kind}: {'; '.join(texts)}" for kind, texts in attached.items() if texts),
-        f"total mass: {1e3 * total:.6g} g",
-        f"gravity: ({x:g}, {y:g}) m/s^2",
-        f"operating speeds: {f'{speeds} {unit}' if speeds else 'none stated'}",
+    return [
+        f"{kind}: {'; '.join(texts) if 'masses' not in kind else ', '.join(texts) or 'none'}"
+        for kind, texts in kinds.items()
+        if texts or "masses" in kind
     ]
-    if (point := mechanism.coupler_point) is not None:
-        place = f"{1e3 * point.distance:.6g} mm from A, {math.degrees(point.angle):.6g} deg"
-        lines.append(f"coupler point: {place}")
-    return lines
 
 
 def _place(point: AttachmentPoint) -> str:
@@ -226,7 +236,7 @@ def _in_joint(own: JointSpring) -> Iterator[str]:
         yield f"{own.radial_stiffness:.6g} N/m radially"
 
 
-def notebook_html(mechanism: Mechanism) -> str:
+def notebook_html(mechanism: _Shown) -> str:
     """A mechanism as a notebook shows it: in words, drawn, and its links in a table.
 
     Parameters

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -38,7 +39,7 @@ from flexmech.mechanism.checks import (
     places_apart,
     sprung_linkage,
 )
-from flexmech.mechanism.drawing import described, notebook_html
+from flexmech.mechanism.drawing import notebook_html, part_lines
 from flexmech.mechanism.parts import AttachedBody, JointPin, PointMass, Provenance, Wetting
 from flexmech.mechanism.sprung_frame import SprungFrame
 from flexmech.mechanism.tables import (
@@ -55,6 +56,7 @@ from flexmech.units import (
     EXPANSION,
     INERTIA,
     TEMPERATURE,
+    from_si,
     to_si,
 )
 from flexmech.validation import POSITIVE, check_instance, check_number, check_pair
@@ -232,14 +234,8 @@ class Mechanism:
         section = self.sections.get(link)
         if section is None:
             return LinkMass.of_points(length, 0.0, points, bodies=bodies)
-        return LinkMass.of_points(
-            length,
-            section.mass_per_length,
-            points,
-            section.mass_axis,
-            bodies,
-            section.rotary_inertia,
-        )
+        mass, axis, rotary = section.mass_per_length, section.mass_axis, section.rotary_inertia
+        return LinkMass.of_points(length, mass, points, axis, bodies, rotary)
 
     def inverse_dynamics(
         self, motion: RigidMotion, time: ArrayLike = 0.0, lumped: Sequence[int] | None = None
@@ -325,7 +321,27 @@ class Mechanism:
 
     def described(self) -> list[str]:
         """Masses, bodies, loads, gravity, operating speeds and coupler point, a line each."""
-        return described(self)
+        # Links with the point masses along them and at their joints.
+        total = sum(link.moment(0) for link in self.link_masses_in_order)
+        x, y = self.gravity
+        speeds = ", ".join(f"{from_si(w, self.speed_unit):.6g}" for w in self.operating_speeds)
+        inertia = self.shaft_inertia
+        turning = {
+            "shaft": f"{inertia:.6g} kg m^2" if inertia else "",
+            "drive": "" if self.drive is None else self.drive.words,
+            "frame": "" if self.frame is None else self.frame.words,
+        }
+        lines = [
+            *part_lines(*(getattr(self, name) for name in ("joint_masses", *PARTS))),
+            *(f"{kind}: {words}" for kind, words in turning.items() if words),
+            f"total mass: {1e3 * total:.6g} g",
+            f"gravity: ({x:g}, {y:g}) m/s^2",
+            f"operating speeds: {f'{speeds} {self.speed_unit}' if speeds else 'none stated'}",
+        ]
+        if (point := self.coupler_point) is not None:
+            place = f"{1e3 * point.distance:.6g} mm from A, {math.degrees(point.angle):.6g} deg"
+            lines.append(f"coupler point: {place}")
+        return lines
 
     def to_toml(self) -> str:
         """Write a model file that loads back equal.
