@@ -176,7 +176,23 @@ def part_lines(
     joint_springs: Iterable[JointSpring],
     joint_pins: Iterable[JointPin],
 ) -> list[str]:
-    """Parts of a mechanism in words, a line for each kind: of masses always, of others if any."""
+    """Parts of a mechanism in words, a line for each kind: of masses always, of others if any.
+
+    Parameters
+    ----------
+    joint_masses : mapping of str to float
+        In kg, by joint.
+    link_masses : iterable of PointMass
+    bodies : iterable of AttachedBody
+    loads : iterable of Load
+    springs : iterable of Spring
+    joint_springs : iterable of JointSpring
+    joint_pins : iterable of JointPin
+
+    Returns
+    -------
+    list of str
+    """
     points = (f"{p.link} {1e3 * p.mass:.6g} g at {1e3 * p.position:.6g} mm" for p in link_masses)
     kinds = {
         "joint masses": [f"{joint} {1e3 * mass:.6g} g" for joint, mass in joint_masses.items()],

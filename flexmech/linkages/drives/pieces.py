@@ -118,7 +118,7 @@ class PiecewiseMotion:
         powers = np.arange(self.polynomials.shape[1])
         angle = self.polynomials.sum(axis=1) + np.sum(size * np.sin(rate + phase), axis=1)
         speed = self.polynomials @ powers + np.sum(size * rate * np.cos(rate + phase), axis=1)
-        return angle, speed / np.diff(self.knots)
+        return angle, speed / self._spans
 
     @property
     def blow(self) -> tuple[float, float] | None:
@@ -188,7 +188,7 @@ class PiecewiseMotion:
         """
         middle = start + span / 2
         number = self._number(middle)
-        length = np.diff(self.knots)[number]
+        length = self._spans[number]
         begin, ratio = (start - self.knots[number]) / length, span / length
         own, sines = self.polynomials[number], self.sines[number]
         moved = np.zeros_like(own)
@@ -210,9 +210,21 @@ class PiecewiseMotion:
 
     def _number(self, time: FloatArray) -> IntArray:
         """Pieces (...) at times (...), the first and the last one beyond."""
-        return np.clip(
-            np.searchsorted(self.knots, time, side="right") - 1, 0, len(self.polynomials) - 1
-        )
+        number: IntArray = np.searchsorted(self._starts, time, side="right")
+        return np.maximum(number - 1, 0)
+
+    @cached_property
+    def _starts(self) -> FloatArray:
+        return self.knots[:-1]
+
+    @cached_property
+    def _spans(self) -> FloatArray:
+        return np.diff(self.knots)
+
+    @cached_property
+    def _waves(self) -> FloatArray:
+        """Size, rate and phase of the pieces' sines, (s, 3, n)."""
+        return np.moveaxis(self.sines, 0, 2)
 
     @cached_property
     def _derivatives(self) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -224,20 +236,20 @@ class PiecewiseMotion:
         return table, first, (first * powers[:-1])[:, 1:]
 
     def _values(self, time: ArrayLike, order: int) -> FloatArray:
-        t = np.asarray(time, dtype=float)
-        after = (self.end_angle + self.end_speed * (t - self.end), self.end_speed, 0.0)[order]
+        t, end = np.asarray(time, dtype=float), self.knots[-1]
+        after = (self.end_angle + self.end_speed * (t - end), self.end_speed, 0.0)[order]
         if self.is_steady:
             return np.array(np.broadcast_to(after, t.shape))
         number = self._number(t)
-        span = np.diff(self.knots)[number]
-        part = (np.minimum(t, self.end) - self.knots[number]) / span
+        span = self._spans[number]
+        part = (np.minimum(t, end) - self._starts[number]) / span
         value = np.zeros(t.shape)
         for column in self._derivatives[order].T[::-1]:
             value = value * part + column[number]
-        for size, rate, phase in np.moveaxis(self.sines, 0, 2)[:, :, number]:
+        for size, rate, phase in self._waves[:, :, number]:
             # The derivative of a sine is a quarter of a period ahead.
             value = value + size * rate**order * np.sin(rate * part + phase + order * np.pi / 2)
-        return np.asarray(np.where(t >= self.end, after, value / span**order))
+        return np.asarray(np.where(t >= end, after, value / span**order))
 
 
 def first_greatest(values: FloatArray) -> int:
