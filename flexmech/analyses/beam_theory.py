@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from flexmech.beams.restrained_ends import RestrainedEnds, restrained_beam
+from flexmech.beams.solid_link import SHORT as MOST_WIDTHS
 from flexmech.beams.solid_link import beam_error
 from flexmech.linear_system import (
     COMPRESSED,
@@ -206,7 +207,7 @@ def _ends_apart(engines: Sequence[Engine], comparison: TheoryComparison) -> list
         assert layers is not None
         found = beam_error(layers, mechanism.link_mass(name).length)
         # Without three dimensions: the second mode, whose ends turn alike, has no torque.
-        worst = max(map(abs, found.of_modes)) if found else _gain_by_twist(layers)
+        worst = _gain_by_twist(layers) if found is None else float(np.abs(found).max())
         if worst > NOTICED:
             apart.append(f"{name} by up to {100 * worst:.2g} %")
     if not apart:
@@ -226,10 +227,11 @@ def _between_joints(link: str, section: BeamSection, length: float) -> str:
     found = beam_error(layers, length)
     if found is None:
         return _short(link, section, length)
-    if max(map(abs, found.of_modes)) <= NEGLIGIBLE:
+    if np.abs(found).max() <= NEGLIGIBLE:
         return ""
-    first, second = (_high_or_low(value) for value in found.of_modes)
-    by = "three-dimensional elements" if found.solid else "a beam whose ends hold its twist"
+    first, second = (_high_or_low(value) for value in found.tolist())
+    long = length > MOST_WIDTHS * layers.width
+    by = "a beam whose ends hold its twist" if long else "three-dimensional elements"
     return (
         f"{link}: between joints that hold its end faces flat its first bending frequency is "
         f"{first}, its second {second} (by {by}, {length / layers.width:.3g} widths long)"

@@ -12,7 +12,6 @@ import scipy.linalg
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.elements import BEAM_SHAPES
 from flexmech.beams.link_matrices import build_chain, stack_chains
-from flexmech.beams.parabolas import Parabolas, rows_of_runs
 from flexmech.beams.restrained_ends import restrained_beam
 from flexmech.choices import ELEMENTS_A_LINK, MODES
 from flexmech.errors import InputError
@@ -41,6 +40,7 @@ from flexmech.linkages.applied_forces import SpringLine
 from flexmech.materials import solid_stiffness
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection, DampingTimes, LaminateSection
+from flexmech.sections.parabolas import SLOPES, VALUES, Parabolas, rows_of_runs
 from flexmech.threads import one_thread
 
 # Theories differ by the wavelength of a mode, hardly by the crank angle.
@@ -111,8 +111,8 @@ def compression_frequency(section: LaminateSection) -> float:
         modulus.append(own)
     line, density = Parabolas(faces), np.array([layer.ply.density for layer in layers])
     squares = scipy.linalg.eigh(
-        line.stiffness(np.repeat(modulus, count)).toarray(),
-        line.mass(np.repeat(density, count)).toarray(),
+        line.integral(SLOPES, np.repeat(modulus, count)).toarray(),
+        line.integral(VALUES, np.repeat(density, count)).toarray(),
         eigvals_only=True,
     )
     return float(np.sqrt(squares[1]) / (2 * np.pi))

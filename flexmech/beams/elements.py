@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
 from flexmech.beams.beam_shapes import BeamFields, BeamShapes
-from flexmech.beams.theories import EulerBernoulli, Reddy, Timoshenko
-from flexmech.beams.zigzag_shapes import ZigzagBeam
+from flexmech.beams.theories import EulerBernoulli, Reddy, Timoshenko, ZigzagBeam
 from flexmech.sections import BeamSection, SectionStack, damping_times
 
 # Which of a node's coordinates is the rotation of the section, in all theories.

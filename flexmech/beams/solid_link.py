@@ -9,8 +9,6 @@ each end, and a mode is no half sine. So the beam is compared with the link itse
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -23,11 +21,12 @@ import scipy.sparse.linalg as spla
 from flexmech.arrays import FloatArray
 from flexmech.beams.elements import BEAM_SHAPES
 from flexmech.beams.link_matrices import build_chain
-from flexmech.beams.parabolas import Parabolas, graded, rows_of_runs
 from flexmech.linear_system import whole
 from flexmech.linkages import LinkMass
 from flexmech.sections import BeamSection, LaminateSection
 from flexmech.sections.free_edges import FIRST_MODE, is_off_axis, layer_runs
+from flexmech.sections.parabolas import VALUES, Parabolas, graded, rows_of_runs
+from flexmech.sections.solid_section import section_energy
 
 MODES = 2
 """Bending modes that are compared."""
@@ -38,36 +37,22 @@ MOST_RUNS = 8
 # shorter towards ends and edges: within 0.3 % of a finer mesh.
 ALONG, A_WIDTH, ACROSS, ROWS = 14, 1.2, 4, 4
 GRADED = 0.6
+# Displacements or their rates along the link, of rows and columns.
+_RATES = ((False, False), (False, True), (True, False), (True, True))
 # Length over width up to which links are computed in three dimensions. What end faces restrain
 # besides the twist changes the first mode of longer ones by 1.7 % at most ([15], wide; [30] by
 # 0.9 %).
 SHORT = 40
 # Of the frequency between all strains across free and none: one percent is what is told of beams.
 LEAST = 0.01
-# Strains x, y, z, yz, xz, xy: displacement and the direction along which it changes.
-STRAINS = (((0, 0),), ((1, 1),), ((2, 2),), ((1, 2), (2, 1)), ((0, 2), (2, 0)), ((0, 1), (1, 0)))
-
-
-@dataclass(frozen=True)
-class BeamError:
-    """Relative errors of a beam's bending frequencies between pins.
-
-    Parameters
-    ----------
-    of_modes : tuple of float
-        Relative, of the first two modes; positive where the beam is too high.
-    solid : bool
-        Whether the link was computed in three dimensions; else by a beam whose ends restrain
-        the twist, for links so long that what end faces restrain besides does not matter.
-    """
-
-    of_modes: tuple[float, ...]
-    solid: bool
 
 
 @lru_cache(maxsize=64)
-def beam_error(section: LaminateSection, length: float) -> BeamError | None:
-    """Compare a beam of off-axis plies with three-dimensional elasticity.
+def beam_error(section: LaminateSection, length: float) -> FloatArray | None:
+    """Relative errors of a beam's bending frequencies between pins, of off-axis plies.
+
+    Of links longer than :data:`SHORT` widths against a beam whose ends restrain the twist, as what
+    end faces restrain besides does not matter; of shorter ones against three dimensions.
 
     Parameters
     ----------
@@ -78,9 +63,10 @@ def beam_error(section: LaminateSection, length: float) -> BeamError | None:
 
     Returns
     -------
-    BeamError, optional
-        None where the plies are along or across, where no restraint by joints can matter, and
-        for short links of more than :data:`MOST_RUNS` runs of equal plies.
+    ndarray, shape (2,), optional
+        Of the first two modes, positive where the beam is too high. None where the plies are along
+        or across, where no restraint by joints can matter, and for short links of more than
+        :data:`MOST_RUNS` runs of equal plies.
     """
     if not twists_matter(section):
         return None
@@ -91,8 +77,7 @@ def beam_error(section: LaminateSection, length: float) -> BeamError | None:
         exact = bending_between_pins(section, length)
     else:
         return None
-    off = _by_beams(section, length) / exact - 1
-    return BeamError(tuple(off.tolist()), solid=length <= SHORT * section.width)
+    return np.asarray(_by_beams(section, length) / exact - 1)
 
 
 def twists_matter(section: LaminateSection) -> bool:
@@ -211,10 +196,16 @@ class SolidLink:
         elastic = np.repeat(stiffness, rows, axis=0)
         density = section.mass_per_length / (section.width * (faces[-1] - faces[0]))
         weight = np.full(len(elastic), density)
-        blocks = [[_block(x, y, z, elastic, i, j) for j in range(3)] for i in range(3)]
-        one = sp.kron(x.mass(), sp.kron(y.mass(weight), z.mass()))
+        stiff: Any = 0.0
+        for rates in _RATES:
+            energy = section_energy(y, z, elastic, rates)
+            along, count = x.integral(rates), y.size * z.size
+            parts = [slice(count * part, count * (part + 1)) for part in range(3)]
+            blocks = [[sp.kron(along, energy[i, j]) for j in parts] for i in parts]
+            stiff = stiff + sp.bmat(blocks, format="csc")
+        one = sp.kron(x.integral(VALUES), sp.kron(y.integral(VALUES, weight), z.integral(VALUES)))
         expansion = _between_pins(x, y, z)
-        k = (expansion.T @ sp.bmat(blocks, format="csc") @ expansion).tocsc()
+        k = (expansion.T @ stiff @ expansion).tocsc()
         m = (expansion.T @ sp.block_diag([one] * 3, format="csc") @ expansion).tocsc()
         return cls(length, x, y, z, expansion, k, m)
 
@@ -238,12 +229,12 @@ class SolidLink:
         """Forces across in one to ``count`` half sines of a unit for each metre, (n, count)."""
         total = np.zeros((self.expansion.shape[0], count))
         half = len(total) // 3
-        even = self.through.mass().sum(axis=1) / np.ptp(self.through.places)
-        wide = self.across.mass().sum(axis=1) / np.ptp(self.across.places)
+        even = self.through.integral(VALUES).sum(axis=1) / np.ptp(self.through.places)
+        wide = self.across.integral(VALUES).sum(axis=1) / np.ptp(self.across.places)
         section = np.kron(np.asarray(even).ravel(), np.asarray(wide).ravel())
         for number in range(count):
             wave = np.sin((number + 1) * np.pi * self.along.places / self.length)
-            total[half : 2 * half, number] = np.kron(self.along.mass() @ wave, section)
+            total[half : 2 * half, number] = np.kron(self.along.integral(VALUES) @ wave, section)
         return np.asarray(self.expansion.T @ total)
 
     def sine_waves(self, count: int) -> FloatArray:
@@ -261,28 +252,6 @@ class SolidLink:
             slopes = [k, k * np.cos(k * self.length), 0.0]
             shapes.append(np.concatenate([inside, slopes]))
         return np.stack(shapes, axis=1)
-
-
-def _block(
-    x: Parabolas, y: Parabolas, z: Parabolas, elastic: FloatArray, first: int, second: int
-) -> Any:
-    """Stiffness between two of the displacements along, through and across, (n, n)."""
-    total: Any = 0.0
-    for (a, p), (b, q) in itertools.product(_changes(first), _changes(second)):
-        if np.any(elastic[:, a, b]):
-            through = y.integral(p == 1, q == 1, elastic[:, a, b])
-            total = total + sp.kron(
-                x.integral(p == 0, q == 0), sp.kron(through, z.integral(p == 2, q == 2))
-            )
-    return total
-
-
-def _changes(displacement: int) -> Iterator[tuple[int, int]]:
-    """Strains of a displacement component, each with the direction of its derivative."""
-    for strain, parts in enumerate(STRAINS):
-        for moved, direction in parts:
-            if moved == displacement:
-                yield strain, direction
 
 
 def _between_pins(x: Parabolas, y: Parabolas, z: Parabolas) -> Any:

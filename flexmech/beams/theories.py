@@ -1,6 +1,17 @@
-"""Plane beam theories as shape functions: Euler-Bernoulli, Timoshenko, Reddy."""
+"""Plane beam theories as shape functions: Euler-Bernoulli, Timoshenko, Reddy, zigzag.
+
+The faces of a sandwich bend about their own axes where its shear angle changes: next to joints
+that keep the cross-section plane, and at jumps of the shear force. Such a layer falls off over
+the length ``sqrt(E G^2 / kGA)``, mostly shorter than an element, so that elements of polynomials
+converge slowly. Zigzag beams have the exponentials of these layers among the shapes of the shear
+angle: static solutions of beams loaded at nodes are exact, as those of Timoshenko's are.
+"""
 
 from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -14,7 +25,17 @@ from flexmech.beams.beam_shapes import (
     linear,
     placed,
 )
-from flexmech.sections import BeamSection
+from flexmech.sections import WARPINGS, BeamSection
+
+# Below this exponent over half an element, exponentials are taken by their series, which is within
+# 1e-13 with so many terms; their differences have lost three digits there already.
+SMALL = 0.5
+TERMS = 6
+# Points of each part of an element, and over how many lengths of fall-off the outer parts reach.
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+# Squares of what has fallen off by exp(-10) are 2e-9 of those at the joint, and so many points
+# integrate the squares of what has not within 3e-5.
+REACH = 10.0
 
 
 class EulerBernoulli(BeamShapes):
@@ -173,3 +194,173 @@ class Reddy(BeamShapes):
 def _inertia_of_the_mass_axis(section: BeamSection) -> FloatArray:
     arm = np.array([1.0, -section.mass_axis, 0.0])
     return np.multiply.outer(section.mass_per_length, np.outer(arm, arm))
+
+
+@dataclass(frozen=True)
+class BoundaryLayers:
+    """Functions of t in [-1, 1] of the boundary layers of an element.
+
+    Parameters
+    ----------
+    rise : ndarray, shape (s,)
+        Mean of ``1 - cosh(k t) / cosh(k)``.
+    bubble : ndarray, shape (3, s)
+        ``1 - cosh(k t) / cosh(k)`` over its mean, its integral from -1 and its derivative.
+    odd : ndarray, shape (3, s)
+        ``sinh(k t) / sinh(k)``, likewise.
+    gap : ndarray, shape (3, s)
+        ``t - odd``, likewise.
+    """
+
+    rise: FloatArray
+    bubble: FloatArray
+    odd: FloatArray
+    gap: FloatArray
+
+    @classmethod
+    def of(cls, t: FloatArray, k: FloatArray) -> Self:
+        """At places t with the exponents k, of half an element over the fall-off length."""
+        small = k < SMALL
+        direct, series = cls._direct(t, np.where(small, 1.0, k)), cls._series(t, k)
+        pairs = zip(vars(direct).values(), vars(series).values(), strict=True)
+        return cls(*(np.where(small, by_series, exact) for exact, by_series in pairs))
+
+    @classmethod
+    def _direct(cls, t: FloatArray, k: FloatArray) -> Self:
+        # 1 - cosh(kt)/cosh(k) and sinh(kt)/sinh(k) by exponentials that do not overflow.
+        shortfall = np.expm1(-k * (1 + t)) * np.expm1(-k * (1 - t)) / (1 + np.exp(-2 * k))
+        size = np.abs(t)
+        odd = np.exp(-k * (1 - size)) * np.expm1(-2 * k * size) / np.expm1(-2 * k) * np.sign(t)
+        tanh = np.tanh(k)
+        mean = 1 - tanh / k
+        integral = 1 + t - tanh / k * (1 + odd)
+        bubble = np.stack([shortfall, integral, -k * tanh * odd]) / mean
+        odds = np.stack([odd, -shortfall / (k * tanh), k * (1 - shortfall) / tanh])
+        return cls(mean, bubble, odds, cls._straight(t) - odds)
+
+    @classmethod
+    def _series(cls, t: FloatArray, k: FloatArray) -> Self:
+        k = np.minimum(k, SMALL)
+        even = np.zeros((4, *t.shape))
+        gap = np.zeros((4, *t.shape))
+        for n in range(1, TERMS + 1):
+            # Powers of k less those that bubble and gap have in common: only ratios count.
+            a = k ** (2 * n - 2) / math.factorial(2 * n)
+            even[0] += a * (1 - t ** (2 * n))
+            even[1] += a * (1 + t - (1 + t ** (2 * n + 1)) / (2 * n + 1))
+            even[2] -= a * 2 * n * t ** (2 * n - 1)
+            even[3] += a * (1 - 1 / (2 * n + 1))
+            b = k ** (2 * n) / math.factorial(2 * n + 1)
+            gap[0] += b * (t - t ** (2 * n + 1))
+            gap[1] += b * ((t**2 - 1) / 2 - (t ** (2 * n + 2) - 1) / (2 * n + 2))
+            gap[2] += b * (1 - (2 * n + 1) * t ** (2 * n))
+            gap[3] += b
+        bubble, gaps = even[:3] / even[3], gap[:3] / (1 + gap[3])
+        rise = k**2 * even[3] / np.cosh(k)
+        return cls(rise, bubble, cls._straight(t) - gaps, gaps)
+
+    @staticmethod
+    def _straight(t: FloatArray) -> FloatArray:
+        """Value, integral from -1 and derivative of the function t."""
+        return np.stack([t, (t**2 - 1) / 2, np.ones_like(t)])
+
+
+class ZigzagBeam(Timoshenko):
+    """Coordinates (u, v, phi, phi', gamma_1, gamma_2): cross-sections that warp.
+
+    Rotation and shear force are those of :class:`Timoshenko`. The shear angle has a part for each
+    warping of the section (:mod:`flexmech.sections.shear_theories`), which is continuous and whose
+    change along the link meets a stiffness of its own. At joints the pin's fitting keeps the
+    cross-section plane: there the parts are zero. Tension acts along the slope of the axis, as
+    the faces that carry it do (Engesser's column; Bazant & Cedolin, *Stability of Structures*,
+    sec. 1.7).
+    """
+
+    per_node = 4 + WARPINGS
+    angles = (2,)
+    clamped = (2,)
+    warping = tuple(range(4, 4 + WARPINGS))
+
+    def fields(self, fraction: FloatArray, length: FloatArray, section: BeamSection) -> BeamFields:
+        """See :class:`BeamShapes`."""
+        s, h, p = fraction, length[:, None], self.per_node
+        turning = (2, 3, p + 2, p + 3)
+        axial, stretch = linear(s, length, 2 * p)
+        rotation, curvature, _, third = (placed(f, turning, 2 * p) for f in hermite(s, length))
+        turned = placed(hermite_integral(s, length), turning, 2 * p)
+        mean = placed(hermite_integral(np.ones_like(s), length) / h, turning, 2 * p)
+        chord = placed(np.stack([-1 / length, 1 / length], axis=-1), (1, p + 1), 2 * p)
+        bending = section.bending_stiffness / section.shear_stiffness
+        zigzag = section.zigzag
+        layers = [BoundaryLayers.of(2 * s - 1, length / (2 * reach)) for reach in zigzag.fall_off]
+        sums = [self._node_angles(number, 0.5) for number in range(WARPINGS)]
+        # The shear force is what the mean of the shear angle leaves: springs in series.
+        softness = np.stack([f * x.rise for f, x in zip(zigzag.flexibility, layers, strict=True)])
+        free = chord - mean
+        for layer, both in zip(layers, sums, strict=True):
+            free = free - (1 - layer.rise)[:, None] * both
+        share = softness / softness.sum(axis=0)
+        # Of one: value, integral from the start and derivative.
+        one, parts = np.stack([np.ones_like(s), 2 * s, np.zeros_like(s)]), []
+        for number, layer in enumerate(layers):
+            both, across = sums[number], self._node_angles(number, -0.5)
+            given = -zigzag.flexibility[number] * bending * h / 2 * third
+            amounts = np.stack(
+                [share[number][:, None] * free]
+                + [np.broadcast_to(x, free.shape) for x in (both, across)]
+                + [given]
+            )
+            rest = one - layer.rise * layer.bubble
+            factors = np.stack([layer.bubble, rest, layer.odd, layer.gap])
+            parts.append(np.einsum("aks,asi->ksi", factors, amounts))
+        shears, integrals, slopes = np.stack(parts, axis=1)
+        deflection = turned + h / 2 * integrals.sum(axis=0)
+        deflection[:, 1] += 1.0
+        return BeamFields(
+            axial,
+            deflection,
+            rotation,
+            rotation + shears.sum(axis=0),
+            stretch,
+            curvature,
+            shears,
+            2 / h * slopes,
+        )
+
+    def strain_stiffness(self, section: BeamSection) -> FloatArray:
+        """See :class:`BeamShapes`."""
+        zigzag = section.zigzag
+        shear = section.shear_stiffness / zigzag.flexibility
+        axes = [section.axial_stiffness, section.bending_stiffness]
+        return np.diag(np.concatenate([axes, shear * zigzag.fall_off**2, shear]))
+
+    def inertia(self, section: BeamSection) -> FloatArray:
+        """See :class:`BeamShapes`: with the inertia of the warping."""
+        zigzag, mass = section.zigzag, section.mass_per_length
+        inertia = np.zeros((2 + WARPINGS, 2 + WARPINGS))
+        inertia[:2, :2] = super().inertia(section)[:2, :2]
+        inertia[0, 2:] = inertia[2:, 0] = mass * zigzag.along
+        inertia[1, 2:] = inertia[2:, 1] = -mass * zigzag.turning
+        inertia[2:, 2:] = mass * zigzag.square
+        return inertia
+
+    def softening(self, section: BeamSection) -> FloatArray | float:
+        """See :class:`BeamShapes`: none, the faces carry the tension along the axis."""
+        return 0.0
+
+    def quadrature(self, length: FloatArray, section: BeamSection) -> tuple[FloatArray, FloatArray]:
+        """See :class:`BeamShapes`: denser where the boundary layers are."""
+        short, long = np.sort(section.zigzag.fall_off)[[0, -1]]
+        outer = np.minimum(0.5, REACH * long / length)
+        inner = np.minimum(outer / 2, REACH * short / length)
+        edges = np.stack([0 * outer, inner, outer, 1 - outer, 1 - inner, 1 + 0 * outer], axis=1)
+        middle, half = (edges[:, 1:] + edges[:, :-1]) / 2, np.diff(edges, axis=1) / 2
+        places = middle[..., None] + half[..., None] * _POINTS
+        weights = half[..., None] * _WEIGHTS * length[:, None, None]
+        return places.reshape(len(length), -1), weights.reshape(len(length), -1)
+
+    def _node_angles(self, number: int, first: float) -> FloatArray:
+        """Half the sum of one shear angle at both nodes, or of second less first; (2 p,)."""
+        row = np.zeros(2 * self.per_node)
+        row[4 + number], row[self.per_node + 4 + number] = first, 0.5
+        return row

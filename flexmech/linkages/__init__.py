@@ -13,10 +13,14 @@ from flexmech.linkages.coupler_curves.double_points import (
     full_turn,
 )
 from flexmech.linkages.drives.drive import ConstantSpeed, Drive, LockedCrank
-from flexmech.linkages.drives.shaped import ShapedDrive, check_shapeable
-from flexmech.linkages.drives.shaped_on_path import FrequenciesOnPath, PathShapedDrive
+from flexmech.linkages.drives.shaped import (
+    FrequenciesOnPath,
+    PathShapedDrive,
+    ShapedDrive,
+    check_shapeable,
+)
 from flexmech.linkages.drives.shapers import InputShaper, input_shaper
-from flexmech.linkages.drives.standard_laws import LAWS, LawDrive, LawName, unit_law
+from flexmech.linkages.drives.standard_laws import LAWS, LawDrive, LawName
 from flexmech.linkages.drives.tabulated import TABLE_ENDS, TableDrive, TableEnds
 from flexmech.linkages.fourbar import FourBar, GrashofClass
 from flexmech.linkages.inverse_dynamics import (
@@ -37,16 +41,18 @@ from flexmech.linkages.linkage import (
 from flexmech.linkages.linkage_stack import LinkageStack, connections
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.motors.along_motion import states_along, yielded_along
-from flexmech.linkages.motors.drive_train import DriveTrain
+from flexmech.linkages.motors.drive_train import DriveTrain, MotorOutput
 from flexmech.linkages.motors.integrated_run import known_until, solved_run
 from flexmech.linkages.motors.motor import DcMotor, Motor, TorqueMotor
-from flexmech.linkages.motors.motor_drive import MotorDrive
-from flexmech.linkages.motors.motor_run import MotorRun, Stall
+from flexmech.linkages.motors.motor_drive import MotorDrive, SpeedControl
+from flexmech.linkages.motors.motor_run import MotorRun, SettledRun, Stall, repeated
 from flexmech.linkages.motors.settled import SettledMotion, settled_motion, speed_range
-from flexmech.linkages.motors.settled_run import SettledRun, TwistedShaft, repeated
-from flexmech.linkages.motors.shaft_equation import AddedTorque, ShaftEquation, ShaftLoad
-from flexmech.linkages.motors.speed_control import DrivenBy, MotorOutput, SpeedControl
-from flexmech.linkages.motors.turn_series import TurnSeries
+from flexmech.linkages.motors.shaft_equation import (
+    ShaftEquation,
+    ShaftLoad,
+    TurnSeries,
+    TwistedShaft,
+)
 from flexmech.linkages.moving_points import moving_points
 from flexmech.linkages.planar import PlanarJoint, PlanarLink, PlanarLinkage
 from flexmech.linkages.rotating_arm import RotatingArm
@@ -65,7 +71,6 @@ __all__ = [
     "LAWS",
     "LEAST_DISTANCE",
     "TABLE_ENDS",
-    "AddedTorque",
     "AttachmentPoint",
     "Clamp",
     "ConstantSpeed",
@@ -76,7 +81,6 @@ __all__ = [
     "DoublePoint",
     "Drive",
     "DriveTrain",
-    "DrivenBy",
     "FiniteDoublePoint",
     "FourBar",
     "FrequenciesOnPath",
@@ -154,6 +158,5 @@ __all__ = [
     "time_ratio",
     "transmission_design",
     "turned",
-    "unit_law",
     "yielded_along",
 ]

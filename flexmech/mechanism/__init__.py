@@ -1,10 +1,16 @@
 """A mechanism: linkage, sections, masses, loads, springs and surroundings."""
 
 from flexmech.mechanism.drawing import drawing, drawn_parts
-from flexmech.mechanism.joint_pins import JointPin, PinEye
 from flexmech.mechanism.mechanism import Mechanism
 from flexmech.mechanism.motor_runs import motor_run, settled_run, with_motor_run
-from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
+from flexmech.mechanism.parts import (
+    AttachedBody,
+    JointPin,
+    PinEye,
+    PointMass,
+    Provenance,
+    Wetting,
+)
 from flexmech.mechanism.sprung_frame import (
     FrameSpring,
     SprungFrame,

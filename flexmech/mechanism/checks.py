@@ -19,8 +19,7 @@ from flexmech.linkages import (
     Spring,
     Topology,
 )
-from flexmech.mechanism.joint_pins import JointPin
-from flexmech.mechanism.parts import AttachedBody, PointMass, Wetting
+from flexmech.mechanism.parts import AttachedBody, JointPin, PointMass, Wetting
 from flexmech.mechanism.sprung_frame import SprungFrame
 from flexmech.validation import (
     NOT_NEGATIVE,

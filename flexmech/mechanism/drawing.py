@@ -1,36 +1,38 @@
-"""What a picture or a text shows of a mechanism besides its links, the same in every posture."""
+"""What a picture, a text or a notebook shows of a mechanism."""
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from html import escape
 from typing import Any, Protocol
 
 import numpy as np
 
 from flexmech.linkages import (
     AttachmentPoint,
-    Drive,
     JointSpring,
     Linkage,
+    LinkMass,
     Load,
-    MotorDrive,
     Spring,
     Topology,
     drawn_joints,
     linkage_positions,
+    picture_crank_angle,
 )
-from flexmech.mechanism.joint_pins import JointPin
-from flexmech.mechanism.parts import AttachedBody, PointMass
-from flexmech.mechanism.sprung_frame import SprungFrame
+from flexmech.mechanism.parts import AttachedBody, JointPin, PointMass, Provenance
+from flexmech.sections import BeamSection
 
 
-class _Drawable(Protocol):
-    """What a picture and a text ask of a mechanism."""
+class _Shown(Protocol):
+    """What a picture and a notebook ask of a mechanism."""
 
     @property
     def linkage(self) -> Linkage: ...
+    @property
+    def sections(self) -> Mapping[str, BeamSection]: ...
     @property
     def joint_masses(self) -> Mapping[str, float]: ...
     @property
@@ -44,18 +46,14 @@ class _Drawable(Protocol):
     @property
     def joint_springs(self) -> tuple[JointSpring, ...]: ...
     @property
-    def joint_pins(self) -> tuple[JointPin, ...]: ...
-    @property
-    def shaft_inertia(self) -> float: ...
-    @property
-    def drive(self) -> Drive | MotorDrive | None: ...
-    @property
-    def frame(self) -> SprungFrame | None: ...
-    @property
     def gravity(self) -> tuple[float, float]: ...
+    @property
+    def provenance(self) -> Provenance: ...
+
+    def link_mass(self, link: str) -> LinkMass: ...
 
 
-def drawn_parts(mechanism: _Drawable) -> dict[str, Any]:
+def drawn_parts(mechanism: _Shown) -> dict[str, Any]:
     """Joints, masses, bodies, springs, dampers, loads and gravity as a picture shows them.
 
     Parameters
@@ -123,7 +121,7 @@ def drawn_parts(mechanism: _Drawable) -> dict[str, Any]:
     }
 
 
-def drawing(mechanism: _Drawable, crank_angle: float | None = None) -> str:
+def drawing(mechanism: _Shown, crank_angle: float | None = None) -> str:
     """The parts of :func:`drawn_parts` as the text of a dataset's attribute ``drawing``.
 
     Parameters
@@ -169,24 +167,47 @@ def _largest(load: Load) -> dict[str, Any]:
     }
 
 
-def attachment_lines(mechanism: _Drawable) -> list[str]:
-    """Bodies, loads, springs, shaft and frame in words, a line for each kind that there is."""
-    inertia = mechanism.shaft_inertia
+def part_lines(
+    joint_masses: Mapping[str, float],
+    link_masses: Iterable[PointMass],
+    bodies: Iterable[AttachedBody],
+    loads: Iterable[Load],
+    springs: Iterable[Spring],
+    joint_springs: Iterable[JointSpring],
+    joint_pins: Iterable[JointPin],
+) -> list[str]:
+    """Parts of a mechanism in words, a line for each kind: of masses always, of others if any.
+
+    Parameters
+    ----------
+    joint_masses : mapping of str to float
+        In kg, by joint.
+    link_masses : iterable of PointMass
+    bodies : iterable of AttachedBody
+    loads : iterable of Load
+    springs : iterable of Spring
+    joint_springs : iterable of JointSpring
+    joint_pins : iterable of JointPin
+
+    Returns
+    -------
+    list of str
+    """
+    points = (f"{p.link} {1e3 * p.mass:.6g} g at {1e3 * p.position:.6g} mm" for p in link_masses)
     kinds = {
-        "bodies": [_body(body) for body in mechanism.bodies],
-        "loads": [
-            f"{load.name} on the {_place(load.point)}, {_size(load)}" for load in mechanism.loads
-        ],
-        "springs": [_spring(spring) for spring in mechanism.springs],
-        "springs in joints": [
-            f"{own.joint} {', '.join(_in_joint(own))}" for own in mechanism.joint_springs
-        ],
-        "diameters of pins": [pin.described() for pin in mechanism.joint_pins],
-        "shaft": [f"{inertia:.6g} kg m^2"] if inertia else [],
-        "drive": [] if mechanism.drive is None else [mechanism.drive.words],
-        "frame": [] if mechanism.frame is None else [mechanism.frame.words],
+        "joint masses": [f"{joint} {1e3 * mass:.6g} g" for joint, mass in joint_masses.items()],
+        "link point masses": list(points),
+        "bodies": [_body(body) for body in bodies],
+        "loads": [f"{load.name} on the {_place(load.point)}, {_size(load)}" for load in loads],
+        "springs": [_spring(spring) for spring in springs],
+        "springs in joints": [f"{x.joint} {', '.join(_in_joint(x))}" for x in joint_springs],
+        "diameters of pins": [f"{pin.joint} {1e3 * pin.diameter:.6g} mm" for pin in joint_pins],
     }
-    return [f"{kind}: {'; '.join(texts)}" for kind, texts in kinds.items() if texts]
+    return [
+        f"{kind}: {'; '.join(texts) if 'masses' not in kind else ', '.join(texts) or 'none'}"
+        for kind, texts in kinds.items()
+        if texts or "masses" in kind
+    ]
 
 
 def _place(point: AttachmentPoint) -> str:
@@ -229,3 +250,37 @@ def _in_joint(own: JointSpring) -> Iterator[str]:
         yield f"{own.torsional_damping:.6g} N m s/rad"
     if own.radial_stiffness is not None:
         yield f"{own.radial_stiffness:.6g} N/m radially"
+
+
+def notebook_html(mechanism: _Shown) -> str:
+    """A mechanism as a notebook shows it: in words, drawn, and its links in a table.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    """
+    from flexmech.plots import figure_html, plot_linkage
+
+    dataset = linkage_positions(mechanism.linkage, picture_crank_angle(mechanism.linkage))
+    figure = plot_linkage(
+        dataset.assign_attrs(mechanism=mechanism.provenance.name, drawing=drawing(mechanism))
+    )
+    headings = ("link", "length (mm)", "mass (g)", "EA (N)", "EI (N m²)", "thickness (mm)")
+    rows: list[tuple[str, ...]] = [headings]
+    for link in mechanism.linkage.topology.links:
+        length, section = link.length * 1e3, mechanism.sections.get(link.name)
+        if section is None:
+            mass = mechanism.link_mass(link.name).moment(0)
+            rows.append((link.name, f"{length:.5g}", f"{1e3 * mass:.5g}", "rigid", "rigid", ""))
+            continue
+        numbers = (
+            length,
+            section.mass_per_length * link.length * 1e3,
+            section.axial_stiffness,
+            section.bending_stiffness,
+            section.in_plane_thickness * 1e3,
+        )
+        rows.append((link.name, *(f"{number:.5g}" for number in numbers)))
+    cells = ("".join(f"<td>{escape(text)}</td>" for text in row) for row in rows)
+    table = "".join(f"<tr>{row}</tr>" for row in cells)
+    return f"<p>{escape(repr(mechanism))}</p>{figure_html(figure)}<table>{table}</table>"

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -38,23 +39,26 @@ from flexmech.mechanism.checks import (
     places_apart,
     sprung_linkage,
 )
-from flexmech.mechanism.drawing import attachment_lines, drawing
-from flexmech.mechanism.joint_pins import JointPin
-from flexmech.mechanism.notebook import notebook_html
-from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
+from flexmech.mechanism.drawing import notebook_html, part_lines
+from flexmech.mechanism.parts import AttachedBody, JointPin, PointMass, Provenance, Wetting
 from flexmech.mechanism.sprung_frame import SprungFrame
 from flexmech.mechanism.tables import (
-    environment_table,
     joints_table,
     links_table,
     loads_table,
-    operation_table,
-    shaft_table,
     springs_table,
 )
 from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr
 from flexmech.sections import BeamSection, Layers, sections_between_joints
-from flexmech.units import ANGULAR_SPEED, EXPANSION, from_si, to_si
+from flexmech.units import (
+    ACCELERATION,
+    ANGULAR_SPEED,
+    EXPANSION,
+    INERTIA,
+    TEMPERATURE,
+    from_si,
+    to_si,
+)
 from flexmech.validation import POSITIVE, check_instance, check_number, check_pair
 
 
@@ -189,21 +193,21 @@ class Mechanism:
 
     def _unite_spellings(self) -> None:
         """Keep what can be said in several ways in one, so that equal mechanisms compare so."""
-        names = self.linkage.topology.link_names
-        joints = self.linkage.topology.joint_names
-        for field_name, value in (
-            ("sections", sections_between_joints(self.linkage.topology, self.sections)),
-            ("link_masses", tuple(sorted(self.link_masses, key=lambda p: names.index(p.link)))),
-            ("bodies", tuple(sorted(self.bodies, key=lambda body: names.index(body.link)))),
-            (
-                "joint_springs",
-                tuple(sorted(self.joint_springs, key=lambda s: joints.index(s.joint))),
-            ),
-            ("joint_pins", tuple(sorted(self.joint_pins, key=lambda p: joints.index(p.joint)))),
-            ("gravity", tuple(self.gravity)),
-            ("wetting", {link: own for link, own in self.wetting.items() if own != Wetting()}),
-        ):
-            object.__setattr__(self, field_name, value)
+        topology = self.linkage.topology
+        links, joints = topology.link_names, topology.joint_names
+        kept: dict[str, Any] = {
+            "sections": sections_between_joints(topology, self.sections),
+            "link_masses": sorted(self.link_masses, key=lambda mass: links.index(mass.link)),
+            "bodies": sorted(self.bodies, key=lambda body: links.index(body.link)),
+            "joint_springs": sorted(self.joint_springs, key=lambda own: joints.index(own.joint)),
+            "joint_pins": sorted(self.joint_pins, key=lambda pin: joints.index(pin.joint)),
+            "gravity": self.gravity,
+            "wetting": {link: own for link, own in self.wetting.items() if own != Wetting()},
+        }
+        for name, value in kept.items():
+            if not isinstance(value, Mapping):
+                value = tuple(value)
+            object.__setattr__(self, name, value)
 
     def __repr__(self) -> str:
         links = (f"{x.name} {x.length * 1e3:.6g} mm" for x in self.linkage.topology.links)
@@ -211,7 +215,7 @@ class Mechanism:
         return short_repr(self, f"{self.provenance.name:.60}", kind, *links)
 
     def _repr_html_(self) -> str:
-        return notebook_html(self, drawing(self))
+        return notebook_html(self)
 
     def link_mass(self, link: str) -> LinkMass:
         """Mass of one link with its point masses, bodies and the joints that it leads or slides."""
@@ -230,14 +234,8 @@ class Mechanism:
         section = self.sections.get(link)
         if section is None:
             return LinkMass.of_points(length, 0.0, points, bodies=bodies)
-        return LinkMass.of_points(
-            length,
-            section.mass_per_length,
-            points,
-            section.mass_axis,
-            bodies,
-            section.rotary_inertia,
-        )
+        mass, axis, rotary = section.mass_per_length, section.mass_axis, section.rotary_inertia
+        return LinkMass.of_points(length, mass, points, axis, bodies, rotary)
 
     def inverse_dynamics(
         self, motion: RigidMotion, time: ArrayLike = 0.0, lumped: Sequence[int] | None = None
@@ -323,23 +321,22 @@ class Mechanism:
 
     def described(self) -> list[str]:
         """Masses, bodies, loads, gravity, operating speeds and coupler point, a line each."""
-        joints = [f"{joint} {1e3 * mass:.6g} g" for joint, mass in self.joint_masses.items()]
-        points = [
-            f"{point.link} {1e3 * point.mass:.6g} g at {1e3 * point.position:.6g} mm"
-            for point in self.link_masses
-        ]
         # Links with the point masses along them and at their joints.
         total = sum(link.moment(0) for link in self.link_masses_in_order)
         x, y = self.gravity
-        speeds = [f"{from_si(w, self.speed_unit):.6g}" for w in self.operating_speeds]
-        turning = f"{', '.join(speeds)} {self.speed_unit}" if speeds else "none stated"
+        speeds = ", ".join(f"{from_si(w, self.speed_unit):.6g}" for w in self.operating_speeds)
+        inertia = self.shaft_inertia
+        turning = {
+            "shaft": f"{inertia:.6g} kg m^2" if inertia else "",
+            "drive": "" if self.drive is None else self.drive.words,
+            "frame": "" if self.frame is None else self.frame.words,
+        }
         lines = [
-            f"joint masses: {', '.join(joints) or 'none'}",
-            f"link point masses: {', '.join(points) or 'none'}",
-            *attachment_lines(self),
+            *part_lines(*(getattr(self, name) for name in ("joint_masses", *PARTS))),
+            *(f"{kind}: {words}" for kind, words in turning.items() if words),
             f"total mass: {1e3 * total:.6g} g",
             f"gravity: ({x:g}, {y:g}) m/s^2",
-            f"operating speeds: {turning}",
+            f"operating speeds: {f'{speeds} {self.speed_unit}' if speeds else 'none stated'}",
         ]
         if (point := self.coupler_point) is not None:
             place = f"{1e3 * point.distance:.6g} mm from A, {math.degrees(point.angle):.6g} deg"
@@ -375,16 +372,26 @@ class Mechanism:
             **shared.in_order,
             "links": links,
         }
+        environment: TomlTable = {}
+        if any(self.gravity):
+            environment["gravity"] = [quantity(along, ACCELERATION) for along in self.gravity]
+        if self.reference_temperature != REFERENCE_TEMPERATURE:
+            kept = quantity(self.reference_temperature, TEMPERATURE)
+            environment["reference_temperature"] = kept
+        speeds = [quantity(speed, ANGULAR_SPEED) for speed in self.operating_speeds[:-1]]
+        for last in self.operating_speeds[-1:]:
+            speeds.append(quantity(last, ANGULAR_SPEED, self.speed_unit, always=True))
+        inertia = self.shaft_inertia
         optional = {
             "joints": joints_table(
                 self.linkage, self.joint_masses, self.joint_springs, self.joint_pins
             ),
-            "shaft": shaft_table(self.shaft_inertia),
+            "shaft": {"inertia": quantity(inertia, INERTIA)} if inertia else {},
             "drive": {} if self.drive is None else self.drive.to_table(),
             "frame": {} if self.frame is None else self.frame.to_table(),
             "loads": loads_table(self.loads),
             "springs": springs_table(self.springs),
-            "environment": environment_table(self.gravity, self.reference_temperature),
-            "operation": operation_table(self.operating_speeds, self.speed_unit),
+            "environment": environment,
+            "operation": {"crank_speeds": speeds} if speeds else {},
         }
         return tomli_w.dumps(document | {key: table for key, table in optional.items() if table})

@@ -16,9 +16,7 @@ from flexmech.linkages import (
     PlanarLinkage,
     Spring,
 )
-from flexmech.materials import REFERENCE_TEMPERATURE
-from flexmech.mechanism.joint_pins import JointPin
-from flexmech.mechanism.parts import AttachedBody, PointMass, Wetting
+from flexmech.mechanism.parts import AttachedBody, JointPin, PointMass, Wetting
 from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity
 from flexmech.sections import BeamSection
 
@@ -59,7 +57,7 @@ def links_table(
             if point.link in beams
         ]
         attached = [
-            {**body_table(body), **_beam_number(beams, body.link)}
+            {**body.to_table(), **_beam_number(beams, body.link)}
             for body in bodies
             if body.link in beams
         ]
@@ -88,53 +86,6 @@ def _beam_table(
 def _beam_number(beams: Sequence[str], beam: str) -> TomlTable:
     """Key that names a beam of a chain, from whose start places are counted."""
     return {"beam": beams.index(beam) + 1} if len(beams) > 1 else {}
-
-
-def environment_table(gravity: Sequence[float], reference_temperature: float) -> TomlTable:
-    """Table ``[environment]``; empty where it is as if left out.
-
-    Parameters
-    ----------
-    gravity : sequence of float
-        Along x and y in m/s^2.
-    reference_temperature : float
-        In K.
-
-    Returns
-    -------
-    dict
-    """
-    table: TomlTable = {}
-    if any(gravity):
-        table["gravity"] = [quantity(component, units.ACCELERATION) for component in gravity]
-    if reference_temperature != REFERENCE_TEMPERATURE:
-        table["reference_temperature"] = quantity(reference_temperature, units.TEMPERATURE)
-    return table
-
-
-def operation_table(crank_speeds: Sequence[float], unit: str) -> TomlTable:
-    """Table ``[operation]``, its last speed in a unit; empty where no speed is stated."""
-    last = len(crank_speeds) - 1
-    speeds = [
-        quantity(speed, units.ANGULAR_SPEED, unit, always=number == last)
-        for number, speed in enumerate(crank_speeds)
-    ]
-    return {"crank_speeds": speeds} if speeds else {}
-
-
-def shaft_table(inertia: float) -> TomlTable:
-    """Table ``[shaft]``; empty where it has no inertia."""
-    return {"inertia": quantity(inertia, units.INERTIA)} if inertia else {}
-
-
-def body_table(body: AttachedBody) -> TomlTable:
-    """Entry of ``bodies`` of its link."""
-    # A file states one of mass and inertia at least.
-    mass = {} if body.inertia else {"mass": quantity(body.mass, units.MASS)}
-    keys = fields_table(
-        body, {"mass": units.MASS, "inertia": units.INERTIA, "offset": units.LENGTH}
-    )
-    return {"position": quantity(body.position, units.LENGTH), **mass, **keys}
 
 
 def joints_table(

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from flexmech.errors import InputError
-from flexmech.mechanism.joint_pins import EYE_SIZES
+from flexmech.mechanism.parts import EYE_SIZES
 from flexmech.modelfile import base_table as base
 
 

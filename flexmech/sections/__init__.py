@@ -2,18 +2,22 @@
 
 from flexmech.sections.beam_reduction import REDUCTIONS, Reduction
 from flexmech.sections.beam_section import BeamSection, Layers
-from flexmech.sections.between_joints import sections_between_joints
+from flexmech.sections.changed_sections import sections_between_joints, stiffened_section
 from flexmech.sections.damping import DampingTimes, SpecificDamping
 from flexmech.sections.free_edges import TWISTS
 from flexmech.sections.hygrothermal import HygrothermalProfile, swollen_section
 from flexmech.sections.laminate_section import LaminateSection
 from flexmech.sections.ply_stresses import SURFACES, residual_ply_stresses, unit_ply_stresses
 from flexmech.sections.section_stack import SectionStack, damping_times
-from flexmech.sections.shear_theories import WARPINGS, ThirdOrder, Zigzag
+from flexmech.sections.shear_theories import (
+    SHEAR_THEORIES,
+    WARPINGS,
+    LayerDirection,
+    ThirdOrder,
+    Zigzag,
+)
 from flexmech.sections.sheet_section import SheetSection
 from flexmech.sections.solid_section import SolidSection, solid_section
-from flexmech.sections.stiffened import stiffened_section
-from flexmech.sections.stress_profile import SHEAR_THEORIES, LayerDirection
 
 __all__ = [
     "REDUCTIONS",

@@ -193,55 +193,6 @@ OTHERS = np.array([1, 2, 4, 5])
 UNTWISTED = np.array([1, 2, 4])
 
 
-@dataclass(frozen=True)
-class Strained:
-    """In-plane strains of a laminate at points in its layers.
-
-    Parameters
-    ----------
-    place, weight : ndarray, shape (N, m)
-        In m: where, and what each point counts in an integral through the thickness.
-    strain : ndarray, shape (N, m, 3)
-        Strains x, z and xz; those that a narrow link lets go are not among them.
-    """
-
-    place: FloatArray
-    weight: FloatArray
-    strain: FloatArray
-
-
-@dataclass(frozen=True)
-class WarpingParts:
-    """Strains of warping cross-sections, against those of stretching and bending.
-
-    Parameters
-    ----------
-    classical : ndarray, shape (2, 2)
-        Stiffness along the link by mid-plane strain and its gradient, in N, N m and N m^2 for
-        each metre of width.
-    slender : ndarray, shape (2,)
-        Mid-plane strain and gradient that the warping brings along.
-    residual : ndarray, shape (N, m, 3)
-        What is left of the warping's strains without its part in stretching and bending.
-    stiffness : float
-        Integral of the residual's stress times strain.
-    """
-
-    classical: FloatArray
-    slender: FloatArray
-    residual: FloatArray
-    stiffness: float
-
-    @property
-    def matrix(self) -> FloatArray:
-        """Stiffness by mid-plane strain, its gradient and the warping, (3, 3)."""
-        coupling = self.classical @ self.slender
-        column = coupling[:, None]
-        return np.block(
-            [[self.classical, column], [column.T, coupling @ self.slender + self.stiffness]]
-        )
-
-
 @dataclass(frozen=True, eq=False)
 class Strip:
     """A laminate as a beam: its strains and its stiffness for each metre of width.
@@ -344,7 +295,9 @@ class Strip:
             )
         )
 
-    def warping_parts(self, warped: Strained) -> WarpingParts:
+    def warping_parts(
+        self, place: FloatArray, weight: FloatArray, strain: FloatArray
+    ) -> tuple[FloatArray, FloatArray, float]:
         """Split the strains of warping cross-sections from stretching and bending.
 
         Stretching and bending are those of slender beams. If a free edge let go strains of higher
@@ -353,14 +306,22 @@ class Strip:
 
         Parameters
         ----------
-        warped : Strained
-            Strains of a unit change of the warping along the link.
+        place, weight : ndarray, shape (N, m)
+            Points in the layers in m, and what each counts in an integral through the thickness.
+        strain : ndarray, shape (N, m, 3)
+            Strains x, z and xz there of a unit change of the warping along the link; those that a
+            narrow link lets go are not among them.
 
         Returns
         -------
-        WarpingParts
+        slender : ndarray, shape (2,)
+            Mid-plane strain and gradient that the warping brings along.
+        residual : ndarray, shape (N, m, 3)
+            What is left of its strains without its part in stretching and bending.
+        stiffness : float
+            Integral of the residual's stress times strain.
         """
-        y, stiffness = warped.place, self.laminate.transformed_stiffness
+        y, stiffness = place, self.laminate.transformed_stiffness
         joined = self.joined
         mean, gradient = joined.strains[:, :, None, 0], joined.strains[:, :, None, 1]
         slender = mean + gradient * y[..., None]
@@ -368,11 +329,11 @@ class Strip:
         def products(left: FloatArray, right: FloatArray) -> FloatArray:
             """Integrals of fields (a, N, m, 3) with the stress of fields (b, N, m, 3)."""
             stress = np.einsum("nij,bnmj->bnmi", stiffness, right)
-            return np.asarray(np.einsum("nm,anmi,bnmi->ab", warped.weight, left, stress))
+            return np.asarray(np.einsum("nm,anmi,bnmi->ab", weight, left, stress))
 
-        coupling = products(slender, warped.strain[None])[:, 0]
+        coupling = products(slender, strain[None])[:, 0]
         amounts = np.asarray(np.linalg.solve(joined.stiffness, coupling), dtype=float)
-        residual = warped.strain - np.tensordot(amounts, slender, axes=1)
+        residual = strain - np.tensordot(amounts, slender, axes=1)
         if self.reduction == "narrow":
             # Of like size, whatever the units of the warping.
             shapes = np.stack([np.ones_like(y), y, residual[..., 0]])
@@ -382,12 +343,7 @@ class Strip:
             free = free.reshape(6, *residual.shape)
             amount = np.linalg.solve(products(free, free), products(free, residual[None]))[:, 0]
             residual = residual - np.tensordot(amount, free, axes=1)
-        return WarpingParts(
-            self.stiffness,
-            amounts,
-            residual,
-            float(products(residual[None], residual[None])[0, 0]),
-        )
+        return amounts, residual, float(products(residual[None], residual[None])[0, 0])
 
 
 def shear_across(stiffness: FloatArray, reduction: Reduction) -> float:

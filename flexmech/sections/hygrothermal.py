@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -27,6 +26,7 @@ from flexmech.materials import (
 )
 from flexmech.sections.beam_reduction import Reduction
 from flexmech.sections.beam_section import BeamSection, Layers
+from flexmech.sections.changed_sections import with_layers
 from flexmech.sections.laminate_section import LaminateSection
 from flexmech.sections.solid_section import CURVATURE, STRETCH, TWIST
 from flexmech.validation import check_fields
@@ -154,7 +154,7 @@ def swollen_section(section: BeamSection, profile: HygrothermalProfile) -> Swoll
     packed = tuple(s.packed(across * (1 + elongation)) for s in slices)
     wet = soft.resized(replace(dry.laminate, layers=packed), 1.0)
     return SwollenSection(
-        _changed(section, dry, wet, curvature=-float(free[1, 0])), elongation, _water(slices)
+        _changed(section, wet, curvature=-float(free[1, 0])), elongation, _water(slices)
     )
 
 
@@ -267,33 +267,15 @@ def without_twist(free: FloatArray, section: LaminateSection) -> FloatArray:
     return untwisted
 
 
-def _changed(section: BeamSection, dry: Layers, wet: Layers, curvature: float) -> BeamSection:
-    """The section with each stiffness and inertia changed as that of its layers."""
-
-    def then(name: str) -> Any:
-        own, of_dry, of_wet = (getattr(each, name) for each in (section, dry, wet))
-        # To the last bit: it tells whose stiffness is that of its layers.
-        return of_wet if own == of_dry else own * (of_wet / of_dry)
-
-    changed = {
-        name: then(name)
-        for name in (
-            "axial_stiffness",
-            "bending_stiffness",
-            "shear_stiffness",
-            "mass_per_length",
-            "rotary_inertia",
-        )
-    }
+def _changed(section: BeamSection, wet: Layers, curvature: float) -> BeamSection:
+    """The section with the layers that heat and water have made, which bend by themselves."""
     result = replace(
-        section,
-        **changed,
+        with_layers(section, wet),
         in_plane_thickness=wet.in_plane_thickness,
         neutral_axis=wet.neutral_axis,
         mass_axis=wet.mass_axis,
         free_curvature=section.free_curvature + curvature,
         specific_damping=None if section.specific_damping is None else wet.specific_damping,
-        layers=wet,
     )
     if section.damping_frequency is not None:
         return result.with_damping_frequency(section.damping_frequency)

@@ -36,20 +36,18 @@ from flexmech.sections.free_edges import (
     laminate_solid,
 )
 from flexmech.sections.shear_theories import (
+    SHEAR_THEORIES,
+    LayerDirection,
+    ShearTheory,
     ThirdOrder,
+    ThroughThickness,
     Zigzag,
+    check_loads,
     parabolic_shear,
     third_order_of,
     zigzag_of,
 )
 from flexmech.sections.solid_section import SolidSection
-from flexmech.sections.stress_profile import (
-    SHEAR_THEORIES,
-    LayerDirection,
-    ShearTheory,
-    ThroughThickness,
-    check_loads,
-)
 from flexmech.units import LENGTH
 from flexmech.validation import POSITIVE, check_choice, check_instance, check_number
 

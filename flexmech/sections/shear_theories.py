@@ -1,4 +1,4 @@
-"""What a section is to Reddy's third-order beam theory, and to the zigzag beam.
+"""How shear is spread through a section: by equilibrium, Reddy's theory, and the zigzag beam.
 
 Cross-sections of the zigzag beam warp as equilibrium asks. Bending that changes along the link
 needs a shear stress through the thickness (Jourawski); in every layer the shear strain is that
@@ -18,25 +18,73 @@ Krajcinovic, *J. Appl. Mech.* 39 (1972) 773; refined zigzag theory: Tessler, Di 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import Literal, get_args
 
 import numpy as np
 import scipy.linalg
 
 from flexmech.arrays import FloatArray, IntArray
+from flexmech.errors import InputError
 from flexmech.materials import Laminate, Layer, Material, Ply
 from flexmech.model_text import shapes, short_repr
 from flexmech.sections.beam_reduction import (
     PlaneState,
     Reduction,
-    Strained,
     Strip,
     energy_by_direction,
     gauss_points,
     lost_share,
     shear_across,
 )
+
+LayerDirection = Literal["through thickness", "across width"]
+"""Of a stack: in the plane of the linkage, or along the joint axes, its plies parallel to it."""
+
+ShearTheory = Literal["equilibrium", "third-order"]
+SHEAR_THEORIES: tuple[ShearTheory, ...] = get_args(ShearTheory)
+
+
+@dataclass(frozen=True, repr=False)
+class ThroughThickness:
+    """Strain and stress at places through the thickness, all of one shape.
+
+    Parameters
+    ----------
+    place : ndarray
+        Distance y from the mid-plane in m.
+    strain : ndarray
+        Along the link.
+    normal_stress, shear_stress : ndarray
+        Along the link, and on its cross-section in the plane of the linkage, in Pa.
+    """
+
+    place: FloatArray
+    strain: FloatArray
+    normal_stress: FloatArray
+    shear_stress: FloatArray
+
+    def __repr__(self) -> str:
+        return short_repr(self, *shapes(self))
+
+
+def check_loads(loads: Sequence[float]) -> None:
+    """Refuse loads on a section that are no numbers.
+
+    Parameters
+    ----------
+    loads : sequence of float
+        In N and N m.
+
+    Raises
+    ------
+    InputError
+        If one is not finite.
+    """
+    if not np.all(np.isfinite(np.array(loads, dtype=float))):
+        raise InputError(f"loads on a section must be finite, got {list(map(float, loads))}")
 
 
 @dataclass(frozen=True)
@@ -114,7 +162,10 @@ def _stiffness(strip: Strip) -> FloatArray:
     places, weights = gauss_points(strip.laminate, 4)
     strain = np.zeros((*places.shape, 3))
     strain[..., 0] = places**3
-    return strip.warping_parts(Strained(places, weights, strain)).matrix
+    slender, _, warping = strip.warping_parts(places, weights, strain)
+    coupling = strip.stiffness @ slender
+    column = coupling[:, None]
+    return np.block([[strip.stiffness, column], [column.T, coupling @ slender + warping]])
 
 
 def parabolic_shear(
@@ -231,13 +282,13 @@ def zigzag_of(strip: Strip, bent: PlaneState) -> Zigzag:
         moved = _from_lowest_face(laminate, angle)
         strain = np.zeros((*place.shape, 3))
         strain[..., 0], strain[..., 2] = moved[..., 1], moved[..., 0]
-        parts = strip.warping_parts(Strained(place, weight, strain))
-        bending.append(parts.slender[1])
-        stress = np.einsum("nij,nmj->nmi", laminate.transformed_stiffness, parts.residual)
+        slender, residual, _ = strip.warping_parts(place, weight, strain)
+        bending.append(slender[1])
+        stress = np.einsum("nij,nmj->nmi", laminate.transformed_stiffness, residual)
         scale = np.abs(stress[..., 0]).max()
         shears.append(shear)
         strains.append(angle)
-        fields.append(parts.residual)
+        fields.append(residual)
         residuals.append(stress)
     sheared = np.einsum("nm,anmi,bnmi->ab", weight, np.stack(shears), np.stack(strains))
     changed = np.einsum("nm,anmi,bnmi->ab", weight, np.stack(fields), np.stack(residuals))

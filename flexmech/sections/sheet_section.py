@@ -30,14 +30,14 @@ from flexmech.sections.free_edges import (
     laminate_solid,
 )
 from flexmech.sections.laminate_section import LaminateSection
-from flexmech.sections.solid_section import ACROSS_PLANE, STRETCH
-from flexmech.sections.stress_profile import (
+from flexmech.sections.shear_theories import (
     SHEAR_THEORIES,
     LayerDirection,
     ShearTheory,
     ThroughThickness,
     check_loads,
 )
+from flexmech.sections.solid_section import ACROSS_PLANE, STRETCH
 from flexmech.units import LENGTH
 from flexmech.validation import POSITIVE, check_choice, check_instance, check_number
 

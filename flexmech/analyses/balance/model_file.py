@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from flexmech.analyses.balance.counterweights import Counterweight
 from flexmech.errors import InputError
 from flexmech.mechanism import Mechanism
-from flexmech.mechanism.tables import body_table
 from flexmech.modelfile.read import mechanism_from_toml
 
 
@@ -57,5 +56,5 @@ def _table(weight: Counterweight) -> str:
     """The counterweight as a table at the end of a model file."""
     name = weight.link.name
     key = name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else json.dumps(name, ensure_ascii=False)
-    rows = (f"{key} = {json.dumps(value)}" for key, value in body_table(weight.body).items())
+    rows = (f"{key} = {json.dumps(value)}" for key, value in weight.body.to_table().items())
     return "\n".join([f"\n[[links.{key}.bodies]]", *rows, ""])

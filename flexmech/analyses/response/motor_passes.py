@@ -184,7 +184,7 @@ class MotorPasses:
     @property
     def _start_states(self) -> FloatArray:
         """Of the motor at time zero."""
-        return self.run.equation.train.motor_states(self.run.states(0.0))
+        return self.run.states(0.0)[self.run.equation.train.motor_place :]
 
     def _start(self, time: FloatArray) -> KnownMotion:
         if self._known is not None:

@@ -24,7 +24,6 @@ from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
 from flexmech.linkages import (
-    AddedTorque,
     SettledMotion,
     SettledRun,
     TurnSeries,
@@ -141,9 +140,9 @@ def _settled(
     def over_turn(values: FloatArray) -> TurnSeries:
         return TurnSeries.of(angle[order], values[order], harmonics)
 
-    load = AddedTorque(equation.load, over_turn(torque[once] - needed))
-    rotor = replace(equation, load=load, train=equation.train.without_coupling)
-    states = equation.train.motor_states(run.states(0.0))
+    added = over_turn(torque[once] - needed)
+    rotor = replace(equation, train=equation.train.without_coupling, added=added)
+    states = run.states(0.0)[equation.train.motor_place :]
     twist = over_turn((found.rotor - found.rotation)[once])
     start = run.drive.start_angle
     begin = start

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linkages.drives.pieces import MotionPiece, PiecewiseMotion
+from flexmech.linkages.drives.pieces import PiecewiseMotion, first_greatest
 from flexmech.linkages.linkage import Linkage
 from flexmech.linkages.motion import RigidMotion
 from flexmech.model_text import TomlTable, fields_table
@@ -75,7 +75,7 @@ class Drive(abc.ABC):
     @property
     def is_constant(self) -> bool:
         """Whether the crank turns at its final speed, or stands, from the start."""
-        return not self.law.pieces
+        return self.law.is_steady
 
     @property
     def repeats(self) -> bool:
@@ -175,7 +175,7 @@ class Drive(abc.ABC):
     def greatest_speed(self) -> float:
         """The greatest crank speed in rad/s, with its sign; that of rest where it never moves."""
         speeds = self.crank_speed(self.passing_times)
-        return float(speeds[np.abs(speeds).argmax()])
+        return float(speeds[first_greatest(speeds)])
 
     def passed_angles(self, count: int) -> FloatArray:
         """Crank angles that the crank passes, evenly spaced and of one turn at most.
@@ -252,12 +252,13 @@ class ConstantSpeed(Drive):
         """The run-up; no pieces of a constant speed."""
         begin, total = float(self.start_angle), float(self.run_up_time)
         if not total:
-            return PiecewiseMotion((), 0.0, begin, float(self.speed))
+            return PiecewiseMotion.steady(begin, float(self.speed))
         extent, turn = self.speed * total, 2 * np.pi
         # The second integral of 1 - cos(2 pi tau).
-        sine = (extent / turn**2, turn, np.pi / 2)
-        rising = MotionPiece(0.0, total, (begin - extent / turn**2, 0.0, extent / 2), (sine,))
-        return PiecewiseMotion.chained([rising], begin + extent / 2, float(self.speed))
+        rising = np.array([[begin - extent / turn**2, 0.0, extent / 2]])
+        sine = np.array([[[extent / turn**2, turn, np.pi / 2]]])
+        end = begin + extent / 2
+        return PiecewiseMotion(np.array([0.0, total]), rising, sine, end, float(self.speed))
 
     @property
     def words(self) -> str:
@@ -299,7 +300,7 @@ class LockedCrank(Drive):
     @cached_property
     def law(self) -> PiecewiseMotion:
         """Rest."""
-        return PiecewiseMotion((), 0.0, float(self.angle), 0.0)
+        return PiecewiseMotion.steady(float(self.angle), 0.0)
 
     @property
     def words(self) -> str:

@@ -4,117 +4,90 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.arrays import FloatArray
-
-Sine = tuple[float, float, float]
+from flexmech.arrays import FloatArray, IntArray
 
 # Of the speeds of a motion, or of a radian over its whole time: what splines leave of rest.
 _ROUND_OFF = 1e-9
+# Moves forth and back are alike but for this part of their speed.
+_ALIKE = 1e-12
 
 
-@dataclass(frozen=True)
-class MotionPiece:
-    """``sum_k p[k] tau^k + sum a sin(w tau + phase)`` with ``tau = (t - start) / duration``.
-
-    Parameters
-    ----------
-    start, duration : float
-        In s.
-    polynomial : tuple of float
-        Coefficients ``p`` in rad, that of the zeroth power first.
-    sines : tuple of tuple of float
-        ``a`` in rad, ``w`` and ``phase`` in rad of each.
-    """
-
-    start: float
-    duration: float
-    polynomial: tuple[float, ...]
-    sines: tuple[Sine, ...] = ()
-
-    @property
-    def end(self) -> tuple[float, float]:
-        """Angle in rad and speed in rad/s at its end."""
-        angle = sum(self.polynomial)
-        speed = sum(power * each for power, each in enumerate(self.polynomial))
-        for size, rate, phase in self.sines:
-            angle += size * math.sin(rate + phase)
-            speed += size * rate * math.cos(rate + phase)
-        return angle, speed / self.duration
-
-    def moved(self, time: float, angle: float) -> MotionPiece:
-        """The same, later by a time in s and further on by an angle in rad."""
-        first, *rest = self.polynomial
-        return replace(self, start=self.start + time, polynomial=(first + angle, *rest))
-
-    def part(self, start: float, duration: float) -> MotionPiece:
-        """The same motion over a part of its time, in s; or beyond it, as its formula goes on."""
-        begin, ratio = (start - self.start) / self.duration, duration / self.duration
-        polynomial = tuple(
-            ratio**power
-            * sum(
-                math.comb(above, power) * each * begin ** (above - power)
-                for above, each in enumerate(self.polynomial)
-                if above >= power
-            )
-            for power in range(len(self.polynomial))
-        )
-        sines = tuple(
-            (size, rate * ratio, phase + rate * begin) for size, rate, phase in self.sines
-        )
-        return MotionPiece(start, duration, polynomial, sines)
-
-    def times(self, weight: float) -> MotionPiece:
-        """The same with all angles times a weight."""
-        polynomial = tuple(weight * each for each in self.polynomial)
-        sines = tuple((weight * size, rate, phase) for size, rate, phase in self.sines)
-        return replace(self, polynomial=polynomial, sines=sines)
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PiecewiseMotion:
-    """Angle over time: pieces one after the other from time zero, then a constant speed.
+    """Angle over time: n pieces one after the other, then a constant speed.
+
+    With ``tau`` from 0 to 1 over a piece it is ``sum_k p[k] tau^k + sum a sin(w tau + phase)``.
 
     Parameters
     ----------
-    pieces : tuple of MotionPiece
-        None of a motion whose speed is constant from the start.
-    end : float
-        When the last piece ends, in s.
+    knots : ndarray, shape (n + 1,)
+        Times in s at which pieces begin, and at which the last one ends; of a motion whose speed
+        is constant from the start zero alone.
+    polynomials : ndarray, shape (n, k)
+        Coefficients ``p`` in rad, that of the zeroth power first.
+    sines : ndarray, shape (n, s, 3)
+        ``a`` in rad, ``w`` and ``phase`` in rad of each.
     end_angle, end_speed : float
-        Angle then, and speed from then on, in rad and rad/s.
+        Angle at the end, and speed from then on, in rad and rad/s.
     """
 
-    pieces: tuple[MotionPiece, ...]
-    end: float
+    knots: FloatArray
+    polynomials: FloatArray
+    sines: FloatArray
     end_angle: float
-    end_speed: float
+    end_speed: float = 0.0
 
     @classmethod
-    def chained(
-        cls, pieces: Sequence[MotionPiece], end_angle: float, end_speed: float = 0.0
-    ) -> Self:
-        """Pieces that follow each other, and what the last of them leaves.
+    def steady(cls, angle: float, speed: float) -> PiecewiseMotion:
+        """Constant speed from the start, in rad and rad/s."""
+        return cls(np.zeros(1), np.zeros((0, 1)), np.zeros((0, 0, 3)), angle, speed)
+
+    @classmethod
+    def hermite(
+        cls,
+        knots: FloatArray,
+        starts: Sequence[FloatArray],
+        ends: Sequence[FloatArray],
+        end_angle: float,
+        end_speed: float = 0.0,
+    ) -> PiecewiseMotion:
+        """Polynomials between instants at which angles and some of their derivatives are known.
+
+        SciPy's ``BPoly.from_derivatives`` takes one interval after the other: too slow for the
+        steps of a run.
 
         Parameters
         ----------
-        pieces : sequence of MotionPiece
-            One or more.
+        knots : ndarray, shape (n + 1,)
+            Increasing, in s.
+        starts, ends : sequence of ndarray, shape (n,)
+            Angle in rad and its time derivatives where each piece starts and ends.
         end_angle, end_speed : float
-            Angle at the end in rad, and speed from then on in rad/s.
+            In rad and rad/s.
 
         Returns
         -------
         PiecewiseMotion
         """
-        last = pieces[-1]
-        return cls(tuple(pieces), last.start + last.duration, end_angle, end_speed)
+        count = len(starts)
+        scales = [np.diff(knots) ** order / math.factorial(order) for order in range(count)]
+        lower = [start * by for start, by in zip(starts, scales, strict=True)]
+        # What the powers of the start leave at the end is made by as many higher ones.
+        left = [
+            end * scales[order]
+            - sum(math.comb(power, order) * row for power, row in enumerate(lower))
+            for order, end in enumerate(ends)
+        ]
+        matrix = [[math.comb(count + j, order) for j in range(count)] for order in range(count)]
+        higher = np.linalg.inv(np.array(matrix, dtype=float)) @ np.stack(left)
+        polynomials = np.concatenate([np.stack(lower), higher]).T
+        return cls(knots, polynomials, np.zeros((len(knots) - 1, 0, 3)), end_angle, end_speed)
 
     def angle(self, time: ArrayLike) -> FloatArray:
         """Angle in rad at times in s; shape (...) -> (...)."""
@@ -129,67 +102,157 @@ class PiecewiseMotion:
         return self._values(time, 2)
 
     @property
+    def is_steady(self) -> bool:
+        """Whether the speed is constant from the start."""
+        return len(self.polynomials) == 0
+
+    @property
+    def end(self) -> float:
+        """When the last piece ends, in s."""
+        return float(self.knots[-1])
+
+    @property
+    def ends(self) -> tuple[FloatArray, FloatArray]:
+        """Angle in rad and speed in rad/s at the end of each piece, (n,)."""
+        size, rate, phase = np.moveaxis(self.sines, 2, 0)
+        powers = np.arange(self.polynomials.shape[1])
+        angle = self.polynomials.sum(axis=1) + np.sum(size * np.sin(rate + phase), axis=1)
+        speed = self.polynomials @ powers + np.sum(size * rate * np.cos(rate + phase), axis=1)
+        return angle, speed / self._spans
+
+    @property
     def blow(self) -> tuple[float, float] | None:
         """Time in s and size in rad/s of the greatest jump of the speed; None where it has none."""
-        if not self.pieces:
+        if self.is_steady:
             return None
-        before = np.array([piece.end[1] for piece in self.pieces])
+        before = self.ends[1]
         jumps = self.speed(self.knots[1:]) - before
-        place = int(np.abs(jumps).argmax())
+        place = first_greatest(jumps)
         if abs(jumps[place]) <= _ROUND_OFF * max(float(np.abs(before).max()), 1 / self.end):
             return None
         return float(self.knots[1 + place]), float(jumps[place])
 
-    def piece_at(self, time: float) -> MotionPiece:
-        """The piece at a time in s, one before the end."""
-        return self.pieces[max(int(np.searchsorted(self._starts, time, side="right")) - 1, 0)]
+    def repeated(
+        self, starts: FloatArray, dwell: float, factors: FloatArray | None = None
+    ) -> PiecewiseMotion:
+        """The same motion, which stops, again and again with a rest between.
 
-    @property
-    def knots(self) -> FloatArray:
-        """Times in s at which pieces begin, and at which the last one ends; (n + 1,)."""
-        return np.append(self._starts if self.pieces else np.zeros(0), self.end)
+        Parameters
+        ----------
+        starts : ndarray, shape (m,)
+            By how many rad it is moved on, each time.
+        dwell : float
+            Of each rest, in s.
+        factors : ndarray, shape (m,), optional
+            By which the angles are multiplied before; one if left out.
+
+        Returns
+        -------
+        PiecewiseMotion
+        """
+        times = len(starts)
+        factor = np.ones(times) if factors is None else factors
+        polynomials = factor[:, None, None] * self.polynomials
+        polynomials[:, :, 0] += starts[:, None]
+        sines = np.repeat(self.sines[None], times, axis=0)
+        sines[..., 0] *= factor[:, None, None]
+        begins = self.knots[:-1]
+        if dwell:
+            rest = np.zeros((times, 1, polynomials.shape[2]))
+            rest[:, 0, 0] = factor * self.ends[0][-1] + starts
+            polynomials = np.concatenate([polynomials, rest], axis=1)
+            sines = np.concatenate([sines, np.zeros((times, 1, *sines.shape[2:]))], axis=1)
+            begins = self.knots
+        every = (self.end + dwell) * np.arange(times)
+        count = polynomials.shape[1] * times - (dwell > 0)
+        return PiecewiseMotion(
+            np.append((every[:, None] + begins).reshape(-1)[:count], every[-1] + self.end),
+            np.concatenate(polynomials)[:count],
+            np.concatenate(sines)[:count],
+            float(factor[-1] * self.end_angle + starts[-1]),
+            self.end_speed,
+        )
+
+    def within(self, start: FloatArray, span: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Polynomials and sines of intervals, at rest before the first piece and after the last.
+
+        Parameters
+        ----------
+        start, span : ndarray, shape (m,)
+            Where intervals begin, and how long they are, in s. No knot is inside one.
+
+        Returns
+        -------
+        polynomials : ndarray, shape (m, k)
+        sines : ndarray, shape (m, s, 3)
+        """
+        middle = start + span / 2
+        number = self._number(middle)
+        length = self._spans[number]
+        begin, ratio = (start - self.knots[number]) / length, span / length
+        own, sines = self.polynomials[number], self.sines[number]
+        moved = np.zeros_like(own)
+        for power in range(own.shape[1]):
+            for above in range(power, own.shape[1]):
+                moved[:, power] += (
+                    math.comb(above, power) * own[:, above] * begin ** (above - power)
+                )
+        moved *= ratio[:, None] ** np.arange(own.shape[1])
+        sines[..., 2] += sines[..., 1] * begin[:, None]
+        sines[..., 1] *= ratio[:, None]
+        for rests, angle in (
+            (middle < 0, float(self.angle(0.0))),
+            (middle >= self.end, self.end_angle),
+        ):
+            moved[rests], sines[rests] = 0.0, 0.0
+            moved[rests, 0] = angle
+        return moved, sines
+
+    def _number(self, time: FloatArray) -> IntArray:
+        """Pieces (...) at times (...), the first and the last one beyond."""
+        number: IntArray = np.searchsorted(self._starts, time, side="right")
+        return np.maximum(number - 1, 0)
 
     @cached_property
-    def _tables(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _starts(self) -> FloatArray:
+        return self.knots[:-1]
+
+    @cached_property
+    def _spans(self) -> FloatArray:
+        return np.diff(self.knots)
+
+    @cached_property
+    def _waves(self) -> FloatArray:
+        """Size, rate and phase of the pieces' sines, (s, 3, n)."""
+        return np.moveaxis(self.sines, 0, 2)
+
+    @cached_property
+    def _derivatives(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Coefficients of the pieces' polynomials and of their first two derivatives."""
-        width = max(len(piece.polynomial) for piece in self.pieces)
-        table = np.zeros((len(self.pieces), max(width, 3)))
-        for row, piece in zip(table, self.pieces, strict=True):
-            row[: len(piece.polynomial)] = piece.polynomial
+        missing = max(0, 3 - self.polynomials.shape[1])
+        table = np.pad(self.polynomials, ((0, 0), (0, missing)))
         powers = np.arange(table.shape[1])
         first = (table * powers)[:, 1:]
         return table, first, (first * powers[:-1])[:, 1:]
 
-    @cached_property
-    def _starts(self) -> FloatArray:
-        return np.array([piece.start for piece in self.pieces])
-
-    @cached_property
-    def _spans(self) -> FloatArray:
-        return np.array([piece.duration for piece in self.pieces])
-
-    @cached_property
-    def _sines(self) -> FloatArray:
-        """Size, rate and phase of each piece's sines, (k, 3, pieces); what it lacks has no size."""
-        most = max(len(piece.sines) for piece in self.pieces)
-        table = np.zeros((most, 3, len(self.pieces)))
-        for column, piece in enumerate(self.pieces):
-            for row, sine in enumerate(piece.sines):
-                table[row, :, column] = sine
-        return table
-
     def _values(self, time: ArrayLike, order: int) -> FloatArray:
-        t = np.asarray(time, dtype=float)
-        after = (self.end_angle + self.end_speed * (t - self.end), self.end_speed, 0.0)[order]
-        if not self.pieces:
+        t, end = np.asarray(time, dtype=float), self.knots[-1]
+        after = (self.end_angle + self.end_speed * (t - end), self.end_speed, 0.0)[order]
+        if self.is_steady:
             return np.array(np.broadcast_to(after, t.shape))
-        number = np.maximum(np.searchsorted(self._starts, t, side="right") - 1, 0)
+        number = self._number(t)
         span = self._spans[number]
-        part = (np.minimum(t, self.end) - self._starts[number]) / span
+        part = (np.minimum(t, end) - self._starts[number]) / span
         value = np.zeros(t.shape)
-        for column in self._tables[order].T[::-1]:
+        for column in self._derivatives[order].T[::-1]:
             value = value * part + column[number]
-        for size, rate, phase in self._sines[:, :, number]:
+        for size, rate, phase in self._waves[:, :, number]:
             # The derivative of a sine is a quarter of a period ahead.
             value = value + size * rate**order * np.sin(rate * part + phase + order * np.pi / 2)
-        return np.asarray(np.where(t >= self.end, after, value / span**order))
+        return np.asarray(np.where(t >= end, after, value / span**order))
+
+
+def first_greatest(values: FloatArray) -> int:
+    """Place of the greatest size among values (m,), the first one of those alike."""
+    size = np.abs(values)
+    return int(np.argmax(size >= (1 - _ALIKE) * size.max()))

@@ -9,7 +9,6 @@ three members; they are the laws of VDI 2143 part 1 (1980) under their English n
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from typing import ClassVar, Literal, get_args
@@ -18,7 +17,7 @@ import numpy as np
 
 from flexmech.errors import InputError
 from flexmech.linkages.drives.drive import Drive
-from flexmech.linkages.drives.pieces import MotionPiece, PiecewiseMotion, Sine
+from flexmech.linkages.drives.pieces import PiecewiseMotion
 from flexmech.model_text import TomlTable, fields_table
 from flexmech.units import ANGLE, TIME
 from flexmech.validation import (
@@ -43,48 +42,38 @@ _MOST_MOVES = 10_000
 
 
 @cache
-def unit_law(name: LawName) -> tuple[MotionPiece, ...]:
-    """Pieces of a law that moves by 1 in the time 1.
-
-    Parameters
-    ----------
-    name : {"trapezoid", "cycloid", "modified sine", "polynomial 4567"}
-
-    Returns
-    -------
-    tuple of MotionPiece
-    """
+def _unit_law(name: LawName) -> PiecewiseMotion:
+    """A law that moves by 1 in the time 1."""
     if name == "polynomial 4567":
-        return (MotionPiece(0.0, 1.0, _POLYNOMIAL_4567),)
+        one = np.array([_POLYNOMIAL_4567])
+        return PiecewiseMotion(np.array([0.0, 1.0]), one, np.zeros((1, 0, 3)), 1.0)
     b, d = _PARTS[name]
     peak = 4 * np.pi**2 / ((np.pi**2 - 8) * (b**2 - d**2) - 2 * np.pi * (np.pi - 2) * b + np.pi**2)
-    # Acceleration over x: a constant, and a sine of its size, rate and phase at the piece's start.
+    # Acceleration: until when, a constant, and a sine of its size, rate and phase at the start.
     quarter = np.pi / 2
-    rises: list[tuple[float, float, float, float, float]] = [
-        (0.0, b / 2, 0.0, peak, 0.0),
-        (b / 2, (1 - d) / 2, peak, 0.0, 0.0),
-        ((1 - d) / 2, (1 + d) / 2, 0.0, peak, quarter),
-        ((1 + d) / 2, 1 - b / 2, -peak, 0.0, 0.0),
-        (1 - b / 2, 1.0, 0.0, peak, -quarter),
+    rises = [
+        (b / 2, 0.0, peak, np.pi / b, 0.0),
+        ((1 - d) / 2, peak, 0.0, 0.0, 0.0),
+        ((1 + d) / 2, 0.0, peak, np.pi / d, quarter),
+        (1 - b / 2, -peak, 0.0, 0.0, 0.0),
+        (1.0, 0.0, peak, np.pi / b, -quarter),
     ]
-    rates = (np.pi / b, 0.0, np.pi / d, 0.0, np.pi / b)
-    pieces, place, speed = list[MotionPiece](), 0.0, 0.0
-    for (first, last, constant, size, phase), rate in zip(rises, rates, strict=True):
-        length = last - first
+    knots, polynomials, sines, place, speed = [0.0], [], [], 0.0, 0.0
+    for last, constant, size, rate, phase in rises:
+        length = last - knots[-1]
         if length <= 0:
             continue
-        sines: tuple[Sine, ...] = ()
-        begin, own_speed = place, speed
-        if size:
-            # Minus the second integral; what it starts with is taken off again.
-            wave = -size / rate**2
-            begin -= wave * math.sin(phase)
-            own_speed -= wave * rate * math.cos(phase)
-            sines = ((wave, rate * length, phase),)
-        polynomial = (begin, own_speed * length, constant * length**2 / 2)
-        pieces.append(MotionPiece(first, length, polynomial, sines))
-        place, speed = pieces[-1].end
-    return tuple(pieces)
+        # Minus the second integral; what it starts with is taken off again.
+        wave = -size / rate**2 if size else 0.0
+        begin = place - wave * math.sin(phase)
+        sloping = (speed - wave * rate * math.cos(phase)) * length
+        curved, turned = constant * length**2 / 2, rate * length + phase
+        knots.append(last)
+        polynomials.append((begin, sloping, curved))
+        sines.append([(wave, rate * length, phase)])
+        place = begin + sloping + curved + wave * math.sin(turned)
+        speed = (sloping + 2 * curved) / length + wave * rate * math.cos(turned)
+    return PiecewiseMotion(np.array(knots), np.array(polynomials), np.array(sines), 1.0)
 
 
 @dataclass(frozen=True)
@@ -94,7 +83,7 @@ class LawDrive(Drive):
     Parameters
     ----------
     kind : {"trapezoid", "cycloid", "modified sine", "polynomial 4567"}
-        See :func:`unit_law`.
+        Its shape.
     travel : float
         Of a move in rad; negative moves backwards.
     time : float
@@ -153,15 +142,13 @@ class LawDrive(Drive):
     @cached_property
     def law(self) -> PiecewiseMotion:
         """Moves and the rests between them; the last rest is the final speed, zero."""
-        pieces, angle = list[MotionPiece](), float(self.start_angle)
-        for number in range(self.moves):
-            way = -self.travel if self.forth_and_back and number % 2 else self.travel
-            begin = number * self.cycle_time
-            pieces += _scaled(unit_law(self.kind), begin, angle, self.time, way)
-            angle += way
-            if self.dwell and number + 1 < self.moves:
-                pieces.append(MotionPiece(begin + self.time, self.dwell, (angle,)))
-        return PiecewiseMotion.chained(pieces, angle)
+        unit = _unit_law(self.kind)
+        ways = np.full(self.moves, float(self.travel))
+        if self.forth_and_back:
+            ways[1::2] *= -1
+        starts = self.start_angle + np.append(0.0, np.cumsum(ways[:-1]))
+        once = replace(unit, knots=self.time * unit.knots)
+        return once.repeated(starts, self.dwell, ways)
 
     @property
     def cycle_time(self) -> float:
@@ -200,15 +187,3 @@ class LawDrive(Drive):
         times = f", {self.moves} moves{way}" if self.moves > 1 else ""
         travel = f"{np.degrees(self.travel):.4g} deg in {self.time:.4g} s"
         return f"{self.kind}, {travel}{dwell}{times}"
-
-
-def _scaled(
-    law: Sequence[MotionPiece], begin: float, angle: float, time: float, travel: float
-) -> list[MotionPiece]:
-    """A unit law that begins at a time and an angle."""
-    return [
-        replace(
-            piece.times(travel), start=time * piece.start, duration=time * piece.duration
-        ).moved(begin, angle)
-        for piece in law
-    ]

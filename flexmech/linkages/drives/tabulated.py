@@ -11,7 +11,7 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.drives.drive import Drive
-from flexmech.linkages.drives.pieces import MotionPiece, PiecewiseMotion
+from flexmech.linkages.drives.pieces import PiecewiseMotion
 from flexmech.model_text import TomlTable, fields_table, quantity
 from flexmech.units import ANGLE, TIME
 from flexmech.validation import NOT_NEGATIVE, check_choice, check_count, check_number, checked_array
@@ -147,18 +147,9 @@ class TableDrive(Drive):
         bent = angle - angle[0] - speed * time
         fine = _STRAIGHT * max(abs(travel), np.pi / 5) * len(time) ** 0.5
         if free and np.abs(bent).max() <= max(fine, self.smoothing):
-            return PiecewiseMotion((), 0.0, float(angle[0]), speed)
-        one, end_speed = _pieces(time, bent, speed, self, float(angle[0]))
-        pieces = list[MotionPiece]()
-        for number in range(self.moves):
-            if self.dwell and number:
-                begin = number * self._pass_time - self.dwell
-                pieces.append(MotionPiece(begin, self.dwell, (pieces[-1].end[0],)))
-            pieces += [piece.moved(number * self._pass_time, number * travel) for piece in one]
-        end = float(angle[0]) + self.moves * travel
-        if self.smoothing:
-            end = pieces[-1].end[0]
-        return PiecewiseMotion.chained(pieces, end, end_speed if free else 0.0)
+            return PiecewiseMotion.steady(float(angle[0]), speed)
+        once = _through(time, bent, speed, self, float(angle[0]))
+        return once.repeated(travel * np.arange(float(self.moves)), self.dwell)
 
     @property
     def _pass_time(self) -> float:
@@ -269,10 +260,10 @@ class TableDrive(Drive):
         )
 
 
-def _pieces(
+def _through(
     time: FloatArray, bent: FloatArray, speed: float, drive: TableDrive, start: float
-) -> tuple[list[MotionPiece], float]:
-    """Pieces of a spline, whose line from end to end is added, and its speed at the end."""
+) -> PiecewiseMotion:
+    """The motion by a spline, to which its line from end to end is added, once."""
     from scipy.interpolate import PPoly, make_interp_spline, splev, splrep
 
     repeats = drive.moves > 1 and drive.ends == "free"
@@ -293,13 +284,20 @@ def _pieces(
         bent[-1] = bent[0]
         ends = "periodic"
     spline = PPoly.from_spline(make_interp_spline(time, bent, k=degree, bc_type=ends))
-    pieces = []
-    for first, last, column in zip(spline.x[:-1], spline.x[1:], spline.c.T, strict=True):
-        span = float(last - first)
-        # Knots that are there several times, and those of a periodic spline beyond its period.
-        if span <= 0 or not time[0] <= first < time[-1]:
-            continue
-        own = column[::-1] * span ** np.arange(len(column))
-        own[:2] += start + speed * first, speed * span
-        pieces.append(MotionPiece(float(first), span, tuple(own.tolist())))
-    return pieces, pieces[-1].end[1]
+    span = np.diff(spline.x)
+    # Without knots that are there several times, and those of a periodic spline beyond its period.
+    kept = (span > 0) & (spline.x[:-1] >= time[0]) & (spline.x[:-1] < time[-1])
+    begin, span = spline.x[:-1][kept], span[kept]
+    polynomials = spline.c[::-1, kept].T * span[:, None] ** np.arange(len(spline.c))
+    polynomials[:, 0] += start + speed * begin
+    polynomials[:, 1] += speed * span
+    knots = np.append(begin, begin[-1] + span[-1])
+    motion = PiecewiseMotion(
+        knots, polynomials, np.zeros((len(span), 0, 3)), start + speed * float(time[-1])
+    )
+    angle, last = (float(own[-1]) for own in motion.ends)
+    return replace(
+        motion,
+        end_angle=angle if drive.smoothing else float(drive.angles[-1]),
+        end_speed=last if drive.ends == "free" else 0.0,
+    )

@@ -251,5 +251,8 @@ class _Integration:
         return found
 
     def _keep(self, found: _Found) -> None:
-        self._time.append(found.t[1:])
-        self._values.append(found.y[:, 1:])
+        # An event at the start leaves a step without a length.
+        later = found.t > self._time[-1][-1]
+        if later.any():
+            self._time.append(found.t[later])
+            self._values.append(found.y[:, later])

@@ -1,22 +1,22 @@
-"""Motion of the rigid linkage under a motor, as a drive."""
+"""Motion of the rigid linkage under a motor, as a drive: a run from rest, or settled turns."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
+from flexmech.errors import InputError
 from flexmech.linkages.drives.drive import Drive
-from flexmech.linkages.drives.hermite import hermite_coefficients, hermite_motion
 from flexmech.linkages.drives.pieces import PiecewiseMotion
+from flexmech.linkages.motors.drive_train import MotorOutput
 from flexmech.linkages.motors.motor_drive import MotorDrive
-from flexmech.linkages.motors.settled import SettledMotion, TurningShaft, settled_motion
-from flexmech.linkages.motors.shaft_equation import ShaftEquation
-from flexmech.linkages.motors.speed_control import MotorOutput
+from flexmech.linkages.motors.settled import SettledMotion, settled_motion
+from flexmech.linkages.motors.shaft_equation import ShaftEquation, TwistedShaft
 from flexmech.model_text import TomlTable
 
 # Of the mean speed, by which a run may end off the settled motion.
@@ -25,6 +25,8 @@ _SETTLED = 1e-2
 _DIFFERENCE = 1e-3
 # Pieces of a run that are in memory and in a file: a slip of the keyboard asks for more.
 MOST_PIECES = 400_000
+# Turns that are known at least: what is made of one looks beyond its end.
+_LEAST_TURNS = 2
 
 
 @dataclass(frozen=True)
@@ -105,9 +107,9 @@ class MotorRun(Drive):
     def law(self) -> PiecewiseMotion:
         """Pieces with the angle, speed, acceleration and jerk of the solution at their ends."""
         if self.stall is not None and self.stall.time == 0:
-            return PiecewiseMotion((), 0.0, self.start_angle, 0.0)
+            return PiecewiseMotion.steady(self.start_angle, 0.0)
         known = (*self.values[:2], self.rates[1], self.second_rates[1])
-        return hermite_motion(self.time, known, self.speed)
+        return self._between(known, self.speed)
 
     @property
     def words(self) -> str:
@@ -162,9 +164,8 @@ class MotorRun(Drive):
     def states(self, time: ArrayLike) -> FloatArray:
         """States of the drive train at times in s, (k, ...)."""
         at = np.clip(np.asarray(time, dtype=float), 0.0, self.time[-1])
-        if len(self.values) == 2:
-            return np.zeros((0, *at.shape))
-        return np.asarray(self._states_in_pieces(at))
+        known = [motion.angle(at) for motion in self._state_motions]
+        return np.reshape(known, (len(known), *at.shape))
 
     def rotor_speed(self, time: ArrayLike) -> FloatArray:
         """Speed of the rotor over the gear ratio in rad/s at times in s; shape (...) -> (...)."""
@@ -196,21 +197,64 @@ class MotorRun(Drive):
         return bool(apart <= _SETTLED * abs(settled.mean_speed))
 
     @cached_property
-    def _states_in_pieces(self) -> Any:
-        from scipy.interpolate import PPoly
+    def _state_motions(self) -> list[PiecewiseMotion]:
+        """Each state of the drive train over time."""
+        rows = zip(self.values[2:], self.rates[2:], self.second_rates[2:], strict=True)
+        return [self._between(row, 0.0) for row in rows]
 
-        known, span = (self.values[2:], self.rates[2:], self.second_rates[2:]), np.diff(self.time)
-        coefficients = hermite_coefficients(
-            span, [own[:, :-1] for own in known], [own[:, 1:] for own in known]
-        )
-        powers = np.arange(len(coefficients))[:, None, None]
-        scaled = (coefficients / span**powers)[::-1]
-        found = PPoly(np.moveaxis(scaled, 1, 2), self.time)
-        return lambda at: np.moveaxis(found(at), -1, 0)
+    def _between(self, known: Sequence[FloatArray], end_speed: float) -> PiecewiseMotion:
+        """What has values and derivatives (m,) at the times of the integration."""
+        starts, ends = ([row[part] for row in known] for part in (slice(-1), slice(1, None)))
+        return PiecewiseMotion.hermite(self.time, starts, ends, float(known[0][-1]), end_speed)
+
+
+@dataclass(frozen=True, eq=False)
+class SettledRun(MotorRun):
+    """Turns of a motion that repeats itself, from some crank angle on: a drive as any other.
+
+    Of :func:`repeated`.
+
+    Parameters
+    ----------
+    drive, equation, time, values, rates, second_rates, duration, stall : object
+        As of :class:`MotorRun`; it has no stall.
+    turn : SettledMotion
+        The turn that is repeated.
+    rigid : SettledMotion
+        That of the rigid linkage.
+    """
+
+    turn: SettledMotion = field(kw_only=True)
+    rigid: SettledMotion = field(kw_only=True)
+
+    @property
+    def repeats(self) -> bool:
+        """Yes."""
+        return True
+
+    @cached_property
+    def settled(self) -> SettledMotion | None:
+        """That of the rigid linkage."""
+        return self.rigid
+
+    @cached_property
+    def has_settled(self) -> bool:
+        """Yes."""
+        return True
+
+    @property
+    def revolution_time(self) -> float:
+        """Time of a turn in s."""
+        return float(self.turn.time[-1])
+
+    @property
+    def cycle_time(self) -> float:
+        """Time of a turn in s."""
+        return self.revolution_time
 
 
 def second_rates(
-    equation: TurningShaft, time: FloatArray, values: FloatArray, rates: FloatArray
+    equation: ShaftEquation | TwistedShaft, time: FloatArray, values: FloatArray, rates: FloatArray
 ) -> FloatArray:
     """Time derivatives of the rates along a motion, (n, m), by differences over parts of steps.
 
@@ -225,3 +269,50 @@ def second_rates(
     ahead = equation.rates(time + step, values + step * rates)
     back = equation.rates(time - step, values - step * rates)
     return np.asarray((ahead - back) / (2 * step))
+
+
+def repeated(
+    turn: SettledMotion, rigid: SettledMotion, drive: MotorDrive, revolutions: float
+) -> SettledRun:
+    """A run on a settled motion.
+
+    Parameters
+    ----------
+    turn : SettledMotion
+    rigid : SettledMotion
+        That of the rigid linkage, by the equation of its shaft.
+    drive : MotorDrive
+        Whose time, if it states one, is that of the run.
+    revolutions : float
+        Turns of the run otherwise.
+
+    Returns
+    -------
+    SettledRun
+
+    Raises
+    ------
+    InputError
+        If the run is too long.
+    """
+    once = float(turn.time[-1])
+    duration = drive.time if drive.time is not None else revolutions * once
+    count = max(_LEAST_TURNS, int(np.ceil(duration / once)) + 1)
+    if count * len(turn.time) > MOST_PIECES:
+        raise InputError(
+            f"the run of {duration:.4g} s has more than {MOST_PIECES} pieces; ask for a shorter "
+            "time or fewer revolutions"
+        )
+    # Angles go on from turn to turn, of the crank and of a rotor on a coupling.
+    grows = np.zeros((len(turn.values), 1))
+    grows[turn.equation.train.angles] = turn.values[0, -1] - turn.values[0, 0]
+    parts = [turn.values[:, :-1] + number * grows for number in range(count)]
+    time = [turn.time[:-1] + number * once for number in range(count)]
+    whole = np.concatenate([*time, [count * once]])
+    values = np.concatenate([*parts, turn.values[:, :1] + count * grows], axis=1)
+    rates = turn.equation.rates(whole, values)
+    second = second_rates(turn.equation, whole, values, rates)
+    equation = rigid.equation
+    assert isinstance(equation, ShaftEquation)
+    motion = whole, values, rates, second, duration
+    return SettledRun(drive, equation, *motion, turn=turn, rigid=rigid)

@@ -9,15 +9,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
-from flexmech.linkages.motors.drive_train import DriveTrain
-from flexmech.linkages.motors.shaft_equation import ShaftEquation
-from flexmech.linkages.motors.speed_control import MotorOutput
+from flexmech.linkages.motors.drive_train import MotorOutput
+from flexmech.linkages.motors.shaft_equation import ShaftEquation, TwistedShaft
 
 # Angles turned through at which the motion is told.
 _TURN: FloatArray = np.linspace(0.0, 2 * np.pi, 721)
@@ -30,17 +28,6 @@ _MOST_NODES = 10_000
 _FAST = 1e3
 # Of the speed from which it is sought.
 _DOUBLINGS = 6
-
-
-class TurningShaft(Protocol):
-    """A shaft whose crank angle and speed, and the states of its drive train, are unknown."""
-
-    @property
-    def train(self) -> DriveTrain:
-        """What turns it."""
-
-    def rates(self, time: ArrayLike, values: FloatArray) -> FloatArray:
-        """Time derivatives of the values, (n, ...) at times (...)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +44,7 @@ class SettledMotion:
         Crank angle, speed and the states of the drive train, at even crank angles.
     """
 
-    equation: TurningShaft
+    equation: ShaftEquation | TwistedShaft
     time: FloatArray
     values: FloatArray
 
@@ -81,7 +68,7 @@ class SettledMotion:
         """Of the motor in W, (m,)."""
         train = self.equation.train
         turning = train.rotor_speed(self.values[1], self.values[2:])
-        return self.output.torque * train.driven_by.motor.gear_ratio * turning
+        return self.output.torque * train.motor.gear_ratio * turning
 
     @property
     def mean_speed(self) -> float:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.motors.drive_train import DriveTrain
-from flexmech.linkages.motors.turn_series import TurnSeries
 
 
 class ShaftLoad(ABC):
@@ -50,31 +50,49 @@ class ShaftLoad(ABC):
 
 
 @dataclass(frozen=True, eq=False)
-class AddedTorque(ShaftLoad):
-    """A load of the shaft, and one more torque that goes over the crank angle.
+class TurnSeries:
+    """A function of an angle that repeats itself from turn to turn, as a Fourier series.
+
+    It is the real part of ``sum_n c_n exp(i n angle)``, and has all derivatives: an integration of
+    high order along it takes long steps.
 
     Parameters
     ----------
-    load : ShaftLoad
-        The other one.
-    torque : TurnSeries
-        Needed besides over the crank angle, in N m.
+    coefficients : ndarray of complex, shape (harmonics + 1,)
+        That of the mean first.
     """
 
-    load: ShaftLoad
-    torque: TurnSeries
+    coefficients: ComplexArray
 
-    @property
-    def over_time(self) -> bool:
-        """As the load."""
-        return self.load.over_time
+    @classmethod
+    def of(cls, angle: FloatArray, values: FloatArray, harmonics: int) -> Self:
+        """The series of a function that is known at some angles.
 
-    def parts(
-        self, angle: ArrayLike, speed: ArrayLike, time: ArrayLike
-    ) -> tuple[FloatArray, FloatArray]:
-        """As the load, and the other torque."""
-        inertia, needed = self.load.parts(angle, speed, time)
-        return inertia, needed + self.torque(angle)
+        Parameters
+        ----------
+        angle : ndarray, shape (m,)
+            Increasing, over less than a turn, in rad; far closer than the harmonics need.
+        values : ndarray, shape (m,)
+        harmonics : int
+
+        Returns
+        -------
+        TurnSeries
+        """
+        from scipy.interpolate import CubicSpline
+
+        whole, closed = np.append(angle, angle[0] + 2 * np.pi), np.append(values, values[0])
+        spline = CubicSpline(whole, closed, bc_type="periodic", extrapolate="periodic")
+        count = len(angle)
+        found = np.fft.rfft(spline(2 * np.pi / count * np.arange(count))) / count
+        found[1:] *= 2.0
+        return cls(found[: harmonics + 1])
+
+    def __call__(self, angle: ArrayLike, order: int = 0) -> FloatArray:
+        """Values, or those of a derivative by the angle, at angles in rad; (...) -> (...)."""
+        number = np.arange(len(self.coefficients))
+        waves = np.exp(1j * number * np.asarray(angle, dtype=float)[..., None])
+        return np.asarray((waves @ (self.coefficients * (1j * number) ** order)).real)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,11 +105,14 @@ class ShaftEquation:
     shaft_inertia : float
         Of the shaft that drives the crank, in kg m^2.
     train : DriveTrain
+    added : TurnSeries, optional
+        Torque needed besides over the crank angle, in N m.
     """
 
     load: ShaftLoad
     shaft_inertia: float
     train: DriveTrain
+    added: TurnSeries | None = None
 
     def start(self, angle: float) -> FloatArray:
         """Values (n,) at rest at a crank angle in rad; see :meth:`DriveTrain.start`."""
@@ -125,13 +146,11 @@ class ShaftEquation:
         """Time derivatives of the values, (n, ...) at times (...)."""
         angle, speed = values[:2]
         own, needed = self.load.parts(angle, speed, time)
+        if self.added is not None:
+            needed = needed + self.added(angle)
         given, changes = self.train.on_crank(angle, speed, values[2:])
         acceleration = (given - needed) / (own + self._rigid_inertia)
         return np.concatenate([np.stack([speed, acceleration]), changes])
-
-    def crank_torque(self, values: FloatArray) -> FloatArray:
-        """Torque on the crank in N m, (...), of values (n, ...)."""
-        return self.train.on_crank(values[0], values[1], values[2:])[0]
 
     def tolerances(self, relative: float) -> FloatArray:
         """Absolute tolerances (n,) of an integration with a relative one."""
@@ -142,3 +161,37 @@ class ShaftEquation:
     def _rigid_inertia(self) -> float:
         """Of all that turns with the crank besides the linkage."""
         return self.shaft_inertia + self.train.rigid_inertia
+
+
+@dataclass(frozen=True, eq=False)
+class TwistedShaft:
+    """A crank that follows a rotor, of which it lags behind by a twist that goes over its angle.
+
+    Its values are those of a shaft with a coupling.
+
+    Parameters
+    ----------
+    rotor : ShaftEquation
+        Of the rotor without the coupling, whose load is all that the coupling carries.
+    train : DriveTrain
+        With the coupling.
+    twist : TurnSeries
+        In rad over the rotor's angle.
+    """
+
+    rotor: ShaftEquation
+    train: DriveTrain
+    twist: TurnSeries
+
+    def values(self, rotor: FloatArray) -> FloatArray:
+        """Values (n + 2, m) by those of the rotor (n, m): angle, speed, and the motor's states."""
+        angle, speed = rotor[:2]
+        followed = angle - self.twist(angle), speed * (1.0 - self.twist(angle, 1))
+        return np.concatenate([np.stack(followed), rotor])
+
+    def rates(self, time: ArrayLike, values: FloatArray) -> FloatArray:
+        """Time derivatives of the values, (n, ...) at times (...)."""
+        rates = self.rotor.rates(time, values[2:])
+        angle, speed = values[2:4]
+        accelerated = rates[1] * (1.0 - self.twist(angle, 1)) - speed**2 * self.twist(angle, 2)
+        return np.concatenate([np.stack([values[1], accelerated]), rates])

@@ -395,6 +395,9 @@ class RunningModel:
 
 def _plain_pieces(drive: Drive) -> tuple[Any, ...]:
     """The pieces of a law as plain numbers, which an exported script holds, from the start on."""
-    begin = float(drive.crank_angle(0.0))
-    moved = (piece.moved(0.0, -begin) for piece in drive.law.pieces)
-    return tuple((one.start, one.duration, one.polynomial, one.sines) for one in moved)
+    law, begin = drive.law, float(drive.crank_angle(0.0))
+    spans, polynomials = np.diff(law.knots), law.polynomials.copy()
+    polynomials[:, 0] -= begin
+    sines = (tuple(tuple(own) for own in rows if own[0]) for rows in law.sines.tolist())
+    times = law.knots[:-1].tolist(), spans.tolist()
+    return tuple(zip(*times, map(tuple, polynomials.tolist()), sines, strict=True))

@@ -37,7 +37,7 @@ class MotorOnHub:
     @property
     def count(self) -> int:
         """Coordinates besides those of the hub: of a rotor that turns by itself, of the motor."""
-        return int(self._train.is_coupled) + self._train.driven_by.state_count
+        return self._train.state_count - int(self._train.is_coupled)
 
     def start(self, hub: float) -> tuple[FloatArray, FloatArray]:
         """Coordinates (count,) at time zero and their rates, where the hub has an angle in rad."""
@@ -95,7 +95,7 @@ class MotorOnHub:
             mass[first, first], damping[first, first] = motor.inductance, motor.resistance
             damping[first, rotor], damping[rotor, first] = constant, -constant
             force[first] = 0.0 if control is not None else motor.voltage
-        if control is not None and control.has_integral:
+        if self._train.has_integral:
             mass[self.count - 1, self.count - 1] = 1.0
         function: dict[str, Any] = {}
         if control is not None or not motor.has_current:
@@ -134,7 +134,7 @@ class MotorOnHub:
     def _force(self, mbs: Any, t: float, number: int, position: Any, velocity: Any) -> list[float]:
         """User function: what the torque curve, or the control's command, does."""
         rate = np.asarray(velocity)
-        driven_by, motor = self._train.driven_by, self.run.drive.motor
+        motor = self.run.drive.motor
         states = self._states(np.asarray(position), rate)
         given = self._train.motor_output(rate[-1], states)
         force = np.zeros(self.count + _HUB)
@@ -142,6 +142,6 @@ class MotorOnHub:
             force[int(self._train.is_coupled)] = given.voltage
         else:
             force[self._rotor] = motor.gear_ratio * given.torque
-        if driven_by.control is not None and driven_by.control.has_integral:
+        if self._train.has_integral:
             force[self.count - 1] = given.rates[-1]
         return [float(own) for own in force]

@@ -11,9 +11,17 @@ from flexmech.arrays import FloatArray, IntArray
 
 # Integrals over an element of length one of two parabolas, of two slopes, and of a parabola (row)
 # and a slope (column); nodes at its start, middle and end.
-MASS = np.array([[4.0, 2.0, -1.0], [2.0, 16.0, 2.0], [-1.0, 2.0, 4.0]]) / 30
-STIFFNESS = np.array([[7.0, -8.0, 1.0], [-8.0, 16.0, -8.0], [1.0, -8.0, 7.0]]) / 3
-COUPLING = np.array([[-3.0, 4.0, -1.0], [-4.0, 0.0, 4.0], [1.0, -4.0, 3.0]]) / 6
+_MASS = np.array([[4.0, 2.0, -1.0], [2.0, 16.0, 2.0], [-1.0, 2.0, 4.0]]) / 30
+_STIFFNESS = np.array([[7.0, -8.0, 1.0], [-8.0, 16.0, -8.0], [1.0, -8.0, 7.0]]) / 3
+_COUPLING = np.array([[-3.0, 4.0, -1.0], [-4.0, 0.0, 4.0], [1.0, -4.0, 3.0]]) / 6
+# By what rows and columns stand for, with the power of the length with which it goes.
+VALUES, SLOPES = (False, False), (True, True)
+_INTEGRALS = {
+    VALUES: (_MASS, 1),
+    SLOPES: (_STIFFNESS, -1),
+    (False, True): (_COUPLING, 0),
+    (True, False): (_COUPLING.T, 0),
+}
 
 
 def graded(count: int, share: float) -> FloatArray:
@@ -72,52 +80,37 @@ class Parabolas:
         Of the nodes.
     size : int
         Number of nodes.
+    rows, columns : ndarray of int, shape (9 n,)
+        Of the matrices' entries, one element after the other.
     """
 
     def __init__(self, ends: FloatArray) -> None:
         self._lengths = np.diff(ends)
         self.places = np.sort(np.concatenate([ends, (ends[1:] + ends[:-1]) / 2]))
         self.size = len(self.places)
+        nodes = 2 * np.arange(len(self._lengths))[:, None] + np.arange(3)
+        self.rows, self.columns = np.repeat(nodes, 3, axis=1).ravel(), np.tile(nodes, 3).ravel()
 
-    def mass(self, weight: FloatArray | None = None) -> Any:
-        """Mass matrix: integral of a weight (n,) times two functions, sparse."""
-        return self._summed(MASS, weight, self._lengths)
-
-    def stiffness(self, weight: FloatArray | None = None) -> Any:
-        """Stiffness matrix: integral of a weight (n,) times two slopes, sparse."""
-        return self._summed(STIFFNESS, weight, 1 / self._lengths)
-
-    def coupling(self, weight: FloatArray | None = None) -> Any:
-        """Integral of a weight (n,) times a function (row) and a slope (column), sparse."""
-        return self._summed(COUPLING, weight, np.ones(len(self._lengths)))
-
-    def integral(
-        self, slope_of_row: bool, slope_of_column: bool, weight: FloatArray | None = None
-    ) -> Any:
-        """Integral of a weight times two functions or slopes.
+    def entries(self, slopes: tuple[bool, bool], weight: FloatArray | None = None) -> FloatArray:
+        """Integrals of a weight times two functions or slopes in each element.
 
         Parameters
         ----------
-        slope_of_row, slope_of_column : bool
-            Whether rows and columns stand for slopes.
+        slopes : tuple of bool
+            Whether rows and columns stand for slopes: :data:`VALUES`, :data:`SLOPES`, or a function
+            and a slope.
         weight : ndarray, shape (n,), optional
             Of each element; one where it is left out.
 
         Returns
         -------
-        sparse matrix, shape (2 n + 1, 2 n + 1)
+        ndarray, shape (9 n,)
         """
-        if slope_of_row and slope_of_column:
-            return self.stiffness(weight)
-        if slope_of_row:
-            return self.coupling(weight).T
-        return self.coupling(weight) if slope_of_column else self.mass(weight)
+        element, power = _INTEGRALS[slopes]
+        factor = self._lengths**power if weight is None else weight * self._lengths**power
+        return np.outer(factor, element).ravel()
 
-    def _summed(self, own: FloatArray, weight: FloatArray | None, factor: FloatArray) -> Any:
-        if weight is not None:
-            factor = factor * weight
-        nodes = 2 * np.arange(len(factor))[:, None] + np.arange(3)
-        rows, columns = np.repeat(nodes, 3, axis=1), np.tile(nodes, (1, 3))
-        values = factor[:, None] * own.ravel()
-        shape = (self.size, self.size)
-        return sp.csr_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
+    def integral(self, slopes: tuple[bool, bool], weight: FloatArray | None = None) -> Any:
+        """Sparse matrix of :meth:`entries`, (2 n + 1, 2 n + 1)."""
+        places, shape = (self.rows, self.columns), (self.size, self.size)
+        return sp.csr_matrix((self.entries(slopes, weight), places), shape=shape)
