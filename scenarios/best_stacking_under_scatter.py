@@ -18,14 +18,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 from _common import output_folder, save_pictures
+from papers._elamy_linkages import crank_rocker_file, published_tables
 
 from flexmech.materials import published_constituents
 from flexmech.studies import (
     Optimum,
-    composite_model_file,
     load_study,
     optimum_study,
-    published_tables,
     uncertainty_study,
 )
 
@@ -132,7 +131,7 @@ def main(
 
 def model_text(case: int) -> str:
     """Model file of a proportion, the fibres stated so that they can vary."""
-    text = composite_model_file(case, "C1")
+    text = crank_rocker_file(case, "C1")
     known = published_constituents()
     for name in FIBRES.values():
         fibre = known[name]
@@ -176,7 +175,7 @@ def study_file(
 
 def stacking_of(laminate: str) -> str:
     """Stacking of a laminate of Table 2, as the study's model files state it."""
-    text = composite_model_file(1, laminate)
+    text = crank_rocker_file(1, laminate)
     return str(tomllib.loads(text)["laminates"][laminate]["stacking"])
 
 
