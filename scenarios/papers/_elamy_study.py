@@ -69,6 +69,7 @@ _TURN = np.radians(np.arange(361.0))
 _SHARE, _FIBRES, _RESIN = 0.6, {"C": "carbon", "G": "E-glass"}, "polyester"
 _RUNNING_PLIES = ("woven", "table 2")
 _ORDERS: dict[str, list[Any]] = {
+    "section_load": ["tension", "compression", "bending"],
     "plies": list(PLIES),
     "mixed_plies": list(PLIES[:2]),
     "running_plies": list(_RUNNING_PLIES),
@@ -78,9 +79,7 @@ _ORDERS: dict[str, list[Any]] = {
     "laminate": list(LAMINATES),
     "material": [*LAMINATES, "steel"],
     "case": list(CASES),
-    "section_load": ["tension", "compression", "bending"],
 }
-Row = dict[str, Any]
 MakeEngine = Callable[[Mechanism, int, str], Any]
 
 
@@ -102,26 +101,24 @@ def study_composites(
         Its variables, with their units, stand in ``data/elamy_2023_variables.toml``.
     """
 
-    def tabulated(
-        rows_of: Callable[..., list[Row]], asked: Iterable[Any], *dims: str
-    ) -> xr.Dataset:
-        every = list(asked)
-        found = (executor.map if executor else map)(rows_of, every, [make_engine] * len(every))
-        frame = pd.DataFrame([row for rows in found for row in rows]).set_index(list(dims))
-        return frame.to_xarray().reindex({dim: _ORDERS[dim] for dim in dims})
+    def tabulated(task: Callable[..., pd.DataFrame], **asked: Iterable[Any]) -> xr.Dataset:
+        """Rows of a task at each combination, over these and the dimensions that the rows have."""
+        every = list(product(*asked.values()))
+        found = (executor.map if executor else map)(task, every, [make_engine] * len(every))
+        frame = pd.concat(
+            rows.assign(**dict(zip(asked, one, strict=True)))
+            for one, rows in zip(every, found, strict=True)
+        )
+        order = {dim: values for dim, values in _ORDERS.items() if dim in frame}
+        return frame.set_index(list(order)).to_xarray().reindex(order)
 
-    linkages, linkage = list(product(LAMINATES, CASES)), ("laminate", "case")
-    everything = product(MODELS, linkages)
-    rest = tabulated(_at_rest, everything, "plies", "layers", "beams", "position", *linkage)
-    # One material a laminate lies no way.
-    rest["frequency"] = rest["frequency"].fillna(rest["frequency"].sel(layers=FLAT))
-    rigid = tabulated(_with_rigid_joints, linkages, "position", *linkage)["frequency"]
-    moving = product(_RUNNING_PLIES, _ORDERS["material"], CASES)
-    peaks = tabulated(_in_motion, moving, "running_plies", "material", "case")
-    sections = tabulated(
-        _sections_fail, product(LAYERS, LAMINATES), "section_load", "layers", "laminate"
-    )
-    breaks = tabulated(_breaks, product(LAYERS, LAMINATES, CASES), "layers", *linkage)
+    linkages = {"laminate": LAMINATES, "case": CASES}
+    rest = tabulated(_at_rest, plies=PLIES, layers=LAYERS, **linkages)
+    rigid = tabulated(_with_rigid_joints, **linkages)["frequency"]
+    materials = _ORDERS["material"]
+    peaks = tabulated(_in_motion, running_plies=_RUNNING_PLIES, material=materials, case=CASES)
+    sections = tabulated(_sections_fail, layers=LAYERS, laminate=LAMINATES)
+    breaks = tabulated(_breaks, layers=LAYERS, **linkages)
     printed, compared = published_tables(), list(POSITIONS)
     study = xr.merge([printed, laminate_properties(), peaks, sections, breaks], join="exact")
     study = study.assign_coords(crank_angle=_TURN).assign(
@@ -150,25 +147,24 @@ def study_composites(
     return study.assign_attrs(known["attributes"], flexmech_version=flexmech.__version__)
 
 
-def _at_rest(asked: tuple[Sequence[str], tuple[str, int]], make_engine: MakeEngine) -> list[Row]:
+def _at_rest(asked: tuple[str, str, str, int], make_engine: MakeEngine) -> pd.DataFrame:
     """Frequency in Hz, and damping by modal strain energy where a loss of plies is known."""
-    (plies, layers), (laminate, case) = asked
+    plies, layers, laminate, case = asked
     mechanism = crank_rocker(case, laminate, plies, layers)
     angles = position_angles(published_case(case))
-    rows = []
+    frames = []
     for beams, elements in BEAMS.items():
         engine = make_engine(mechanism, *elements)
-        damping = np.full(len(angles), np.nan)
-        if plies != "table 2" and beams != PAPERS_MESH:
-            damping = flexmech.strain_energy_damping(engine, angles, modes=1)[:, 0]
-        place = {"plies": plies, "layers": layers, "beams": beams}
-        place |= {"laminate": laminate, "case": case}
+        place = {"beams": beams, "position": _ORDERS["position"]}
         frequency = flexmech.natural_frequencies(engine, angles, modes=1)[:, 0]
-        rows += _at_positions(place, frequency=frequency, damping=damping)
-    return rows
+        frame = pd.DataFrame({**place, "frequency": frequency, "damping": np.nan})
+        if plies != "table 2" and beams != PAPERS_MESH:
+            frame["damping"] = flexmech.strain_energy_damping(engine, angles, modes=1)
+        frames.append(frame)
+    return pd.concat(frames)
 
 
-def _with_rigid_joints(asked: tuple[str, int], make_engine: MakeEngine) -> list[Row]:
+def _with_rigid_joints(asked: tuple[str, int], make_engine: MakeEngine) -> pd.DataFrame:
     """The first plies, with links held against turning at A and B."""
     laminate, case = asked
     angles = position_angles(published_case(case))
@@ -176,20 +172,11 @@ def _with_rigid_joints(asked: tuple[str, int], make_engine: MakeEngine) -> list[
     # linkage serves all positions.
     mechanism = with_rigid_joints(crank_rocker(case, laminate), float(angles[0]))
     engine = make_engine(mechanism, *BEAMS[CONVERGED])
-    found = flexmech.natural_frequencies(engine, angles, modes=1, prestress="none")
-    return _at_positions({"laminate": laminate, "case": case}, frequency=found[:, 0])
+    found = flexmech.natural_frequencies(engine, angles, modes=1, prestress="none")[:, 0]
+    return pd.DataFrame({"position": _ORDERS["position"], "frequency": found})
 
 
-def _at_positions(place: Row, **numbers: FloatArray) -> list[Row]:
-    """A row for each position, from numbers of shape (4,)."""
-    rows = zip(*numbers.values(), strict=True)
-    return [
-        {**place, "position": position, **dict(zip(numbers, row, strict=True))}
-        for position, row in zip(_ORDERS["position"], rows, strict=True)
-    ]
-
-
-def _in_motion(asked: tuple[str, str, int], make_engine: MakeEngine) -> list[Row]:
+def _in_motion(asked: tuple[str, str, int], make_engine: MakeEngine) -> pd.DataFrame:
     """Greatest torque, power and joint force of rigid links, and deflection of linear beams."""
     plies, material, case = asked
     mechanism = crank_rocker(case, "C1" if material == "steel" else material, plies)
@@ -203,17 +190,13 @@ def _in_motion(asked: tuple[str, str, int], make_engine: MakeEngine) -> list[Row
     drive = flexmech.ConstantSpeed(CRANK_SPEED)
     linkage = DrivenLinkage(engine, drive, "none", modes=1, detail=2.0, with_energy=False)
     steps = max(720, int(np.ceil(40 * at_rest.max() * drive.revolution_time)))
-    return [
-        {
-            "running_plies": plies,
-            "material": material,
-            "case": case,
-            "peak_torque": np.abs(rigid.driving_torque).max(),
-            "peak_power": np.abs(rigid.driving_power).max(),
-            "peak_joint_force": max(np.hypot(*f.T).max() for f in rigid.joint_force.values()),
-            "peak_deflection": np.abs(deflections(engine, periodic_turn(linkage, steps))).max(),
-        }
-    ]
+    peaks = {
+        "peak_torque": np.abs(rigid.driving_torque).max(),
+        "peak_power": np.abs(rigid.driving_power).max(),
+        "peak_joint_force": max(np.hypot(*f.T).max() for f in rigid.joint_force.values()),
+        "peak_deflection": np.abs(deflections(engine, periodic_turn(linkage, steps))).max(),
+    }
+    return pd.DataFrame([peaks])
 
 
 def _strong(layers: Layers) -> Layers:
@@ -225,7 +208,7 @@ def _strong(layers: Layers) -> Layers:
     return layers.resized(replace(layers.laminate, layers=strong), 1.0)
 
 
-def _sections_fail(asked: tuple[str, str], _: MakeEngine) -> list[Row]:
+def _sections_fail(asked: tuple[str, str], _: MakeEngine) -> pd.DataFrame:
     """Nominal stress in Pa, mode and ply of the first failure by each load of a section.
 
     It is the mean stress or, in bending in the plane of motion, that of the surface if the section
@@ -235,29 +218,23 @@ def _sections_fail(asked: tuple[str, str], _: MakeEngine) -> list[Row]:
     links = crank_rocker(1, laminate, "unidirectional", layers).layers_of("crank")
     assert links is not None
     strong, rows = _strong(links), []
-    by_load = unit_ply_stresses(strong)[..., :3]
-    # Axial and shear force and moment in a section: those of a nominal stress of one pascal.
+    # Axial force, moment and shear force of a nominal stress of one pascal.
     force, moment = WIDTH * THICKNESS, WIDTH * THICKNESS**2 / 6
-    for load, unit in zip(
-        _ORDERS["section_load"],
-        ([force, 0.0, 0.0], [-force, 0.0, 0.0], [0.0, moment, 0.0]),
-        strict=True,
-    ):
-        failures = []
-        for layer, stress in zip(
-            strong.laminate.layers, np.tensordot(unit, by_load, 1), strict=True
+    loads = np.array([[force, 0.0, 0.0], [-force, 0.0, 0.0], [0.0, moment, 0.0]])
+    by_layer = np.moveaxis(np.tensordot(loads, unit_ply_stresses(strong)[..., :3], 1), 1, 0)
+    for layer, stress in zip(strong.laminate.layers, by_layer, strict=True):
+        criterion = flexmech.failure_criterion(CRITERION, layer.ply)
+        for load, factor, mode in zip(
+            _ORDERS["section_load"], *criterion.load_factor(stress), strict=True
         ):
-            criterion = flexmech.failure_criterion(CRITERION, layer.ply)
-            factors, modes = criterion.load_factor(stress)
-            worst = factors.argmin()
-            failures.append((factors[worst], criterion.mode_names[modes[worst]], layer.ply.name))
-        stress, mode, ply = min(failures, key=lambda failure: failure[0])
-        place = {"section_load": load, "layers": layers, "laminate": laminate}
-        rows.append({**place, "first_ply_stress": stress, "first_ply_mode": mode, "first_ply": ply})
-    return rows
+            worst = factor.argmin()
+            rows.append((load, factor[worst], criterion.mode_names[mode[worst]], layer.ply.name))
+    names = ["section_load", "first_ply_stress", "first_ply_mode", "first_ply"]
+    frame = pd.DataFrame(rows, columns=names)
+    return frame.loc[frame.groupby("section_load")["first_ply_stress"].idxmin()]
 
 
-def _breaks(asked: tuple[str, str, int], _: MakeEngine) -> list[Row]:
+def _breaks(asked: tuple[str, str, int], _: MakeEngine) -> pd.DataFrame:
     """Crank speed in rad/s at which inertia forces of rigid links break a linkage."""
     layers, laminate, case = asked
     mechanism = crank_rocker(case, laminate, "unidirectional", layers)
@@ -269,16 +246,13 @@ def _breaks(asked: tuple[str, str, int], _: MakeEngine) -> list[Row]:
     request = flexmech.StrengthRequest(crank_speed=1.0, criterion=CRITERION, source="rigid")
     found = flexmech.strength(replace(mechanism, sections=sections), request)
     first = found.dataset.isel(margin=0)
-    return [
+    return pd.DataFrame(
         {
-            "layers": layers,
-            "laminate": laminate,
-            "case": case,
-            "failure_speed": float(first["margin_speed_factor"]),
-            "failing_link": str(first["margin_part"].item()),
-            "failing_mode": str(first["margin_mode"].item()),
+            "failure_speed": [float(first["margin_speed_factor"])],
+            "failing_link": [first["margin_part"].item()],
+            "failing_mode": [first["margin_mode"].item()],
         }
-    ]
+    )
 
 
 def laminate_properties() -> xr.Dataset:
