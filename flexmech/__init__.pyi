@@ -121,8 +121,6 @@ from .report import write_report as write_report
 from .sections import BeamSection as BeamSection
 from .sections import LaminateSection as LaminateSection
 from .sections import SheetSection as SheetSection
-from .studies import CompositeStudy as CompositeStudy
-from .studies import study_composites as study_composites
 from .verification import Verification as Verification
 from .verification import verify as verify
 

@@ -18,9 +18,9 @@ from _composite_thresholds import (
 )
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from papers._elamy_linkages import position_angles, published_case
 
 from flexmech import plots
-from flexmech.studies import position_angles, published_case
 
 __all__ = ["draw_bands", "draw_frozen", "draw_thresholds"]
 

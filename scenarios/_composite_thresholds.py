@@ -9,17 +9,12 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 from _ground_axes import frozen_eigenvalues
+from papers._claims import Claim, verdict_on, within_a_tenth
+from papers._elamy_linkages import crank_rocker, published_case
 
 from flexmech import Mechanism, ReferenceEngine, natural_frequencies, stability
 from flexmech.arrays import FloatArray
 from flexmech.sections import LayerDirection
-from flexmech.studies import (
-    Claim,
-    composite_crank_rocker,
-    published_case,
-    verdict_on,
-    within_a_tenth,
-)
 
 __all__ = [
     "CASES",
@@ -154,7 +149,7 @@ def case_map(
     -------
     CaseMap
     """
-    engine = ReferenceEngine(composite_crank_rocker(case, laminate), elements, "euler")
+    engine = ReferenceEngine(crank_rocker(case, laminate), elements, "euler")
     frequency = 2 * np.pi * natural_frequencies(engine, TURN, modes=2)
     lowest = float(frequency[:, 0].min())
     mean = float(frequency[:-1, 0].mean())
@@ -243,7 +238,7 @@ def scales() -> Scales:
     rows = {}
     for laminate in LAMINATES:
         sections = {
-            layers: composite_crank_rocker(1, laminate, layers=layers).sections["coupler"]
+            layers: crank_rocker(1, laminate, layers=layers).sections["coupler"]
             for layers in LAYERS
         }
         rows[laminate] = {

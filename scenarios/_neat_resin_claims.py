@@ -8,9 +8,9 @@ from typing import Literal
 
 import numpy as np
 from _cusp_transitions import CuspTransition
+from papers._claims import Verdict, verdict_on
 
 from flexmech.linkages import CouplerCurve, DoublePoint, double_points
-from flexmech.studies import Verdict, verdict_on
 
 CLAIMS = {
     "3": "path of A in heat and moisture deviates",

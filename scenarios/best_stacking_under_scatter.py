@@ -13,19 +13,17 @@ choice depends on it is the question, and how much of the mean frequency either 
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import NamedTuple
 
 from _common import output_folder, save_pictures
+from papers._elamy_linkages import LAMINATES, crank_rocker_file
 
 from flexmech.materials import published_constituents
 from flexmech.studies import (
     Optimum,
-    composite_model_file,
     load_study,
     optimum_study,
-    published_tables,
     uncertainty_study,
 )
 
@@ -132,7 +130,7 @@ def main(
 
 def model_text(case: int) -> str:
     """Model file of a proportion, the fibres stated so that they can vary."""
-    text = composite_model_file(case, "C1")
+    text = crank_rocker_file(case, "C1")
     known = published_constituents()
     for name in FIBRES.values():
         fibre = known[name]
@@ -153,8 +151,8 @@ def study_file(
     out.mkdir(parents=True, exist_ok=True)
     model, distribution = out / f"case_{case}.toml", READINGS[reading]
     model.write_text(model_text(case))
-    names = list(published_tables()["laminate"].values)
-    stackings = [stacking_of(name) for name in names] if best is None else [best.stacking]
+    every = [laminate["stack"] for laminate in LAMINATES.values()]
+    stackings = every if best is None else [best.stacking]
     text = STUDY.format(
         model=model.name,
         samples=samples,
@@ -172,12 +170,6 @@ def study_file(
     file = out / f"case_{case}_{distribution}{'' if best is None else '_best'}.toml"
     file.write_text(text)
     return file
-
-
-def stacking_of(laminate: str) -> str:
-    """Stacking of a laminate of Table 2, as the study's model files state it."""
-    text = composite_model_file(1, laminate)
-    return str(tomllib.loads(text)["laminates"][laminate]["stacking"])
 
 
 def uncertain(key: str, value: float, spread: float, distribution: str) -> str:

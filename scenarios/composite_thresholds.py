@@ -37,10 +37,11 @@ from _composite_thresholds import (
     mapped_bands,
     scales,
 )
+from papers._claims import Claim
+from papers._elamy_linkages import crank_rocker
 
 from flexmech.arrays import FloatArray
 from flexmech.sections import LayerDirection
-from flexmech.studies import Claim, composite_crank_rocker
 
 # Beside the C1 that is mapped: the stacking that differs most by the way its plies lie.
 CHECKED_LAMINATE = "C4"
@@ -155,7 +156,7 @@ def scale_check(found: CaseMap, scale: Scales, layers: LayerDirection) -> ScaleC
     """
     first = found.first(DAMPING_RATIO)
     lowest = found.lowest * scale.over().loc[CHECKED_LAMINATE, layers]
-    mechanism = composite_crank_rocker(found.case, CHECKED_LAMINATE, layers=layers)
+    mechanism = crank_rocker(found.case, CHECKED_LAMINATE, layers=layers)
     speeds = np.linspace(first["lower"] - BEFORE, first["upper"] + BEYOND, CHECKED_SPEEDS)
     bands = mapped_bands(mechanism, lowest, speeds)
     own = bands.loc[(bands["lower"] - first["lower"]).abs().idxmin()]

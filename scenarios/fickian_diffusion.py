@@ -22,12 +22,12 @@ import pandas as pd
 from _common import MODELS, output_folder, save_pictures
 from _neat_resin import FIGURES, RISE
 from _neat_resin_claims import NO_COUNTS, FigureClaim
+from papers._claims import verdict_on
 
 from flexmech import Mechanism, MoistureUptake, moisture_uptake
 from flexmech.arrays import FloatArray
 from flexmech.hygrothermal import link_diffusion
 from flexmech.modelfile import mechanism_from_toml
-from flexmech.studies import verdict_on
 
 FIGURE, LINK = "3", "coupler"
 HUMID = 1.0

@@ -21,6 +21,8 @@ import numpy as np
 import xarray as xr
 from _common import output_folder, save_pictures
 from matplotlib.figure import Figure
+from papers._claims import Verdict, verdict_on, within_a_tenth
+from papers._elamy_linkages import crank_rocker, position_angles, published_case, published_tables
 
 from flexmech import (
     HammerRequest,
@@ -31,15 +33,6 @@ from flexmech import (
     natural_frequencies,
     plots,
     strain_energy_damping,
-)
-from flexmech.studies import (
-    Verdict,
-    composite_crank_rocker,
-    position_angles,
-    published_case,
-    published_tables,
-    verdict_on,
-    within_a_tenth,
 )
 
 LAMINATES = ("C1", "C6")
@@ -125,7 +118,7 @@ def main(
     found = TwelvePositions(*(empty.copy(deep=True) for _ in range(4)))
     for laminate in laminates:
         for case in cases:
-            mechanism = composite_crank_rocker(case, laminate, "unidirectional")
+            mechanism = crank_rocker(case, laminate, "unidirectional")
             angles = position_angles(published_case(case))[: len(POSITIONS)]
             for position, angle in zip(POSITIONS, angles, strict=True):
                 at = {"position": position, "laminate": laminate, "case": case}

@@ -20,10 +20,10 @@ import xarray as xr
 from _common import output_folder, save_pictures
 from _neat_resin import RISE, neat_resin, resin_of, rise_of, saturated
 from _neat_resin_claims import NO_COUNTS, FigureClaim, deviates
+from papers._claims import verdict_on
 
 from flexmech import CouplerPoint, HygrothermalState, Mechanism, coupler_paths, plots
 from flexmech.arrays import FloatArray
-from flexmech.studies import verdict_on
 
 FIGURE, SECTION = "3", "section 3"
 SHOWN = (0, 90, 180, 270)

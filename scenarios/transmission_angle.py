@@ -19,11 +19,11 @@ import xarray as xr
 from _common import output_folder, save_pictures
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from papers._elamy_linkages import published_case
 
 from flexmech import FourBar, plots, synthesize_crank_rocker
 from flexmech.arrays import FloatArray
 from flexmech.linkages import TransmissionDesign, time_ratio, transmission_design
-from flexmech.studies import published_case
 
 TURN = np.radians(np.arange(361.0))
 # Limits of the transmission angle as printed in section 5.1, in degrees.

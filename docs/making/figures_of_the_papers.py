@@ -11,24 +11,23 @@ from typing import Any
 import pandas as pd
 
 from making.gallery import PRINTED, scenario_results
-from making.state import command_results
 from making.tables_of_the_papers import PaperTables
 
-__all__ = ["STUDY", "Row", "figures_page", "paper_rows", "study_results"]
+__all__ = ["STUDY", "Row", "figures_page", "paper_rows"]
 
 HEAD = """# Figures and tables of the papers
 
 Every figure and table of the three papers that this project starts from, beside ours: what the
 paper has there, our picture or table, and how they compare. No picture of a paper is shown. Ours
-are what the [scenarios](gallery/index.md) and `flexmech study composites` drew when these pages
-were built, and each verdict is read from what they wrote. The equations stand in
-{doc}`../theory/sources`, misprints in {doc}`../errata`.
+are what the [scenarios](gallery/index.md) drew when these pages were built, and each verdict is
+read from what they wrote. The equations stand in {doc}`../theory/sources`,
+misprints in {doc}`../errata`.
 
 """
 CLAIMS_HEAD = """## All claims of E
 
-What E says of its figures and tables, claim by claim, as `flexmech study composites` finds it: from
-the paper's own tables, and from our models of its linkages.
+What E says of its figures and tables, claim by claim, as `scenarios/papers/elamy_2023.py` finds it:
+from the paper's own tables, and from our models of its linkages.
 
 """
 LIST_HEAD = """```{list-table}
@@ -39,8 +38,8 @@ LIST_HEAD = """```{list-table}
   - ours
   - comparison"""
 ROWS = Path(__file__).with_suffix(".toml")
-STUDY = "study composites"
-"""What a picture of the command ``flexmech study composites`` has in place of a scenario."""
+STUDY = "elamy_2023"
+"""Scenario that puts the claims of E to the test."""
 STUDY_CLAIMS = "composite_claims.csv"
 
 Results = Callable[[str], Path]
@@ -85,53 +84,41 @@ def paper_rows() -> list[Row]:
     return [Row(**row) for row in _stored()["rows"]]
 
 
-def figures_page(folder: Path, results: Results | None = None) -> str:
-    """Put the pictures of the study into a folder; Markdown of all rows and tables.
+def figures_page(results: Results = scenario_results) -> str:
+    """Markdown of all rows and tables.
 
     Parameters
     ----------
-    folder : Path
-        Of the made pages.
     results : callable, optional
-        Folder of what a scenario or the study wrote, by its name.
+        Folder of what a scenario wrote, by its name.
 
     Raises
     ------
     RuntimeError
         If a picture, a line or a claim that a row names was not written.
     """
-    found = results or _results
     stored = _stored()
-    tables = PaperTables(stored["printed"], found(STUDY))
+    tables = PaperTables(stored["printed"], results(STUDY))
     parts = [HEAD]
     for short, paper in stored["papers"].items():
         rows = [row for row in paper_rows() if row.paper == short]
-        parts += [f"## {short}: {paper}\n", _listed(rows, folder, found)]
+        parts += [f"## {short}: {paper}\n", _listed(rows, results)]
         parts += [
             f"({row.anchor})=\n### {short}, {row.number}\n\n{getattr(tables, row.table)()}\n"
             for row in rows
             if row.table
         ]
-    return "\n".join([*parts, CLAIMS_HEAD + _claims_table(found(STUDY))])
-
-
-def study_results() -> Path:
-    """Folder of what ``flexmech study composites`` wrote."""
-    return command_results("study_composites", "study", "composites")
-
-
-def _results(name: str) -> Path:
-    return study_results() if name == STUDY else scenario_results(name)
+    return "\n".join([*parts, CLAIMS_HEAD + _claims_table(results(STUDY))])
 
 
 def _stored() -> dict[str, Any]:
     return tomllib.loads(ROWS.read_text(encoding="utf-8"))
 
 
-def _listed(rows: list[Row], folder: Path, results: Results) -> str:
+def _listed(rows: list[Row], results: Results) -> str:
     lines = [LIST_HEAD]
     for row in rows:
-        ours = [_picture(row, path, folder, results) for path in row.ours]
+        ours = [_picture(row, path, results) for path in row.ours]
         if row.table:
             ours.append(f"[our table](#{row.anchor})")
         cells = (
@@ -143,19 +130,13 @@ def _listed(rows: list[Row], folder: Path, results: Results) -> str:
     return "\n".join(lines) + "\n```\n"
 
 
-def _picture(row: Row, path: str, folder: Path, results: Results) -> str:
-    """A small picture that leads to the page of its scenario, or to itself in full size."""
+def _picture(row: Row, path: str, results: Results) -> str:
+    """A small picture that leads to the page of its scenario."""
     name, _, picture = path.partition("/")
-    drawn = results(name) / picture
-    if not drawn.is_file():
+    if not (results(name) / picture).is_file():
         raise RuntimeError(f"{row.paper}, {row.number}: {name} draws no {picture}")
-    place, page = f"gallery/{path}", f"gallery/{name}.md"
-    if name == STUDY:
-        place = page = f"study_composites/{picture}"
-        (folder / place).parent.mkdir(parents=True, exist_ok=True)
-        (folder / place).write_bytes(drawn.read_bytes())
     words = picture.removesuffix(".png").replace("_", " ")
-    return f"[![{row.paper}, {row.number}: {words}]({place})]({page})"
+    return f"[![{row.paper}, {row.number}: {words}](gallery/{path})](gallery/{name}.md)"
 
 
 def _comparison(row: Row, results: Results) -> list[str]:

@@ -83,10 +83,15 @@ def scenario_names() -> list[str]:
         If a script has no expected number, or nothing takes its numbers.
     """
     names = list(_expected_numbers())
-    for other in (NUMBERS, [path.stem for path in SCENARIOS.glob("[!_]*.py")]):
+    for other in (NUMBERS, _scripts()):
         if odd := set(names) ^ set(other):
             raise RuntimeError(f"scenarios without a script, numbers or expected ones: {odd}")
     return names
+
+
+def _scripts() -> dict[str, Path]:
+    """Scripts by their names; those that put a paper to the test lie in a folder of their own."""
+    return {path.stem: path for path in SCENARIOS.rglob("[!_]*.py")}
 
 
 def _expected_numbers() -> dict[str, dict[str, Any]]:
@@ -96,7 +101,7 @@ def _expected_numbers() -> dict[str, dict[str, Any]]:
 def _scenarios() -> list[Scenario]:
     found = []
     for name, number in _expected_numbers().items():
-        docstring = ast.get_docstring(ast.parse((SCENARIOS / f"{name}.py").read_text())) or ""
+        docstring = ast.get_docstring(ast.parse(_scripts()[name].read_text())) or ""
         question, _, rest = docstring.partition("\n\n")
         text = "\n\n".join(part for part in rest.split("\n\n") if not part.startswith("    "))
         found.append(Scenario(name, question, text, number))
@@ -128,13 +133,13 @@ def _run(name: str, folder: Path) -> None:
     started = folder.with_name(f"{name}.unfinished")
     shutil.rmtree(started, ignore_errors=True)
     started.parent.mkdir(parents=True, exist_ok=True)
-    places = [str(SCENARIOS), str(REPOSITORY / "docs"), str(REPOSITORY)]
+    folders = (SCENARIOS, SCENARIOS / "papers", REPOSITORY / "docs", REPOSITORY)
     run = subprocess.run(
         [sys.executable, "-m", "making.scenario_numbers", name, str(started)],
         capture_output=True,
         text=True,
         cwd=REPOSITORY,
-        env=environment() | {"PYTHONPATH": os.pathsep.join(places)},
+        env=environment() | {"PYTHONPATH": os.pathsep.join(map(str, folders))},
     )
     if run.returncode:
         raise RuntimeError(f"scenarios/{name}.py failed: {run.stderr.strip()}")
@@ -187,6 +192,7 @@ def _index(scenarios: list[Scenario]) -> str:
 def _page(scenario: Scenario, result: Path) -> str:
     expected = scenario.expected
     unit = "" if expected["unit"] == "1" else f" {expected['unit']}"
+    script = _scripts()[scenario.name].relative_to(REPOSITORY)
     pictures = sorted(path.name for path in result.glob("*.png"))
     pictures.sort(key=lambda name: name != expected["picture"])
     drawn = "\n\n".join(
@@ -197,9 +203,9 @@ def _page(scenario: Scenario, result: Path) -> str:
         f"# {scenario.question}\n\n{scenario.text}\n\n"
         f"**Held by every build:** {expected['quantity']}: {expected['value']}{unit}, within "
         f"{expected['tolerance']}{unit}.\n\n{_how_it_ran(scenario.name)}"
-        f"    python scenarios/{scenario.name}.py\n\n{drawn}\n\n## What it prints\n\n"
+        f"    python {script}\n\n{drawn}\n\n## What it prints\n\n"
         f"```text\n{(result / PRINTED).read_text()}```\n\n## The script\n\n"
-        f"```{{literalinclude}} ../../../scenarios/{scenario.name}.py\n:language: python\n```\n"
+        f"```{{literalinclude}} ../../../{script}\n:language: python\n```\n"
     )
 
 

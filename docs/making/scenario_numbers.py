@@ -344,6 +344,18 @@ def inertial_terms(answers: Any) -> dict[str, Any]:
     }
 
 
+def elamy_2023(answer: Any) -> dict[str, Any]:
+    verdicts = [claim.verdict for claim in answer.claims]
+    factors = answer.study["laminate_factor"].sel(layers="across width", beams="converged")
+    return {
+        "number": verdicts.count("reproduced"),
+        "not reproduced, undecidable, not judged": [
+            verdicts.count(verdict) for verdict in ("not reproduced", "undecidable", "not judged")
+        ],
+        "C6 over C1, woven, straight, Table 2": factors.sel(laminate="C6").values,
+    }
+
+
 NUMBERS: dict[str, Callable[[Any], dict[str, Any]]] = {
     "aluminium_fourbar_frequencies": four_bar_frequencies,
     "axial_force_alone": axial_force_alone,
@@ -356,6 +368,7 @@ NUMBERS: dict[str, Callable[[Any], dict[str, Any]]] = {
     "coupler_curves": coupler_curves,
     "critical_speeds": critical_speeds,
     "damping_found_back": damping_found_back,
+    "elamy_2023": elamy_2023,
     "fickian_diffusion": fickian_diffusion,
     "flexible_slider_crank": flexible_slider_crank,
     "frames_and_stability": frames_and_stability,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,9 +17,6 @@ from flexmech.materials import (
     Hygrothermal,
 )
 from flexmech.modelfile import mechanism_from_toml
-from flexmech.studies import published_case
-from flexmech.studies.composite_crank_rockers.linkages import LAMINATES
-from flexmech.studies.composite_crank_rockers.properties import laminate_properties
 from making.state import REPOSITORY
 
 __all__ = ["PaperTables"]
@@ -38,7 +36,7 @@ class PaperTables:
     printed : mapping
         What the papers print and no file of the package has.
     study : Path
-        Folder of what ``flexmech study composites`` wrote.
+        Folder of what ``scenarios/papers/elamy_2023.py`` wrote.
     """
 
     printed: Mapping[str, Any]
@@ -105,18 +103,17 @@ class PaperTables:
 
     def laminates(self) -> str:
         """E, Table 2: as printed, and by the rule of mixtures from Table 1."""
-        found = laminate_properties()
+        found = pd.read_csv(self.study / "composite_properties.csv")
+        found = found.set_index(["laminate", "plies", "layers"])
         moduli, others = [], []
-        for code, printed in LAMINATES.items():
-            own = found.sel(laminate=code)
-            straight = own.sel(mixed_plies="unidirectional")
-            in_plane = straight.sel(layers="across width")
+        for code, printed in _elamy()["laminates"].items():
+            in_plane = found.loc[code, "unidirectional", "across width"]
             bent, stretched, woven = (
-                f"{float(each['modulus']) / 1e9:.1f}"
-                for each in (
-                    straight.sel(layers="through thickness"),
+                f"{one['modulus_GPa']:.1f}"
+                for one in (
+                    found.loc[code, "unidirectional", "through thickness"],
                     in_plane,
-                    own.sel(mixed_plies="woven", layers="across width"),
+                    found.loc[code, "woven", "across width"],
                 )
             )
             modulus = f"{printed['modulus']:g}"
@@ -126,9 +123,9 @@ class PaperTables:
                     code,
                     f"{printed['strength']:g}",
                     f"{printed['poisson_ratio']:g}",
-                    f"{float(in_plane['poisson_ratio']):.3f}",
+                    f"{in_plane['poisson_ratio']:.3f}",
                     f"{printed['density']:g}",
-                    f"{float(in_plane['density']):.0f}",
+                    f"{in_plane['density_kg_m3']:.0f}",
                 )
             )
         of_moduli = (
@@ -158,14 +155,13 @@ class PaperTables:
         """E, Table 3, and the limits of the transmission angle of section 5.1."""
         claims = self._claims().set_index("statement")
         rows = []
-        for case in (1, 2, 3, 4):
-            lengths = published_case(case).lengths
+        for case, lengths in _elamy()["cases"].items():
             limits = claims.loc[f"limits of the transmission angle, case {case}"]
             design = claims[claims.index.str.startswith(f"case {case} from")]["computed"]
             rows.append(
                 (
                     case,
-                    ", ".join(f"{lengths[link]:.2f}" for link in LINKS),
+                    ", ".join(f"{length:.2f}" for length in lengths),
                     design.iloc[0] if len(design) else "not designed by these equations",
                     limits["printed"],
                     limits["computed"],
@@ -266,6 +262,12 @@ class PaperTables:
             f"{', '.join(f'{name} {value}' for name, value in first.items())}.\n\n"
             + _folded(heading, rows)
         )
+
+
+def _elamy() -> dict[str, Any]:
+    """What E prints of its laminates and cases."""
+    file = REPOSITORY / "scenarios/papers/data/elamy_2023.toml"
+    return tomllib.loads(file.read_text(encoding="utf-8"))
 
 
 def _of_four_bar(

@@ -15,7 +15,7 @@ from typing import Annotated, Any, NoReturn, TextIO
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from flexmech.cli.campaigns import composites, report, verify
+from flexmech.cli.campaigns import report, verify
 from flexmech.cli.deliver import running
 from flexmech.cli.designs import optimize, sweep, uncertainty
 from flexmech.cli.failures import reports_failures
@@ -53,7 +53,6 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     schema,
 )
 """In the order of the help. The docstring of a command is what its help says."""
-STUDIES: tuple[Callable[..., None], ...] = (composites,)
 
 _NAMED = {command.__name__.replace("_", "-"): command for command in COMMANDS}
 
@@ -88,7 +87,7 @@ class _Commands(TyperGroup):
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Names of all commands, in the order of the help."""
-        return list(dict.fromkeys([*_NAMED, *self.commands]))
+        return list(_NAMED)
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """A command with its options; None if there is none of that name."""
@@ -102,14 +101,13 @@ class _Commands(TyperGroup):
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """List the commands with the first sentences of their docstrings."""
-        told = {
-            name: TyperCommand(name, help=inspect.getdoc(each)) for name, each in _NAMED.items()
-        }
-        TyperGroup(commands={**told, **self.commands}).format_commands(ctx, formatter)
+        told = [TyperCommand(name, help=inspect.getdoc(each)) for name, each in _NAMED.items()]
+        TyperGroup(commands=told).format_commands(ctx, formatter)
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Read a command line, in which some options of its command may stand without a value."""
-        known = inspect.signature(_NAMED.get(next(iter(args), ""), studies)).parameters
+        command = _NAMED.get(next(iter(args), ""))
+        known = inspect.signature(command).parameters if command else {}
         for number, (this, following) in enumerate(zip(args, [*args[1:], "-"], strict=False)):
             if this.removeprefix("--no").strip("-").replace("-", "_") in known:
                 args[number] = with_value(this, following)
@@ -156,16 +154,6 @@ def options(
     ] = False,
 ) -> None:
     """Options of flexmech itself, before any command."""
-
-
-def studies() -> None:
-    """Run a whole campaign and set it beside what is published."""
-
-
-study_app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, callback=studies)
-for command in STUDIES:
-    study_app.command()(reports_failures(from_options(command)))
-app.add_typer(study_app, name="study")
 
 
 class _Stream(io.FileIO):

@@ -1,4 +1,4 @@
-"""Commands that ask much at once: a report, the verification, and the campaign of a paper."""
+"""Commands that ask much at once: a report, and the verification."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated
 
 from typer import Option
 
-from flexmech import analyses, studies, verification
+from flexmech import analyses, verification
 from flexmech.choices import TOLERANCE, ReportPart
 from flexmech.cli import options, typed
 from flexmech.cli.deliver import command_line, deliver, mechanism_of, progress_bar, say
@@ -130,11 +130,3 @@ def verify(
             f"{count} case{'s' * (count > 1)} of the verification failed: "
             f"{'; '.join(result.failed)}; flexmech is not to be trusted there on this machine"
         )
-
-
-def composites(output: options.AskedOutput) -> None:
-    """Composite crank-rockers of Elamy et al. 2023.
-
-    Six laminates, four linkages, three positions of the transmission angle.
-    """
-    deliver(studies.CompositeStudy, lambda bar: studies.study_composites(progress=bar), output)

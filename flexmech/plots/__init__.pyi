@@ -3,11 +3,6 @@ from .animation import write_animation as write_animation
 from .balance import plot_balance as plot_balance
 from .campbell import plot_campbell as plot_campbell
 from .campbell import plot_speed_sweep as plot_speed_sweep
-from .composite_study import plot_composite_damping as plot_composite_damping
-from .composite_study import plot_composite_frequencies as plot_composite_frequencies
-from .composite_study import plot_laminate_factors as plot_laminate_factors
-from .composite_study import plot_running_against_steel as plot_running_against_steel
-from .composite_study import plot_verification as plot_verification
 from .designs.optima import plot_pareto as plot_pareto
 from .designs.optima import plot_search as plot_search
 from .designs.outputs import plot_designs as plot_designs
@@ -83,3 +78,4 @@ from .style import save_figure as save_figure
 from .style import series_handle as series_handle
 from .style import series_line as series_line
 from .style import series_style as series_style
+from .verification import plot_verification as plot_verification

@@ -11,7 +11,7 @@ from flexmech import analyses
 from flexmech.analyses.netcdf import read_netcdf, reported_as_damaged
 from flexmech.errors import InputError
 from flexmech.files import given_path
-from flexmech.studies import CompositeStudy, DesignSweep, Optimum, Uncertainty
+from flexmech.studies import DesignSweep, Optimum, Uncertainty
 from flexmech.units import from_si
 from flexmech.validation import check_instance, checked_tuple
 
@@ -32,7 +32,6 @@ KINDS: tuple[type[analyses.Result], ...] = (
     analyses.MoistureUptake,
     analyses.SpeedSweep,
     analyses.CrankRockerSynthesis,
-    CompositeStudy,
     DesignSweep,
     Uncertainty,
     Optimum,

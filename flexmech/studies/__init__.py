@@ -1,4 +1,4 @@
-"""Whole campaigns: a paper's cases, computed and set beside what it prints.
+"""Studies of many designs of a linkage: sweeps, uncertainty, and the search for the best.
 
 Names are loaded when they are first used.
 """

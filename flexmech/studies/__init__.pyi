@@ -1,17 +1,3 @@
-from .claim import Band as Band
-from .claim import Claim as Claim
-from .claim import Verdict as Verdict
-from .claim import verdict_on as verdict_on
-from .claim import within_a_tenth as within_a_tenth
-from .composite_crank_rockers.compute import study_composites as study_composites
-from .composite_crank_rockers.linkages import composite_crank_rocker as composite_crank_rocker
-from .composite_crank_rockers.linkages import composite_model_file as composite_model_file
-from .composite_crank_rockers.linkages import position_angles as position_angles
-from .composite_crank_rockers.linkages import published_case as published_case
-from .composite_crank_rockers.linkages import published_tables as published_tables
-from .composite_crank_rockers.ratios import deviation_at_best_scale as deviation_at_best_scale
-from .composite_crank_rockers.ratios import laminate_factors as laminate_factors
-from .composite_crank_rockers.result import CompositeStudy as CompositeStudy
 from .designs.campaign import workers as workers
 from .designs.optimum import Optimum as Optimum
 from .designs.optimum import optimum_study as optimum_study

@@ -151,7 +151,6 @@ def test_result_folders_that_cannot_be_written_are_refused_before_the_work(tmp_p
 
 GROUP = typer.main.get_command(app)
 COMMANDS = {name: GROUP.get_command(None, name) for name in GROUP.list_commands(None)}
-COMMANDS |= {f"study {name}": one for name, one in COMMANDS.pop("study").commands.items()}
 PATHS = {"DIR", "FILE", "MODEL", "RECORD", "MODEL|RESULTS"}
 
 

@@ -18,13 +18,7 @@ from tests.support.figures import FIGURES, Plot, data_of, figure_of
 PAGE_HEIGHT, COLUMN, PAGE = 250.0, 88.0, 180.0
 # Letters may not be smaller, in points.
 LEAST_LETTERS = 6.5
-OF_SEVERAL_MECHANISMS = {
-    plots.plot_composite_damping,
-    plots.plot_composite_frequencies,
-    plots.plot_laminate_factors,
-    plots.plot_running_against_steel,
-    plots.plot_verification,
-}
+OF_SEVERAL_MECHANISMS = {plots.plot_verification}
 # Their lines are coloured by time, and by load factor.
 BY_A_SCALE = {plots.plot_moisture, plots.plot_strength}
 # Okabe and Ito, *Color Universal Design*, 2008.

@@ -166,21 +166,3 @@ def test_deviations_of_the_verification_stand_over_their_tolerances() -> None:
     passed = np.concatenate([line.get_xdata() for line in axes.lines if line.get_marker() == "o"])
     wanted = np.clip((data["deviation"] / data["tolerance"]).values.ravel(), 1e-6, None)
     np.testing.assert_allclose(np.sort(passed), np.sort(wanted))
-
-
-def test_laminates_are_drawn_beside_what_is_published() -> None:
-    data = data_of(plots.plot_laminate_factors)
-    axes = figure_of(plots.plot_laminate_factors).axes[0]
-    drawn = [np.asarray(line.get_ydata(), dtype=float) for line in axes.lines]
-    for wanted in (data["published_laminate_factor"], data["laminate_factor"][1, 1, 0]):
-        assert any(np.allclose(values, wanted) for values in drawn)
-    bars = panels(figure_of(plots.plot_composite_frequencies))[0].patches
-    ratio = data["frequency"].sel(plies="woven", position="min")[0, 0]
-    wanted = ratio / ratio[0, 0]
-    heights = np.sort([bar.get_height() for bar in bars])
-    np.testing.assert_allclose(heights, np.sort(wanted.values.ravel()))
-    torque, deflection = panels(figure_of(plots.plot_running_against_steel))
-    peaks = data["peak_torque"].sel(running_plies="woven", case=4).values
-    drawn = [np.asarray(line.get_ydata(), dtype=float) for line in torque.lines]
-    assert any(len(y) == len(peaks) and np.allclose(y, peaks) for y in drawn)
-    assert deflection.get_ylabel() == "Deflection (mm)"

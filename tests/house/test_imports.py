@@ -179,7 +179,7 @@ def public_names(module: str) -> set[str]:
 
 def test_scenarios_use_public_names_alone():
     """Public is what ``flexmech`` and the rooms ``flexmech.<room>`` export, never a file within."""
-    for path in sorted(SCENARIOS.glob("*.py")):
+    for path in sorted(SCENARIOS.rglob("*.py")):
         for node in ast.walk(parsed(path)):
             if not isinstance(node, ast.ImportFrom) or str(node.module).split(".")[0] != "flexmech":
                 continue

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from _elamy_linkages import published_case
 from hypothesis import given, settings
 
 from flexmech import FourBar, InputError, crank_rocker_synthesis, synthesize_crank_rocker
 from flexmech.linkages import rocker_swing, time_ratio, transmission_design
-from flexmech.studies import published_case
 from flexmech.verification import verification_case
 from tests.support.strategies import numbers
 

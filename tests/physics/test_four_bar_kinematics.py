@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from _elamy_linkages import published_case
 from pylinkage.actuators import Crank
 from pylinkage.components import Ground
 from pylinkage.dyads import RRRDyad
@@ -13,7 +14,6 @@ from pylinkage.simulation import Linkage as OtherLinkage
 
 from flexmech import FourBar, InputError
 from flexmech.linkages import continuous_angles
-from flexmech.studies import published_case
 from flexmech.verification import verification_case
 from tests.support.strategies import ALUMINIUM_LINKAGE, STEEL_LINKAGE
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from flexmech.analyses import CrankRockerSynthesis, SpeedSweep
 from flexmech.report.panel import Panel, PanelMaker, further_lines, panel_of
 from flexmech.report.panels.balance import balance_panel
-from flexmech.report.panels.claims import claims_panel
 from flexmech.report.panels.designs import optimum_panel, sweep_panel, uncertainty_panel
 from flexmech.report.panels.frequencies import (
     campbell_panel,
@@ -65,7 +64,6 @@ PANELS: tuple[PanelMaker, ...] = (
     optimum_panel,
     sweep_panel,
     uncertainty_panel,
-    claims_panel,
     other_panel,
 )
 """Each gives its panel, or None where there is no result that it shows."""

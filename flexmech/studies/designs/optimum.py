@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from concurrent.futures import Executor
 from contextlib import closing
 from pathlib import Path
@@ -27,6 +28,8 @@ from flexmech.studies.designs.confirmation import (
     errors_of,
 )
 from flexmech.studies.designs.kept import KeptDesigns
+from flexmech.studies.designs.model_search import by_model, most_by_model
+from flexmech.studies.designs.outputs import COSTLY
 from flexmech.studies.designs.result import (
     TOLD,
     designs_dataset,
@@ -35,8 +38,14 @@ from flexmech.studies.designs.result import (
     status_line,
 )
 from flexmech.studies.designs.scatter import Scatter
-from flexmech.studies.designs.search import Search, search_content
-from flexmech.studies.designs.search_method import search_method
+from flexmech.studies.designs.search import (
+    Search,
+    most_of_one_goal,
+    most_of_several_goals,
+    one_goal,
+    search_content,
+    several_goals,
+)
 from flexmech.studies.designs.study import Study
 from flexmech.studies.designs.sweep import ROWS, designs_in_words, output_quantities, ranked
 from flexmech.studies.designs.variables import CRANK_SPEED, as_values
@@ -211,7 +220,7 @@ def optimum_study(
     if not study.goals:
         raise InputError("goals: there is none; add [[goals]] with output = ... and sense = ...")
     scatter = Scatter.of(study)
-    find, most = search_method(study)
+    find, most = _search_method(study)
     computed = KeptDesigns.of(
         study,
         executor,
@@ -288,3 +297,25 @@ def _model(study: Study, design: FloatArray) -> str:
         if key in study.parameters.stated.quantities or key in study.parameters.texts
     }
     return study.parameters.stated.text_with(stated)
+
+
+def _search_method(study: Study) -> tuple[Callable[[Search], FloatArray], int]:
+    """The search for the best designs of a study, and how many runs it can ask for.
+
+    Parameters
+    ----------
+    study : Study
+
+    Returns
+    -------
+    callable
+        From a search to the best designs (n, k).
+    int
+    """
+    samples = study.percentile_samples if study.uncertain else 1
+    if any(output.quantity in COSTLY for output in study.outputs.values()):
+        return by_model, samples * most_by_model(study)
+    if len(study.goals) > 1:
+        return several_goals, samples * most_of_several_goals()
+    # One more of each of the first sample, at the medians of what is uncertain.
+    return one_goal, (samples + 1) * most_of_one_goal(study)

@@ -13,7 +13,7 @@ from flexmech.analyses import natural_frequencies
 from flexmech.arrays import FloatArray
 from flexmech.beams import BEAM_SHAPES, build_chain
 from flexmech.linear_system import whole
-from flexmech.linkages import LinkMass
+from flexmech.linkages import FourBar, LinkMass
 from flexmech.materials import (
     Fibre,
     Laminate,
@@ -23,10 +23,9 @@ from flexmech.materials import (
     ply_from_constituents,
     published_constituents,
 )
+from flexmech.mechanism import Mechanism
 from flexmech.reference import ReferenceEngine
-from flexmech.sections import BeamSection, LaminateSection
-from flexmech.studies import composite_crank_rocker, position_angles, published_case
-from flexmech.studies.composite_crank_rockers.linkages import CASES, LAMINATES
+from flexmech.sections import BeamSection, LaminateSection, SheetSection
 
 # Khdeir & Reddy: E1 = 40 E2, G12 = G13 = 0.6 E2, G23 = 0.5 E2, nu12 = 0.25; their frequencies have
 # no unit, so that E2 in Pa, the density in kg/m^3 and the thickness in m are any.
@@ -84,12 +83,7 @@ def flexural_moduli(
     ndarray, shape (n_stacks,)
         In GPa.
     """
-    known, moduli = published_constituents(), []
-    matrix = cast(Matrix, known["polyester"])
-    plies = {
-        letter: ply_from_constituents(cast(Fibre, known[name]), matrix, fibre_volume_fraction, rule)
-        for letter, name in (("C", "carbon"), ("G", "E-glass"))
-    }
+    plies, moduli = _polyester_plies(rule, fibre_volume_fraction), []
     for stack in stacks:
         laminate = Laminate.stacked([plies[letter] for letter in stack], 1e-3, [0.0] * len(stack))
         a, b, d = (laminate.stiffness_moment(order) for order in (0, 1, 2))
@@ -147,41 +141,61 @@ def _fundamental(section: BeamSection, slenderness: float, ends: str, element: s
     return float(np.sqrt(square) * length**2 / THICKNESS * np.sqrt(DENSITY / ACROSS))
 
 
-@cache
-def _frequencies_at_90_degrees(case: int) -> FloatArray:
-    """Fundamental frequencies of all laminates of a case, transmission angle 90 deg; (6,)."""
-    angle = position_angles(published_case(case))[1]
-    return np.array(
-        [
-            natural_frequencies(
-                ReferenceEngine(
-                    composite_crank_rocker(case, laminate, "unidirectional"), 8, "euler"
-                ),
-                angle,
-                modes=1,
-            )[0]
-            for laminate in LAMINATES
-        ]
-    )
-
-
-def order_of_laminates(*, cases: Sequence[int]) -> FloatArray:
-    """Number of each laminate of Elamy et al. 2023, from the highest frequency to the lowest.
+def order_of_laminates(
+    *, stacks: Sequence[str], proportions: Sequence[Sequence[float]]
+) -> FloatArray:
+    """Number of each stack, from the highest fundamental frequency to the lowest.
 
     Parameters
     ----------
-    cases : sequence of int
-        Linkages of Table 3; the transmission angle is 90 deg.
+    stacks : sequence of str
+        Of straight carbon and glass plies, parallel to the plane of motion.
+    proportions : sequence of (float, float, float)
+        Crank, coupler and rocker of each linkage over its ground; the transmission angle is 90
+        deg.
 
     Returns
     -------
-    ndarray, shape (n_cases, 6)
+    ndarray, shape (n_linkages, n_stacks)
     """
-    return np.array([1 + np.argsort(-_frequencies_at_90_degrees(case)) for case in cases], float)
+    found = [1 + np.argsort(-_at_90_degrees(tuple(stacks), tuple(row))) for row in proportions]
+    return np.array(found, float)
 
 
-def lowest_case() -> FloatArray:
-    """Number of the linkage of Table 3 with the lowest frequency, for each laminate; (6,)."""
-    cases = np.array(list(CASES), dtype=float)
-    by_case = np.array([_frequencies_at_90_degrees(case) for case in CASES])
-    return np.asarray(cases[np.argmin(by_case, axis=0)])
+def lowest_case(*, stacks: Sequence[str], proportions: Sequence[Sequence[float]]) -> FloatArray:
+    """Number of the linkage with the lowest fundamental frequency, for each stack; (n_stacks,).
+
+    Parameters
+    ----------
+    stacks, proportions : sequence
+        See :func:`order_of_laminates`.
+    """
+    by_case = np.array([_at_90_degrees(tuple(stacks), tuple(row)) for row in proportions])
+    return np.asarray(1.0 + np.argmin(by_case, axis=0))
+
+
+@cache
+def _at_90_degrees(stacks: tuple[str, ...], proportions: tuple[float, ...]) -> FloatArray:
+    """Fundamental frequencies of one crank-rocker with each of the stacks, (n_stacks,)."""
+    crank, coupler, rocker = proportions
+    # Of linkages in bending the size is any.
+    linkage = FourBar(0.4, 0.4 * crank, 0.4 * coupler, 0.4 * rocker)
+    right_angle = np.arccos((1 + crank**2 - coupler**2 - rocker**2) / (2 * crank))
+    plies, found = _polyester_plies("rule-of-mixtures", 0.6), []
+    for stack in stacks:
+        laminate = Laminate.stacked([plies[letter] for letter in stack], 5e-3, [0.0] * len(stack))
+        section = BeamSection.of_laminate(SheetSection(laminate, 5e-3))
+        mechanism = Mechanism(linkage, dict.fromkeys(("crank", "coupler", "rocker"), section))
+        engine = ReferenceEngine(mechanism, 8, "euler")
+        found.append(natural_frequencies(engine, right_angle, modes=1)[0])
+    return np.array(found)
+
+
+def _polyester_plies(rule: Rule, fibre_volume_fraction: float) -> dict[str, Ply]:
+    """Plies of carbon (C) and glass (G) in polyester."""
+    known = published_constituents()
+    matrix = cast(Matrix, known["polyester"])
+    return {
+        letter: ply_from_constituents(cast(Fibre, known[name]), matrix, fibre_volume_fraction, rule)
+        for letter, name in (("C", "carbon"), ("G", "E-glass"))
+    }

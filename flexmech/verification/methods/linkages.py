@@ -12,7 +12,6 @@ from flexmech import linkages
 from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError, InputError
 from flexmech.hygrothermal import HygrothermalState, coupler_point_in_state, linkage_in_state
-from flexmech.studies import published_case
 from flexmech.verification.methods.engines import example
 
 
@@ -198,20 +197,21 @@ def _point(name: str) -> linkages.CouplerPoint:
     return point
 
 
-def transmission_angle_limits(*, cases: Sequence[int]) -> FloatArray:
-    """Limits of the transmission angle of linkages of Elamy et al. 2023 by their equations 2, 3.
+def transmission_angle_limits(*, proportions: Sequence[float]) -> FloatArray:
+    """Limits of the transmission angle of a crank-rocker by equations 2, 3 of Elamy et al. 2023.
 
     Parameters
     ----------
-    cases : sequence of int
-        Of Table 3.
+    proportions : sequence of float
+        Crank, coupler and rocker over the ground.
 
     Returns
     -------
-    ndarray, shape (n_cases, 2)
+    ndarray, shape (2,)
         In deg.
     """
-    return np.degrees([published_case(case).transmission_angle_limits() for case in cases])
+    crank, coupler, rocker = proportions
+    return np.degrees(linkages.FourBar(1.0, crank, coupler, rocker).transmission_angle_limits())
 
 
 def crank_rocker_proportions(*, deviation: float, rocker_angle: float) -> FloatArray:

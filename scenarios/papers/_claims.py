@@ -1,4 +1,4 @@
-"""A claim of a paper, what was found of it, and its line in a report."""
+"""A claim of a paper, what was found of it, and words for it."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from flexmech.analyses.digits import Quantity
-from flexmech.analyses.summary import Table
+import pandas as pd
 
 Verdict = Literal["reproduced", "not reproduced", "undecidable", "not judged"]
 # A number counts as reproduced when ours is within a tenth of the one printed, or within twice
@@ -35,7 +34,7 @@ class Band:
 
     Examples
     --------
-    >>> band = flexmech.studies.Band(62.2, spread=4.0)
+    >>> band = Band(62.2, spread=4.0)
     >>> band.half, band.decides, band.holds(48.5)
     (8.0, True, False)
     """
@@ -140,7 +139,7 @@ def verdict_on(holds: bool | None, *, decidable: bool = True) -> Verdict:
 
     Examples
     --------
-    >>> flexmech.studies.verdict_on(None)
+    >>> verdict_on(None)
     'not judged'
     """
     if holds is None:
@@ -166,7 +165,7 @@ def within_a_tenth(printed: float, computed: float) -> bool:
 
     Examples
     --------
-    >>> flexmech.studies.within_a_tenth(62.22, 48.45)
+    >>> within_a_tenth(62.22, 48.45)
     False
     """
     return abs(computed - printed) <= REPRODUCED_WITHIN * abs(printed)
@@ -187,26 +186,11 @@ def claim_lines(claims: Sequence[Claim]) -> Iterator[str]:
                 last = claim.reason
 
 
-def claim_table(claims: Sequence[Claim]) -> Table:
+def claim_table(claims: Sequence[Claim]) -> pd.DataFrame:
     """How many claims of each verdict there are, a row for each place of the paper."""
-    verdicts = get_args(Verdict)
-    counts = {claim.place: Counter[str]() for claim in claims}
-    for claim in claims:
-        counts[claim.place][claim.verdict] += 1
-    rows = tuple(
-        (place, *(str(own[verdict] or "-") for verdict in verdicts))
-        for place, own in counts.items()
-    )
-    return Table("claims of the paper", ("place", *verdicts), (rows,))
-
-
-def verdict_numbers(claims: Sequence[Claim]) -> tuple[Quantity, ...]:
-    """How many claims of each verdict there are, for programs."""
-    counts = Counter(claim.verdict for claim in claims)
-    return tuple(
-        Quantity("claims", float(counts[verdict]), "", 0.0, verdict)
-        for verdict in get_args(Verdict)
-    )
+    places = list(dict.fromkeys(claim.place for claim in claims))
+    counts = pd.crosstab([claim.place for claim in claims], [claim.verdict for claim in claims])
+    return counts.reindex(index=places, columns=get_args(Verdict), fill_value=0)
 
 
 def verdict_sentences(claims: Sequence[Claim], conclusions: Collection[str]) -> tuple[str, ...]:

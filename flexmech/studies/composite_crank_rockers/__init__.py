@@ -1,1 +1,0 @@
-"""Composite crank-rockers of Elamy et al. 2023: six laminates, four linkages, three positions."""
