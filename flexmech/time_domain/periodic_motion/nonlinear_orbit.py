@@ -188,7 +188,7 @@ def _orbit(engine: Engine, crank_speed: float, near: NonlinearOrbit | None) -> N
             break
     if _tail(moved) > TAIL:
         finer = OrbitEquations(engine, crank_speed, FINEST)
-        resolved = newton(finer, at_angles(z, finer.motion.crank_angle))
+        resolved = newton(finer, at_angles(run.state.z, finer.motion.crank_angle))
         passes += resolved.passes
         if resolved.converged:
             run, equations, still = resolved, finer, _equilibrium(finer)
