@@ -116,11 +116,7 @@ class RunningConnectors:
         displacement: Sequence[FloatArray],
         rate: Sequence[FloatArray],
     ) -> Moved:
-        def own(link: int, x: float) -> tuple[FloatArray, FloatArray]:
-            point, q = self._all.at(link, x), displacement[link]
-            return point.finite_displacement(motion, q), point.finite_displacement_rate(
-                motion, q, rate[link]
-            )
+        own = self._all.moved(motion, displacement, rate)
 
         def moved(link: int, x: float) -> tuple[FloatArray, FloatArray]:
             found, place = own(link, x), own(*self._leading_places.get((link, x), (link, x)))

@@ -274,10 +274,8 @@ class DrivenConnectors:
             np.zeros(len(time)),
         )
 
-        def displaced(link: int, x: float) -> tuple[FloatArray, FloatArray]:
-            point, (q, rate, _) = self._all.at(link, x), elastic[link]
-            return point.displacement(motion, q), point.displacement_rate(motion, q, rate)
-
+        displacement, rate, _ = zip(*elastic, strict=True)
+        displaced = self._all.moved(motion, displacement, rate, finite=False)
         work = ConnectorWork.of(self._all.deformations(motion, displaced), power)
         return ActingForces(shapes, fields, virtual, work)
 

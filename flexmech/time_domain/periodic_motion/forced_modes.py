@@ -26,7 +26,6 @@ from flexmech.linear_system import (
     DisplacedInertia,
     Engine,
     Prestress,
-    RotationTerms,
     StressedLinks,
     inertia_loads,
 )
@@ -342,11 +341,7 @@ def _of_connectors(turn: SampledTurn, stressed: StressedLinks) -> FloatArray:
 
 def _rest(moving: MovingModes, force: FloatArray, modal: FloatArray) -> FloatArray:
     """Static response to the loads beyond the moving modes, (N, n, 1)."""
-    turn, across = moving.turn, np.swapaxes(moving.basis, 1, 2)
-    frozen = RotationTerms.all_or_none(False)
-    stiffness = turn.frames.assemble(turn.displaced, turn.tangent, frozen).stiffness
-    if turn.connected is not None:
-        stiffness = stiffness + turn.connected.potential
+    stiffness, across = moving.turn.stiffness, np.swapaxes(moving.basis, 1, 2)
     own = np.linalg.solve(across @ stiffness @ moving.basis, modal[..., None])
     return np.asarray(np.linalg.solve(stiffness, force[..., None]) - moving.basis @ own)
 

@@ -146,11 +146,9 @@ class SampledTurn:
         connected = engine.connected_matrices(frames, displaced, prestress, stressed.displacement)
         if stressed.guide_stiffness is not None and stressed.guide_stiffness.any():
             guide_matrix = frames.guide_matrix(displaced, stressed.guide_stiffness)
-            connected = (
-                ConnectedMatrices.of_stiffness(guide_matrix)
-                if connected is None
-                else connected.plus_stiffness(guide_matrix)
-            )
+            zero = np.zeros_like(guide_matrix)
+            connected = connected or ConnectedMatrices(zero, zero, zero, is_conservative=True)
+            connected = replace(connected, stiffness=connected.stiffness + guide_matrix)
         return cls(
             motion=motion,
             models=reduced.models,
@@ -213,6 +211,11 @@ class SampledTurn:
     def mass(self) -> FloatArray:
         """Mass matrix in the coordinates of ``frames``, (N, n, n)."""
         return self._frozen[0]
+
+    @property
+    def stiffness(self) -> FloatArray:
+        """Stiffness in the coordinates of ``frames``, its part that has a potential, (N, n, n)."""
+        return self._frozen[3]
 
     @property
     def frozen_squares(self) -> FloatArray:
@@ -293,7 +296,7 @@ class SampledTurn:
         return {}
 
     @cached_property
-    def _frozen(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _frozen(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         frozen = RotationTerms.all_or_none(False)
         matrices = self.frames.assemble(self.displaced, self.tangent, frozen, turns=self.turns)
         if self.connected is not None:
@@ -302,4 +305,4 @@ class SampledTurn:
         half = np.linalg.inv(np.linalg.cholesky(matrices.mass))
         across = np.swapaxes(half, 1, 2)
         squares, vectors = np.linalg.eigh(half @ matrices.stiffness @ across)
-        return matrices.mass, squares, across @ vectors
+        return matrices.mass, squares, across @ vectors, matrices.stiffness
