@@ -87,6 +87,7 @@ from flexmech.linear_system.loads.connector_forces import (
     PointForce,
     acts_at_rest,
     connected_matrices,
+    deformations,
     has_dampers,
 )
 from flexmech.linear_system.loads.connectors import Connectors
@@ -171,6 +172,7 @@ __all__ = [
     "component_modes",
     "condense",
     "connected_matrices",
+    "deformations",
     "diagonal",
     "displacement_row",
     "element_tensions",

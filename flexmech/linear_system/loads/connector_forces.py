@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system.loads.attached_points import AttachedPoint, PointJacobian
-from flexmech.linkages import JointSpring, Spring
-from flexmech.linkages.applied_forces import SpringLine
+from flexmech.linkages import JointSpring, RigidMotion, Spring, continuous_angles
+from flexmech.linkages.applied_forces import Moved, SpringLine, joint_gap
 from flexmech.mechanism import Mechanism
 
 
@@ -194,3 +194,37 @@ def connected_matrices(
             damping += across @ (tangent.damping @ value)
             rate_stiffness += across @ (tangent.damping @ rate)
     return ConnectedMatrices(stiffness, damping, rate_stiffness, is_conservative)
+
+
+def deformations(
+    mechanism: Mechanism, motion: RigidMotion, moved: Moved
+) -> Iterator[tuple[float, FloatArray, float, FloatArray]]:
+    """Deformations of springs and of dampers beside them, each with the constants of both.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    motion : RigidMotion
+        Batch of shape (B,).
+    moved : callable
+        See :data:`flexmech.linkages.applied_forces.Moved`.
+
+    Yields
+    ------
+    tuple of float, ndarray, float, ndarray
+        Stiffness, deformation (B,), damping and rate of the deformation (B,).
+    """
+    topology = mechanism.linkage.topology
+    for spring in mechanism.springs:
+        line = SpringLine.of(spring, topology, motion, moved, needs_direction=False)
+        yield spring.stiffness, line.length - spring.free_length, spring.damping, line.rate
+    if not mechanism.joint_springs:
+        return
+    angles = continuous_angles(mechanism.linkage, motion)
+    for own in mechanism.joint_springs:
+        gap, rate = joint_gap(topology, motion, own, angles, moved)
+        turned = gap[:, 2] - own.free_angle
+        yield own.torsional_stiffness, turned, own.torsional_damping, rate[:, 2]
+        if own.radial_stiffness is not None:
+            for way in range(2):
+                yield own.radial_stiffness, gap[:, way], own.radial_damping, rate[:, way]

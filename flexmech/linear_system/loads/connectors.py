@@ -34,13 +34,7 @@ from flexmech.linear_system.loads.connector_forces import (
     joint_tangent,
     spring_tangent,
 )
-from flexmech.linkages import (
-    AttachmentPoint,
-    JointSpring,
-    Load,
-    RigidMotion,
-    continuous_angles,
-)
+from flexmech.linkages import AttachmentPoint, JointSpring, Load, RigidMotion, continuous_angles
 from flexmech.linkages.applied_forces import (
     ForceOnLink,
     Moved,
@@ -113,11 +107,9 @@ class Connectors:
         Parameters
         ----------
         motion : RigidMotion
-            Batch of shape (B,).
         displacement : sequence of ndarray, shape (B, n_link), optional
-            Of the links; they are straight where it is left out.
         time : ndarray, shape (B,), optional
-            In s; loads over time are left out without it.
+            As of :meth:`point_forces`.
 
         Returns
         -------
@@ -139,10 +131,8 @@ class Connectors:
         :class:`flexmech.linear_system.links.body_forces.DeadMoments`.
         """
         total = np.zeros(motion.angle.shape)
-        rigid = any(link.rigid for link in self.links)
-        for push in self.point_forces(motion, displacement) if rigid else ():
-            point = push.point
-            if point.rigid:
+        for push in self.point_forces(motion, displacement):
+            if (point := push.point).rigid:
                 q = None if displacement is None else displacement[point.link]
                 total[:, point.link] += point.virial(motion, push.force, push.torque, q)
         return total
@@ -162,18 +152,14 @@ class Connectors:
         Parameters
         ----------
         frames : LinkFrames
-            Of these links, reduced or not.
         motion : RigidMotion
-            Batch of shape (B,); its rigid links may be displaced.
         matrices : SystemMatrices
             Of the links.
         terms : RotationTerms
         prestress : {"none", "axial", "equilibrium"}
-            ``none`` leaves out the geometric stiffness by forces in connectors.
         displacement : sequence of ndarray, shape (B, n_link), optional
-            Of the state about which the system is linearized.
         time : ndarray, shape (B,), optional
-            In s; loads over time are left out without it.
+            As of :meth:`matrices`.
 
         Returns
         -------
@@ -233,6 +219,8 @@ class Connectors:
         displacement: Sequence[FloatArray] | None = None,
         time: FloatArray | None = None,
         rate: Sequence[FloatArray] | None = None,
+        *,
+        radial: bool = False,
     ) -> list[PointForce]:
         """Forces on points of the links, one by one.
 
@@ -246,42 +234,30 @@ class Connectors:
             In s; loads over time are left out without it.
         rate : sequence of ndarray, shape (B, n_link), optional
             Time derivative of the displacement, which dampers resist; zero where it is left out.
+        radial : bool
+            Whether radial springs and dampers in joints count, whose forces are joint forces.
 
         Returns
         -------
         list of PointForce
             First those of loads, then those of springs.
         """
-        return [
+        found = [
             PointForce(self.at(own.link, float(own.x)), own.force, own.torque)
             for own in self.applied(motion, displacement, time, rate)
         ]
-
-    def radial_forces(
-        self,
-        motion: RigidMotion,
-        displacement: Sequence[FloatArray],
-        rate: Sequence[FloatArray],
-    ) -> Iterator[PointForce]:
-        """Forces of radial springs and dampers in joints on both ends, in ground axes.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-        displacement, rate : sequence of ndarray, shape (B, n_link)
-            Of the links, and its time derivative.
-        """
-        moved = self.moved(motion, displacement, rate)
-        nothing = np.zeros_like(motion.crank_angle)
-        for own in self._mechanism.joint_springs:
-            if own.radial_stiffness is None:
+        if not radial:
+            return found
+        moved = None if displacement is None else self.moved(motion, displacement, rate)
+        for joint in self._mechanism.joint_springs:
+            if joint.radial_stiffness is None:
                 continue
-            gap, opening = joint_gap(self._topology, motion, own, motion.angle, moved)
-            force = own.radial_stiffness * gap[:, :2] + own.radial_damping * opening[:, :2]
-            for point, sign in zip(self.joint_points(own), (-1.0, 1.0), strict=True):
+            gap, opening = joint_gap(self._topology, motion, joint, motion.angle, moved)
+            force = joint.radial_stiffness * gap[:, :2] + joint.radial_damping * opening[:, :2]
+            for point, sign in zip(self.joint_points(joint), (-1.0, 1.0), strict=True):
                 if point is not None:
-                    yield PointForce(point, sign * force, nothing)
+                    found.append(PointForce(point, sign * force, np.zeros(len(force))))
+        return found
 
     def applied(
         self,
@@ -341,39 +317,6 @@ class Connectors:
 
         return moved
 
-    def deformations(
-        self, motion: RigidMotion, moved: Moved
-    ) -> Iterator[tuple[float, FloatArray, float, FloatArray]]:
-        """Deformations of springs and of dampers beside them, each with the constants of both.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-        moved : callable
-            See :data:`flexmech.linkages.applied_forces.Moved`.
-
-        Yields
-        ------
-        tuple of float, ndarray, float, ndarray
-            Stiffness, deformation (B,), damping and rate of the deformation (B,).
-        """
-        mechanism, topology = self._mechanism, self._topology
-        for spring in mechanism.springs:
-            line = SpringLine.of(spring, topology, motion, moved, needs_direction=False)
-            yield spring.stiffness, line.length - spring.free_length, spring.damping, line.rate
-        if not mechanism.joint_springs:
-            return
-        angles = continuous_angles(mechanism.linkage, motion)
-        for own in mechanism.joint_springs:
-            gap, rate = joint_gap(topology, motion, own, angles, moved)
-            turned = gap[:, 2] - own.free_angle
-            yield own.torsional_stiffness, turned, own.torsional_damping, rate[:, 2]
-            if own.radial_stiffness is not None:
-                for way in range(2):
-                    own_way = gap[:, way], own.radial_damping, rate[:, way]
-                    yield own.radial_stiffness, *own_way
-
     def tangents(
         self,
         motion: RigidMotion,
@@ -387,11 +330,9 @@ class Connectors:
         Parameters
         ----------
         motion : RigidMotion
-            Batch of shape (B,).
         displacement : sequence of ndarray, shape (B, n_link), optional
-            Of the links in the state about which to linearize.
         time : ndarray, shape (B,), optional
-            In s; loads over time are left out without it.
+            As of :meth:`matrices`.
         stressed : bool
             Whether the geometric stiffness by forces in connectors is included.
 
@@ -440,11 +381,8 @@ class Connectors:
     def end_forces(self) -> list[FloatArray]:
         """Unit couples and forces of springs and dampers on elastic links, for component modes.
 
-        Returns
-        -------
-        list of ndarray, shape (n_link, k)
-            On every link, in its coordinates: of springs and dampers in joints a couple, of others
-            a force along and one across.
+        On every link k in its coordinates, (n_link, k): of springs and dampers in joints a couple,
+        of others a force along and one across.
         """
         found: list[list[FloatArray]] = [[] for _ in self.links]
         for own in self._mechanism.joint_springs:

@@ -26,6 +26,7 @@ from flexmech.linear_system import (
     PointForce,
     RotationTerms,
     SystemMatrices,
+    deformations,
 )
 from flexmech.linkages import Drive, Load, RigidMotion, continuous_angles
 from flexmech.linkages.motion import cross
@@ -276,7 +277,7 @@ class DrivenConnectors:
 
         displacement, rate, _ = zip(*elastic, strict=True)
         displaced = self._all.moved(motion, displacement, rate, finite=False)
-        work = ConnectorWork.of(self._all.deformations(motion, displaced), power)
+        work = ConnectorWork.of(deformations(self._mechanism, motion, displaced), power)
         return ActingForces(shapes, fields, virtual, work)
 
     def _point_forces(

@@ -135,7 +135,7 @@ def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
             break
         below, above = squares[:, count - 1], squares[:, count]
         gap = float(np.sqrt(above / below).min()) - 1 if below.min() > 0 else 0.0
-        overlap = float(turn.subspace(count).least_common.min())
+        overlap = float(turn.subspace(count)[2].min())
         smoothness[count] = min(gap / LEAST_GAP, overlap / LEAST_OVERLAP)
         if smoothness[count] > 1:
             counts.append(count)
@@ -200,15 +200,15 @@ def _scale_and_fixed_basis(
     turn: SampledTurn, count: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Natural frequencies (m,) of the averaged stiffness; its modes, and those nearest to them."""
-    own = turn.subspace(count)
+    fixed, alignment, _ = turn.subspace(count)
     squares = turn.frozen_squares[:, :count]
-    average = np.einsum("aij,ai,aik->jk", own.alignment, squares, own.alignment)
+    average = np.einsum("aij,ai,aik->jk", alignment, squares, alignment)
     mean_squares, turned = np.linalg.eigh(average / len(squares))
     scale = np.sqrt(np.abs(mean_squares))
     # Any scale makes canonical states; that of a rigid mode would be zero.
     rigid = slice(turn.rigid_modes)
     scale[rigid] = np.maximum(scale[rigid], abs(turn.crank_speed))
-    return scale, own.fixed @ turned, own.alignment @ turned
+    return scale, fixed @ turned, alignment @ turned
 
 
 @dataclass(frozen=True)

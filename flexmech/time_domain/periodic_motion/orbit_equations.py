@@ -338,12 +338,11 @@ class OrbitEquations:
 
     def _pushes(self, moving: Moving) -> list[PointForce]:
         """Forces of loads and springs on points of the displaced links."""
-        given = self.motion, [q for q, _, _ in moving], [rate for _, rate, _ in moving]
-        connectors, (motion, displacement, rate) = self.engine.connectors, given
-        if not connectors.any:
+        if not self.engine.connectors.any:
             return []
-        acting = connectors.point_forces(motion, displacement, rate=rate)
-        return [*acting, *connectors.radial_forces(*given)]
+        displacement, rate = [q for q, _, _ in moving], [v for _, v, _ in moving]
+        point_forces = self.engine.connectors.point_forces
+        return point_forces(self.motion, displacement, rate=rate, radial=True)
 
     def _forces(
         self, stressed: StressedLinks, moving: Moving, pushes: Sequence[PointForce]
