@@ -12,7 +12,7 @@ from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.link_place import DependentRows
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import RigidMotion
-from flexmech.linkages.motion import direction, normal
+from flexmech.linkages.motion import direction
 
 
 @dataclass(frozen=True)
@@ -110,8 +110,7 @@ class AttachedPoint:
         -------
         ndarray, shape (B, n_link)
         """
-        axes = _axes(motion.angle[:, self.link])
-        pushed = np.concatenate([(force[:, None] @ axes)[:, 0], torque[:, None]], axis=1)
+        pushed = _turned(np.column_stack([force, torque]), -motion.angle[:, self.link])
         if q is None or not self.rigid:
             return np.asarray(pushed @ self.rows)
         if finite:
@@ -156,7 +155,7 @@ class AttachedPoint:
         -------
         ndarray, shape (B, 3)
         """
-        return self._in_ground_axes(motion, self._in_frame(q, finite))
+        return _turned(self._in_frame(q, finite), motion.angle[:, self.link])
 
     def displacement_rate(
         self, motion: RigidMotion, q: FloatArray, rate: FloatArray, *, finite: bool = False
@@ -176,10 +175,12 @@ class AttachedPoint:
         ndarray, shape (B, 3)
         """
         moved, speed = self._in_frame(q, finite), motion.angular_velocity[:, self.link]
-        own = (self.rows_at(q) @ rate[..., None])[..., 0] if finite else rate @ self.rows.T
+        own = rate @ self.rows.T
+        if finite and self.rigid:
+            own = (self.rows_at(q) @ rate[..., None])[..., 0]
         own[:, 0] -= speed * moved[:, 1]
         own[:, 1] += speed * moved[:, 0]
-        return self._in_ground_axes(motion, own)
+        return _turned(own, motion.angle[:, self.link])
 
     def _in_frame(self, q: FloatArray, finite: bool) -> FloatArray:
         """Displacement and rotation in the link's frame, (B, 3)."""
@@ -190,16 +191,14 @@ class AttachedPoint:
             moved[:, 1] += self.x * (np.sin(turn) - turn)
         return moved
 
-    def _in_ground_axes(self, motion: RigidMotion, moved: FloatArray) -> FloatArray:
-        """Vectors and rotations (B, 3) from the link's axes to those of the ground."""
-        found = moved.copy()
-        found[:, :2] = (_axes(motion.angle[:, self.link]) @ moved[:, :2, None])[..., 0]
-        return found
 
-
-def _axes(angle: FloatArray) -> FloatArray:
-    """Axes of a link in those of the ground, as columns, (B, 2, 2)."""
-    return np.stack([direction(angle), normal(angle)], axis=-1)
+def _turned(vectors: FloatArray, angle: FloatArray) -> FloatArray:
+    """Vectors and rotations (B, 3, ...) turned by angles (B,)."""
+    angle = angle.reshape(-1, *[1] * (vectors.ndim - 2))
+    cosine, sine = np.cos(angle), np.sin(angle)
+    found, x, y = vectors.copy(), vectors[:, 0], vectors[:, 1]
+    found[:, 0], found[:, 1] = cosine * x - sine * y, sine * x + cosine * y
+    return found
 
 
 @dataclass(frozen=True)
@@ -242,9 +241,7 @@ class PointJacobian:
         for tie in dependent:
             value[:, :, tie.columns] += point.rows[..., tie.rows] @ tie.turn
             rate[:, :, tie.columns] += point.end_rows[..., tie.rows] @ tie.rate
-        speed, axes = motion.angular_velocity[:, link, None], _axes(motion.angle[:, link])
+        speed, angle = motion.angular_velocity[:, link, None], motion.angle[:, link]
         rate[:, 0] -= speed * value[:, 1]
         rate[:, 1] += speed * value[:, 0]
-        for own_axes in (value, rate):
-            own_axes[:, :2] = axes @ own_axes[:, :2]
-        return cls(value, rate)
+        return cls(_turned(value, angle), _turned(rate, angle))
