@@ -55,6 +55,11 @@ from flexmech.linear_system.joints.position_errors import (
 from flexmech.linear_system.joints.rigid_coordinates import RigidGeometricStiffness
 from flexmech.linear_system.joints.rigid_pose import DisplacedTies
 from flexmech.linear_system.links.bent_axis import bent_curvature, kinks_of
+from flexmech.linear_system.links.body_forces import (
+    DeadMoments,
+    DisplacedInertia,
+    body_turns,
+)
 from flexmech.linear_system.links.chains import (
     MOST_WHOLE,
     ChainMatrix,
@@ -67,12 +72,7 @@ from flexmech.linear_system.links.chains import (
     times,
     whole,
 )
-from flexmech.linear_system.links.dead_moments import (
-    DeadMoments,
-    body_turns,
-)
-from flexmech.linear_system.links.displaced_inertia import DisplacedInertia
-from flexmech.linear_system.links.link_inertia import LinkInertia, MovingLink
+from flexmech.linear_system.links.link_inertia import LinkInertia, MovingLink, inertia_loads
 from flexmech.linear_system.links.link_model import LinkModel, RigidFields
 from flexmech.linear_system.links.link_readings import LinkReadings
 from flexmech.linear_system.links.link_stack import among_alike, same_of_all
@@ -81,15 +81,16 @@ from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
 from flexmech.linear_system.links.rigid_link import rigid_link
 from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
 from flexmech.linear_system.links.stressed_links import StressedLinks
-from flexmech.linear_system.loads.attached_points import AttachedPoint
+from flexmech.linear_system.loads.attached_points import AttachedPoint, PointJacobian
 from flexmech.linear_system.loads.connector_forces import (
     ConnectedMatrices,
     PointForce,
     acts_at_rest,
+    connected_matrices,
+    deformations,
+    has_dampers,
 )
 from flexmech.linear_system.loads.connectors import Connectors
-from flexmech.linear_system.loads.inertia_loads import inertia_loads
-from flexmech.linear_system.loads.joint_couples import has_dampers
 from flexmech.linear_system.reduction.component_modes import (
     GREAT_DETAIL,
     ComponentModes,
@@ -141,6 +142,7 @@ __all__ = [
     "MovingLink",
     "OverdampedError",
     "PointForce",
+    "PointJacobian",
     "Prestress",
     "RefusedPositionsError",
     "RigidBody",
@@ -169,6 +171,8 @@ __all__ = [
     "checked_mechanism",
     "component_modes",
     "condense",
+    "connected_matrices",
+    "deformations",
     "diagonal",
     "displacement_row",
     "element_tensions",

@@ -13,7 +13,8 @@ from flexmech.analyses.response.spectra import WHOLE_PERIODS, amplitude_spectrum
 from flexmech.dynamical_systems import LowPass, parabolic_work
 from flexmech.dynamical_systems.lobatto import MARCH_ON, WEIGHTS
 from flexmech.time_domain import step_lag
-from flexmech.time_domain.periodic_motion.orbit_equations import at_angles, derivatives
+from flexmech.time_domain.periodic_motion.nonlinear_orbit import at_angles
+from flexmech.time_domain.periodic_motion.orbit_equations import derivatives
 
 FloatArray = NDArray[np.float64]
 RATE = 2000.0

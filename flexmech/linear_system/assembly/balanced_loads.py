@@ -1,7 +1,7 @@
 """Loads of a quasi-static equilibrium that depend on its displacements.
 
 These are the forces of springs, follower forces, and the inertia forces of links that rotate as
-one body (:mod:`flexmech.linear_system.links.displaced_inertia`). An engine's solver finds
+one body (:mod:`flexmech.linear_system.links.body_forces`). An engine's solver finds
 the displacement under given forces. The loads are those at that displacement, found by Newton's
 method: the links' tangent stiffness predicts the next displacement, and the forces there are the
 next load.
@@ -22,8 +22,8 @@ from flexmech.linear_system.joints.position_errors import (
     EquilibriumError,
     refuse_positions,
 )
+from flexmech.linear_system.links.body_forces import DisplacedInertia
 from flexmech.linear_system.links.chains import LinkMatrix, whole
-from flexmech.linear_system.links.displaced_inertia import DisplacedInertia
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.loads.connectors import Connectors

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,9 +11,9 @@ from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.linear_system.assembly.engine import Engine
 from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.links.link_inertia import inertia_loads
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
-from flexmech.linear_system.loads.inertia_loads import inertia_loads
 from flexmech.linkages import RigidMotion, Topology
 
 # Change along the turn, relative to the greatest value, that round-off makes: some five hundred
@@ -137,4 +138,5 @@ def stressed_along_turn(
     first = slice(0, 1)
     start = None if near is None else [q[first] for q in near]
     found = engine.stressed_links(motion.at(first), prestress, start)
-    return found.repeated(len(motion.crank_angle))
+    every = np.zeros(len(motion.crank_angle), dtype=np.intp)
+    return replace(found.at(every), motion=None)

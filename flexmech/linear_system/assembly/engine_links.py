@@ -17,16 +17,19 @@ from flexmech.linear_system.assembly.balanced_loads import BalancedLoads, Solve,
 from flexmech.linear_system.assembly.element_kinds import ElementKinds
 from flexmech.linear_system.assembly.free_shaft import FreeShaft
 from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.links.body_forces import (
+    DeadMoments,
+    DisplacedInertia,
+    turns_as_one_body,
+    without_spin_softening,
+)
 from flexmech.linear_system.links.chains import ChainMatrix, LinkMatrix
-from flexmech.linear_system.links.dead_moments import DeadMoments, without_spin_softening
-from flexmech.linear_system.links.displaced_inertia import DisplacedInertia, turns_as_one_body
+from flexmech.linear_system.links.link_inertia import inertia_loads
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.link_stretch import LinkStretch
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
 from flexmech.linear_system.loads.connectors import Connectors
-from flexmech.linear_system.loads.inertia_loads import inertia_loads
-from flexmech.linear_system.loads.joint_couples import joint_couples
 from flexmech.linear_system.reduction.fixed_interface_modes import (
     FixedInterfaceLink,
     fix_interfaces,
@@ -88,8 +91,7 @@ class EngineLinks(ElementKinds):
         return self._with_fixed_interfaces() if many else self._kept_fixed_interfaces
 
     def _with_fixed_interfaces(self) -> tuple[FixedInterfaceLink, ...]:
-        couples = joint_couples(self.mechanism, self.connectors)
-        return fix_interfaces(self.topology, self.links, couples)
+        return fix_interfaces(self.topology, self.links, self.connectors.end_forces())
 
     _kept_fixed_interfaces = cached_property(_with_fixed_interfaces)
 

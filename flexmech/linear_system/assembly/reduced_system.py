@@ -9,8 +9,8 @@ import numpy as np
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.assembly.system import LinearSystem, condense
 from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.links.body_forces import body_turns
 from flexmech.linear_system.links.chains import LinkMatrix, whole
-from flexmech.linear_system.links.dead_moments import body_turns
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
 from flexmech.linear_system.links.stressed_links import StressedLinks

@@ -19,7 +19,7 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linear_system.assembly.engine import Engine
-from flexmech.linear_system.links.displaced_inertia import turns_as_one_body
+from flexmech.linear_system.links.body_forces import turns_as_one_body
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.link_readings import LinkReadings
 from flexmech.linear_system.loads.connector_forces import PointForce

@@ -15,8 +15,8 @@ from scipy.sparse import block_diag, coo_array, csc_array
 from flexmech.arrays import IntArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.link_place import DependentRows
+from flexmech.linear_system.links.body_forces import body_turns
 from flexmech.linear_system.links.chains import ChainMatrix, LinkMatrix, in_positions
-from flexmech.linear_system.links.dead_moments import body_turns
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linkages import RigidMotion

@@ -15,8 +15,8 @@ import numpy as np
 from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.rigid_coordinates import RigidGeometricStiffness
+from flexmech.linear_system.links.body_forces import DeadMoments
 from flexmech.linear_system.links.chains import LinkMatrix, with_entries
-from flexmech.linear_system.links.dead_moments import DeadMoments
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.loads.connectors import Connectors
@@ -82,7 +82,7 @@ def straight_forces(
     if not ties_beyond_pins(frames):
         still = mechanism.without_loads_over_time
         return StraightForces(loads, still.inverse_dynamics(motion, lumped=lumped), None)
-    applied = () if connectors is None else connectors.applied(motion)
+    applied = () if connectors is None else tuple(connectors.applied(motion))
     displacement = static_displacement(frames, motion, loads)
     masses = mechanism.link_masses_in_order
     if lumped is not None:

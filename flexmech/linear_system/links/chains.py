@@ -182,15 +182,6 @@ def couples(matrix: LinkMatrix, some: NDArray[np.bool_], others: NDArray[np.bool
     return bool(matrix.elements[between].any())
 
 
-def repeated(matrix: LinkMatrix, count: int) -> LinkMatrix:
-    """A matrix of one position, (1, n, n), repeated; a constant one (n, n) stays."""
-    if matrix.ndim == 2:
-        return matrix
-    if isinstance(matrix, ChainMatrix):
-        return ChainMatrix(np.repeat(matrix.elements, count, axis=0))
-    return np.repeat(matrix, count, axis=0)
-
-
 def in_positions(matrix: LinkMatrix, which: slice | IntArray) -> LinkMatrix:
     """A link matrix in some positions; a constant one stays."""
     return matrix[which] if matrix.ndim == 3 else matrix

@@ -1,7 +1,8 @@
-"""Inertia of a link that vibrates in its moving frame (floating frame of reference)."""
+"""Inertia forces of a link in its moving frame (floating frame of reference)."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -135,6 +136,43 @@ def field_coefficients(
     return np.stack(
         [row_products(origin, along), row_products(origin, across), turn, distance], axis=1
     )
+
+
+def inertia_loads(
+    links: Sequence[LinkModel], motion: RigidMotion, gravity: tuple[float, float]
+) -> list[FloatArray]:
+    """Distributed inertia forces of the rigid motion and weight, each in its link frame.
+
+    A rigid acceleration is linear along the link and so lies in the space of the shape
+    functions: ``-M a`` with the nodal accelerations ``a`` is the exact consistent load. The couples
+    of sections whose rotary inertia M leaves out are added; see :func:`rigid_inertia`.
+
+    Parameters
+    ----------
+    links : sequence of LinkModel
+    motion : RigidMotion
+        Batch of shape (B,).
+    gravity : tuple of float
+        In ground axes, m/s^2.
+
+    Returns
+    -------
+    list of ndarray, shape (B, n)
+    """
+    loads = []
+    for number, link in enumerate(links):
+        pull = motion.origin_acceleration[:, number] - np.asarray(gravity)
+        turning = motion.angular_velocity[:, number] ** 2
+        change = motion.angular_acceleration[:, number]
+        factors = -field_coefficients(motion.angle[:, number], pull, change, -turning)
+        unit = rigid_inertia(link)
+        # Matter that is elsewhere than the field says, as off the pins' axis, is pulled as well.
+        unit[..., FIELDS.index("centripetal")] += link.first_moment[..., 1, :]
+        # Of several designs as many positions of each, one after the other.
+        *designs, size, count = unit.shape
+        load = factors.reshape(*designs, -1, count) @ np.swapaxes(unit, -1, -2)
+        loads.append(load.reshape(-1, size))
+    return loads
 
 
 @dataclass(frozen=True)

@@ -335,21 +335,27 @@ class LinkModel:
         """
         none = np.zeros_like(stiffness)
         return replace(
-            self,
+            self._by_ends(kept),
             mass=none,
             gyroscopic=none,
             centrifugal_mass=none,
             damping=none,
             stiffness=stiffness,
             is_axial=np.zeros(stiffness.shape[-1], dtype=bool),
+            receding=NONE,
+            bodies=(),
+        )
+
+    def _by_ends(self, kept: dict[str, IntArray]) -> LinkModel:
+        """The link with other coordinates of its ends, which do not warp."""
+        return replace(
+            self,
             start=kept["start"],
             end=kept["end"],
             start_rotation=kept.get("start_rotation", NONE),
             end_rotation=kept.get("end_rotation", NONE),
             start_warping=NONE,
             end_warping=NONE,
-            receding=NONE,
-            bodies=(),
         )
 
     def projected(self, basis: FloatArray, kept: dict[str, IntArray]) -> LinkModel:
@@ -377,7 +383,7 @@ class LinkModel:
         size = np.abs(basis).reshape(-1, *basis.shape[-2:]).sum(axis=0)
         axial = size[self.is_axial].sum(axis=0) > size[~self.is_axial].sum(axis=0)
         return replace(
-            self,
+            self._by_ends(kept),
             mass=project(self.mass),
             gyroscopic=project(self.gyroscopic),
             centrifugal_mass=project(self.centrifugal_mass),
@@ -386,12 +392,6 @@ class LinkModel:
             damping=project(self.damping),
             readings=self.readings.projected(basis),
             is_axial=axial,
-            start=kept["start"],
-            end=kept["end"],
-            start_rotation=kept.get("start_rotation", NONE),
-            end_rotation=kept.get("end_rotation", NONE),
-            start_warping=NONE,
-            end_warping=NONE,
             vectors=NO_VECTORS,
             receding=np.flatnonzero(size[self.receding].any(axis=0)),
             reduced_ends=ends,

@@ -18,7 +18,7 @@ import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linkages import LinkBody, LinkMass, RigidMotion
-from flexmech.linkages.motion import direction, normal
+from flexmech.linkages.motion import direction, normal, quarter_turn
 
 # Of a second moment: what its differences leave of a body on the axis. An arm a millionth of the
 # radius of gyration long counts.
@@ -253,12 +253,10 @@ class RigidBody:
         """
         turning = _turning(speed, change)
         arm = np.stack(self._turned(moved[:, 2]), axis=1)
-        lever = _quarter_turned(arm)
+        lever = quarter_turn(arm)
         point_inertia = (turning @ moved[:, :2, None])[..., 0]
         point_inertia += (
-            acceleration[:, :2]
-            + 2 * speed[:, None] * _quarter_turned(rate[:, :2])
-            + net_acceleration
+            acceleration[:, :2] + 2 * speed[:, None] * quarter_turn(rate[:, :2]) + net_acceleration
         )
         own = _turning(speed + rate[:, 2], change + acceleration[:, 2])
         force, by_q = np.zeros((len(moved), 3)), np.zeros((len(moved), 3, 3))
@@ -300,18 +298,14 @@ class RigidBody:
             :meth:`matrices` of the straight link and of the load on it.
         """
         speed, change = motion.angular_velocity[:, link], motion.angular_acceleration[:, link]
-        given, zero = (
-            (speed, change, self.net_acceleration(motion, link, gravity)),
-            np.zeros_like(moved),
-        )
-        nonlinear = self.inertia(*given, moved, rate, acceleration)[0]
-        nonlinear -= self.inertia(*given, zero, zero, zero)[0]
+        given, zero = (speed, change, self.net_acceleration(motion, link, gravity)), 0.0 * moved
+        straight = self.inertia(*given, zero, zero, zero)[0]
         mass, gyroscopic, centrifugal = self.matrices(np.zeros(()))
         turned = 2 * speed[:, None] * rate + change[:, None] * moved
-        linear = (
-            acceleration @ mass + turned @ gyroscopic.T - speed[:, None] ** 2 * moved @ centrifugal
-        )
-        return np.asarray(nonlinear - linear)
+        linear = acceleration @ mass + turned @ gyroscopic.T
+        linear -= speed[:, None] ** 2 * moved @ centrifugal
+        found = self.inertia(*given, moved, rate, acceleration)[0]
+        return np.asarray(found - straight - linear)
 
     def displaced_inertia(
         self, speed: FloatArray, change: FloatArray, q: FloatArray
@@ -352,11 +346,6 @@ def _turning(speed: FloatArray, change: FloatArray) -> FloatArray:
     found[:, 0, 0] = found[:, 1, 1] = -(speed**2)
     found[:, 0, 1], found[:, 1, 0] = -change, change
     return found
-
-
-def _quarter_turned(vectors: FloatArray) -> FloatArray:
-    """Vectors (B, 2) rotated by 90 deg."""
-    return np.stack([-vectors[:, 1], vectors[:, 0]], axis=1)
 
 
 def body_nodes(nodes: FloatArray, bodies: Sequence[LinkBody | RigidBody]) -> IntArray:

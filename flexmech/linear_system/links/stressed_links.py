@@ -6,10 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
-import numpy as np
-
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system.links.chains import LinkMatrix, in_positions, repeated
+from flexmech.linear_system.links.chains import LinkMatrix, in_positions
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import RigidMotion
 
@@ -57,35 +55,8 @@ class StressedLinks:
         """Straight links without stress."""
         return cls([link.stiffness for link in links], unstressed=True)
 
-    def repeated(self, count: int) -> StressedLinks:
-        """The state of one position, repeated.
-
-        Parameters
-        ----------
-        count : int
-            Number B of positions.
-
-        Returns
-        -------
-        StressedLinks
-        """
-
-        def every(arrays: list[FloatArray] | None) -> list[FloatArray] | None:
-            return None if arrays is None else [np.repeat(each, count, axis=0) for each in arrays]
-
-        return StressedLinks(
-            [repeated(t, count) for t in self.tangent],
-            every(self.displacement),
-            every(self.internal_force),
-            self.damping and [repeated(d, count) for d in self.damping],
-            every(self.loads),
-            None
-            if self.guide_stiffness is None
-            else np.repeat(self.guide_stiffness, count, axis=0),
-        )
-
     def at(self, which: slice | IntArray) -> Self:
-        """Links in some positions of a batch.
+        """Links in some positions of a batch, which may be repeated.
 
         Parameters
         ----------

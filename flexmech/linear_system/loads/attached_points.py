@@ -12,7 +12,7 @@ from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.link_place import DependentRows
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import RigidMotion
-from flexmech.linkages.motion import direction, normal
+from flexmech.linkages.motion import direction
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class AttachedPoint:
         Distance from the link's start in m.
     rows : ndarray, shape (3, n_link)
         Displacement along and across the link's frame, and rotation, by the link's coordinates;
-        of a rigid link for small rotations.
+        of a rigid link for small rotations. Of links that are displaced (B, 3, n_link).
     end_rows : ndarray, shape (3, n_link)
         The same by the link's joined ends alone; see
         :class:`flexmech.linear_system.links.link_model.EndMatrices`.
@@ -65,20 +65,34 @@ class AttachedPoint:
         )
         return cls(link, fraction * length, rows, end_rows, links[link].rigid)
 
+    def rows_at(self, q: FloatArray) -> FloatArray:
+        """Derivative of the finite displacement in the link's axes, (B, 3, n_link).
+
+        Parameters
+        ----------
+        q : ndarray, shape (B, n_link)
+            Displacement of the link.
+        """
+        rows = np.tile(self.rows, (len(q), 1, 1))
+        if self.rigid:
+            rows[:, 0, 2], rows[:, 1, 2] = -self.x * np.sin(q[:, 2]), self.x * np.cos(q[:, 2])
+        return rows
+
     def force(
         self,
         motion: RigidMotion,
         force: FloatArray,
         torque: FloatArray,
         q: FloatArray | None = None,
+        *,
+        finite: bool = False,
     ) -> FloatArray:
         """Generalized force on the link's coordinates.
 
-        The moment on a rigid link at the rotation phi is
-        ``cos(phi) moment - sin(phi) virial``; see
-        :mod:`flexmech.linear_system.links.dead_moments`. A torque does not
-        depend on the rotation: its part of the moment is ``torque cos(phi)``, and of the virial
-        ``-torque sin(phi)``.
+        On a rigid link at the rotation phi it is finite with its arm as it is turned, and else its
+        moment is that of :mod:`flexmech.linear_system.links.body_forces`, in
+        ``cos(phi) moment - sin(phi) virial``. A torque does not depend on the rotation: its part of
+        the moment is ``torque cos(phi)``, and of the virial ``-torque sin(phi)``.
 
         Parameters
         ----------
@@ -89,62 +103,20 @@ class AttachedPoint:
         torque : ndarray, shape (B,)
         q : ndarray, shape (B, n_link), optional
             Displacement of the link; zero where it is left out.
+        finite : bool
+            Whether it acts on the link as it is displaced.
 
         Returns
         -------
         ndarray, shape (B, n_link)
         """
-        angle = motion.angle[:, self.link]
-        if self.rigid and q is not None:
-            torque = torque * np.cos(q[:, 2])
-        cosine, sine = np.cos(angle), np.sin(angle)
-        along = cosine * force[:, 0] + sine * force[:, 1]
-        across = cosine * force[:, 1] - sine * force[:, 0]
-        return np.asarray(np.stack([along, across, torque], axis=1) @ self.rows)
-
-    def finite_force(
-        self, motion: RigidMotion, force: FloatArray, torque: FloatArray, q: FloatArray
-    ) -> FloatArray:
-        """Generalized force on the coordinates of the displaced link, with its arm as it is turned.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-        force : ndarray, shape (B, 2)
-            In ground axes.
-        torque : ndarray, shape (B,)
-        q : ndarray, shape (B, n_link)
-            Displacement of the link.
-
-        Returns
-        -------
-        ndarray, shape (B, n_link)
-        """
-        if not self.rigid:
-            return self.force(motion, force, torque)
-        turned = motion.angle[:, self.link] + q[:, 2]
-        moment = torque + self.x * np.sum(force * normal(turned), axis=1)
-        found = self.force(motion, force, moment)
-        found[:, 2] = moment
-        return found
-
-    def finite_rows(self, q: FloatArray) -> FloatArray:
-        """Derivative of :meth:`finite_displacement` in the link's axes by its coordinates.
-
-        Parameters
-        ----------
-        q : ndarray, shape (B, n_link)
-            Displacement of the link.
-
-        Returns
-        -------
-        ndarray, shape (B, 3, n_link)
-        """
-        rows = np.tile(self.rows, (len(q), 1, 1))
-        if self.rigid:
-            rows[:, 0, 2], rows[:, 1, 2] = -self.x * np.sin(q[:, 2]), self.x * np.cos(q[:, 2])
-        return rows
+        pushed = _turned(np.column_stack([force, torque]), -motion.angle[:, self.link])
+        if q is None or not self.rigid:
+            return np.asarray(pushed @ self.rows)
+        if finite:
+            return np.asarray((pushed[:, None] @ self.rows_at(q))[:, 0])
+        pushed[:, 2] *= np.cos(q[:, 2])
+        return np.asarray(pushed @ self.rows)
 
     def virial(
         self,
@@ -153,29 +125,22 @@ class AttachedPoint:
         torque: FloatArray,
         q: FloatArray | None = None,
     ) -> FloatArray:
-        """Virial of a force on a rigid link about the link's start; see :meth:`force`.
+        """Virial in N m of a force on a rigid link about the link's start, (B,).
 
         Parameters
         ----------
         motion : RigidMotion
-            Batch of shape (B,).
-        force : ndarray, shape (B, 2)
-            In ground axes.
-        torque : ndarray, shape (B,)
-        q : ndarray, shape (B, n_link), optional
-            Displacement of the link; zero where it is left out.
-
-        Returns
-        -------
-        ndarray, shape (B,)
-            In N m.
+        force, torque, q : ndarray
+            As of :meth:`force`.
         """
         along = np.sum(force * direction(motion.angle[:, self.link]), axis=1)
-        turned = np.zeros_like(along) if q is None else torque * np.sin(q[:, 2])
+        turned = 0.0 if q is None else torque * np.sin(q[:, 2])
         return np.asarray(self.x * along - turned)
 
-    def finite_displacement(self, motion: RigidMotion, q: FloatArray) -> FloatArray:
-        """As :meth:`displacement`, with finite rotation of a rigid link.
+    def displacement(
+        self, motion: RigidMotion, q: FloatArray, *, finite: bool = False
+    ) -> FloatArray:
+        """Displacement in ground axes and rotation.
 
         Parameters
         ----------
@@ -183,75 +148,57 @@ class AttachedPoint:
             Batch of shape (B,), not displaced.
         q : ndarray, shape (B, n_link)
             Displacement of the link.
+        finite : bool
+            Whether a rigid link turns by a finite angle.
 
         Returns
         -------
         ndarray, shape (B, 3)
         """
-        found = self.displacement(motion, q)
-        if self.rigid:
-            angle, turn = motion.angle[:, self.link], q[:, 2:3]
-            back = (np.cos(turn) - 1.0) * direction(angle)
-            found[:, :2] += self.x * (back + (np.sin(turn) - turn) * normal(angle))
-        return found
+        return _turned(self._in_frame(q, finite), motion.angle[:, self.link])
 
-    def displacement(self, motion: RigidMotion, q: FloatArray) -> FloatArray:
-        """Displacement in ground axes and rotation, (B, 3), at coordinates (B, n_link)."""
-        return self._in_ground_axes(motion, q)[0]
-
-    def displacement_rate(self, motion: RigidMotion, q: FloatArray, rate: FloatArray) -> FloatArray:
+    def displacement_rate(
+        self, motion: RigidMotion, q: FloatArray, rate: FloatArray, *, finite: bool = False
+    ) -> FloatArray:
         """Time derivative of :meth:`displacement`.
 
         Parameters
         ----------
         motion : RigidMotion
-            Batch of shape (B,).
         q, rate : ndarray, shape (B, n_link)
             Coordinates of the link and their rates in its frame.
+        finite : bool
+            As of :meth:`displacement`.
 
         Returns
         -------
         ndarray, shape (B, 3)
         """
-        moved, found = self._in_ground_axes(motion, q, rate)
-        speed = motion.angular_velocity[:, self.link]
-        found[:, 0] -= speed * moved[:, 1]
-        found[:, 1] += speed * moved[:, 0]
-        return found
+        moved, speed = self._in_frame(q, finite), motion.angular_velocity[:, self.link]
+        own = rate @ self.rows.T
+        if finite and self.rigid:
+            own = (self.rows_at(q) @ rate[..., None])[..., 0]
+        own[:, 0] -= speed * moved[:, 1]
+        own[:, 1] += speed * moved[:, 0]
+        return _turned(own, motion.angle[:, self.link])
 
-    def finite_displacement_rate(
-        self, motion: RigidMotion, q: FloatArray, rate: FloatArray
-    ) -> FloatArray:
-        """Time derivative of :meth:`finite_displacement`.
+    def _in_frame(self, q: FloatArray, finite: bool) -> FloatArray:
+        """Displacement and rotation in the link's frame, (B, 3)."""
+        moved = q @ self.rows.T
+        if finite and self.rigid:
+            turn = q[:, 2]
+            moved[:, 0] += self.x * (np.cos(turn) - 1.0)
+            moved[:, 1] += self.x * (np.sin(turn) - turn)
+        return moved
 
-        Parameters
-        ----------
-        motion : RigidMotion
-        q, rate : ndarray
-            As of :meth:`displacement_rate`.
 
-        Returns
-        -------
-        ndarray
-        """
-        found = self.displacement_rate(motion, q, rate)
-        if self.rigid:
-            angle, speed = motion.angle[:, self.link], motion.angular_velocity[:, self.link, None]
-            turn = q[:, 2:3]
-            back = (speed + rate[:, 2:3]) * (normal(angle + q[:, 2]) - normal(angle))
-            found[:, :2] += self.x * (back + speed * turn * direction(angle))
-        return found
-
-    def _in_ground_axes(self, motion: RigidMotion, *parts: FloatArray) -> list[FloatArray]:
-        """Displacement and rotation, or rates of them, (B, 3), at each of some (B, n_link)."""
-        angle = motion.angle[:, self.link]
-        cosine, sine = np.cos(angle), np.sin(angle)
-        found = []
-        for part in parts:
-            along, across, turned = (part @ self.rows.T).T
-            x, y = cosine * along - sine * across, sine * along + cosine * across
-            found.append(np.stack([x, y, turned], axis=1))
-        return found
+def _turned(vectors: FloatArray, angle: FloatArray) -> FloatArray:
+    """Vectors and rotations (B, 3, ...) turned by angles (B,)."""
+    angle = angle.reshape(-1, *[1] * (vectors.ndim - 2))
+    cosine, sine = np.cos(angle), np.sin(angle)
+    found, x, y = vectors.copy(), vectors[:, 0], vectors[:, 1]
+    found[:, 0], found[:, 1] = cosine * x - sine * y, sine * x + cosine * y
+    return found
 
 
 @dataclass(frozen=True)
@@ -290,14 +237,11 @@ class PointJacobian:
         batch, link = len(motion.crank_angle), point.link
         value, rate = np.zeros((2, batch, 3, frames.size))
         own = frames.independent_coordinates(link)
-        value[:, :, frames.targets[link][own]] = point.rows[:, own]
+        value[:, :, frames.targets[link][own]] = point.rows[..., own]
         for tie in dependent:
-            value[:, :, tie.columns] += point.rows[:, tie.rows] @ tie.turn
-            rate[:, :, tie.columns] += point.end_rows[:, tie.rows] @ tie.rate
-        angle, speed = motion.angle[:, link], motion.angular_velocity[:, link]
-        cosine, sine = np.cos(angle), np.sin(angle)
-        turn, quarter = np.zeros((2, batch, 3, 3))
-        turn[:, 0, 0], turn[:, 0, 1], turn[:, 1, 0], turn[:, 1, 1] = cosine, -sine, sine, cosine
-        turn[:, 2, 2] = 1.0
-        quarter[:, 0], quarter[:, 1] = -turn[:, 1], turn[:, 0]
-        return cls(turn @ value, turn @ rate + speed[:, None, None] * (quarter @ value))
+            value[:, :, tie.columns] += point.rows[..., tie.rows] @ tie.turn
+            rate[:, :, tie.columns] += point.end_rows[..., tie.rows] @ tie.rate
+        speed, angle = motion.angular_velocity[:, link, None], motion.angle[:, link]
+        rate[:, 0] -= speed * value[:, 1]
+        rate[:, 1] += speed * value[:, 0]
+        return cls(_turned(value, angle), _turned(rate, angle))

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Self
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.loads.attached_points import AttachedPoint, PointJacobian
-from flexmech.linkages import JointSpring, RigidMotion, Spring
-from flexmech.linkages.applied_forces import SpringLine
+from flexmech.linkages import JointSpring, RigidMotion, Spring, continuous_angles
+from flexmech.linkages.applied_forces import Moved, SpringLine, joint_gap
 from flexmech.mechanism import Mechanism
 
 
@@ -20,6 +18,13 @@ def acts_at_rest(mechanism: Mechanism) -> bool:
     """Whether loads or springs act on the linkage at rest."""
     loads = any(load.over != "time" for load in mechanism.loads)
     return bool(loads or mechanism.springs or mechanism.joint_springs)
+
+
+def has_dampers(mechanism: Mechanism) -> bool:
+    """Whether a spring, one in a joint or one of the frame has a damper."""
+    joints = any(own.torsional_damping or own.radial_damping for own in mechanism.joint_springs)
+    framed = mechanism.frame is not None and mechanism.frame.damping.any()
+    return bool(joints or framed or any(spring.damping for spring in mechanism.springs))
 
 
 @dataclass(frozen=True)
@@ -50,85 +55,72 @@ class ConnectorTangent:
     damping: FloatArray
     in_joint: bool = False
 
-    @classmethod
-    def of_follower_force(cls, point: AttachedPoint, force: FloatArray) -> Self:
-        """Stiffness of a follower force, which rotates with its link's section.
 
-        Parameters
-        ----------
-        point : AttachedPoint
-            Where it acts.
-        force : ndarray, shape (B, 2)
-            In ground axes.
+def follower_tangent(point: AttachedPoint, force: FloatArray) -> ConnectorTangent:
+    """Stiffness of a follower force (B, 2) in ground axes, which rotates with its section."""
+    turned = np.zeros((len(force), 3, 3))
+    turned[:, 0, 2], turned[:, 1, 2] = force[:, 1], -force[:, 0]
+    return ConnectorTangent(None, point, turned, np.zeros_like(turned))
 
-        Returns
-        -------
-        ConnectorTangent
-        """
-        turned = np.zeros((len(force), 3, 3))
-        turned[:, 0, 2], turned[:, 1, 2] = force[:, 1], -force[:, 0]
-        return cls(None, point, turned, np.zeros_like(turned))
 
-    @classmethod
-    def of_spring(
-        cls,
-        first: AttachedPoint | None,
-        second: AttachedPoint | None,
-        spring: Spring,
-        line: SpringLine,
-        *,
-        stressed: bool,
-    ) -> Self:
-        """Stiffness and damping of a spring at its length.
+def spring_tangent(
+    first: AttachedPoint | None,
+    second: AttachedPoint | None,
+    spring: Spring,
+    line: SpringLine,
+    *,
+    stressed: bool,
+) -> ConnectorTangent:
+    """Stiffness and damping of a spring at its length.
 
-        Parameters
-        ----------
-        first, second : AttachedPoint or None
-            Its ends; None on the ground.
-        spring : Spring
-        line : SpringLine
-            Of shape (B,); its relative velocity is that of the rigid motion.
-        stressed : bool
-            Whether the parts by its tension and by the rigid motion are included.
+    Parameters
+    ----------
+    first, second : AttachedPoint or None
+        Its ends; None on the ground.
+    spring : Spring
+    line : SpringLine
+        Of shape (B,); its relative velocity is that of the rigid motion.
+    stressed : bool
+        Whether the parts by its tension and by the rigid motion are included.
 
-        Returns
-        -------
-        ConnectorTangent
-        """
-        along = line.along
-        stiffness, damping = np.zeros((2, len(along), 3, 3))
-        lengthwise = along[:, :, None] * along[:, None]
-        across = np.eye(2) - lengthwise
-        stiffness[:, :2, :2] = spring.stiffness * lengthwise
-        damping[:, :2, :2] = spring.damping * lengthwise
-        if stressed:
-            stiffness[:, :2, :2] += (line.tension / line.length)[:, None, None] * across
-            swing = (across @ line.relative_velocity[..., None])[..., 0] / line.length[:, None]
-            stiffness[:, :2, :2] += spring.damping * along[:, :, None] * swing[:, None]
-        return cls(first, second, stiffness, damping)
+    Returns
+    -------
+    ConnectorTangent
+    """
+    along = line.along
+    stiffness, damping = np.zeros((2, len(along), 3, 3))
+    lengthwise = along[:, :, None] * along[:, None]
+    across = np.eye(2) - lengthwise
+    stiffness[:, :2, :2] = spring.stiffness * lengthwise
+    damping[:, :2, :2] = spring.damping * lengthwise
+    if stressed:
+        stiffness[:, :2, :2] += (line.tension / line.length)[:, None, None] * across
+        swing = (across @ line.relative_velocity[..., None])[..., 0] / line.length[:, None]
+        stiffness[:, :2, :2] += spring.damping * along[:, :, None] * swing[:, None]
+    return ConnectorTangent(first, second, stiffness, damping)
 
-    @classmethod
-    def of_joint(
-        cls, first: AttachedPoint | None, second: AttachedPoint, own: JointSpring, batch: int
-    ) -> Self:
-        """Stiffness and damping of the springs and dampers in a joint.
 
-        Parameters
-        ----------
-        first, second : AttachedPoint or None
-            Ends of the leading and the following link.
-        own : JointSpring
-        batch : int
-            Number of positions.
+def joint_tangent(
+    first: AttachedPoint | None, second: AttachedPoint, own: JointSpring, batch: int
+) -> ConnectorTangent:
+    """Stiffness and damping of the springs and dampers in a joint.
 
-        Returns
-        -------
-        ConnectorTangent
-        """
-        stiffness, damping = np.zeros((2, batch, 3, 3))
-        stiffness[:] = np.diag([own.radial_stiffness or 0.0] * 2 + [own.torsional_stiffness])
-        damping[:] = np.diag([own.radial_damping] * 2 + [own.torsional_damping])
-        return cls(first, second, stiffness, damping, in_joint=True)
+    Parameters
+    ----------
+    first, second : AttachedPoint or None
+        Ends of the leading and the following link.
+    own : JointSpring
+    batch : int
+        Number of positions.
+
+    Returns
+    -------
+    ConnectorTangent
+    """
+    stiffness, damping = np.zeros((2, batch, 3, 3))
+    stiffness[:] = np.diag([own.radial_stiffness or 0.0] * 2 + [own.torsional_stiffness])
+    damping[:] = np.diag([own.radial_damping] * 2 + [own.torsional_damping])
+    return ConnectorTangent(first, second, stiffness, damping, in_joint=True)
 
 
 @dataclass(frozen=True)
@@ -153,16 +145,6 @@ class ConnectedMatrices:
     rate_stiffness: FloatArray
     is_conservative: bool
 
-    @classmethod
-    def of_stiffness(cls, stiffness: FloatArray) -> ConnectedMatrices:
-        """Matrices of a symmetric stiffness (B, n, n) alone."""
-        nothing = np.zeros_like(stiffness)
-        return cls(stiffness, nothing, nothing, is_conservative=True)
-
-    def plus_stiffness(self, stiffness: FloatArray) -> ConnectedMatrices:
-        """The matrices with a symmetric stiffness (B, n, n) added."""
-        return replace(self, stiffness=self.stiffness + stiffness)
-
     @property
     def potential(self) -> FloatArray:
         """Symmetric part of the stiffness, which has a potential, (B, n, n)."""
@@ -175,9 +157,9 @@ class ConnectedMatrices:
 
 
 def connected_matrices(
-    frames: LinkFrames,
-    motion: RigidMotion,
     tangents: Sequence[ConnectorTangent],
+    jacobian: Callable[[AttachedPoint], PointJacobian],
+    shape: tuple[int, ...],
     *,
     is_conservative: bool,
 ) -> ConnectedMatrices:
@@ -185,40 +167,64 @@ def connected_matrices(
 
     Parameters
     ----------
-    frames : LinkFrames
-    motion : RigidMotion
-        Batch of shape (B,).
     tangents : sequence of ConnectorTangent
-        Of points of the links of ``frames``, reduced or not.
+    jacobian : callable
+        Derivative of the displacement of a point by the coordinates, with its rate.
+    shape : tuple of int
+        Of the matrices, (B, n, n).
     is_conservative : bool
 
     Returns
     -------
     ConnectedMatrices
-        In the coordinates of ``frames``.
     """
-    dependent = frames.dependent_rows(motion)
-    maps: dict[tuple[int, float], PointJacobian] = {}
-
-    def moved(point: AttachedPoint) -> PointJacobian:
-        key = (point.link, point.x)
-        if key not in maps:
-            length = frames.topology.links[point.link].length
-            own = AttachedPoint.of(frames.links, point.link, point.x / length, length)
-            maps[key] = PointJacobian.of(own, frames, motion, dependent[point.link])
-        return maps[key]
-
-    batch, size = len(motion.crank_angle), frames.size
-    stiffness, damping, rate_stiffness = np.zeros((3, batch, size, size))
+    known: dict[tuple[int, float], PointJacobian] = {}
+    stiffness, damping, rate_stiffness = np.zeros((3, *shape))
     for tangent in tangents:
-        value, rate = np.zeros((2, batch, 3, size))
+        value, rate = np.zeros((2, shape[0], 3, shape[2]))
         for point, sign in ((tangent.second, 1.0), (tangent.first, -1.0)):
             if point is not None:
-                value += sign * moved(point).value
-                rate += sign * moved(point).rate
+                key = (point.link, point.x)
+                moved = known[key] = known[key] if key in known else jacobian(point)
+                value += sign * moved.value
+                rate += sign * moved.rate
         across = np.swapaxes(value, 1, 2)
         stiffness += across @ (tangent.stiffness @ value)
         if tangent.damping.any():
             damping += across @ (tangent.damping @ value)
             rate_stiffness += across @ (tangent.damping @ rate)
     return ConnectedMatrices(stiffness, damping, rate_stiffness, is_conservative)
+
+
+def deformations(
+    mechanism: Mechanism, motion: RigidMotion, moved: Moved
+) -> Iterator[tuple[float, FloatArray, float, FloatArray]]:
+    """Deformations of springs and of dampers beside them, each with the constants of both.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    motion : RigidMotion
+        Batch of shape (B,).
+    moved : callable
+        See :data:`flexmech.linkages.applied_forces.Moved`.
+
+    Yields
+    ------
+    tuple of float, ndarray, float, ndarray
+        Stiffness, deformation (B,), damping and rate of the deformation (B,).
+    """
+    topology = mechanism.linkage.topology
+    for spring in mechanism.springs:
+        line = SpringLine.of(spring, topology, motion, moved, needs_direction=False)
+        yield spring.stiffness, line.length - spring.free_length, spring.damping, line.rate
+    if not mechanism.joint_springs:
+        return
+    angles = continuous_angles(mechanism.linkage, motion)
+    for own in mechanism.joint_springs:
+        gap, rate = joint_gap(topology, motion, own, angles, moved)
+        turned = gap[:, 2] - own.free_angle
+        yield own.torsional_stiffness, turned, own.torsional_damping, rate[:, 2]
+        if own.radial_stiffness is not None:
+            for way in range(2):
+                yield own.radial_stiffness, gap[:, way], own.radial_damping, rate[:, way]

@@ -23,21 +23,18 @@ from flexmech.linear_system.joints.displaced_motion import DisplacedMotion
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
-from flexmech.linear_system.loads.attached_points import AttachedPoint
+from flexmech.linear_system.loads.attached_points import AttachedPoint, PointJacobian
 from flexmech.linear_system.loads.connector_forces import (
     ConnectedMatrices,
     ConnectorTangent,
     PointForce,
     acts_at_rest,
     connected_matrices,
+    follower_tangent,
+    joint_tangent,
+    spring_tangent,
 )
-from flexmech.linkages import (
-    AttachmentPoint,
-    JointSpring,
-    Load,
-    RigidMotion,
-    continuous_angles,
-)
+from flexmech.linkages import AttachmentPoint, JointSpring, Load, RigidMotion, continuous_angles
 from flexmech.linkages.applied_forces import (
     ForceOnLink,
     Moved,
@@ -110,11 +107,9 @@ class Connectors:
         Parameters
         ----------
         motion : RigidMotion
-            Batch of shape (B,).
         displacement : sequence of ndarray, shape (B, n_link), optional
-            Of the links; they are straight where it is left out.
         time : ndarray, shape (B,), optional
-            In s; loads over time are left out without it.
+            As of :meth:`point_forces`.
 
         Returns
         -------
@@ -127,23 +122,17 @@ class Connectors:
             total[link] += push.point.force(motion, push.force, push.torque, q)
         return total
 
-    def applied(self, motion: RigidMotion) -> tuple[ForceOnLink, ...]:
-        """Forces on straight links, one by one, for a batch of shape (B,)."""
-        return tuple(self._applied(motion, None, None))
-
     def virial(
         self, motion: RigidMotion, displacement: Sequence[FloatArray] | None = None
     ) -> FloatArray:
         """Virial of the forces on rigid links about the links' starts.
 
         As :meth:`forces`, in N m by link (B, n_links); zero of flexible ones. See
-        :class:`flexmech.linear_system.links.dead_moments.DeadMoments`.
+        :class:`flexmech.linear_system.links.body_forces.DeadMoments`.
         """
         total = np.zeros(motion.angle.shape)
-        rigid = any(link.rigid for link in self.links)
-        for push in self.point_forces(motion, displacement) if rigid else ():
-            point = push.point
-            if point.rigid:
+        for push in self.point_forces(motion, displacement):
+            if (point := push.point).rigid:
                 q = None if displacement is None else displacement[point.link]
                 total[:, point.link] += point.virial(motion, push.force, push.torque, q)
         return total
@@ -163,18 +152,14 @@ class Connectors:
         Parameters
         ----------
         frames : LinkFrames
-            Of these links, reduced or not.
         motion : RigidMotion
-            Batch of shape (B,); its rigid links may be displaced.
         matrices : SystemMatrices
             Of the links.
         terms : RotationTerms
         prestress : {"none", "axial", "equilibrium"}
-            ``none`` leaves out the geometric stiffness by forces in connectors.
         displacement : sequence of ndarray, shape (B, n_link), optional
-            Of the state about which the system is linearized.
         time : ndarray, shape (B,), optional
-            In s; loads over time are left out without it.
+            As of :meth:`matrices`.
 
         Returns
         -------
@@ -218,7 +203,15 @@ class Connectors:
         """
         drawn = motion.undisplaced if isinstance(motion, DisplacedMotion) else motion
         tangents = self.tangents(drawn, displacement, time, stressed=prestress != "none")
-        return connected_matrices(frames, motion, tangents, is_conservative=self.is_conservative)
+        dependent = frames.dependent_rows(motion)
+
+        def jacobian(point: AttachedPoint) -> PointJacobian:
+            length = self._topology.links[point.link].length
+            own = AttachedPoint.of(frames.links, point.link, point.x / length, length)
+            return PointJacobian.of(own, frames, motion, dependent[point.link])
+
+        shape = (len(motion.crank_angle), frames.size, frames.size)
+        return connected_matrices(tangents, jacobian, shape, is_conservative=self.is_conservative)
 
     def point_forces(
         self,
@@ -226,6 +219,8 @@ class Connectors:
         displacement: Sequence[FloatArray] | None = None,
         time: FloatArray | None = None,
         rate: Sequence[FloatArray] | None = None,
+        *,
+        radial: bool = False,
     ) -> list[PointForce]:
         """Forces on points of the links, one by one.
 
@@ -239,115 +234,88 @@ class Connectors:
             In s; loads over time are left out without it.
         rate : sequence of ndarray, shape (B, n_link), optional
             Time derivative of the displacement, which dampers resist; zero where it is left out.
+        radial : bool
+            Whether radial springs and dampers in joints count, whose forces are joint forces.
 
         Returns
         -------
         list of PointForce
             First those of loads, then those of springs.
         """
-        return [
+        found = [
             PointForce(self.at(own.link, float(own.x)), own.force, own.torque)
-            for own in self._applied(motion, displacement, time, rate)
+            for own in self.applied(motion, displacement, time, rate)
         ]
+        if not radial:
+            return found
+        moved = None if displacement is None else self.moved(motion, displacement, rate)
+        for joint in self._mechanism.joint_springs:
+            if joint.radial_stiffness is None:
+                continue
+            gap, opening = joint_gap(self._topology, motion, joint, motion.angle, moved)
+            force = joint.radial_stiffness * gap[:, :2] + joint.radial_damping * opening[:, :2]
+            for point, sign in zip(self.joint_points(joint), (-1.0, 1.0), strict=True):
+                if point is not None:
+                    found.append(PointForce(point, sign * force, np.zeros(len(force))))
+        return found
 
-    def radial_forces(
+    def applied(
         self,
         motion: RigidMotion,
-        displacement: Sequence[FloatArray],
-        rate: Sequence[FloatArray],
-    ) -> Iterator[PointForce]:
-        """Forces of radial springs and dampers in joints on both ends, in ground axes.
+        displacement: Sequence[FloatArray] | None = None,
+        time: FloatArray | None = None,
+        rate: Sequence[FloatArray] | None = None,
+    ) -> Iterator[ForceOnLink]:
+        """Forces on links, one by one, by the number of the link.
 
         Parameters
         ----------
         motion : RigidMotion
-            Batch of shape (B,).
-        displacement, rate : sequence of ndarray, shape (B, n_link)
-            Of the links, and its time derivative.
+        displacement, rate : sequence of ndarray, shape (B, n_link), optional
+        time : ndarray, shape (B,), optional
+            As of :meth:`point_forces`.
         """
-        moved = self._moved(motion, displacement, rate)
-        nothing = np.zeros_like(motion.crank_angle)
-        for own in self._mechanism.joint_springs:
-            if own.radial_stiffness is None:
-                continue
-            gap, opening = joint_gap(self._topology, motion, own, motion.angle, moved)
-            force = own.radial_stiffness * gap[:, :2] + own.radial_damping * opening[:, :2]
-            for point, sign in zip(self.joint_points(own), (-1.0, 1.0), strict=True):
-                if point is not None:
-                    yield PointForce(point, sign * force, nothing)
-
-    def _applied(
-        self,
-        motion: RigidMotion,
-        displacement: Sequence[FloatArray] | None,
-        time: FloatArray | None,
-        rate: Sequence[FloatArray] | None = None,
-    ) -> Iterator[ForceOnLink]:
         own = self._mechanism
         springs = own.joint_springs
-        angles = continuous_angles(own.linkage, motion) if springs else motion.angle
         return applied_forces(
             self._topology,
             motion,
             self._acting(time),
             own.springs,
             springs,
-            angles,
+            continuous_angles(own.linkage, motion) if springs else motion.angle,
             0.0 if time is None else time,
-            self._moved(motion, displacement, rate),
+            None if displacement is None else self.moved(motion, displacement, rate),
         )
 
-    def _moved(
+    def moved(
         self,
         motion: RigidMotion,
-        displacement: Sequence[FloatArray] | None,
+        displacement: Sequence[FloatArray],
         rate: Sequence[FloatArray] | None = None,
-    ) -> Moved | None:
-        """Displacements of points of links; at rest in the ground axes without a rate."""
-        if displacement is None:
-            return None
-
-        def moved(link: int, x: float) -> tuple[FloatArray, FloatArray]:
-            point, q = self.at(link, x), displacement[link]
-            found = point.finite_displacement(motion, q)
-            if rate is None:
-                return found, np.zeros_like(found)
-            return found, point.finite_displacement_rate(motion, q, rate[link])
-
-        return moved
-
-    def deformations(
-        self, motion: RigidMotion, moved: Moved
-    ) -> Iterator[tuple[float, FloatArray, float, FloatArray]]:
-        """Deformations of springs and of dampers beside them, each with the constants of both.
+        *,
+        finite: bool = True,
+    ) -> Moved:
+        """Displacements of points of links and their rates, in ground axes with the rotation.
 
         Parameters
         ----------
         motion : RigidMotion
             Batch of shape (B,).
-        moved : callable
-            See :data:`flexmech.linkages.applied_forces.Moved`.
-
-        Yields
-        ------
-        tuple of float, ndarray, float, ndarray
-            Stiffness, deformation (B,), damping and rate of the deformation (B,).
+        displacement, rate : sequence of ndarray, shape (B, n_link)
+            Of the links; points are at rest in the ground axes without a rate.
+        finite : bool
+            Whether rigid links turn by finite angles.
         """
-        mechanism, topology = self._mechanism, self._topology
-        for spring in mechanism.springs:
-            line = SpringLine.of(spring, topology, motion, moved, needs_direction=False)
-            yield spring.stiffness, line.length - spring.free_length, spring.damping, line.rate
-        if not mechanism.joint_springs:
-            return
-        angles = continuous_angles(mechanism.linkage, motion)
-        for own in mechanism.joint_springs:
-            gap, rate = joint_gap(topology, motion, own, angles, moved)
-            turned = gap[:, 2] - own.free_angle
-            yield own.torsional_stiffness, turned, own.torsional_damping, rate[:, 2]
-            if own.radial_stiffness is not None:
-                for way in range(2):
-                    own_way = gap[:, way], own.radial_damping, rate[:, way]
-                    yield own.radial_stiffness, *own_way
+
+        def moved(link: int, x: float) -> tuple[FloatArray, FloatArray]:
+            point, q = self.at(link, x), displacement[link]
+            found = point.displacement(motion, q, finite=finite)
+            if rate is None:
+                return found, np.zeros_like(found)
+            return found, point.displacement_rate(motion, q, rate[link], finite=finite)
+
+        return moved
 
     def tangents(
         self,
@@ -362,11 +330,9 @@ class Connectors:
         Parameters
         ----------
         motion : RigidMotion
-            Batch of shape (B,).
         displacement : sequence of ndarray, shape (B, n_link), optional
-            Of the links in the state about which to linearize.
         time : ndarray, shape (B,), optional
-            In s; loads over time are left out without it.
+            As of :meth:`matrices`.
         stressed : bool
             Whether the geometric stiffness by forces in connectors is included.
 
@@ -375,20 +341,21 @@ class Connectors:
         list of ConnectorTangent
             Empty where loads in ground axes alone act.
         """
-        topology, moved = self._topology, self._moved(motion, displacement)
+        topology = self._topology
+        moved = None if displacement is None else self.moved(motion, displacement)
         turning = [load for load in self._acting(time) if stressed and load.axes == "link"]
         instant = 0.0 if time is None else time
         tangents = [
-            ConnectorTangent.of_follower_force(self.at(own.link, float(own.x)), own.force)
+            follower_tangent(self.at(own.link, float(own.x)), own.force)
             for own in forces_of_loads(topology, motion, turning, instant, moved)
         ]
         for spring in self._mechanism.springs:
             line = SpringLine.of(spring, topology, motion, moved)
             ends = self.point(spring.first), self.point(spring.second)
-            tangents.append(ConnectorTangent.of_spring(*ends, spring, line, stressed=stressed))
+            tangents.append(spring_tangent(*ends, spring, line, stressed=stressed))
         for own in self._mechanism.joint_springs:
             second, first = self.joint_points(own)
-            tangents.append(ConnectorTangent.of_joint(first, second, own, len(motion.crank_angle)))
+            tangents.append(joint_tangent(first, second, own, len(motion.crank_angle)))
         return tangents
 
     def _acting(self, time: FloatArray | None) -> tuple[Load, ...]:
@@ -410,3 +377,24 @@ class Connectors:
     def point(self, point: AttachmentPoint) -> AttachedPoint | None:
         """Attachment point of a load or spring on its link; None on the ground."""
         return None if point.is_ground else self.at(self._topology.index(point.link), point.x)
+
+    def end_forces(self) -> list[FloatArray]:
+        """Unit couples and forces of springs and dampers on elastic links, for component modes.
+
+        On every link k in its coordinates, (n_link, k): of springs and dampers in joints a couple,
+        of others a force along and one across.
+        """
+        found: list[list[FloatArray]] = [[] for _ in self.links]
+        for own in self._mechanism.joint_springs:
+            if own.torsional_stiffness or own.torsional_damping:
+                for point in self.joint_points(own):
+                    if point is not None and not point.rigid:
+                        found[point.link].append(point.rows[2])
+        for spring in self._mechanism.springs:
+            for point in (self.point(spring.first), self.point(spring.second)):
+                if point is not None and not point.rigid:
+                    found[point.link] += [*point.rows[:2]]
+        return [
+            np.stack(rows, axis=1) if rows else np.zeros((link.size, 0))
+            for link, rows in zip(self.links, found, strict=True)
+        ]

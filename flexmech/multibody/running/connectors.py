@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import Connectors, LinkModel
+from flexmech.linear_system import Connectors, LinkModel, deformations
 from flexmech.linkages import RigidMotion, continuous_angles
 from flexmech.linkages.applied_forces import Moved, forces_of_loads, joint_gap
 from flexmech.linkages.topology import leading_end
@@ -84,7 +84,7 @@ class RunningConnectors:
             drift = moved(one.link, float(one.x))[1]
             power += one.power(motion) + np.sum(one.force * drift[:, :2], axis=1)
             power += one.torque * drift[:, 2]
-        return ConnectorWork.of(self._all.deformations(motion, moved), power)
+        return ConnectorWork.of(deformations(self._mechanism, motion, moved), power)
 
     def joint_forces(
         self,
@@ -116,11 +116,7 @@ class RunningConnectors:
         displacement: Sequence[FloatArray],
         rate: Sequence[FloatArray],
     ) -> Moved:
-        def own(link: int, x: float) -> tuple[FloatArray, FloatArray]:
-            point, q = self._all.at(link, x), displacement[link]
-            return point.finite_displacement(motion, q), point.finite_displacement_rate(
-                motion, q, rate[link]
-            )
+        own = self._all.moved(motion, displacement, rate)
 
         def moved(link: int, x: float) -> tuple[FloatArray, FloatArray]:
             found, place = own(link, x), own(*self._leading_places.get((link, x), (link, x)))

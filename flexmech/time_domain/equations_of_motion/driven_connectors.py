@@ -26,6 +26,7 @@ from flexmech.linear_system import (
     PointForce,
     RotationTerms,
     SystemMatrices,
+    deformations,
 )
 from flexmech.linkages import Drive, Load, RigidMotion, continuous_angles
 from flexmech.linkages.motion import cross
@@ -274,11 +275,9 @@ class DrivenConnectors:
             np.zeros(len(time)),
         )
 
-        def displaced(link: int, x: float) -> tuple[FloatArray, FloatArray]:
-            point, (q, rate, _) = self._all.at(link, x), elastic[link]
-            return point.displacement(motion, q), point.displacement_rate(motion, q, rate)
-
-        work = ConnectorWork.of(self._all.deformations(motion, displaced), power)
+        displacement, rate, _ = zip(*elastic, strict=True)
+        displaced = self._all.moved(motion, displacement, rate, finite=False)
+        work = ConnectorWork.of(deformations(self._mechanism, motion, displaced), power)
         return ActingForces(shapes, fields, virtual, work)
 
     def _point_forces(

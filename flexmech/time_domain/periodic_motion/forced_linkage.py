@@ -7,8 +7,6 @@ links at each crank angle less that of the moving modes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from flexmech.arrays import FloatArray
@@ -16,7 +14,6 @@ from flexmech.choices import LinkDirection
 from flexmech.dynamical_systems import ForcedPeriodicSystem
 from flexmech.linear_system import (
     LinkFrames,
-    LinkMatrix,
     LinkPoint,
     RotationTerms,
     StressedLinks,
@@ -24,6 +21,7 @@ from flexmech.linear_system import (
     in_positions,
 )
 from flexmech.time_domain.periodic_motion.moving_modes import MovingModes
+from flexmech.time_domain.periodic_motion.sampled_turn import SampledTurn
 
 # Crank angles whose unreduced matrices are in memory at a time. Memory alone.
 BATCH = 64
@@ -54,7 +52,8 @@ def forced_linkage(
     Returns
     -------
     ForcedPeriodicSystem
-        From N to m. Phases count from crank angle 0.
+        From N to m. Phases count from crank angle 0. The residual flexibility is
+        ``g' K^-1 f - (P' g)' (P' K P)^-1 P' f`` without rotation terms.
 
     Raises
     ------
@@ -67,76 +66,49 @@ def forced_linkage(
     root = np.sqrt(moving.scale)
     force[:, size:] = into / root
     reading[:, :size] = out / root
-    remainder = residual_flexibility(moving, stressed, hit, seen, direction, connected)
+    # Zero where the moving modes are all coordinates.
+    frames, remainder = LinkFrames(turn.frames.topology, turn.unreduced), np.zeros(len(into))
+    if size < frames.size:
+        own = np.swapaxes(moving.basis, 1, 2) @ _stiffness(turn) @ moving.basis
+        remainder -= (out * np.linalg.solve(own, into[..., None])[..., 0]).sum(axis=1)
+        remainder += _flexibility(turn, frames, stressed, (hit, seen), direction, connected)
     return ForcedPeriodicSystem(moving.system(), *map(turn.series, (force, reading, remainder)))
 
 
-def residual_flexibility(
-    moving: MovingModes,
+def _flexibility(
+    turn: SampledTurn,
+    frames: LinkFrames,
     stressed: StressedLinks,
-    hit: LinkPoint,
-    seen: LinkPoint,
-    direction: LinkDirection = "transverse",
-    connected: FloatArray | None = None,
+    points: tuple[LinkPoint, LinkPoint],
+    direction: LinkDirection,
+    connected: FloatArray | None,
 ) -> FloatArray:
-    """Residual flexibility of the truncated modes at each crank angle.
-
-    ``g' K^-1 f - (P' g)' (P' K P)^-1 P' f``: flexibility of the unreduced links less that of the
-    moving modes, without rotation terms.
-
-    Parameters
-    ----------
-    moving : MovingModes
-    stressed : StressedLinks
-        The unreduced links at the crank angles of its turn.
-    hit, seen : LinkPoint
-    direction : {"transverse", "axial"}
-    connected : ndarray, shape (N, size, size), optional
-        Stiffness of loads and springs in the coordinates of the unreduced links.
-
-    Returns
-    -------
-    ndarray, shape (N,)
-        In m/N. Zero where the moving modes are all coordinates.
-    """
-    turn = moving.turn
-    frames = LinkFrames(turn.frames.topology, turn.unreduced)
-    count = len(moving.basis)
-    if moving.size == frames.size:
-        return np.zeros(count)
-    into, out = (_row(moving, point, direction) for point in (hit, seen))
-    places = [point.index(frames.topology) for point in (hit, seen)]
-    rows = [
+    """Displacement (N,) of the second point by a unit force on the first, of unreduced links."""
+    places = [point.index(frames.topology) for point in points]
+    force, row = (
         displacement_row(turn.unreduced[place], point.fraction, direction)
-        for place, point in zip(places, (hit, seen), strict=True)
-    ]
-    flexibility = np.empty(count)
-    for first in range(0, count, BATCH):
+        for place, point in zip(places, points, strict=True)
+    )
+    flexibility = np.empty(len(turn.motion.crank_angle))
+    for first in range(0, len(flexibility), BATCH):
         some = slice(first, first + BATCH)
         motion = turn.displaced.at(some)
         tangent = [in_positions(t, some) for t in stressed.tangent]
-        frozen = RotationTerms.all_or_none(False)
-        stiffness = frames.assemble(motion, tangent, frozen).stiffness
+        stiffness = frames.assemble(motion, tangent, RotationTerms.all_or_none(False)).stiffness
         if connected is not None:
             stiffness = stiffness + connected[some]
         loads = [np.zeros((len(stiffness), link.size)) for link in turn.unreduced]
-        loads[places[0]][:] = rows[0]
+        loads[places[0]][:] = force
         moved = np.linalg.solve(stiffness, frames.gather(motion, loads)[..., None])
-        whole = frames.link_coordinates(motion, moved)[places[1]][..., 0] @ rows[1]
-        own = np.linalg.solve(_stiffness(moving, tangent, some), into[some, :, None])[..., 0]
-        flexibility[some] = whole - (out[some] * own).sum(axis=1)
+        flexibility[some] = frames.link_coordinates(motion, moved)[places[1]][..., 0] @ row
     return flexibility
 
 
-def _stiffness(moving: MovingModes, tangent: Sequence[LinkMatrix], some: slice) -> FloatArray:
-    """``P' K P`` at some crank angles, (B, m, m)."""
-    turn, modes = moving.turn, moving.basis[some]
-    reduced = turn.frames.link_coordinates(turn.displaced.at(some), modes)
-    shapes = [basis @ q for basis, q in zip(turn.bases, reduced, strict=True)]
-    parts = [np.swapaxes(q, 1, 2) @ (k @ q) for q, k in zip(shapes, tangent, strict=True)]
-    if turn.connected is not None:
-        parts.append(np.swapaxes(modes, 1, 2) @ (turn.connected.stiffness[some] @ modes))
-    return np.asarray(sum(parts))
+def _stiffness(turn: SampledTurn) -> FloatArray:
+    """Stiffness of the reduced links, with that of forces without a potential, (N, n, n)."""
+    if turn.connected is None:
+        return turn.stiffness
+    return turn.stiffness + turn.connected.circulatory
 
 
 def _row(moving: MovingModes, point: LinkPoint, direction: LinkDirection) -> FloatArray:

@@ -26,7 +26,6 @@ from flexmech.linear_system import (
     DisplacedInertia,
     Engine,
     Prestress,
-    RotationTerms,
     StressedLinks,
     inertia_loads,
 )
@@ -80,22 +79,6 @@ class ForcedModes:
     rows: FourierSeries
     offset: FourierSeries
 
-    @property
-    def size(self) -> int:
-        """Number of states 2 m."""
-        return 2 * self.moving.size
-
-    @property
-    def period(self) -> float:
-        """Time of a turn in s."""
-        return self.moving.turn.period
-
-    @property
-    def fastest(self) -> float:
-        """Greatest natural frequency of the moving modes over the turn in rad/s."""
-        squares = self.moving.turn.frozen_squares[:, self.moving.size - 1]
-        return float(np.sqrt(squares.max()))
-
     def frequency_ranges(self) -> FloatArray:
         """Least and greatest frozen natural frequency of each moving mode in Hz, (m, 2)."""
         squares = np.maximum(self.moving.turn.frozen_squares[:, : self.moving.size], 0.0)
@@ -117,19 +100,19 @@ class ForcedModes:
         matrix = self.moving.with_undamped_links
         for series, factor in zip(self.damping, factors, strict=True):
             matrix = matrix.plus(series, factor)
-        n = self.size
+        n, turn = 2 * self.moving.size, self.moving.turn
         # A state that stays one carries the loads.
         harmonics = len(matrix.coefficients), len(self.force.coefficients)
         whole = np.zeros((max(harmonics), n + 1, n + 1), dtype=complex)
         whole[: harmonics[0], :n, :n] = matrix.coefficients
         whole[: harmonics[1], :n, n] = self.force.coefficients
         series = FourierSeries(whole)
-        steps = max(
-            LEAST_STEPS,
-            int(np.ceil(STEPS_A_PERIOD * self.period * self.fastest / (2 * np.pi))),
-        )
+        # Periods of the fastest moving mode in a turn.
+        fastest = np.sqrt(turn.frozen_squares[:, self.moving.size - 1].max())
+        periods = turn.period * float(fastest) / (2 * np.pi)
+        steps = max(LEAST_STEPS, int(np.ceil(STEPS_A_PERIOD * periods)))
         return FreeAndForced(
-            transitions=transition_matrices(SampledPeriodicSystem(series, self.period), steps),
+            transitions=transition_matrices(SampledPeriodicSystem(series, turn.period), steps),
             rows=self.rows.samples(steps),
             offset=self.offset.samples(steps),
         )
@@ -342,11 +325,7 @@ def _of_connectors(turn: SampledTurn, stressed: StressedLinks) -> FloatArray:
 
 def _rest(moving: MovingModes, force: FloatArray, modal: FloatArray) -> FloatArray:
     """Static response to the loads beyond the moving modes, (N, n, 1)."""
-    turn, across = moving.turn, np.swapaxes(moving.basis, 1, 2)
-    frozen = RotationTerms.all_or_none(False)
-    stiffness = turn.frames.assemble(turn.displaced, turn.tangent, frozen).stiffness
-    if turn.connected is not None:
-        stiffness = stiffness + turn.connected.potential
+    stiffness, across = moving.turn.stiffness, np.swapaxes(moving.basis, 1, 2)
     own = np.linalg.solve(across @ stiffness @ moving.basis, modal[..., None])
     return np.asarray(np.linalg.solve(stiffness, force[..., None]) - moving.basis @ own)
 

@@ -31,12 +31,7 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.choices import MovingFrame
 from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem
-from flexmech.linear_system import LinkMatrix
-from flexmech.time_domain.periodic_motion.nodal_frames import (
-    ground_rates,
-    inertia_in_ground_axes,
-    quarter_turn,
-)
+from flexmech.linear_system import LinkMatrix, LinkModel, whole
 from flexmech.time_domain.periodic_motion.sampled_turn import SampledTurn
 
 # A subspace turns fast where its highest frequency comes nearer than this part to the next one,
@@ -140,7 +135,7 @@ def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
             break
         below, above = squares[:, count - 1], squares[:, count]
         gap = float(np.sqrt(above / below).min()) - 1 if below.min() > 0 else 0.0
-        overlap = float(turn.subspace(count).least_common.min())
+        overlap = float(turn.subspace(count)[2].min())
         smoothness[count] = min(gap / LEAST_GAP, overlap / LEAST_OVERLAP)
         if smoothness[count] > 1:
             counts.append(count)
@@ -167,8 +162,7 @@ def moving_modes(
         to take: matrices of both then change continuously from one speed to the other.
     frame : {"link", "inertial"}
         Axes in which rates are taken of the nodes' displacements: those of the links, or of
-        the ground. It is the same system; see
-        :mod:`flexmech.time_domain.periodic_motion.nodal_frames`.
+        the ground. It is the same system.
 
     Returns
     -------
@@ -206,15 +200,15 @@ def _scale_and_fixed_basis(
     turn: SampledTurn, count: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Natural frequencies (m,) of the averaged stiffness; its modes, and those nearest to them."""
-    own = turn.subspace(count)
+    fixed, alignment, _ = turn.subspace(count)
     squares = turn.frozen_squares[:, :count]
-    average = np.einsum("aij,ai,aik->jk", own.alignment, squares, own.alignment)
+    average = np.einsum("aij,ai,aik->jk", alignment, squares, alignment)
     mean_squares, turned = np.linalg.eigh(average / len(squares))
     scale = np.sqrt(np.abs(mean_squares))
     # Any scale makes canonical states; that of a rigid mode would be zero.
     rigid = slice(turn.rigid_modes)
     scale[rigid] = np.maximum(scale[rigid], abs(turn.crank_speed))
-    return scale, own.fixed @ turned, own.alignment @ turned
+    return scale, fixed @ turned, alignment @ turned
 
 
 @dataclass(frozen=True)
@@ -316,10 +310,43 @@ def _in_link_frame(
 def _in_ground_axes(
     turn: SampledTurn, number: int, shapes: FloatArray
 ) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
-    """Inertia by rates in ground axes; the rates that damping feels, (N, n_link, m)."""
-    link, reduction = turn.unreduced[number], turn.bases[number]
+    """Inertia by rates in ground axes; the rates that damping feels, (N, n_link, m).
+
+    Each vector of a link, the displacement of a node or its slope vector, is turned by the link's
+    angle: ``d = R q``. With J the quarter turn of all vectors, the rate seen in the link's axes is
+    ``v = R' d. = q. + omega J q``, and what the kinetic energy of the link has besides
+    ``v' M v / 2`` is ``omega v' S* q + omega^2 q' M_t* q / 2`` with::
+
+        S* = S - M J
+        M_t* = M_t + J' M J - J' S - S' J
+
+    Both vanish where the shape functions turn with the nodes, as those of ANCF cables do: then the
+    inertia has no terms of turning frames in ground axes. Along beams whose displacements along
+    and across are of different degree a small rest remains, of the element's length.
+    """
+    link, reduction, angle = turn.unreduced[number], turn.bases[number], turn.displaced.angle
     speed, full = turn.frame_speed[:, number, None, None], reduction @ shapes
-    moving = ground_rates(link, full, turn.displaced.angle[:, number], turn.period)
-    rates = moving - speed * (quarter_turn(link) @ full)
-    inertia = _inertia(inertia_in_ground_axes(link), speed, full, moving)
-    return inertia, np.linalg.pinv(reduction) @ rates
+    ground = turn.rate(_vectors_turned(link, full, angle[:, number]))
+    moving = _vectors_turned(link, ground, -angle[:, number])
+    quarter = np.zeros((link.size, link.size))
+    x, y = link.vectors
+    quarter[x, y], quarter[y, x] = -1.0, 1.0
+    crossed = quarter.T @ link.gyroscopic
+    centrifugal = whole(link.centrifugal_mass) + quarter.T @ link.mass @ quarter
+    matrices = (
+        link.mass,
+        whole(link.gyroscopic) - link.mass @ quarter,
+        centrifugal - crossed - crossed.T,
+    )
+    rates = moving - speed * (quarter @ full)
+    return _inertia(matrices, speed, full, moving), np.linalg.pinv(reduction) @ rates
+
+
+def _vectors_turned(link: LinkModel, shapes: FloatArray, angle: FloatArray) -> FloatArray:
+    """Shapes (N, n, m) whose vectors are turned by angles (N,); other coordinates stay."""
+    x, y = link.vectors
+    cosine, sine = np.cos(angle)[:, None, None], np.sin(angle)[:, None, None]
+    turned = shapes.copy()
+    turned[:, x] = cosine * shapes[:, x] - sine * shapes[:, y]
+    turned[:, y] = sine * shapes[:, x] + cosine * shapes[:, y]
+    return turned

@@ -21,11 +21,7 @@ from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linear_system import Engine, LinkFrames
 from flexmech.linkages import ConstantSpeed, Linkage
 from flexmech.threads import one_thread
-from flexmech.time_domain.periodic_motion.orbit_equations import (
-    OrbitEquations,
-    at_angles,
-    derivatives,
-)
+from flexmech.time_domain.periodic_motion.orbit_equations import OrbitEquations, derivatives
 from flexmech.time_domain.periodic_motion.orbit_newton import NewtonRun, newton
 from flexmech.time_domain.periodic_motion.shooting import CRITICAL
 from flexmech.time_domain.recorded_runs.states import LinkState
@@ -123,6 +119,26 @@ class NonlinearOrbit:
         return LinkState([q[0] for q in displacement], [v[0] for v in rate])
 
 
+def at_angles(z: FloatArray, crank_angle: FloatArray) -> FloatArray:
+    """Values of a periodic motion at other crank angles, by its Fourier series.
+
+    Parameters
+    ----------
+    z : ndarray, shape (N, n)
+        At an even number of evenly spaced crank angles from zero.
+    crank_angle : ndarray, shape (A,)
+        In rad.
+
+    Returns
+    -------
+    ndarray, shape (A, n)
+    """
+    amplitude = np.fft.rfft(z, axis=0) / len(z)
+    amplitude[1:-1] *= 2
+    waves = np.exp(1j * np.outer(crank_angle, np.arange(len(amplitude))))
+    return np.asarray((waves @ amplitude).real)
+
+
 def nonlinear_orbit(
     engine: Engine, crank_speed: float, near: NonlinearOrbit | None = None
 ) -> NonlinearOrbit:
@@ -178,12 +194,12 @@ def _orbit(engine: Engine, crank_speed: float, near: NonlinearOrbit | None) -> N
         equations = OrbitEquations(engine, crank_speed, count)
         still = _equilibrium(equations)
         straight = np.zeros((count, equations.frames.size))
-        starts = [straight if still is None else equations.independent(still)]
+        starts = [straight if still is None else _independent(equations, still)]
         if z is not None:
             starts.insert(0, at_angles(z, equations.motion.crank_angle))
         run, taken = _found(equations, starts)
         z, passes = run.state.z, passes + taken
-        moved = equations.at_stations(run.state.displacement)
+        moved = _at_stations(equations, run.state.displacement)
         if _tail(moved) <= TAIL:
             break
     if _tail(moved) > TAIL:
@@ -192,7 +208,7 @@ def _orbit(engine: Engine, crank_speed: float, near: NonlinearOrbit | None) -> N
         passes += resolved.passes
         if resolved.converged:
             run, equations, still = resolved, finer, _equilibrium(finer)
-            moved = equations.at_stations(run.state.displacement)
+            moved = _at_stations(equations, run.state.displacement)
     tail, greatest = _tail(moved), float(np.abs(moved).max())
     if tail > GREATEST_TAIL:
         raise ComputationError(
@@ -203,11 +219,11 @@ def _orbit(engine: Engine, crank_speed: float, near: NonlinearOrbit | None) -> N
         )
     distance = np.nan
     if still is not None:
-        distance = float(np.abs(moved - equations.at_stations(still)).max()) / greatest
+        distance = float(np.abs(moved - _at_stations(equations, still)).max()) / greatest
     return NonlinearOrbit(
         crank_speed,
         run.state.z,
-        tuple(equations.beyond_linear(run.state.z)),
+        tuple(run.state.beyond_linear),
         engine.mechanism.linkage,
         equations.frames,
         run.state.error,
@@ -282,6 +298,21 @@ def _equilibrium(equations: OrbitEquations) -> list[FloatArray] | None:
     except ComputationError as error:
         logger.info("the orbit is looked for from straight links: %s", error)
         return None
+
+
+def _independent(equations: OrbitEquations, displacement: Sequence[FloatArray]) -> FloatArray:
+    """Independent coordinates z (N, n) of the displacement of each link, (N, n_link)."""
+    columns = [q[..., None] for q in displacement]
+    return np.asarray(equations.frames.independent(equations.motion, columns)[..., 0], dtype=float)
+
+
+def _at_stations(equations: OrbitEquations, displacement: Sequence[FloatArray]) -> FloatArray:
+    """Displacements of all links at their stations, (N, s), in m."""
+    moved = [
+        np.einsum("scn,bn->bsc", link.shape, q).reshape(len(q), -1)
+        for link, q in zip(equations.engine.links, displacement, strict=True)
+    ]
+    return np.concatenate(moved, axis=1)
 
 
 def _tail(moved: FloatArray) -> float:

@@ -144,7 +144,7 @@ def _in_static_balance(
         size = float(np.linalg.norm(force))
         if size <= enough or not np.isfinite(size):
             break
-        elastic = equations.elastic(state.stressed, state.connected)
+        elastic = equations.elastic(state)
         stiffness = rows @ elastic @ np.swapaxes(rows, 1, 2)
         change = np.linalg.solve(stiffness, force[..., None])[..., 0]
         state = equations.state(state.z - times(np.swapaxes(rows, 1, 2), change), damping_rate)
@@ -174,7 +174,7 @@ class _ModalPreconditioner:
         self, equations: OrbitEquations, state: OrbitState, matrices: SystemMatrices
     ) -> None:
         self._equations = equations
-        stiffness, shift = equations.elastic(state.stressed, state.connected), 0.0
+        stiffness, shift = equations.elastic(state), 0.0
         while (half := _inverse_root(stiffness + shift * matrices.mass)) is None:
             # Compressed beyond buckling: the modes are those of a stiffness shifted by mass.
             shift = max(10 * shift, equations.crank_speed**2)

@@ -33,25 +33,6 @@ DETAIL = 2.0
 
 
 @dataclass(frozen=True)
-class FrozenSubspace:
-    """Subspaces of the lowest m natural modes at N crank angles, aligned to a fixed one.
-
-    Parameters
-    ----------
-    fixed : ndarray, shape (n, m)
-        Basis of the subspace that has most in common with those at all crank angles.
-    alignment : ndarray, shape (N, m, m)
-        Combinations of the modes that are nearest to it.
-    least_common : ndarray, shape (N,)
-        Least part that a direction of them has in common with it.
-    """
-
-    fixed: FloatArray
-    alignment: FloatArray
-    least_common: FloatArray
-
-
-@dataclass(frozen=True)
 class SampledTurn:
     """Links in component modes at N crank angles, and the linkage's frozen natural modes.
 
@@ -146,11 +127,9 @@ class SampledTurn:
         connected = engine.connected_matrices(frames, displaced, prestress, stressed.displacement)
         if stressed.guide_stiffness is not None and stressed.guide_stiffness.any():
             guide_matrix = frames.guide_matrix(displaced, stressed.guide_stiffness)
-            connected = (
-                ConnectedMatrices.of_stiffness(guide_matrix)
-                if connected is None
-                else connected.plus_stiffness(guide_matrix)
-            )
+            zero = np.zeros_like(guide_matrix)
+            connected = connected or ConnectedMatrices(zero, zero, zero, is_conservative=True)
+            connected = replace(connected, stiffness=connected.stiffness + guide_matrix)
         return cls(
             motion=motion,
             models=reduced.models,
@@ -215,6 +194,11 @@ class SampledTurn:
         return self._frozen[0]
 
     @property
+    def stiffness(self) -> FloatArray:
+        """Stiffness in the coordinates of ``frames``, its part that has a potential, (N, n, n)."""
+        return self._frozen[3]
+
+    @property
     def frozen_squares(self) -> FloatArray:
         """Squares of the natural frequencies without rotation terms, (N, n) in (rad/s)^2.
 
@@ -246,8 +230,8 @@ class SampledTurn:
         """Natural modes without rotation terms, (N, n, n): one a column, of unit modal mass."""
         return self._frozen[2]
 
-    def subspace(self, count: int) -> FrozenSubspace:
-        """Alignment of the lowest natural modes at all crank angles to a fixed basis.
+    def subspace(self, count: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Subspaces of the lowest natural modes at all crank angles, aligned to a fixed one.
 
         Parameters
         ----------
@@ -256,7 +240,11 @@ class SampledTurn:
 
         Returns
         -------
-        FrozenSubspace
+        ndarray, shape (n, m)
+            Basis of the subspace that has most in common with those at all crank angles.
+        ndarray, shape (N, m, m)
+        ndarray, shape (N,)
+            See :meth:`aligned`.
         """
         if count not in self._subspaces:
             weight = np.linalg.cholesky(self.mass.mean(axis=0)).T
@@ -265,7 +253,7 @@ class SampledTurn:
             average = (span @ np.swapaxes(span, 1, 2)).mean(axis=0)
             most = np.linalg.eigh(average)[1][:, -count:]
             fixed = np.asarray(np.linalg.solve(weight, most))
-            self._subspaces[count] = FrozenSubspace(fixed, *self.aligned(count, fixed))
+            self._subspaces[count] = fixed, *self.aligned(count, fixed)
         return self._subspaces[count]
 
     def aligned(self, count: int, fixed: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -289,11 +277,11 @@ class SampledTurn:
         return left @ right, common.min(axis=1)
 
     @cached_property
-    def _subspaces(self) -> dict[int, FrozenSubspace]:
+    def _subspaces(self) -> dict[int, tuple[FloatArray, FloatArray, FloatArray]]:
         return {}
 
     @cached_property
-    def _frozen(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _frozen(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         frozen = RotationTerms.all_or_none(False)
         matrices = self.frames.assemble(self.displaced, self.tangent, frozen, turns=self.turns)
         if self.connected is not None:
@@ -302,4 +290,4 @@ class SampledTurn:
         half = np.linalg.inv(np.linalg.cholesky(matrices.mass))
         across = np.swapaxes(half, 1, 2)
         squares, vectors = np.linalg.eigh(half @ matrices.stiffness @ across)
-        return matrices.mass, squares, across @ vectors
+        return matrices.mass, squares, across @ vectors, matrices.stiffness

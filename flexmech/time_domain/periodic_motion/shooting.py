@@ -8,6 +8,7 @@ monodromy matrix are the Floquet multipliers.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Iterator
 
 import numpy as np
@@ -52,7 +53,7 @@ def periodic_state(linkage: DrivenLinkage, steps: int) -> VibrationState:
         If a free vibration fits a turn exactly, so that without damping the forced motion
         grows without limit.
     """
-    state = _fixed_point(linkage, *turn_map(linkage, steps))
+    state = _fixed_point(linkage, *_turn_map(linkage, steps))
     n = linkage.size
     return initial_state(linkage.equations(np.zeros(1)), state[:n], state[n:])
 
@@ -87,8 +88,8 @@ def state_under_motor(
     InputError, ComputationError
         As :func:`periodic_state`.
     """
-    monodromy, forced = turn_map(linkage, steps)
-    pushed = turn_map(stronger, steps)[1] - forced
+    monodromy, forced = _turn_map(linkage, steps)
+    pushed = _turn_map(stronger, steps)[1] - forced
     count, n = len(forced), linkage.size
     bordered = np.zeros((count + 1, count + 1))
     bordered[:count, :count], bordered[:count, -1] = np.eye(count) - monodromy, -pushed
@@ -174,15 +175,19 @@ def _all_motions(
         yield time, expansion, history
 
 
-def turn_map(linkage: DrivenLinkage, steps: int) -> tuple[FloatArray, FloatArray]:
-    """Map of the state ``(z, z')`` over a turn of the crank, by the trapezoidal rule.
+def _turn_map(linkage: DrivenLinkage, steps: int) -> tuple[FloatArray, FloatArray]:
+    """Map of the state ``(z, z')`` over a turn of the crank, as of :func:`_affine_map`."""
+    [(_, _, history)] = deque(_all_motions(linkage, steps), maxlen=1)
+    return _affine_map(history[-1])
+
+
+def _affine_map(end: VibrationState) -> tuple[FloatArray, FloatArray]:
+    """Map of the state over a turn from the end states of all motions.
 
     Parameters
     ----------
-    linkage : DrivenLinkage
-        At constant crank speed.
-    steps : int
-        Time steps a turn.
+    end : VibrationState
+        Of the last block of :func:`_all_motions`.
 
     Returns
     -------
@@ -190,21 +195,7 @@ def turn_map(linkage: DrivenLinkage, steps: int) -> tuple[FloatArray, FloatArray
         Monodromy matrix from crank angle at time zero.
     ndarray, shape (2 n,)
         State at the end of a turn that starts at zero.
-
-    Raises
-    ------
-    InputError
-        If the crank speed is not constant, or loads do not repeat themselves with the turn.
     """
-    state = None
-    for _, _, history in _all_motions(linkage, steps):
-        state = history[-1]
-    assert state is not None
-    return _affine_map(state)
-
-
-def _affine_map(end: VibrationState) -> tuple[FloatArray, FloatArray]:
-    """Map of :func:`turn_map` from the end states of all motions."""
     ends = np.concatenate([end.position, end.velocity])
     return ends[:, 1:] - ends[:, :1], ends[:, 0]
 

@@ -1,4 +1,13 @@
-"""Moments of dead loads on bodies and rigid links that rotate by finite angles."""
+"""Forces on bodies and rigid links that are displaced and turn by finite angles.
+
+Dead loads keep their direction while their arms turn: see :class:`DeadMoments`. All links of a
+linkage that rotates as one body are at rest in their frames at constant speed, with their matter at
+``x + u`` and not at ``x``. Its inertia force in the frame is, by mass, ``omega^2 (x + u)``, and
+``-alpha J (x + u)`` while the crank's speed changes. The part by u is
+``(omega^2 M_t - alpha S) q``: the terms of the linear equations about the steady state. A linkage
+whose links rotate against each other has no such state: there displacements change as fast as the
+links rotate, and the forces by their velocities and accelerations are as great.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +19,137 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system.links.chains import LinkMatrix, with_entries
-from flexmech.linear_system.links.displaced_inertia import DisplacedInertia
+from flexmech.linear_system.links.chains import LinkMatrix, whole, with_entries
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.stressed_links import StressedLinks
-from flexmech.linkages import RigidMotion
+from flexmech.linkages import RigidMotion, Topology
+
+STILL = np.zeros(())  # a turn by no angle
+
+
+def turns_as_one_body(topology: Topology) -> bool:
+    """Whether all links rotate with the shaft and are joined to nothing else.
+
+    Parameters
+    ----------
+    topology : Topology
+    """
+    return not (topology.pins or topology.sliders or topology.pivots)
+
+
+@dataclass(frozen=True)
+class DisplacedInertia:
+    """Inertia forces by displacements that are constant in the rotating link frames.
+
+    Parameters
+    ----------
+    links : tuple of LinkModel
+    speed, change : ndarray, shape (n_links, B)
+        Angular velocities and accelerations of the links.
+    """
+
+    links: tuple[LinkModel, ...]
+    speed: FloatArray
+    change: FloatArray
+
+    @classmethod
+    def of(cls, topology: Topology, links: Sequence[LinkModel], motion: RigidMotion) -> Self | None:
+        """Of links in a rigid motion.
+
+        Parameters
+        ----------
+        topology : Topology
+            With a prescribed shaft.
+        links : sequence of LinkModel
+            Unreduced.
+        motion : RigidMotion
+            Batch of shape (B,).
+
+        Returns
+        -------
+        DisplacedInertia or None
+            None where links rotate against each other, and at rest.
+        """
+        speed, change = motion.angular_velocity.T, motion.angular_acceleration.T
+        if not turns_as_one_body(topology) or not (speed.any() or change.any()):
+            return None
+        return cls(tuple(links), speed, change)
+
+    def of_link(
+        self, number: int, displacement: FloatArray
+    ) -> tuple[FloatArray, FloatArray, list[FloatArray]]:
+        """Force on a link.
+
+        Parameters
+        ----------
+        number : int
+        displacement : ndarray, shape (B, n_link)
+            Of the link.
+
+        Returns
+        -------
+        ndarray, shape (B, n_link)
+        ndarray, shape (B, n_link, n_link)
+            Derivative by the displacement.
+        list of ndarray, shape (B,)
+            Couple on each of its bodies, which is part of the force.
+        """
+        link, couples = self.links[number], []
+        speed, change = self.speed[number, :, None, None], self.change[number, :, None, None]
+
+        def linear(centrifugal: FloatArray, gyroscopic: FloatArray) -> FloatArray:
+            return np.asarray(speed**2 * centrifugal - change * gyroscopic)
+
+        matrix = linear(whole(link.centrifugal_mass), whole(link.gyroscopic))
+        force = (matrix @ displacement[..., None])[..., 0]
+        for body in link.bodies:
+            moved, (_, gyroscopic, centrifugal) = displacement @ body.rows.T, body.matrices(STILL)
+            own, by_place = body.displaced_inertia(self.speed[number], self.change[number], moved)
+            small = linear(centrifugal, gyroscopic)
+            force += (own - (small @ moved[..., None])[..., 0]) @ body.rows
+            matrix += body.rows.T @ (by_place - small) @ body.rows
+            couples.append(own[:, 2])
+        return force, matrix, couples
+
+    def forces(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
+        """Forces (B, n_link) by displacements (B, n_link)."""
+        return [self.of_link(number, q)[0] for number, q in enumerate(displacement)]
+
+    def matrices(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
+        """Derivatives (B, n_link, n_link) of these forces."""
+        return [self.of_link(number, q)[1] for number, q in enumerate(displacement)]
+
+    def moments(self, displacement: Sequence[FloatArray]) -> list[list[FloatArray]]:
+        """Couples on bodies and rigid links as virial and moment of dead loads.
+
+        A couple that does not depend on the rotation phi of its point has the moment
+        ``couple cos(phi)`` and the virial ``-couple sin(phi)`` on the straight link.
+
+        Parameters
+        ----------
+        displacement : sequence of ndarray, shape (B, n_link)
+
+        Returns
+        -------
+        list of list of ndarray, shape (2, B)
+            Virial and moment of each body of each link.
+        """
+        found: list[list[FloatArray]] = []
+        for number, q in enumerate(displacement):
+            turns = [q @ body.rows[2] for body in self.links[number].bodies]
+            couples = zip(self.of_link(number, q)[2], turns, strict=True)
+            found.append([own * np.stack([-np.sin(turn), np.cos(turn)]) for own, turn in couples])
+        return found
+
+    def on_undeformed(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
+        """Forces (B, n_link) with the couples of bodies referred to the undeformed links."""
+        forces = []
+        for number, q in enumerate(displacement):
+            force, _, couples = self.of_link(number, q)
+            for body, couple in zip(self.links[number].bodies, couples, strict=True):
+                force += np.outer(couple * (np.cos(q @ body.rows[2]) - 1.0), body.rows[2])
+            forces.append(force)
+        return forces
 
 
 def body_turns(
@@ -120,16 +255,6 @@ class DeadMoments:
         """Moments in some positions."""
         return replace(self, virial=self.virial[:, which], moment=self.moment[:, which])
 
-    def decrease(self, points: IntArray, angle: FloatArray) -> FloatArray:
-        """Decrease of the moments about some points (m,) at rotations (m, B)."""
-        half = 2 * np.sin(angle / 2) ** 2
-        return np.asarray(self.virial[points] * np.sin(angle) + self.moment[points] * half)
-
-    def stiffness(self, points: IntArray, angle: FloatArray) -> FloatArray:
-        """Geometric stiffness: derivative of :meth:`decrease` by the angles, (m, B)."""
-        cosine, sine = np.cos(angle), np.sin(angle)
-        return np.asarray(self.virial[points] * cosine + self.moment[points] * sine)
-
     def add_forces(self, force: Sequence[FloatArray], displacement: Sequence[FloatArray]) -> None:
         """Add the decrease of the moments to the internal forces of links, in place.
 
@@ -139,7 +264,9 @@ class DeadMoments:
         """
         for link, points in self._of_links():
             rows = self.rows[points]
-            force[link][rows] += self.decrease(points, displacement[link][rows])
+            angle = displacement[link][rows]
+            turned = self.moment[points] * 2 * np.sin(angle / 2) ** 2
+            force[link][rows] += self.virial[points] * np.sin(angle) + turned
 
     def rotation_stiffness(
         self, displacement: Sequence[FloatArray]
@@ -150,17 +277,18 @@ class DeadMoments:
         ----------
         displacement : sequence of ndarray, shape (n_link, B)
         """
-        return {
-            link: (self.rows[points], self.stiffness(points, displacement[link][self.rows[points]]))
-            for link, points in self._of_links()
-        }
+        found = {}
+        for link, points in self._of_links():
+            rows = self.rows[points]
+            cosine, sine = np.cos(displacement[link][rows]), np.sin(displacement[link][rows])
+            stiffness = self.virial[points] * cosine + self.moment[points] * sine
+            found[link] = rows, np.asarray(stiffness)
+        return found
 
     def by_link(self, displacement: Sequence[FloatArray]) -> dict[int, FloatArray]:
         """Geometric stiffness (B,) of rigid links, which have one point each, by link."""
-        return {
-            link: stiffness[0]
-            for link, (_, stiffness) in self.rotation_stiffness(displacement).items()
-        }
+        found = self.rotation_stiffness(displacement)
+        return {link: stiffness[0] for link, (_, stiffness) in found.items()}
 
     def _of_links(self) -> Iterator[tuple[int, IntArray]]:
         """Numbers of the points of each link that has some."""
@@ -209,26 +337,18 @@ def without_spin_softening(
     """
     tangent, moved = list(stressed.tangent), stressed.displacement
     for number, link in enumerate(links):
-        square, less = motion.angular_velocity[:, number] ** 2, []
+        square = motion.angular_velocity[:, number] ** 2
+        by_row: dict[int, FloatArray] = {}
         for body in link.bodies:
             stiffness = -square * body.central_inertia
             if moved is not None and displaced_inertia is not None:
-                by_turn = displaced_inertia.of_body(number, body, moved[number])[1][:, 2, 2]
-                stiffness = square * body.translational_inertia - by_turn
-            less.append(stiffness)
-        tangent[number] = _with_rotation_stiffness(tangent[number], link, less)
+                change = motion.angular_acceleration[:, number]
+                by_place = body.displaced_inertia(
+                    motion.angular_velocity[:, number], change, moved[number] @ body.rows.T
+                )[1]
+                stiffness = square * body.translational_inertia - by_place[:, 2, 2]
+            by_row[body.row] = by_row.get(body.row, 0.0) + stiffness
+        if any(stiffness.any() for stiffness in by_row.values()):
+            rows, values = np.array(list(by_row)), np.stack(list(by_row.values()), axis=1)
+            tangent[number] = with_entries(tangent[number], rows, rows, values)
     return replace(stressed, tangent=tangent)
-
-
-def _with_rotation_stiffness(
-    tangent: LinkMatrix, link: LinkModel, stiffness: Sequence[FloatArray]
-) -> LinkMatrix:
-    """A tangent with stiffness (B,) added against the rotation of each body of a link."""
-    by_row: dict[int, FloatArray] = {}
-    for body, own in zip(link.bodies, stiffness, strict=True):
-        if own.any():
-            by_row[body.row] = by_row.get(body.row, 0.0) + own
-    if not by_row:
-        return tangent
-    rows = np.array(list(by_row))
-    return with_entries(tangent, rows, rows, np.stack(list(by_row.values()), axis=1))
