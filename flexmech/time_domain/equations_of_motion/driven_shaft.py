@@ -175,12 +175,6 @@ class DrivenShaft:
             damped[self.link] = damped[self.link] + rate * square
         return held, damped
 
-    def unit_force(self, motion: RigidMotion, force: FloatArray) -> FloatArray:
-        """A force (m, size) with the torque that follows it: none of a motor follows."""
-        if self.given is not None:
-            return force
-        return force + self.force(motion, self.balance(motion, force))
-
     def force(self, motion: RigidMotion, torque: FloatArray) -> FloatArray:
         """Force (m, size) of a torque (m,) on the coordinates of the frames."""
         loads = [np.zeros((len(torque), link.size)) for link in self.frames.links]

@@ -30,6 +30,7 @@ from flexmech.errors import ComputationError
 from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
 from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
 from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStretch, StretchForces
+from flexmech.time_domain.integrators.linear_march import step_forces
 from flexmech.time_domain.integrators.position_table import PositionTable
 
 logger = logging.getLogger(__name__)
@@ -73,8 +74,7 @@ class StretchMarch:
     step : float
         h in s, half a double step.
     load : sequence of ndarray, shape (n_link,), optional
-        Forces on the reduced links in their frames, of which a run can take any part at any
-        time. The loads of the mechanism over tables act besides.
+        Forces on the reduced links in their frames, of which a run can take any part at any time.
 
     Attributes
     ----------
@@ -88,9 +88,9 @@ class StretchMarch:
         self, linkage: DrivenLinkage, step: float, load: Sequence[FloatArray] | None = None
     ) -> None:
         assert linkage.stretch is not None
-        self._linkage, self._step = linkage, step
+        self._linkage, self._step, self._load = linkage, step, load
         # Not by a method of its own: what refers to itself is kept until memory is searched for it.
-        solve = partial(_double_steps, linkage, step, load)
+        solve = partial(_double_steps, linkage, step)
         self._table = PositionTable(linkage, solve, reach=step)
         self._stages = _Stages(linkage.stretch, linkage.size, 2 * step)
         self.restart()
@@ -112,7 +112,7 @@ class StretchMarch:
         state : VibrationState
             At the first of them, arrays of shape (n,).
         force : ndarray, shape (2 m + 1,), optional
-            Amplitude of the load at these times; needed where there is one.
+            Amplitude of the load at these times.
 
         Returns
         -------
@@ -127,22 +127,17 @@ class StretchMarch:
             If Newton's method does not converge in a step.
         """
         double = 2 * self._step
+        acting = step_forces(self._linkage, time, self._load, force)
         history = np.empty((3, len(time), len(state.position)))
         history[:, 0] = state.position, double * state.velocity, double**2 * state.acceleration
         for first in range(0, len(time) - 1, STAGES * CACHED_STEPS):
             some = slice(first + 1, min(first + 1 + STAGES * CACHED_STEPS, len(time)))
-            rows = self._rows(time[some], None if force is None else force[some])
+            rows = self._table.at(time[some][1::STAGES])
+            if acting is not None:
+                rows[0] = rows[0] + acting[some].reshape(rows[0].shape)
             history[:, some] = self._block(rows, history[:, first])
         whole = VibrationState(history[0], history[1] / double, history[2] / double**2)
         return whole, StaticExpansion.of_all(self._linkage.size)
-
-    def _rows(self, time: FloatArray, force: FloatArray | None) -> list[FloatArray]:
-        """As :func:`_double_steps` at middles and ends, (2 m,), under all loads over tables."""
-        *rows, units = self._table.at(time[1::STAGES])
-        if units.shape[2]:
-            acting = self._linkage.histories(time, force).reshape(len(units), STAGES, 1, -1)
-            rows[1] = rows[1] + (acting @ units)[:, :, 0]
-        return rows
 
     def _block(self, rows: list[FloatArray], start: FloatArray) -> FloatArray:
         """Positions, rates and their rates, times H, of all stages from those at the start.
@@ -150,7 +145,7 @@ class StretchMarch:
         Parameters
         ----------
         rows : list of ndarray
-            Of m double steps; see :func:`_double_steps`.
+            Of m double steps, with all forces; see :func:`_double_steps`.
         start : ndarray, shape (3, n)
 
         Returns
@@ -186,7 +181,7 @@ class StretchMarch:
         moved = np.empty_like(load)
         flat_load, flat_moved = load.reshape(-1), moved.reshape(-1)
         march_on, add, subtract = MARCH_ON[-1], np.add, np.subtract
-        for number, (resistance, acting, compliance, relaxation, turn, by_ends) in enumerate(
+        for number, (acting, resistance, compliance, relaxation, turn, by_ends) in enumerate(
             zip(*rows, strict=True)
         ):
             now, guess = known[number], taken[number + 1]
@@ -217,7 +212,7 @@ class StretchMarch:
         # Rates of augmented coordinates by the positions of both stages.
         rate = np.zeros((STAGES, width, STAGES, width))
         rate[:, :size, :, :size] = np.einsum("ij,qr->iqjr", RATE_BY_POSITION, np.eye(size))
-        for number, (resistance, acting, compliance, _, turn, by_ends) in enumerate(
+        for number, (acting, resistance, compliance, _, turn, by_ends) in enumerate(
             zip(*rows, strict=True)
         ):
             now, ends = known[number], turn.shape[1]
@@ -325,27 +320,17 @@ class _Stages:
             np.add(self._by_ends, self._dependent[:, 1], self._dependent_rate)
 
 
-def _double_steps(
-    linkage: DrivenLinkage, step: float, load: Sequence[FloatArray] | None, end: FloatArray
-) -> list[FloatArray]:
+def _double_steps(linkage: DrivenLinkage, step: float, end: FloatArray) -> list[FloatArray]:
     """Equations of motion at both stages of double steps, solved for all forces at once.
 
-    Parameters
-    ----------
-    linkage : DrivenLinkage
-    step : float
-        h in s.
-    load : sequence of ndarray, shape (n_link,), optional
-        As of :class:`StretchMarch`.
-    end : ndarray, shape (m,)
-        Times of the ends of the double steps in s.
+    Double steps of twice ``step`` that end at m times in s.
 
     Returns
     -------
+    ndarray, shape (m, 2, n)
+        Forces, but for those that are not interpolated.
     ndarray, shape (m, 2, n, 2 n)
         Stiffness and, beside it, damping over H, at each stage.
-    ndarray, shape (m, 2, n)
-        Forces.
     ndarray, shape (m, 2 p, 2 p)
         Displacements of augmented coordinates at the stages by unit forces on them.
     ndarray, shape (m, 2 s, 2 s)
@@ -355,8 +340,6 @@ def _double_steps(
     ndarray, shape (m, 2 f, 2 k)
         Rates times H of dependent coordinates at both stages by displacements of link ends there,
         but for what the start alone makes of the rates of these.
-    ndarray, shape (m, 2, r, n)
-        Forces by a unit of each load over a table.
     """
     stretch, count, double = linkage.stretch, len(end), 2 * step
     assert stretch is not None
@@ -388,18 +371,13 @@ def _double_steps(
     strain = (gradient @ compliance).reshape(count, STAGES, strains, STAGES, -1) @ gradient.T
     by_rate = np.einsum("ik,mksjt->misjt", RATE_BY_POSITION, strain)
     relaxation = strain + (stretch.strain.damping_time / double)[:, None, None] * by_rate
-    loaded = linkage.unit_equations(time, load)
-    units = np.zeros((count, STAGES, len(loaded), size))
-    for number, one in enumerate(loaded):
-        units[:, :, number] = one.force.reshape(count, STAGES, -1)
     return [
-        np.concatenate([stiffness, damping / double], axis=-1),
         equations.force.reshape(count, STAGES, size),
+        np.concatenate([stiffness, damping / double], axis=-1),
         compliance.reshape(count, total, total),
         relaxation.reshape(count, STAGES * strains, -1),
         np.swapaxes(turn, 2, 3),
         by_ends.reshape(count, STAGES * turn.shape[2], -1),
-        units,
     ]
 
 
@@ -415,12 +393,6 @@ def _greatest(vectors: FloatArray) -> float:
 
 
 def _at_stages(known: FloatArray) -> FloatArray:
-    """Positions, rates and their rates at both stages, (3, 2 m, n).
-
-    Parameters
-    ----------
-    known : ndarray, shape (m + 1, 5, n)
-        These at the starts of m double steps and at the last end, and positions at their stages.
-    """
+    """Positions, rates and their rates at both stages, (3, 2 m, n); see ``_block``."""
     found = MARCH_ON.reshape(-1, known.shape[1]) @ known[:-1]
     return np.asarray(np.moveaxis(found.reshape(-1, 3, known.shape[2]), 1, 0))
