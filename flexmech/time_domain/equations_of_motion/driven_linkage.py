@@ -32,7 +32,6 @@ from flexmech.linear_system import (
 )
 from flexmech.linkages import Drive, RigidMotion
 from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors
-from flexmech.time_domain.equations_of_motion.driven_rotor import DrivenRotor
 from flexmech.time_domain.equations_of_motion.driven_shaft import DrivenShaft
 from flexmech.time_domain.equations_of_motion.equations import Equations
 from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStretch
@@ -83,7 +82,7 @@ class DrivenLinkage:
         Second-order stretch, besides the linear equations.
     shaft : DrivenShaft or None
         A shaft that is free.
-    rotor : DrivenRotor or None
+    rotor : RotorCoupling or None
         On a coupling to that, whose coordinate is the last one.
     carried : CarriedLinkage or None
         With the frame on springs that carries the linkage, whose coordinates are the last three.
@@ -123,17 +122,15 @@ class DrivenLinkage:
             self.carried = CarriedLinkage.of(
                 frame, self.frames, self.unreduced, gravity, self.run_bases
             )
-        coupling = None if shaft_torque is None else shaft_torque.coupling
-        others = int(coupling is not None) if self.carried is None else COORDINATES
+        self._motor = shaft_torque
+        self.rotor = None if shaft_torque is None else shaft_torque.coupling
+        others = int(self.rotor is not None) if self.carried is None else COORDINATES
         self.stretch = None
         if stretches:
             guides = MovingGuides(engine, self.frames, reduced.unreduced, self.run_bases)
             self.stretch = LinkageStretch(self.frames, reduced.stretches, guides, others)
         own = reduced.unreduced, self.run_bases
         self.shaft = DrivenShaft.of(engine, drive, self.frames, *own, shaft_torque)
-        self.rotor = None
-        if self.shaft is not None and shaft_torque is not None and coupling is not None:
-            self.rotor = DrivenRotor(drive, shaft_torque, coupling, self.shaft.coordinate)
         turns_far = self.shaft is not None and self.shaft.is_natural
         self.connectors = DrivenConnectors(engine, self.frames, follower_torque=turns_far)
         self.condensed = np.zeros(self.frames.size + others, dtype=bool)
@@ -234,12 +231,13 @@ class DrivenLinkage:
         force += self.frames.gather(motion, [-s.prestress for s in stress])
         if self.carried is not None:
             force = np.concatenate([force, self.carried.load(motion)], axis=1)
-        if self.rotor is not None:
-            force = self.rotor.force(time, force)
+        if self._motor is not None:
+            force = self._motor.forces(time, force, self.drive.crank_acceleration(time))
         terms = RotationTerms.all_or_none(not frozen)
         tangents, damping = [s.stiffness for s in stress], [s.damping for s in stress]
-        if self.shaft is not None:
-            tangents, damping = self.shaft.acted(time, torque, tangents, damping)
+        if self.shaft is not None and torque is not None:
+            link = self.shaft.link
+            tangents[link] = tangents[link] + self.shaft.stiffness(torque)
         matrices = self.frames.assemble(
             motion,
             tangents,
@@ -251,8 +249,8 @@ class DrivenLinkage:
             matrices = self.stretch.guides.added(matrices, motion, terms)
         if self.connectors.any:
             matrices = self.connectors.added(motion, matrices, terms, time)
-        if self.rotor is not None:
-            matrices = self.rotor.added(time, matrices)
+        if self.shaft is not None and self._motor is not None:
+            matrices = self._motor.added(time, matrices, self.shaft.coordinate)
         if self.carried is not None:
             matrices = self.carried.added(motion, matrices, terms)
         return Equations.condensed(motion, matrices, force, self.condensed)
