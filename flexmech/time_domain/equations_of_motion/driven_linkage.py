@@ -63,7 +63,7 @@ class DrivenLinkage:
     with_energy : bool
         Whether energies and joint forces are needed.
     stretches : bool
-        Let straight links stretch in place of a prestress; see :func:`can_stretch`.
+        Let straight links stretch in place of a prestress; see :func:`stretches_in_runs`.
     shaft_torque : ShaftTorque, optional
         Of a motor on a free shaft.
 

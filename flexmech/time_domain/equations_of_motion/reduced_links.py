@@ -114,11 +114,6 @@ def is_reduced(engine: Engine) -> bool:
     return engine.component_modes and not engine.mechanism.is_free_strained
 
 
-def can_stretch(engine: Engine) -> bool:
-    """Whether an engine provides the second-order stretch of its links."""
-    return engine.stretches is not None
-
-
 def stretches_in_runs(engine: Engine, prestress: Prestress) -> bool:
     """Whether a run by an engine's linear equations includes the second-order stretch.
 
@@ -132,7 +127,7 @@ def stretches_in_runs(engine: Engine, prestress: Prestress) -> bool:
     -------
     bool
     """
-    return prestress == "equilibrium" and not engine.simulates and can_stretch(engine)
+    return prestress == "equilibrium" and not engine.simulates and engine.stretches is not None
 
 
 def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:

@@ -217,7 +217,7 @@ class StretchMarch:
         ):
             now, ends = known[number], turn.shape[1]
             stages.predict(now[:3], resistance, acting, turn)
-            rate[:, size:, :, :ends] = by_ends.reshape(STAGES, -1, STAGES, ends)
+            rate[:, size:, :, :ends] = by_ends.reshape(STAGES, turn.shape[2], STAGES, ends)
             stages.position[:] = TAYLOR @ now[:3]
             forces.place[:, size:] = (stages.position[:, None, :ends] @ turn)[:, 0]
             for _ in range(NEWTON_PASSES):
@@ -377,7 +377,7 @@ def _double_steps(linkage: DrivenLinkage, step: float, end: FloatArray) -> list[
         compliance.reshape(count, total, total),
         relaxation.reshape(count, STAGES * strains, -1),
         np.swapaxes(turn, 2, 3),
-        by_ends.reshape(count, STAGES * turn.shape[2], -1),
+        by_ends.reshape(count, STAGES * turn.shape[2], STAGES * turn.shape[3]),
     ]
 
 
