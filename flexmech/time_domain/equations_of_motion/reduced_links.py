@@ -70,7 +70,19 @@ class ReducedLinks:
         links: Sequence[NaturalLink],
         reduction: ComponentModes | None = None,
     ) -> ReducedLinks:
-        """Links with constraint modes that rotate with the pins, or unreduced."""
+        """Links with constraint modes that rotate with the pins, or unreduced.
+
+        Parameters
+        ----------
+        topology : Topology
+        links : sequence of NaturalLink
+        reduction : ComponentModes, optional
+            Of these links.
+
+        Returns
+        -------
+        ReducedLinks
+        """
         if reduction is None:
             models = tuple(link.model for link in links)
             bases = tuple(np.eye(model.size) for model in models)
