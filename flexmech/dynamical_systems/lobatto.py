@@ -172,7 +172,7 @@ def step_matrices(equations: EquationsOfMotion, step: float) -> tuple[FloatArray
     place = np.arange(size)
     advance[:, place, place] -= 1.0
     advance[:, place, size + place] += 2.0
-    return advance, solved[..., 2 * size :]
+    return advance, np.asarray(solved[..., 2 * size :], dtype=float)
 
 
 def predicted(state: VibrationState, step: float) -> FloatArray:
