@@ -40,7 +40,7 @@ from flexmech.dynamical_systems.lobatto import (
     initial_state,
     march,
     parabolic_work,
-    step_operators,
+    step_matrices,
 )
 from flexmech.dynamical_systems.periodic_system import (
     PeriodicSystem,
@@ -89,6 +89,6 @@ __all__ = [
     "pulse_response",
     "sample_intervals",
     "state_modes",
-    "step_operators",
+    "step_matrices",
     "transition_matrices",
 ]

@@ -124,10 +124,6 @@ class StepOperators:
     advance: FloatArray
     forced: FloatArray
 
-    def __getitem__(self, where: slice) -> StepOperators:
-        """Those of some of the steps."""
-        return StepOperators(self.step, self.advance[where], self.forced[where])
-
 
 def initial_state(
     equations: EquationsOfMotion, position: FloatArray, velocity: FloatArray
@@ -148,8 +144,8 @@ def initial_state(
     return VibrationState(position, velocity, np.linalg.solve(equations.mass[0], rest))
 
 
-def step_operators(equations: EquationsOfMotion, step: float) -> StepOperators:
-    """Solve the effective mass matrix ``M + h/2 C + h^2/4 K`` of each step.
+def step_matrices(equations: EquationsOfMotion, step: float) -> tuple[FloatArray, FloatArray]:
+    """Solve the effective mass matrix ``M + h/2 C + h^2/4 K`` of each step for all forces.
 
     Parameters
     ----------
@@ -160,12 +156,15 @@ def step_operators(equations: EquationsOfMotion, step: float) -> StepOperators:
 
     Returns
     -------
-    StepOperators
+    ndarray, shape (m, n, 2 n)
+        ``advance`` of :class:`StepOperators`.
+    ndarray, shape (m, n, n)
+        From the force at the end of each step to ``forced``.
     """
     mass, damping, stiffness = equations.mass, equations.damping, equations.stiffness
     effective = mass + step / 2 * damping + step**2 / 4 * stiffness
     size = mass.shape[-1]
-    right = [damping / step, stiffness, equations.force[..., None]]
+    right = [damping / step, stiffness, np.broadcast_to(np.eye(size), mass.shape)]
     solved = np.linalg.solve(effective, step**2 * np.concatenate(right, axis=-1))
     # The predicted velocity is the difference of the last two predictions.
     by_velocity, by_position = solved[..., :size], solved[..., size : 2 * size]
@@ -173,7 +172,7 @@ def step_operators(equations: EquationsOfMotion, step: float) -> StepOperators:
     place = np.arange(size)
     advance[:, place, place] -= 1.0
     advance[:, place, size + place] += 2.0
-    return StepOperators(step, advance, np.asarray(solved[..., 2 * size]))
+    return advance, np.asarray(solved[..., 2 * size :], dtype=float)
 
 
 def predicted(state: VibrationState, step: float) -> FloatArray:

@@ -2,10 +2,9 @@
 
 Their forces are linear in the elastic displacement about the rigid motion, as the equations of
 the links are: the energy of a spring is exact to second order
-(:class:`flexmech.linear_system.Connectors`). Terms that are smooth in the crank angle are part of
-the matrices and forces that a time step interpolates between positions. Loads over a table of
-crank angles or of times have kinks: they are unit forces with an amplitude that is evaluated
-exactly at every step.
+(:class:`flexmech.linear_system.Connectors`). Terms that are smooth in the crank angle are
+interpolated between positions. Loads over a table of crank angles or of times have kinks: they
+are evaluated at every step.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ from flexmech.linear_system import (
     SystemMatrices,
     deformations,
 )
-from flexmech.linkages import Drive, Load, RigidMotion, continuous_angles
+from flexmech.linkages import Load, RigidMotion, continuous_angles
 from flexmech.linkages.motion import cross
 
 LinkMotion = Sequence[tuple[FloatArray, FloatArray, FloatArray]]
@@ -88,57 +87,46 @@ class ActingForces:
 
 
 class DrivenConnectors:
-    """Loads and springs of a linkage under a drive.
+    """Loads and springs of a driven linkage.
 
     Parameters
     ----------
     engine : Engine
     frames : LinkFrames
         Of the reduced links.
-    drive : Drive
     follower_torque : bool
         Whether the torque that balances them turns with a free shaft.
     """
 
     def __init__(
-        self,
-        engine: Engine,
-        frames: LinkFrames,
-        drive: Drive,
-        *,
-        follower_torque: bool = False,
+        self, engine: Engine, frames: LinkFrames, *, follower_torque: bool = False
     ) -> None:
         mechanism = engine.mechanism
-        self._mechanism, self._frames, self._drive = mechanism, frames, drive
+        self._mechanism, self._frames = mechanism, frames
         self._all = Connectors(mechanism, frames.links)
+        constant = tuple(load for load in mechanism.loads if load.over == "constant")
         tables = tuple(load for load in mechanism.loads if load.over != "constant")
         self.winds = _winds(engine)
         # A follower load or torque that varies changes the stiffness; a spring that is wound up
         # is not periodic: neither is interpolated.
         turns = any(load.axes == "link" or follower_torque for load in tables)
         self.is_interpolated = not (self.winds or turns)
-        self._tables: tuple[tuple[Load, int], ...] = ()
-        self._smooth = self._all
-        if self.is_interpolated:
-            constant = tuple(load for load in mechanism.loads if load.over == "constant")
-            self._smooth = Connectors(replace(mechanism, loads=constant), frames.links)
-            self._tables = tuple(
-                (load, component)
-                for load in tables
-                for component, column in enumerate((*np.transpose(load.force), load.torque))
-                if np.any(column)
-            )
+        self._parts: tuple[Connectors | None, ...] = (self._all, None)
+        if tables and self.is_interpolated:
+            alone = replace(mechanism, loads=tables, springs=(), joint_springs=())
+            smooth = replace(mechanism, loads=constant)
+            self._parts = tuple(Connectors(part, frames.links) for part in (smooth, alone))
+
+    @property
+    def has_tables(self) -> bool:
+        """Whether loads over tables are left to every step, while all else is interpolated."""
+        return self._parts[1] is not None
 
     @property
     def any(self) -> bool:
         """Whether there is a load or a spring."""
         mechanism = self._mechanism
         return bool(mechanism.loads or mechanism.springs or mechanism.joint_springs)
-
-    @property
-    def table_count(self) -> int:
-        """Number of unit forces with histories, besides the smooth forces."""
-        return len(self._tables)
 
     def require_periodic(self) -> None:
         """Refuse loads and springs that are not periodic with the turn.
@@ -179,7 +167,9 @@ class DrivenConnectors:
         # Forces of a run have their true directions, whatever the prestress of the links.
         return self._all.added(self._frames, motion, matrices, terms, "equilibrium", None, time)
 
-    def force(self, motion: RigidMotion, time: FloatArray, *, tables: bool = True) -> FloatArray:
+    def force(
+        self, motion: RigidMotion, time: FloatArray, *, smooth: bool = True, tables: bool = True
+    ) -> FloatArray:
         """Generalized force on the coordinates of the frames at zero displacement.
 
         Parameters
@@ -187,46 +177,18 @@ class DrivenConnectors:
         motion : RigidMotion
             At times of shape (m,).
         time : ndarray, shape (m,)
-        tables : bool
-            Whether the unit forces with histories count.
+        smooth, tables : bool
+            Whether what is interpolated counts, and loads over tables that are not.
 
         Returns
         -------
         ndarray, shape (m, size)
         """
-        acting = self._all if tables else self._smooth
-        return self._frames.gather(motion, acting.forces(motion, None, time))
-
-    def unit_forces(self, motion: RigidMotion) -> list[FloatArray]:
-        """Generalized force of a unit of each force with a history.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (m,).
-
-        Returns
-        -------
-        list of ndarray, shape (m, size)
-        """
-        found = []
-        for load, component in self._tables:
-            point = self._point(load)
-            values = np.zeros((len(motion.crank_angle), 3))
-            values[:, component] = 1.0
-            force = load.in_ground_axes(values, motion.angle[:, point.link])
-            loads = [np.zeros((len(values), link.size)) for link in self._frames.links]
-            loads[point.link] += point.force(motion, force, values[:, 2])
-            found.append(self._frames.gather(motion, loads))
-        return found
-
-    def histories(self, time: FloatArray) -> FloatArray:
-        """Amplitude of each unit force at times of shape (m,); (m, table_count)."""
-        if not self._tables:
-            return np.zeros((len(time), 0))
-        angle = self._drive.crank_angle(time)
-        columns = [load.values(angle, time)[:, component] for load, component in self._tables]
-        return np.stack(columns, axis=1)
+        total = np.zeros((len(time), self._frames.size))
+        for counts, part in zip((smooth, tables), self._parts, strict=True):
+            if counts and part is not None:
+                total += self._frames.gather(motion, part.forces(motion, None, time))
+        return total
 
     def acting(
         self,

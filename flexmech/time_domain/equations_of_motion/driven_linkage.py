@@ -28,15 +28,12 @@ from flexmech.linear_system import (
     LinkFrames,
     Prestress,
     RotationTerms,
-    SystemMatrices,
     inertia_loads,
 )
 from flexmech.linkages import Drive, RigidMotion
 from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors
-from flexmech.time_domain.equations_of_motion.driven_rotor import DrivenRotor
 from flexmech.time_domain.equations_of_motion.driven_shaft import DrivenShaft
 from flexmech.time_domain.equations_of_motion.equations import Equations
-from flexmech.time_domain.equations_of_motion.link_stress import LinkStress
 from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStretch
 from flexmech.time_domain.equations_of_motion.moving_guides import MovingGuides
 from flexmech.time_domain.equations_of_motion.reduced_links import (
@@ -66,7 +63,7 @@ class DrivenLinkage:
     with_energy : bool
         Whether energies and joint forces are needed.
     stretches : bool
-        Let straight links stretch in place of a prestress; see :func:`can_stretch`.
+        Let straight links stretch in place of a prestress; see :func:`stretches_in_runs`.
     shaft_torque : ShaftTorque, optional
         Of a motor on a free shaft.
 
@@ -85,10 +82,12 @@ class DrivenLinkage:
         Second-order stretch, besides the linear equations.
     shaft : DrivenShaft or None
         A shaft that is free.
-    rotor : DrivenRotor or None
+    rotor : RotorCoupling or None
         On a coupling to that, whose coordinate is the last one.
     carried : CarriedLinkage or None
         With the frame on springs that carries the linkage, whose coordinates are the last three.
+    condensed : ndarray of bool, shape (size,)
+        Which coordinates of the frames are condensed statically.
     stress : StressHistory
         Of the reduced links.
     """
@@ -123,22 +122,20 @@ class DrivenLinkage:
             self.carried = CarriedLinkage.of(
                 frame, self.frames, self.unreduced, gravity, self.run_bases
             )
-        coupling = None if shaft_torque is None else shaft_torque.coupling
-        others = int(coupling is not None) if self.carried is None else COORDINATES
+        self._motor = shaft_torque
+        self.rotor = None if shaft_torque is None else shaft_torque.coupling
+        others = int(self.rotor is not None) if self.carried is None else COORDINATES
         self.stretch = None
         if stretches:
             guides = MovingGuides(engine, self.frames, reduced.unreduced, self.run_bases)
             self.stretch = LinkageStretch(self.frames, reduced.stretches, guides, others)
         own = reduced.unreduced, self.run_bases
         self.shaft = DrivenShaft.of(engine, drive, self.frames, *own, shaft_torque)
-        self.rotor = None
-        if self.shaft is not None and shaft_torque is not None and coupling is not None:
-            self.rotor = DrivenRotor(drive, shaft_torque, coupling, self.shaft.coordinate)
         turns_far = self.shaft is not None and self.shaft.is_natural
-        self.connectors = DrivenConnectors(engine, self.frames, drive, follower_torque=turns_far)
-        self._condensed = np.zeros(self.frames.size + others, dtype=bool)
+        self.connectors = DrivenConnectors(engine, self.frames, follower_torque=turns_far)
+        self.condensed = np.zeros(self.frames.size + others, dtype=bool)
         for target, condensed in zip(self.frames.targets, reduced.condensed, strict=True):
-            self._condensed[target[condensed]] = True
+            self.condensed[target[condensed]] = True
         self.stress = StressHistory(
             engine,
             self.unreduced,
@@ -152,7 +149,7 @@ class DrivenLinkage:
     @property
     def size(self) -> int:
         """Number of independent coordinates."""
-        return int(np.sum(~self._condensed))
+        return int(np.sum(~self.condensed))
 
     @property
     def shaft_coordinates(self) -> list[int]:
@@ -160,13 +157,13 @@ class DrivenLinkage:
         if self.shaft is None:
             return []
         [column] = np.flatnonzero(self.shaft.coordinate)
-        own = [int(np.sum(~self._condensed[:column]))]
+        own = [int(np.sum(~self.condensed[:column]))]
         return own if self.rotor is None else [*own, self.size - 1]
 
     @property
     def is_condensed(self) -> bool:
         """Whether some coordinates of the frames are condensed statically."""
-        return bool(self._condensed.any())
+        return bool(self.condensed.any())
 
     def motion(self, time: FloatArray) -> RigidMotion:
         """Rigid motion at times of shape (m,)."""
@@ -176,6 +173,33 @@ class DrivenLinkage:
         """Inertia forces of the rigid motion and weight on each reduced link, (m, n)."""
         full = inertia_loads(self.unreduced, motion, self.engine.mechanism.gravity)
         return [load @ basis for load, basis in zip(full, self.run_bases, strict=True)]
+
+    def step_forces(
+        self, time: FloatArray, pushed: Sequence[FloatArray] | None = None
+    ) -> FloatArray | None:
+        """Forces on all coordinates that are not interpolated: of loads over tables, and others.
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+            In s.
+        pushed : sequence of ndarray, shape (m, n_link), optional
+            The others, on the reduced links in their frames.
+
+        Returns
+        -------
+        ndarray, shape (m, size), or None
+            Of condensed coordinates as well; None if there are none.
+        """
+        if pushed is None and not self.connectors.has_tables:
+            return None
+        motion = self.motion(time)
+        force = self.connectors.force(motion, time, smooth=False)
+        if self.shaft is not None and not self.shaft.has_motor:
+            force += self.shaft.force(motion, self.shaft.balance(motion, force))
+        if pushed is not None:
+            force += self.frames.gather(motion, pushed)
+        return np.pad(force, ((0, 0), (0, len(self.condensed) - self.frames.size)))
 
     def equations(
         self, time: FloatArray, *, frozen: bool = False, tables: bool = True
@@ -189,7 +213,7 @@ class DrivenLinkage:
         frozen : bool
             Leave out the rotation terms, as in the frozen inertial form.
         tables : bool
-            Whether the tables of loads count; see :meth:`DrivenConnectors.unit_forces`.
+            Whether the loads of :meth:`step_forces` count.
 
         Returns
         -------
@@ -205,70 +229,15 @@ class DrivenLinkage:
             torque, pull = self.shaft.torque(time, motion, force)
             force += self.shaft.force(motion, pull)
         force += self.frames.gather(motion, [-s.prestress for s in stress])
-        matrices = self._matrices(time, motion, stress, frozen=frozen, torque=torque)
         if self.carried is not None:
-            matrices = self.carried.added(motion, matrices, RotationTerms.all_or_none(not frozen))
             force = np.concatenate([force, self.carried.load(motion)], axis=1)
-        if self.rotor is not None:
-            force = self.rotor.force(time, force)
-        return Equations.condensed(motion, matrices, force, self._condensed)
-
-    def unit_equations(
-        self, time: FloatArray, load: Sequence[FloatArray] | None = None
-    ) -> list[Equations]:
-        """Equations of motion under a unit of each load with a table instead of all forces.
-
-        Parameters
-        ----------
-        time : ndarray, shape (m,)
-            In s.
-        load : sequence of ndarray, shape (n_link,), optional
-            One more load, the last: forces on the reduced links in their frames.
-
-        Returns
-        -------
-        list of Equations
-        """
-        if load is None and not self.connectors.table_count:
-            return []
-        motion = self.motion(time)
-        matrices = self._matrices(time, motion, self.stress.at(time))
-        units = self.connectors.unit_forces(motion)
-        if self.shaft is not None:
-            units = [self.shaft.unit_force(motion, f) for f in units]
-        if load is not None:
-            units.append(self.frames.gather(motion, [np.tile(f, (len(time), 1)) for f in load]))
-        if self.rotor is not None:
-            units = [np.pad(f, ((0, 0), (0, 1))) for f in units]
-        return [Equations.condensed(motion, matrices, f, self._condensed) for f in units]
-
-    def histories(self, time: FloatArray, force: FloatArray | None = None) -> FloatArray:
-        """Amplitude of each of the k unit loads at times of shape (m,), (m, k).
-
-        Parameters
-        ----------
-        time : ndarray, shape (m,)
-            In s.
-        force : ndarray, shape (m,), optional
-            Amplitude of one more load, the last.
-        """
-        tables = self.connectors.histories(time)
-        return tables if force is None else np.column_stack([tables, force])
-
-    def _matrices(
-        self,
-        time: FloatArray,
-        motion: RigidMotion,
-        stress: list[LinkStress],
-        *,
-        frozen: bool = False,
-        torque: FloatArray | None = None,
-    ) -> SystemMatrices:
-        """Matrices of all coordinates of the frames, under the torque (m,) of a free shaft."""
+        if self._motor is not None:
+            force = self._motor.forces(time, force, self.drive.crank_acceleration(time))
         terms = RotationTerms.all_or_none(not frozen)
         tangents, damping = [s.stiffness for s in stress], [s.damping for s in stress]
-        if self.shaft is not None:
-            tangents, damping = self.shaft.acted(time, torque, tangents, damping)
+        if self.shaft is not None and torque is not None:
+            link = self.shaft.link
+            tangents[link] = tangents[link] + self.shaft.stiffness(torque)
         matrices = self.frames.assemble(
             motion,
             tangents,
@@ -280,7 +249,11 @@ class DrivenLinkage:
             matrices = self.stretch.guides.added(matrices, motion, terms)
         if self.connectors.any:
             matrices = self.connectors.added(motion, matrices, terms, time)
-        return matrices if self.rotor is None else self.rotor.added(time, matrices)
+        if self.shaft is not None and self._motor is not None:
+            matrices = self._motor.added(time, matrices, self.shaft.coordinate)
+        if self.carried is not None:
+            matrices = self.carried.added(motion, matrices, terms)
+        return Equations.condensed(motion, matrices, force, self.condensed)
 
     def quasi_static_equations(self, time: FloatArray) -> Equations:
         """Equations of the quasi-static state at times of shape (m,): without rotation terms.
@@ -372,7 +345,7 @@ class DrivenLinkage:
             values = np.concatenate([values, [moved.displacement[0], moved.rate[0]]], axis=1)
         if self.rotor is not None:
             values = np.pad(values, ((0, 0), (0, 1)))
-        position, velocity = values[:, ~self._condensed]
+        position, velocity = values[:, ~self.condensed]
         return position, velocity
 
     def unstressed(self) -> FloatArray:
@@ -383,13 +356,13 @@ class DrivenLinkage:
         """
         equations = self.equations(np.zeros(1), frozen=True)
         parts = [-s.prestress for s in self.stress.at(np.zeros(1))]
-        inner = np.zeros(len(self._condensed))
+        inner = np.zeros(len(self.condensed))
         inner[: self.frames.size] = self.frames.gather(equations.motion, parts)[0]
         position, along = np.zeros(self.size), np.zeros(len(inner), dtype=bool)
         for number, (link, target) in enumerate(zip(self.links, self.frames.targets, strict=True)):
             own = self.frames.independent_coordinates(number)
             along[target[own[link.is_axial[own]]]] = True
-        axial = np.flatnonzero(along[~self._condensed])
+        axial = np.flatnonzero(along[~self.condensed])
         if len(axial):
             force = equations.expansion.matrix[0].T @ inner
             own = equations.stiffness[0][np.ix_(axial, axial)]

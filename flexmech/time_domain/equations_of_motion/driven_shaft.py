@@ -115,8 +115,8 @@ class DrivenShaft:
     def coordinate(self) -> FloatArray:
         """Of the frames' coordinates (size,) that by which it turns: as a row of them."""
         row = np.zeros(self.frames.size)
-        [column] = np.flatnonzero(self.rows[1])
-        row[self.frames.targets[self.link][column]] = self.rows[1, column]
+        target = self.frames.targets[self.link]
+        row[target[target >= 0]] = self.rows[1, target >= 0]
         return row
 
     def torque(
@@ -143,43 +143,6 @@ class DrivenShaft:
     def balance(self, motion: RigidMotion, force: FloatArray) -> FloatArray:
         """The torque (m,) that balances forces (m, size) on the rigid linkage."""
         return np.asarray(-np.sum(self.turn(motion) * force, axis=1))
-
-    def acted(
-        self,
-        time: FloatArray,
-        torque: FloatArray | None,
-        stiffness: Sequence[FloatArray],
-        damping: Sequence[FloatArray],
-    ) -> tuple[list[FloatArray], list[FloatArray]]:
-        """Stiffness and damping of all links, with those of the torque on the link it turns.
-
-        Parameters
-        ----------
-        time : ndarray, shape (m,)
-            In s.
-        torque : ndarray, shape (m,), optional
-            That acts, whose direction turns with the link where rotations are large.
-        stiffness, damping : sequence of ndarray, shape (m, n_link, n_link)
-
-        Returns
-        -------
-        tuple of list of ndarray, shape (m, n_link, n_link)
-        """
-        held, damped = list(stiffness), list(damping)
-        if torque is not None:
-            held[self.link] = held[self.link] + self.stiffness(torque)
-        if self.given is not None:
-            rate, place = (own[:, None, None] for own in self.given.answer_of_shaft(time))
-            square = np.outer(self.rows[1], self.rows[1])
-            held[self.link] = held[self.link] + place * square
-            damped[self.link] = damped[self.link] + rate * square
-        return held, damped
-
-    def unit_force(self, motion: RigidMotion, force: FloatArray) -> FloatArray:
-        """A force (m, size) with the torque that follows it: none of a motor follows."""
-        if self.given is not None:
-            return force
-        return force + self.force(motion, self.balance(motion, force))
 
     def force(self, motion: RigidMotion, torque: FloatArray) -> FloatArray:
         """Force (m, size) of a torque (m,) on the coordinates of the frames."""

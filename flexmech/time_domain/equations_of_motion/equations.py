@@ -34,6 +34,29 @@ class StaticExpansion:
         """Expansion of ``size`` coordinates of which none is condensed."""
         return cls(np.eye(size)[None], np.zeros((1, size)))
 
+    def under(
+        self, force: FloatArray, flexibility: FloatArray, eliminated: NDArray[np.bool_]
+    ) -> tuple[FloatArray, FloatArray]:
+        """What forces on all coordinates add to the condensed ones, and those forces on z.
+
+        Parameters
+        ----------
+        force : ndarray, shape (m, size)
+        flexibility : ndarray, shape (m, i, i)
+            Of the condensed coordinates.
+        eliminated : ndarray of bool, shape (size,)
+            Coordinates that are condensed.
+
+        Returns
+        -------
+        ndarray, shape (m, size)
+            To add to ``offset``.
+        ndarray, shape (m, n)
+        """
+        offset = np.zeros_like(force)
+        offset[:, eliminated] = (flexibility @ force[:, eliminated, None])[..., 0]
+        return offset, (force[:, None] @ self.matrix)[:, 0]
+
     def expanded(self, vibration: VibrationState) -> tuple[FloatArray, FloatArray, FloatArray]:
         """All coordinates of the frames and their time derivatives, each (m, size).
 
@@ -67,10 +90,13 @@ class Equations(EquationsOfMotion):
         Batch of shape (m,).
     expansion : StaticExpansion
         To the condensed coordinates of the frames.
+    flexibility : ndarray, shape (m, i, i)
+        Of the condensed coordinates.
     """
 
     motion: RigidMotion
     expansion: StaticExpansion
+    flexibility: FloatArray
 
     @classmethod
     def condensed(
@@ -96,16 +122,15 @@ class Equations(EquationsOfMotion):
         -------
         Equations
         """
-        inner, kept = np.flatnonzero(eliminated), np.flatnonzero(~eliminated)
+        inner = np.flatnonzero(eliminated)
+        flexibility = np.asarray(
+            np.linalg.inv(matrices.stiffness[:, inner[:, None], inner]), dtype=float
+        )
         expansion = StaticExpansion.of_all(len(eliminated))
         if len(inner):
-            offset = np.zeros_like(force)
-            stiffness = matrices.stiffness[:, inner[:, None], inner]
-            offset[:, inner] = np.linalg.solve(stiffness, force[:, inner, None])[..., 0]
             matrices, matrix = condense(matrices, eliminated)
-            force = force[:, kept] + np.einsum(
-                "mgk,mg->mk", matrix[:, inner[:, None], np.arange(len(kept))], force[:, inner]
-            )
+            expansion = StaticExpansion(matrix, np.zeros_like(force))
+            offset, force = expansion.under(force, flexibility, eliminated)
             expansion = StaticExpansion(matrix, offset)
         parts = matrices.mass, matrices.damping, matrices.stiffness, force
-        return cls(*parts, motion, expansion)
+        return cls(*parts, motion, expansion, flexibility)

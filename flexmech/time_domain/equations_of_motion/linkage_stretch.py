@@ -6,30 +6,14 @@ Moving guides are strains of it; see :mod:`flexmech.time_domain.equations_of_mot
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
-import scipy.linalg
 
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import FloatArray
 from flexmech.linear_system import LinkFrames, LinkStretch
 from flexmech.linkages import RigidMotion
 from flexmech.time_domain.equations_of_motion.moving_guides import MovingGuides
-
-
-@dataclass(frozen=True)
-class PinRotations:
-    """Rotation matrices of dependent ends and moving guides at m instants.
-
-    Parameters
-    ----------
-    turn, rate : ndarray, shape (m, f, k)
-        From the first k independent coordinates, those of link ends, to the f displacements
-        of dependent ends and coordinates of guides, and its time derivative.
-    """
-
-    turn: FloatArray
-    rate: FloatArray
+from flexmech.time_domain.equations_of_motion.natural_coordinates import joined_strains
 
 
 class LinkageStretch:
@@ -41,20 +25,19 @@ class LinkageStretch:
     ----------
     frames : LinkFrames
     links : sequence of LinkStretch
-        In the links' own coordinates.
+        In the links' coordinates.
     guides : MovingGuides
     others : int
         Coordinates of a frame on springs, which follow z and strain nothing.
 
     Attributes
     ----------
-    gradient, slopes, weights : ndarray, shape (s, p), (g, p), (s, g)
-        Of all links together; see :class:`flexmech.linear_system.LinkStretch`.
-    damping_time : ndarray, shape (s,)
+    strain : LinkStretch
+        Of all links and guides, by the augmented coordinates.
     size : int
         Number p of augmented coordinates.
     end_count : int
-        How many independent coordinates, the first ones, are displacements of link ends.
+        How many independent coordinates, the first k ones, are displacements of link ends.
     """
 
     def __init__(
@@ -70,24 +53,31 @@ class LinkageStretch:
         self._places = [np.array(target) for target in frames.targets]
         self._independent = self.size = frames.size + others
         for number, places in enumerate(self._places):
-            own = frames.dependent_coordinates(number)
-            places[own] = np.arange(self.size, self.size + len(own))
-            self.size += len(own)
+            dependent = frames.dependent_coordinates(number)
+            places[dependent] = np.arange(self.size, self.size + len(dependent))
+            self.size += len(dependent)
         spread = [*self._places, self.size + np.arange(guides.size)]
         self.size += guides.size
-        strains = list(zip([*links, guides.stretch], spread, strict=True))
-        self.gradient = self._spread([(own.gradient, place) for own, place in strains])
-        self.slopes = self._spread([(own.slopes, place) for own, place in strains])
-        self.weights = scipy.linalg.block_diag(*(own.weights for own, _ in strains))
-        self.damping_time = np.concatenate([own.damping_time for own, _ in strains])
+        strains = []
+        for strain, places in zip([*links, guides.stretch], spread, strict=True):
+            augmented, free = np.zeros((len(places), self.size)), places >= 0
+            augmented[free, places[free]] = 1.0
+            strains.append(strain.in_coordinates(augmented))
+        self.strain = joined_strains(strains)
 
-    @property
-    def is_damped(self) -> bool:
-        """Whether stretching is damped in any link."""
-        return bool(self.damping_time.any())
+    def pin_rotations(self, motion: RigidMotion) -> tuple[FloatArray, FloatArray]:
+        """Rotation matrices of the f dependent coordinates and guides, and their time derivative.
 
-    def pin_rotations(self, motion: RigidMotion) -> PinRotations:
-        """Those of the dependent ends and guides; ``motion`` is a batch of shape (m,)."""
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (m,).
+
+        Returns
+        -------
+        tuple of ndarray, shape (m, f, k)
+            From the displacements of link ends.
+        """
         count, first = len(motion.crank_angle), self._independent
         turn, rate = np.zeros((2, count, self.size - first, self.end_count))
         dependent = self._frames.dependent_rows(motion)
@@ -98,71 +88,60 @@ class LinkageStretch:
                 rows = places[end.rows] - first
                 turn[:, rows[:, None], end.columns] = end.turn
                 rate[:, rows[:, None], end.columns] = end.rate
-        return PinRotations(turn, rate)
+        return turn, rate
 
     def augmented(self, turn: FloatArray, columns: FloatArray) -> FloatArray:
-        """Columns of z (..., n, r) augmented by the dependent ends, (..., p, r).
+        """Columns of z (..., n, r) augmented by the dependent coordinates, (..., p, r).
 
         Parameters
         ----------
         turn : ndarray, shape (..., f, k)
-            Of :class:`PinRotations`.
+            Of :meth:`pin_rotations`.
         columns : ndarray, shape (..., n, r)
         """
         dependent = turn @ columns[..., : self.end_count, :]
         return np.concatenate([columns, dependent], axis=-2)
 
+    def augmentation(self, turn: FloatArray) -> FloatArray:
+        """Map from z to augmented coordinates, (m, p, n), by ``turn`` of :meth:`pin_rotations`."""
+        size = self._independent
+        return self.augmented(turn, np.broadcast_to(np.eye(size), (len(turn), size, size)))
+
     def nonlinear_forces(
-        self, turns: PinRotations, position: FloatArray, velocity: FloatArray
+        self, motion: RigidMotion, position: FloatArray, velocity: FloatArray
     ) -> FloatArray:
         """Elastic and damping forces on z beyond the linear ones, (m, n).
 
         Parameters
         ----------
-        turns : PinRotations
-            At m instants.
+        motion : RigidMotion
+            Batch of shape (m,).
         position, velocity : ndarray, shape (m, n)
         """
-        size, ends = position.shape[1], slice(self.end_count)
-        forces = StretchForces(self, len(position), 1.0)
-        forces.place[:] = self.augmented(turns.turn, position[..., None])[..., 0]
-        forces.rate[:] = self.augmented(turns.turn, velocity[..., None])[..., 0]
-        forces.rate[:, size:] += (turns.rate @ position[:, ends, None])[..., 0]
-        force = forces.evaluate()
-        own = force[:, :size].copy()
-        own[:, ends] += (force[:, None, size:] @ turns.turn)[:, 0]
-        return own
+        turn, rate = self.pin_rotations(motion)
+        augmentation = self.augmentation(turn)
+        place, moving = ((augmentation @ part[..., None])[..., 0] for part in (position, velocity))
+        moving[:, self._independent :] += (rate @ position[:, : self.end_count, None])[..., 0]
+        elastic, damping = self.strain.nonlinear_forces(place, moving)
+        return np.asarray(((elastic + damping)[:, None] @ augmentation)[:, 0])
 
     def static_force(
-        self, turns: PinRotations, position: FloatArray
+        self, motion: RigidMotion, position: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Elastic force on z beyond the linear one, (n,), and its derivative (n, n).
 
         Parameters
         ----------
-        turns : PinRotations
-            At one instant.
+        motion : RigidMotion
+            Of one instant.
         position : ndarray, shape (n,)
         """
-        forces, augmentation = StretchForces(self, 1, 1.0), self.augmentation(turns.turn)[0]
-        forces.place[0], forces.rate[:] = augmentation @ position, 0.0
+        forces = StretchForces(self.strain, 1, 1.0)
+        augmentation = self.augmentation(self.pin_rotations(motion)[0])[0]
+        forces.place[0] = augmentation @ position
         force = forces.evaluate()[0]
         elastic, _ = forces.tangents()
         return force @ augmentation, augmentation.T @ elastic[0] @ augmentation
-
-    def augmentation(self, turn: FloatArray) -> FloatArray:
-        """Map from z to augmented coordinates, (m, p, n), by ``turn`` of :class:`PinRotations`."""
-        size = self._independent
-        return self.augmented(turn, np.broadcast_to(np.eye(size), (len(turn), size, size)))
-
-    def _spread(self, blocks: list[tuple[FloatArray, IntArray]]) -> FloatArray:
-        """Rows by coordinates of each block, at their places among all; (rows, p)."""
-        spread = []
-        for values, places in blocks:
-            free = places >= 0
-            spread.append(np.zeros((len(values), self.size)))
-            spread[-1][:, places[free]] = values[:, free]
-        return np.concatenate(spread)
 
 
 class StretchForces:
@@ -173,7 +152,7 @@ class StretchForces:
 
     Parameters
     ----------
-    stretch : LinkageStretch
+    stretch : LinkStretch
     count : int
         Number m of instants.
     step : float
@@ -186,19 +165,22 @@ class StretchForces:
         count where stretching is damped.
     second : ndarray, shape (m, s)
         The last second-order tensions.
+    is_damped : bool
     """
 
-    def __init__(self, stretch: LinkageStretch, count: int, step: float) -> None:
+    def __init__(self, stretch: LinkStretch, count: int, step: float) -> None:
         strains, slopes = stretch.weights.shape
         self._both = np.concatenate([stretch.gradient, stretch.slopes])
         self._strains_and_slopes = np.ascontiguousarray(self._both.T)
         self._spread = stretch.weights
-        self._times = stretch.damping_time / step if stretch.is_damped else None
+        self.is_damped = bool(stretch.damping_time.any())
+        self._times = stretch.damping_time / step if self.is_damped else None
         # Places and rates side by side: one product gives the strains and slopes of both.
         kinds = 1 if self._times is None else 2
-        state = np.zeros((count, kinds, stretch.size))
+        size = stretch.gradient.shape[1]
+        state = np.zeros((count, kinds, size))
         self.place = state[:, 0]
-        self.rate = np.zeros((count, stretch.size)) if self._times is None else state[:, 1]
+        self.rate = np.zeros((count, size)) if self._times is None else state[:, 1]
         self._state = state.reshape(count * kinds, -1)
         pulled = np.empty((count, kinds, strains + slopes))
         self._pulled = pulled.reshape(count * kinds, -1)
@@ -218,7 +200,7 @@ class StretchForces:
         )
         self._spread_tension = np.empty((count, slopes))
         self._along, self._across = self._load[:, :strains], self._load[:, strains:]
-        self._force = np.empty((count, stretch.size))
+        self._force = np.empty((count, size))
 
     def evaluate(
         self, relaxation: FloatArray | None = None, second: FloatArray | None = None

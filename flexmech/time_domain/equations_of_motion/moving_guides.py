@@ -17,7 +17,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import scipy.linalg
 
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.linear_system import Engine, LinkFrames, LinkStretch, RotationTerms, SystemMatrices
@@ -29,6 +28,7 @@ from flexmech.time_domain.equations_of_motion.natural_coordinates import (
     NaturalLink,
     bar_damping_time,
     bar_stiffness,
+    joined_strains,
 )
 
 # In m: the linear part of g, d times the length of the guide, n.u and t.u.
@@ -68,7 +68,7 @@ class MovingGuides:
             if slider not in frames.topology.sliders
         ]
         self._bars: list[tuple[FloatArray, FloatArray]] = []
-        strains = [LinkStretch.none(0)]
+        strains, coordinates = [LinkStretch.none(self.size)], np.eye(self.size)
         for number in self._sliders:
             slider = self._topology.sliders[number]
             guide = self._topology.index(slider.guide)
@@ -77,13 +77,9 @@ class MovingGuides:
             to_line = MatrixWithRates.rotation(np.array([-slider.direction]), *np.zeros((2, 1)))
             start = to_line.value[0] @ basis[bar.model.start]
             self._bars.append((start, length * bar.natural @ basis))
-            strains.append(_strain(engine, length))
-        self.stretch = LinkStretch(
-            scipy.linalg.block_diag(*(own.gradient for own in strains)),
-            scipy.linalg.block_diag(*(own.slopes for own in strains)),
-            scipy.linalg.block_diag(*(own.weights for own in strains)),
-            np.concatenate([own.damping_time for own in strains]),
-        )
+            own = coordinates[COORDINATES * (len(strains) - 1) :][:COORDINATES]
+            strains.append(_strain(engine, length).in_coordinates(own))
+        self.stretch = joined_strains(strains)
 
     @property
     def size(self) -> int:

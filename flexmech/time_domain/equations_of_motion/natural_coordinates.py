@@ -18,9 +18,11 @@ weld ties a section's rotation to ``d_2``, which is exact to the second order.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.linalg
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
@@ -255,3 +257,13 @@ def rigid_arm(
     rows = np.stack([stretch, turn])
     root = float(np.sqrt(stiffness))
     return LinkStretch(root * rows[:1], rows, root * np.ones((1, 2)), np.array([damping_time]))
+
+
+def joined_strains(strains: Sequence[LinkStretch]) -> LinkStretch:
+    """Strains of several kinds, all by the same coordinates, as those of one link."""
+    return LinkStretch(
+        np.concatenate([strain.gradient for strain in strains]),
+        np.concatenate([strain.slopes for strain in strains]),
+        scipy.linalg.block_diag(*(strain.weights for strain in strains)),
+        np.concatenate([strain.damping_time for strain in strains]),
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -60,24 +61,37 @@ class ReducedLinks:
     def all_of(cls, engine: Engine) -> ReducedLinks:
         """The engine's links unreduced; links with massless nodes are refused."""
         engine.check_runs()
-        return cls(
-            engine.topology,
-            tuple(map(NaturalLink.of, engine.links)),
-            engine.links,
-            tuple(np.eye(link.size) for link in engine.links),
-            tuple(np.zeros(link.size, dtype=bool) for link in engine.links),
-        )
+        return cls.of(engine.topology, list(map(NaturalLink.of, engine.links)))
 
     @classmethod
-    def of(cls, engine: Engine, reduction: ComponentModes) -> ReducedLinks:
-        """Links of an engine with constraint modes that rotate with the pins."""
-        return cls(
-            engine.topology,
-            tuple(map(NaturalLink.of, engine.links)),
-            tuple(replace(model, reduced_ends=None) for model in reduction.models),
-            tuple(link.basis for link in reduction.links),
-            tuple(link.condensed for link in reduction.links),
-        )
+    def of(
+        cls,
+        topology: Topology,
+        links: Sequence[NaturalLink],
+        reduction: ComponentModes | None = None,
+    ) -> ReducedLinks:
+        """Links with constraint modes that rotate with the pins, or unreduced.
+
+        Parameters
+        ----------
+        topology : Topology
+        links : sequence of NaturalLink
+        reduction : ComponentModes, optional
+            Of these links.
+
+        Returns
+        -------
+        ReducedLinks
+        """
+        if reduction is None:
+            models = tuple(link.model for link in links)
+            bases = tuple(np.eye(model.size) for model in models)
+            condensed = tuple(np.zeros(model.size, dtype=bool) for model in models)
+        else:
+            models = tuple(replace(model, reduced_ends=None) for model in reduction.models)
+            bases = tuple(link.basis for link in reduction.links)
+            condensed = tuple(link.condensed for link in reduction.links)
+        return cls(topology, tuple(links), models, bases, condensed)
 
     @property
     def engine_bases(self) -> tuple[FloatArray, ...]:
@@ -114,11 +128,6 @@ def is_reduced(engine: Engine) -> bool:
     return engine.component_modes and not engine.mechanism.is_free_strained
 
 
-def can_stretch(engine: Engine) -> bool:
-    """Whether an engine provides the second-order stretch of its links."""
-    return engine.stretches is not None
-
-
 def stretches_in_runs(engine: Engine, prestress: Prestress) -> bool:
     """Whether a run by an engine's linear equations includes the second-order stretch.
 
@@ -132,7 +141,7 @@ def stretches_in_runs(engine: Engine, prestress: Prestress) -> bool:
     -------
     bool
     """
-    return prestress == "equilibrium" and not engine.simulates and can_stretch(engine)
+    return prestress == "equilibrium" and not engine.simulates and engine.stretches is not None
 
 
 def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
@@ -152,12 +161,11 @@ def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
     ReducedLinks
     """
     topology, links = natural_links(engine)
-    models = tuple(link.model for link in links)
-    bases = tuple(np.eye(model.size) for model in models)
+    reduction = None
     if is_reduced(engine):
         reduction = component_modes(
             topology,
-            models,
+            [link.model for link in links],
             modes,
             0.0,
             couples_axially=True,
@@ -165,13 +173,12 @@ def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
             axial_modes=round(STRETCHING_MODES * max(1.0, detail / DETAIL)),
             turning_sections=False,
         )
-        reduced = ReducedLinks.of(engine, reduction)
-        models, bases = reduced.models, reduced.bases
     else:
         engine.check_runs()
+    reduced = ReducedLinks.of(topology, links, reduction)
     found = [
         with_turning_sections(engine, topology, number, *link)
-        for number, link in enumerate(zip(links, models, bases, strict=True))
+        for number, link in enumerate(zip(links, reduced.models, reduced.bases, strict=True))
     ]
     unreduced, models, bases = zip(*found, strict=True)
     condensed = tuple(np.zeros(model.size, dtype=bool) for model in models)
@@ -201,7 +208,8 @@ def prestressed_links(
         return ReducedLinks.all_of(engine)
     motion = drive.motion(engine.mechanism.linkage, drive.passing_times)
     return ReducedLinks.of(
-        engine,
+        engine.topology,
+        list(map(NaturalLink.of, engine.links)),
         component_modes(
             engine.topology,
             engine.links,

@@ -6,6 +6,9 @@ that, it is a history; beside that it changes by ``-damping * rate - stiffness *
 coordinate by which that turns. Runs are repeated, each with the torque along the motion of the one
 before (Newton's method on the whole motion), until nothing changes: what was left out of the
 change does not matter then.
+
+The rotor on a coupling is the last coordinate. It counts from the prescribed angle of the crank,
+with which the frames of the links turn.
 """
 
 from __future__ import annotations
@@ -15,6 +18,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from flexmech.arrays import FloatArray
+from flexmech.dynamical_systems import VibrationState
+from flexmech.linear_system import SystemMatrices
 from flexmech.linkages import Motor
 
 
@@ -44,6 +49,12 @@ class RotorCoupling:
         """Of the coupling in N m/rad."""
         assert self.motor.coupling_stiffness is not None
         return self.motor.coupling_stiffness
+
+    def started(self, state: VibrationState) -> VibrationState:
+        """A start with the twist that the coupling has at time zero."""
+        position, velocity = state.position.copy(), state.velocity.copy()
+        position[-1], velocity[-1] = self.start
+        return VibrationState(position, velocity, state.acceleration)
 
 
 @dataclass(frozen=True)
@@ -94,13 +105,57 @@ class ShaftTorque:
         torque, lag = (np.interp(time, self.time, own) for own in known)
         return torque, lag
 
-    def answer_of_shaft(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Damping and stiffness of the torque on the shaft, (m,)."""
+    def added(
+        self, time: FloatArray, matrices: SystemMatrices, shaft: FloatArray
+    ) -> SystemMatrices:
+        """Matrices with the answer of the motor, and with the rotor on a coupling.
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+            In s.
+        matrices : SystemMatrices
+            Of all coordinates but the rotor's, (m, n, n).
+        shaft : ndarray, shape (n,)
+            By these, that by which the shaft turns.
+
+        Returns
+        -------
+        SystemMatrices
+            Arrays of shape (m, n + 1, n + 1) with a coupling.
+        """
+        more = (0, int(self.coupling is not None))
+        parts = (matrices.mass, matrices.damping, matrices.stiffness)
+        mass, damped, held = (np.pad(part, ((0, 0), more, more)) for part in parts)
+        turned = np.pad(shaft, more)
+        if self.coupling is not None:
+            motor, rotor = self.coupling.motor, np.eye(len(turned))[-1]
+            twist, turned = np.outer(rotor - turned, rotor - turned), rotor
+            mass += motor.inertia_at_crank * np.outer(rotor, rotor)
+            damped += motor.coupling_damping * twist
+            held += self.coupling.stiffness * twist
+        _, damping, stiffness, *_ = self.at(time)
+        damped += damping[:, None, None] * np.outer(turned, turned)
+        held += stiffness[:, None, None] * np.outer(turned, turned)
+        return SystemMatrices(mass, damped, held)
+
+    def forces(self, time: FloatArray, force: FloatArray, acceleration: FloatArray) -> FloatArray:
+        """Forces (m, n) with that on the rotor on a coupling, (m, n + 1).
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+            In s.
+        force : ndarray, shape (m, n)
+        acceleration : ndarray, shape (m,)
+            Of the prescribed angle of the crank in rad/s^2.
+        """
         if self.coupling is None:
-            _, damping, stiffness, *_ = self.at(time)
-            return damping, stiffness
-        even = np.ones_like(time)
-        return self.coupling.motor.coupling_damping * even, self.coupling.stiffness * even
+            return force
+        motor = np.interp(time, self.time, self.torque) + self.pull(time)
+        lag = np.interp(time, self.time, self.coupling.lag)
+        turned = self.coupling.motor.inertia_at_crank * acceleration
+        return np.column_stack([force, motor - lag - turned])
 
     def beside(self, time: FloatArray, across: FloatArray, turning: FloatArray) -> FloatArray:
         """The torque of the motor (m,) where the coordinate and its rate have some values.

@@ -41,12 +41,11 @@ def static_balance(linkage: DrivenLinkage, position: FloatArray, time: float = 0
     """
     assert linkage.stretch is not None
     equations = linkage.quasi_static_equations(np.array([time]))
-    turns = linkage.stretch.pin_rotations(equations.motion)
     row = np.eye(linkage.size)[linkage.shaft_coordinates]
     stiffness, force, z = equations.stiffness[0], equations.force[0], np.array(position)
     last = np.inf
     for _ in range(MOST_PASSES):
-        pulled, tangent = linkage.stretch.static_force(turns, z)
+        pulled, tangent = linkage.stretch.static_force(equations.motion, z)
         gap = np.concatenate([force - stiffness @ z - pulled, -row @ z])
         bordered = np.block([[stiffness + tangent, row.T], [row, np.zeros(2 * [len(row)])]])
         change = np.linalg.solve(bordered, gap)[: linkage.size]

@@ -29,6 +29,7 @@ from flexmech.time_domain.equations_of_motion.natural_coordinates import (
     NaturalLink,
     bar_damping_time,
     bar_stiffness,
+    joined_strains,
     rigid_arm,
 )
 
@@ -172,13 +173,7 @@ class TurningSections:
         unit = np.eye(size + self.shapes.shape[1])
         given = zip(self.shapes @ unit[size:], self.place[:, 2], self.stiffness, strict=True)
         bars = [rigid_arm(d_1, unit[turn], float(k), self.damping_time) for d_1, turn, k in given]
-        return replace(
-            own,
-            gradient=np.vstack([own.gradient, *(bar.gradient for bar in bars)]),
-            slopes=np.vstack([own.slopes, *(bar.slopes for bar in bars)]),
-            weights=scipy.linalg.block_diag(own.weights, *(bar.weights for bar in bars)),
-            damping_time=np.append(own.damping_time, [self.damping_time] * len(bars)),
-        )
+        return replace(joined_strains([own, *bars]), neutral_axis=own.neutral_axis)
 
     def _model(self, link: LinkModel) -> LinkModel:
         """The link's matrices, by ``d_1`` as well."""

@@ -12,7 +12,6 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
@@ -55,9 +54,9 @@ class PositionTable:
     ) -> None:
         self._solve = solve
         self._drive = drive = linkage.drive
-        self._is_interpolated = linkage.connectors.is_interpolated
-        self._begins = drive.law_time + reach
-        self._stands = not drive.speed
+        # From some time on the crank turns evenly, or stands.
+        repeats = linkage.connectors.is_interpolated and (drive.turns_on or not drive.speed)
+        self._begins = drive.law_time + reach if repeats else np.inf
         # Without turns at a constant speed nothing is interpolated.
         period = drive.revolution_time if drive.turns_on else 0.0
         motion = linkage.motion(drive.law_time + period * np.linspace(0.0, 1.0, 361))
@@ -73,40 +72,25 @@ class PositionTable:
 
     def at(self, time: FloatArray) -> list[FloatArray]:
         """Arrays of shape (m, ...) at increasing times of shape (m,), valid until the next call."""
-        values = self._packed(time)
+        first = int(np.searchsorted(time, self._begins))
+        parts = []
+        if first:
+            parts.append(self._solved_at(time[:first]))
+        if first < len(time):
+            parts.append(self._repeated(time[first:]))
+        values = parts[0] if len(parts) == 1 else np.concatenate(parts)
         stops = np.cumsum([int(np.prod(shape)) for shape in self._shapes])[:-1]
         pieces = np.split(values, stops, axis=1)
         return [p.reshape(len(values), *s) for p, s in zip(pieces, self._shapes, strict=True)]
 
-    def _packed(self, time: FloatArray) -> FloatArray:
-        if not self._is_interpolated:
-            return self._solved_at(time)
-        steady = time >= self._begins
-        if self._stands:
-            return self._solved_until_rest(time, steady)
-        if not self._drive.turns_on:
-            return self._solved_at(time)
-        place = (time - self._begins) / self._drive.revolution_time * self._count
-        if steady.all():
+    def _repeated(self, time: FloatArray) -> FloatArray:
+        """Arrays side by side at times at which the crank turns evenly, or stands."""
+        if self._drive.turns_on:
+            place = (time - self._begins) / self._drive.revolution_time * self._count
             return self._interpolated(place)
-        direct = self._solved_at(time[~steady])
-        values = np.empty((len(time), direct.shape[1]))
-        values[~steady] = direct
-        if steady.any():
-            values[steady] = self._interpolated(place[steady])
-        return values
-
-    def _solved_until_rest(self, time: FloatArray, resting: NDArray[np.bool_]) -> FloatArray:
-        """Arrays that are the same at all times at which the crank rests."""
-        if not resting.any():
-            return self._solved_at(time)
         if not self._table.size:
             self._table = self._solved_at(np.array([self._begins]))
-        values = np.empty((len(time), self._table.shape[1]))
-        values[resting] = self._table
-        if not resting.all():
-            values[~resting] = self._solved_at(time[~resting])
-        return values
+        return np.repeat(self._table, len(time), axis=0)
 
     def _interpolated(self, place: FloatArray) -> FloatArray:
         before = np.floor(place).astype(np.intp)

@@ -187,8 +187,8 @@ def _blocks(
     """
     equations = linkage.equations(np.zeros(1))
     if linkage.stretch is not None:
-        turns = linkage.stretch.pin_rotations(equations.motion)
-        pulled = linkage.stretch.nonlinear_forces(turns, *(part[None] for part in start))
+        moving = [part[None] for part in start]
+        pulled = linkage.stretch.nonlinear_forces(equations.motion, *moving)
         equations = replace(equations, force=equations.force - pulled)
     state = initial_state(equations, *start)
     for first in range(0, steps, BLOCK_STEPS):

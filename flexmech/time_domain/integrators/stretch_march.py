@@ -1,7 +1,7 @@
 """Lobatto's fourth-order method for links that stretch by the square of their slopes.
 
-The linear part of a double step is solved as in
-:mod:`flexmech.time_domain.integrators.stage_operators`. The nonlinear forces are
+The equations of both stages of a double step are solved for all forces at once, at positions of a
+turn between which the solutions are interpolated. The nonlinear forces are
 iterated by a modified Newton's method with the tangent of the straight links. Within a pass the
 links first relax the stretch by their slopes, which is most of the solution; the remaining tension
 then acts on the slopes (block Gauss-Seidel). Slopes are small, so that a pass gains about two
@@ -18,17 +18,20 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import VibrationState
-from flexmech.dynamical_systems.lobatto import MARCH_ON, PREDICTION, RATE_BY_POSITION, STAGES
+from flexmech.dynamical_systems.lobatto import (
+    MARCH_ON,
+    POSITION,
+    PREDICTION,
+    RATE,
+    RATE_BY_POSITION,
+    STAGES,
+)
 from flexmech.errors import ComputationError
 from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
 from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
-from flexmech.time_domain.equations_of_motion.linkage_stretch import (
-    LinkageStretch,
-    PinRotations,
-    StretchForces,
-)
+from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStretch, StretchForces
+from flexmech.time_domain.integrators.linear_march import step_forces
 from flexmech.time_domain.integrators.position_table import PositionTable
-from flexmech.time_domain.integrators.stage_operators import StageOperators, stage_operators
 
 logger = logging.getLogger(__name__)
 
@@ -71,8 +74,7 @@ class StretchMarch:
     step : float
         h in s, half a double step.
     load : sequence of ndarray, shape (n_link,), optional
-        Forces on the reduced links in their frames, of which a run can take any part at any
-        time. The loads of the mechanism over tables act besides.
+        Forces on the reduced links in their frames, of which a run can take any part at any time.
 
     Attributes
     ----------
@@ -86,12 +88,11 @@ class StretchMarch:
         self, linkage: DrivenLinkage, step: float, load: Sequence[FloatArray] | None = None
     ) -> None:
         assert linkage.stretch is not None
-        self._linkage, self._stretch = linkage, linkage.stretch
-        self._step = step
+        self._linkage, self._step, self._load = linkage, step, load
         # Not by a method of its own: what refers to itself is kept until memory is searched for it.
-        solve = partial(_double_steps, linkage, step, load)
+        solve = partial(_double_steps, linkage, step)
         self._table = PositionTable(linkage, solve, reach=step)
-        self._forces = StretchForces(linkage.stretch, STAGES, 2 * step)
+        self._stages = _Stages(linkage.stretch, linkage.size, 2 * step)
         self.restart()
 
     def restart(self) -> None:
@@ -111,7 +112,7 @@ class StretchMarch:
         state : VibrationState
             At the first of them, arrays of shape (n,).
         force : ndarray, shape (2 m + 1,), optional
-            Amplitude of the load at these times; needed where there is one.
+            Amplitude of the load at these times.
 
         Returns
         -------
@@ -126,43 +127,39 @@ class StretchMarch:
             If Newton's method does not converge in a step.
         """
         double = 2 * self._step
-        parts = (state.position, double * state.velocity, double**2 * state.acceleration)
+        acting = step_forces(self._linkage, time, self._load, force)
         history = np.empty((3, len(time), len(state.position)))
-        history[:, 0] = parts
+        history[:, 0] = state.position, double * state.velocity, double**2 * state.acceleration
         for first in range(0, len(time) - 1, STAGES * CACHED_STEPS):
             some = slice(first + 1, min(first + 1 + STAGES * CACHED_STEPS, len(time)))
-            acting = None if force is None else force[some]
-            rows = self._rows(time[some], acting)
+            rows = self._table.at(time[some][1::STAGES])
+            if acting is not None:
+                rows[0] = rows[0] + acting[some].reshape(rows[0].shape)
             history[:, some] = self._block(rows, history[:, first])
         whole = VibrationState(history[0], history[1] / double, history[2] / double**2)
         return whole, StaticExpansion.of_all(self._linkage.size)
 
-    def _rows(self, time: FloatArray, force: FloatArray | None) -> StageOperators:
-        """Operators at middles and ends, (2 m,); valid until the next call."""
-        resistance, own, compliance, relaxation, turn, rate, units = self._table.at(time[1::STAGES])
-        if units.shape[2]:
-            acting = self._linkage.histories(time, force).reshape(len(own), STAGES, 1, -1)
-            own = own + (acting @ units)[:, :, 0]
-        return StageOperators(resistance, own, compliance, relaxation, PinRotations(turn, rate))
-
-    def _block(self, rows: StageOperators, start: FloatArray) -> FloatArray:
+    def _block(self, rows: list[FloatArray], start: FloatArray) -> FloatArray:
         """Positions, rates and their rates, times H, of all stages from those at the start.
 
         Parameters
         ----------
-        rows : StageOperators
-            Of m double steps.
+        rows : list of ndarray
+            Of m double steps, with all forces; see :func:`_double_steps`.
         start : ndarray, shape (3, n)
 
         Returns
         -------
         ndarray, shape (3, 2 m, n)
         """
+        # z, H z' and H^2 z'' at the start of each double step, and z at both its stages.
+        known = np.empty((len(rows[0]) + 1, 3 + STAGES, start.shape[1]))
+        known[0, :3] = start
         for passes in PASSES:
             if passes < self._passes:
                 continue
             self._passes = passes
-            history, change = self._fixed_passes(rows, start, passes)
+            change, history = self._fixed_passes(rows, known, passes), _at_stages(known)
             bent = max(_greatest(history[2]), STILL * _greatest(history[0]))
             if change <= LAST_CHANGE * bent < np.inf:
                 if AMPLE * change <= LAST_CHANGE * bent:
@@ -170,127 +167,223 @@ class StretchMarch:
                 return history
             logger.info("modified Newton's method: %d passes do not do", passes)
         self._last = None
-        return _newton(rows, self._forces, self._stretch, start, 2 * self._step)
+        self._newton(rows, known)
+        return _at_stages(known)
 
-    def _fixed_passes(
-        self, rows: StageOperators, start: FloatArray, passes: int
-    ) -> tuple[FloatArray, float]:
-        """History of :meth:`_block`, and greatest change of positions by the last pass."""
-        forces, size, width = self._forces, start.shape[1], self._stretch.size
-        steps, ends = len(rows.force), slice(self._stretch.end_count)
-        turns = np.swapaxes(rows.turns.turn, 2, 3)
-        rates_by_ends = _rates_by_ends(rows.turns, 2 * self._step)
-        # z, H z' and H^2 z'' at the start of each double step, and z at both its stages.
-        known = np.empty((steps + 1, 3 + STAGES, size))
-        known[0, :3] = start
-        before = np.empty((steps, STAGES, size))
+    def _fixed_passes(self, rows: list[FloatArray], known: FloatArray, passes: int) -> float:
+        """Fill in ``known`` of :meth:`_block`; greatest change of positions by the last pass."""
+        stages, forces = self._stages, self._stages.forces
+        before = np.empty((len(known) - 1, STAGES, known.shape[2]))
         # Forces and second-order tensions at all stages, those of the step before first.
-        taken = np.empty((steps + 1, STAGES, width + len(self._stretch.gradient)))
-        taken[0] = self._at_start(rows, start) if self._last is None else self._last
-        place, rate = forces.place, forces.rate
-        position, own_rate, dependent_rate = place[:, :size], rate[:, :size], rate[:, size:]
-        # z and H z' at the stages as the start alone makes them, and the dependent ends with these.
-        predicted, dependent = np.empty((STAGES, 2, size)), np.empty((STAGES, 2, width - size))
-        flat_predicted, stages = predicted.reshape(-1, size), predicted.reshape(STAGES, -1)
-        ahead, ahead_rate, ends_ahead = predicted[:, 0], predicted[:, 1], predicted[:, :, ends]
-        resisted, by_position = np.empty((2, STAGES, size))
-        balance, placed = np.zeros((2, STAGES, width))
-        load, moved = np.empty((2, STAGES, width))
+        taken = np.empty((len(known), STAGES, stages.width + forces.second.shape[1]))
+        taken[0] = stages.forces_at(rows[4][0, 0], known[0]) if self._last is None else self._last
+        balance, placed, load = stages.balance, stages.placed, np.empty_like(stages.placed)
+        moved = np.empty_like(load)
         flat_load, flat_moved = load.reshape(-1), moved.reshape(-1)
-        by_ends = np.empty((STAGES, width - size))
-        is_damped, march_on, flat_by_ends = self._stretch.is_damped, MARCH_ON[-1], by_ends.ravel()
-        add, subtract, evaluate = np.add, np.subtract, forces.evaluate
-        for number, (resistance, own, compliance, relaxation, turn, rate_by_ends) in enumerate(
-            zip(
-                rows.resistance,
-                rows.force,
-                rows.compliance,
-                rows.relaxation,
-                turns,
-                rates_by_ends,
-                strict=True,
-            )
+        march_on, add, subtract = MARCH_ON[-1], np.add, np.subtract
+        for number, (acting, resistance, compliance, relaxation, turn, by_ends) in enumerate(
+            zip(*rows, strict=True)
         ):
-            now = known[number]
-            PREDICTION.dot(now[:3], flat_predicted)
-            resistance[0].dot(stages[0], resisted[0])
-            resistance[1].dot(stages[1], resisted[1])
-            subtract(own, resisted, balance[:, :size])
-            if is_damped:
-                RATE_BY_POSITION.dot(ahead, by_position)
-                subtract(ahead_rate, by_position, ahead_rate)
-            np.matmul(ends_ahead, turn, dependent)
-            placed[:, :size], placed[:, size:] = ahead, dependent[:, 0]
-            guess = taken[number + 1]
+            now, guess = known[number], taken[number + 1]
+            stages.predict(now[:3], resistance, acting, turn)
             EXTRAPOLATE.dot(taken[number], guess)
-            force, second = guess[:, :width], guess[:, width:]
+            force, second = guess[:, : stages.width], guess[:, stages.width :]
             for left in range(passes, -1, -1):
                 subtract(balance, force, load)
                 compliance.dot(flat_load, flat_moved)
-                add(moved, placed, place)
+                add(moved, placed, forces.place)
                 if not left:
                     break
                 if left == 1:
-                    before[number] = position
-                if is_damped:
-                    RATE_BY_POSITION.dot(position, by_position)
-                    add(ahead_rate, by_position, own_rate)
-                    rate_by_ends.dot(place[:, ends].ravel(), flat_by_ends)
-                    add(by_ends, dependent[:, 1], dependent_rate)
-                force = evaluate(relaxation, second)
+                    before[number] = stages.position
+                stages.find_rates(by_ends)
+                force = forces.evaluate(relaxation, second)
                 second[:] = forces.second
-            guess[:, :width] = force
-            now[3:] = position
+            guess[:, : stages.width] = force
+            now[3:] = stages.position
             march_on.dot(now, known[number + 1, :3])
         self._last = taken[-1]
-        return _at_stages(known[:-1]), _greatest(known[:-1, 3:] - before)
+        return _greatest(known[:-1, 3:] - before)
 
-    def _at_start(self, rows: StageOperators, start: FloatArray) -> FloatArray:
-        """Forces and second-order tensions at the start, (p + s,)."""
-        forces, turn = self._forces, rows.turns.turn[0, 0]
-        forces.place[:] = self._stretch.augmented(turn, start[0][:, None])[:, 0]
-        forces.rate[:] = self._stretch.augmented(turn, start[1][:, None])[:, 0]
-        force = forces.evaluate()[0]
-        return np.concatenate([force, forces.second[0]])
+    def _newton(self, rows: list[FloatArray], known: FloatArray) -> None:
+        """Fill in ``known`` of :meth:`_block` by Newton's method in every double step."""
+        stages, forces, width = self._stages, self._stages.forces, self._stages.width
+        size, unit = known.shape[2], np.eye(STAGES * width)
+        # Rates of augmented coordinates by the positions of both stages.
+        rate = np.zeros((STAGES, width, STAGES, width))
+        rate[:, :size, :, :size] = np.einsum("ij,qr->iqjr", RATE_BY_POSITION, np.eye(size))
+        for number, (acting, resistance, compliance, _, turn, by_ends) in enumerate(
+            zip(*rows, strict=True)
+        ):
+            now, ends = known[number], turn.shape[1]
+            stages.predict(now[:3], resistance, acting, turn)
+            rate[:, size:, :, :ends] = by_ends.reshape(STAGES, turn.shape[2], STAGES, ends)
+            stages.position[:] = TAYLOR @ now[:3]
+            forces.place[:, size:] = (stages.position[:, None, :ends] @ turn)[:, 0]
+            for _ in range(NEWTON_PASSES):
+                stages.find_rates(by_ends)
+                pulled = stages.balance - forces.evaluate()
+                gap = (forces.place - stages.placed).reshape(-1) - compliance @ pulled.reshape(-1)
+                elastic, damped = forces.tangents()
+                tangent = np.einsum("iqp,ipjr->iqjr", damped, rate)
+                for stage in range(STAGES):
+                    tangent[stage, :, stage] += elastic[stage]
+                whole = unit + compliance @ tangent.reshape(STAGES * width, -1)
+                change = np.linalg.solve(whole, gap).reshape(STAGES, width)
+                forces.place[:] -= change
+                now[3:] = stages.position
+                bent = np.abs(now[4] - 2 * now[3] + now[0]).max()
+                least = max(bent, NEWTON_STILL * np.abs(now).max())
+                if np.abs(change[:, :size]).max() <= NEWTON_CHANGE * least:
+                    break
+            else:
+                raise UnbalancedStepError(
+                    "links that bow deeply have no balance in a time step of "
+                    f"{self._step:.4g} s; choose a smaller --step (of a hammer test: a wider "
+                    "--bandwidth)"
+                )
+            known[number + 1, :3] = MARCH_ON[-1] @ now
 
 
-def _double_steps(
-    linkage: DrivenLinkage, step: float, load: Sequence[FloatArray] | None, end: FloatArray
-) -> list[FloatArray]:
-    """Arrays of the double steps of :class:`StretchMarch` that end at times of shape (m,)."""
-    assert linkage.stretch is not None
-    count = len(end)
-    time = np.column_stack([end - step, end]).reshape(-1)
-    equations = linkage.equations(time, tables=False)
-    rows = stage_operators(equations, linkage.stretch, 2 * step)
-    loaded = linkage.unit_equations(time, load)
-    units = np.zeros((count, STAGES, len(loaded), linkage.size))
-    for number, one in enumerate(loaded):
-        units[:, :, number] = one.force.reshape(count, STAGES, -1)
-    turns = (rows.turns.turn, rows.turns.rate)
-    return [rows.resistance, rows.force, rows.compliance, rows.relaxation, *turns, units]
+class _Stages:
+    """Both stages of a double step: places and rates of the augmented coordinates, and forces.
 
-
-def _rates_by_ends(turns: PinRotations, double: float) -> FloatArray:
-    """Rates times H of dependent ends at both stages by positions of link ends there.
+    Arrays are allocated before, and filled in by their methods, which is fastest.
 
     Parameters
     ----------
-    turns : PinRotations
-        Of m double steps.
+    stretch : LinkageStretch
+    size : int
+        Number n of coordinates z.
     double : float
         H in s.
 
+    Attributes
+    ----------
+    width : int
+        Number p of augmented coordinates.
+    forces : StretchForces
+        Whose ``place`` and ``rate`` are those at the stages.
+    position : ndarray, shape (2, n)
+        z among the places.
+    balance : ndarray, shape (2, p)
+        Forces, but for the nonlinear ones, that do not balance the motion by the start alone.
+    placed : ndarray, shape (2, p)
+        Places by the start alone.
+    """
+
+    def __init__(self, stretch: LinkageStretch, size: int, double: float) -> None:
+        self.width, self._size, self._ends = stretch.size, size, stretch.end_count
+        self.forces = StretchForces(stretch.strain, STAGES, double)
+        self.position = self.forces.place[:, :size]
+        self.balance, self.placed = np.zeros((2, STAGES, self.width))
+        # z and H z' at the stages as the start alone makes them, and the dependent ends with these.
+        predicted = np.empty((STAGES, 2, size))
+        self._dependent = np.empty((STAGES, 2, self.width - size))
+        self._predicted, self._stages = predicted.reshape(-1, size), predicted.reshape(STAGES, -1)
+        self._ahead, self._ahead_rate = predicted[:, 0], predicted[:, 1]
+        self._ends_ahead = predicted[:, :, : self._ends]
+        self._resisted, self._by_position = np.empty((2, STAGES, size))
+        self._by_ends = np.empty((STAGES, self.width - size))
+        self._flat_by_ends = self._by_ends.reshape(-1)
+        rate = self.forces.rate
+        self._rate, self._dependent_rate = rate[:, :size], rate[:, size:]
+
+    def forces_at(self, turn: FloatArray, start: FloatArray) -> FloatArray:
+        """Forces and second-order tensions at a start of shape (3, n) or more, (p + s,)."""
+        for part, moved in zip((self.forces.place, self.forces.rate), start, strict=False):
+            part[:, : self._size], part[:, self._size :] = moved, moved[: self._ends] @ turn
+        force = self.forces.evaluate()
+        return np.concatenate([force[0], self.forces.second[0]])
+
+    def predict(
+        self, start: FloatArray, resistance: FloatArray, acting: FloatArray, turn: FloatArray
+    ) -> None:
+        """Move the stages as the start (3, n) of the double step alone does."""
+        PREDICTION.dot(start, self._predicted)
+        resistance[0].dot(self._stages[0], self._resisted[0])
+        resistance[1].dot(self._stages[1], self._resisted[1])
+        np.subtract(acting, self._resisted, self.balance[:, : self._size])
+        if self.forces.is_damped:
+            RATE_BY_POSITION.dot(self._ahead, self._by_position)
+            np.subtract(self._ahead_rate, self._by_position, self._ahead_rate)
+        np.matmul(self._ends_ahead, turn, self._dependent)
+        self.placed[:, : self._size] = self._ahead
+        self.placed[:, self._size :] = self._dependent[:, 0]
+
+    def find_rates(self, by_ends: FloatArray) -> None:
+        """Find the rates at the places, which count where stretching is damped."""
+        if self.forces.is_damped:
+            RATE_BY_POSITION.dot(self.position, self._by_position)
+            np.add(self._ahead_rate, self._by_position, self._rate)
+            by_ends.dot(self.position[:, : self._ends].ravel(), self._flat_by_ends)
+            np.add(self._by_ends, self._dependent[:, 1], self._dependent_rate)
+
+
+def _double_steps(linkage: DrivenLinkage, step: float, end: FloatArray) -> list[FloatArray]:
+    """Equations of motion at both stages of double steps, solved for all forces at once.
+
+    Double steps of twice ``step`` that end at m times in s.
+
     Returns
     -------
+    ndarray, shape (m, 2, n)
+        Forces, but for those that are not interpolated.
+    ndarray, shape (m, 2, n, 2 n)
+        Stiffness and, beside it, damping over H, at each stage.
+    ndarray, shape (m, 2 p, 2 p)
+        Displacements of augmented coordinates at the stages by unit forces on them.
+    ndarray, shape (m, 2 s, 2 s)
+        Decrease of the tensions at the stages by unit tensions.
+    ndarray, shape (m, 2, k, f)
+        Dependent coordinates from the displacements of link ends.
     ndarray, shape (m, 2 f, 2 k)
-        But for what the start alone makes of the link ends' own rates.
+        Rates times H of dependent coordinates at both stages by displacements of link ends there,
+        but for what the start alone makes of the rates of these.
     """
-    steps, _, dependent, ends = turns.turn.shape
-    by_ends = RATE_BY_POSITION[:, None, :, None] * turns.turn[:, :, :, None]
+    stretch, count, double = linkage.stretch, len(end), 2 * step
+    assert stretch is not None
+    time = np.column_stack([end - step, end]).reshape(-1)
+    equations = linkage.equations(time, tables=False)
+    size, strains, total = linkage.size, len(stretch.strain.gradient), STAGES * stretch.size
+    mass, damping, stiffness = (
+        part.reshape(-1, STAGES, size, size)
+        for part in (equations.mass, equations.damping, equations.stiffness)
+    )
+    effective = _coupled(double * RATE, damping) + _coupled(double**2 * POSITION, stiffness)
+    turn, rate = (
+        part.reshape(count, STAGES, *part.shape[1:])
+        for part in stretch.pin_rotations(equations.motion)
+    )
+    gathered = np.zeros((count, STAGES, size, STAGES, stretch.size))
+    by_ends = RATE_BY_POSITION[:, None, :, None] * turn[:, :, :, None]
     for stage in range(STAGES):
-        by_ends[:, stage, :, stage] += double * turns.rate[:, stage]
-    return by_ends.reshape(steps, STAGES * dependent, STAGES * ends)
+        effective[:, stage, :, stage] += mass[:, stage]
+        gathered[:, stage, :, stage] = np.swapaxes(stretch.augmentation(turn[:, stage]), 1, 2)
+        by_ends[:, stage, :, stage] += double * rate[:, stage]
+    solved = np.linalg.solve(
+        effective.reshape(count, STAGES * size, -1), gathered.reshape(count, STAGES * size, -1)
+    ).reshape(count, STAGES, -1)
+    moved = (double**2 * POSITION @ solved).reshape(count, STAGES, size, total)
+    compliance = stretch.augmented(turn, moved)
+    # Strains by unit tensions, which act and are seen by the linear part of the strain.
+    gradient = stretch.strain.gradient
+    strain = (gradient @ compliance).reshape(count, STAGES, strains, STAGES, -1) @ gradient.T
+    by_rate = np.einsum("ik,mksjt->misjt", RATE_BY_POSITION, strain)
+    relaxation = strain + (stretch.strain.damping_time / double)[:, None, None] * by_rate
+    return [
+        equations.force.reshape(count, STAGES, size),
+        np.concatenate([stiffness, damping / double], axis=-1),
+        compliance.reshape(count, total, total),
+        relaxation.reshape(count, STAGES * strains, -1),
+        np.swapaxes(turn, 2, 3),
+        by_ends.reshape(count, STAGES * turn.shape[2], STAGES * turn.shape[3]),
+    ]
+
+
+def _coupled(weights: FloatArray, matrices: FloatArray) -> FloatArray:
+    """Blocks ``weights[i, j] * matrices[i]``, (m, 2, n, 2, n)."""
+    return np.asarray(weights[:, None, :, None] * matrices[:, :, :, None, :])
 
 
 def _greatest(vectors: FloatArray) -> float:
@@ -300,68 +393,6 @@ def _greatest(vectors: FloatArray) -> float:
 
 
 def _at_stages(known: FloatArray) -> FloatArray:
-    """Positions, rates and their rates at both stages, (3, 2 m, n).
-
-    Parameters
-    ----------
-    known : ndarray, shape (m, 5, n)
-        These at the starts of m double steps, and positions at their stages.
-    """
-    found = MARCH_ON.reshape(-1, known.shape[1]) @ known
+    """Positions, rates and their rates at both stages, (3, 2 m, n); see ``_block``."""
+    found = MARCH_ON.reshape(-1, known.shape[1]) @ known[:-1]
     return np.asarray(np.moveaxis(found.reshape(-1, 3, known.shape[2]), 1, 0))
-
-
-def _newton(
-    rows: StageOperators,
-    forces: StretchForces,
-    stretch: LinkageStretch,
-    start: FloatArray,
-    double: float,
-) -> FloatArray:
-    """Newton's method in every double step; shapes as of :meth:`StretchMarch._block`."""
-    steps, size, width = len(rows.force), start.shape[1], stretch.size
-    known = np.empty((steps + 1, 3 + STAGES, size))
-    known[0, :3] = start
-    for number, turn in enumerate(rows.turns.turn):
-        now, augmentation = known[number], stretch.augmentation(turn)
-        # Rates of augmented coordinates by the positions of both stages, but for their prediction.
-        turned = np.zeros((STAGES, width, size))
-        turned[:, size:, : stretch.end_count] = double * rows.turns.rate[number]
-        rate = np.einsum("ij,iqn->iqjn", RATE_BY_POSITION, augmentation)
-        for stage in range(STAGES):
-            rate[stage, :, stage] += turned[stage]
-        predicted = (PREDICTION @ now[:3]).reshape(STAGES, 2, size)
-        ahead, ahead_rate = predicted[:, 0], predicted[:, 1]
-        ahead_rate = ahead_rate - RATE_BY_POSITION @ ahead
-        resisted = rows.resistance[number] @ predicted.reshape(STAGES, -1, 1)
-        balance = np.zeros((STAGES, width))
-        balance[:, :size] = rows.force[number] - resisted[..., 0]
-        # Displacement z of both stages by forces on the augmented coordinates of both.
-        compliance = (
-            rows.compliance[number].reshape(STAGES, width, -1)[:, :size].reshape(STAGES * size, -1)
-        )
-        now[3:] = TAYLOR @ now[:3]
-        for _ in range(NEWTON_PASSES):
-            forces.place[:] = (augmentation @ now[3:, :, None])[..., 0]
-            forces.rate[:] = np.einsum("iqjn,jn->iq", rate, now[3:])
-            forces.rate += (augmentation @ ahead_rate[..., None])[..., 0]
-            pulled = (balance - forces.evaluate()).reshape(-1)
-            gap = now[3:] - ahead - (compliance @ pulled).reshape(STAGES, size)
-            elastic, damped = forces.tangents()
-            tangent = np.einsum("iqp,ipjn->iqjn", damped, rate)
-            for stage in range(STAGES):
-                tangent[stage, :, stage] += elastic[stage] @ augmentation[stage]
-            whole = np.eye(STAGES * size) + compliance @ tangent.reshape(STAGES * width, -1)
-            change = np.linalg.solve(whole, gap.reshape(-1)).reshape(STAGES, size)
-            now[3:] -= change
-            bent = np.abs(now[4] - 2 * now[3] + now[0]).max()
-            if np.abs(change).max() <= NEWTON_CHANGE * max(bent, NEWTON_STILL * np.abs(now).max()):
-                break
-        else:
-            raise UnbalancedStepError(
-                "links that bow deeply have no balance in a time step of "
-                f"{double / STAGES:.4g} s; choose a smaller --step (of a hammer test: a wider "
-                "--bandwidth)"
-            )
-        known[number + 1, :3] = MARCH_ON[-1] @ now
-    return _at_stages(known[:-1])

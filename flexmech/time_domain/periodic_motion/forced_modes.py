@@ -29,7 +29,6 @@ from flexmech.linear_system import (
     StressedLinks,
     inertia_loads,
 )
-from flexmech.linkages import ConstantSpeed
 from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors
 from flexmech.time_domain.periodic_motion.moving_modes import (
     MovingModes,
@@ -244,7 +243,7 @@ def forced_modes(
     order = np.arange(SAMPLES) if crank_speed > 0 else -np.arange(SAMPLES) % SAMPLES
     motion = engine.mechanism.linkage.motion(2 * np.pi / SAMPLES * order, crank_speed)
     stressed = engine.stressed_links(motion, prestress)
-    DrivenConnectors(engine, engine.frames, ConstantSpeed(crank_speed)).require_periodic()
+    DrivenConnectors(engine, engine.frames).require_periodic()
     turn = SampledTurn.of(engine, motion, stressed, prestress, modes)
     count = min(modes + SPARE_MODES, turn.frames.size)
     if turn.has_relative_motion:

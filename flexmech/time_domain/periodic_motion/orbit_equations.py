@@ -47,7 +47,7 @@ from flexmech.linear_system import (
     whole,
     with_rigid_links,
 )
-from flexmech.linkages import ConstantSpeed, RigidMotion
+from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction
 from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors
 
@@ -174,7 +174,7 @@ class OrbitEquations:
     def __init__(self, engine: Engine, crank_speed: float, samples: int) -> None:
         linkage, links = engine.mechanism.linkage, engine.links
         engine.require_standing_frame("a periodic motion at large displacements")
-        DrivenConnectors(engine, engine.frames, ConstantSpeed(crank_speed)).require_periodic()
+        DrivenConnectors(engine, engine.frames).require_periodic()
         self.engine, self.samples, self.crank_speed = engine, samples, crank_speed
         self.frames = LinkFrames(linkage.topology, links)
         self.motion: RigidMotion = linkage.motion(

@@ -14,11 +14,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.dynamical_systems import VibrationState, initial_state, march
+from flexmech.dynamical_systems import VibrationState, initial_state
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
 from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
-from flexmech.time_domain.integrators.linear_march import StepTable
+from flexmech.time_domain.integrators.linear_march import LinearMarch
 
 # Steps whose matrices are solved at once. Memory alone: fewer than in a single run, because a
 # motion from a unit of each coordinate is kept for all of them.
@@ -163,14 +163,13 @@ def _all_motions(
         raise InputError("a periodic motion needs a constant crank speed: leave out the run-up")
     linkage.connectors.require_periodic()
     n, step = linkage.size, linkage.drive.revolution_time / steps
-    table = StepTable(linkage, step)
+    march = LinearMarch(linkage, step)
     starts = np.concatenate([np.zeros((2 * n, 1)), np.eye(2 * n)], axis=1)
     state = initial_state(linkage.equations(np.zeros(1)), starts[:n], starts[n:])
     for first in range(0, steps, BLOCK_STEPS):
         last = min(first + BLOCK_STEPS, steps)
         time = step * np.arange(first, last + 1, dtype=float)
-        operators, expansion = table.rows(time)
-        history = march(operators[1:], state)
+        history, expansion = march.advance(time, state)
         state = history[-1]
         yield time, expansion, history
 

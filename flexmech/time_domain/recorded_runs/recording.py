@@ -95,7 +95,9 @@ class Recorder:
         self.step = step
         self._stride = stride
         self._forces = ForceRecord(sample_time, step, band, (1.0,) if stride == 1 else WEIGHTS)
-        self._parts: list[dict[str, list[FloatArray]]] = []
+        # Places and rates of links, of a free shaft and of a frame on springs; energies.
+        self._parts: list[tuple[list[FloatArray], list[FloatArray], list[FloatArray]]] = []
+        self._has_shaft = self._has_frame = False
         self._taken = 0
         self._work = np.zeros(3)  # dissipated, drive, prestress
         self._balance_start: float | None = None
@@ -138,27 +140,28 @@ class Recorder:
 
     def finish(self) -> Trajectory:
         """The samples of all blocks."""
-
-        def joined(name: str) -> list[FloatArray]:
-            return [
-                np.concatenate(p) for p in zip(*(part[name] for part in self._parts), strict=True)
-            ]
-
-        self._forces.finish()
-        turned, carried = joined("shaft"), joined("frame")
+        places, rates, energies = (
+            [np.concatenate(own) for own in zip(*parts, strict=True)]
+            for parts in zip(*self._parts, strict=True)
+        )
+        frame = FrameMotion(places.pop(), rates.pop()) if self._has_frame else None
+        shaft = None
+        if self._has_shaft:
+            shaft = ShaftMotion(places.pop()[:, 0], rates.pop()[:, 0])
+        joint_force, driving_torque, peaks = self._forces.finish()
         return Trajectory(
             time=self.sample_time[: self._taken],
-            displacement=joined("displacement"),
-            rate=joined("rate"),
-            joint_force=self._forces.joint_force,
-            driving_torque=self._forces.driving_torque,
-            peak_joint_force=self._forces.peak_joint_force,
-            peak_driving_torque=self._forces.peak_driving_torque,
-            energy=EnergyHistory(*joined("energy")[0].T),
+            displacement=places,
+            rate=rates,
+            joint_force=joint_force,
+            driving_torque=driving_torque,
+            peak_joint_force=peaks[:-1],
+            peak_driving_torque=float(peaks[-1]),
+            energy=EnergyHistory(*energies[0].T),
             energy_error=self._worst / self._peak,
             step=self.step,
-            shaft=ShaftMotion(*turned) if turned else None,
-            frame=FrameMotion(*carried) if carried else None,
+            shaft=shaft,
+            frame=frame,
         )
 
     def _sample(self, block: StepBlock, work: FloatArray) -> None:
@@ -167,30 +170,21 @@ class Recorder:
         at = self.sample_time[self._taken : stop]
         self._taken = stop
         before, fraction = sample_intervals(block.time, at)
-        cubic = [
-            hermite_interpolation(block.time, q, r, before, fraction)
-            for q, r in zip(block.displacement, block.rate, strict=True)
-        ]
+        moving = list(zip(block.displacement, block.rate, strict=True))
+        self._has_shaft, self._has_frame = block.shaft is not None, block.frame is not None
+        if block.shaft is not None:
+            moving.append((block.shaft.rotation[:, None], block.shaft.rate[:, None]))
+        if block.frame is not None:
+            moving.append((block.frame.displacement, block.frame.rate))
+        cubic = [hermite_interpolation(block.time, *own, before, fraction) for own in moving]
         stored = block.kinetic_energy, block.strain_energy, block.gravity_energy
         energy = np.stack([*stored, *work], axis=1)
-        turned: list[FloatArray] = []
-        carried: list[FloatArray] = []
-        if block.frame is not None:
-            moved = block.frame.displacement, block.frame.rate
-            carried = [*hermite_interpolation(block.time, *moved, before, fraction)]
-        if block.shaft is not None:
-            rotation, rate = block.shaft.rotation[:, None], block.shaft.rate[:, None]
-            turned = [
-                v[:, 0] for v in hermite_interpolation(block.time, rotation, rate, before, fraction)
-            ]
         self._parts.append(
-            {
-                "shaft": turned,
-                "frame": carried,
-                "displacement": [value for value, _ in cubic],
-                "rate": [slope for _, slope in cubic],
-                "energy": [linear_interpolation(energy, before, fraction)],
-            }
+            (
+                [value for value, _ in cubic],
+                [slope for _, slope in cubic],
+                [linear_interpolation(energy, before, fraction)],
+            )
         )
 
 
@@ -252,31 +246,22 @@ class ForceRecord:
         )
         self._take(values if self._filter is None else self._filter.add(values))
 
-    def finish(self) -> None:
-        """End the record after the last step."""
+    def finish(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """End the record after the last step.
+
+        Returns
+        -------
+        ndarray, shape (N, n_joints, 2)
+            Joint forces at the samples in N.
+        ndarray, shape (N,)
+            Driving torque at the samples in N m.
+        ndarray, shape (n_joints + 1,)
+            Greatest sizes of these at any step until the last sample.
+        """
         if self._filter is not None:
             self._take(self._filter.finish())
-
-    @property
-    def joint_force(self) -> FloatArray:
-        """Joint forces at the samples in N, (N, n_joints, 2)."""
-        values = np.concatenate(self._samples)[:, :-1]
-        return values.reshape(len(values), -1, 2)
-
-    @property
-    def driving_torque(self) -> FloatArray:
-        """Driving torque at the samples in N m, (N,)."""
-        return np.concatenate(self._samples)[:, -1]
-
-    @property
-    def peak_joint_force(self) -> FloatArray:
-        """Greatest joint force at any step until the last sample in N, (n_joints,)."""
-        return self._peak[:-1]
-
-    @property
-    def peak_driving_torque(self) -> float:
-        """Greatest driving torque at any step until the last sample in N m."""
-        return float(self._peak[-1])
+        values = np.concatenate(self._samples)
+        return values[:, :-1].reshape(len(values), -1, 2), values[:, -1], self._peak
 
     def _take(self, values: FloatArray) -> None:
         before = 0 if self._last is None else self._taken + 1

@@ -39,10 +39,6 @@ class FrameMotion:
     displacement: FloatArray
     rate: FloatArray
 
-    def __getitem__(self, where: slice) -> FrameMotion:
-        """Motion at some of the instants."""
-        return FrameMotion(self.displacement[where], self.rate[where])
-
 
 @dataclass(frozen=True)
 class LinkState:
@@ -113,10 +109,6 @@ class ShaftMotion:
 
     rotation: FloatArray
     rate: FloatArray
-
-    def __getitem__(self, where: slice) -> ShaftMotion:
-        """Motion at some of the instants."""
-        return ShaftMotion(self.rotation[where], self.rate[where])
 
     def refuse_runaway(self, drive: Drive, time: FloatArray) -> None:
         """Refuse a shaft that has left its prescribed angle.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -80,19 +81,20 @@ class Trajectory:
 
     def __getitem__(self, where: slice) -> Trajectory:
         """The same run at some of the samples."""
-        energy = EnergyHistory(
-            *(getattr(self.energy, field.name)[where] for field in fields(self.energy))
-        )
+
+        def taken(history: FloatArray) -> FloatArray:
+            return np.asarray(history[where])
+
         return replace(
             self,
-            time=self.time[where],
-            displacement=[q[where] for q in self.displacement],
-            rate=[r[where] for r in self.rate],
-            joint_force=self.joint_force[where],
-            driving_torque=self.driving_torque[where],
-            energy=energy,
-            shaft=None if self.shaft is None else self.shaft[where],
-            frame=None if self.frame is None else self.frame[where],
+            time=taken(self.time),
+            displacement=[taken(q) for q in self.displacement],
+            rate=[taken(r) for r in self.rate],
+            joint_force=taken(self.joint_force),
+            driving_torque=taken(self.driving_torque),
+            energy=_of_fields(taken, self.energy),
+            shaft=_of_fields(taken, self.shaft),
+            frame=_of_fields(taken, self.frame),
         )
 
     def extrapolated(self, coarser: Trajectory, order: int) -> Trajectory:
@@ -115,15 +117,7 @@ class Trajectory:
         def limit(fine: FloatArray, coarse: FloatArray) -> FloatArray:
             return fine + gain * (fine - coarse)
 
-        def limits(fine: Any, coarse: Any) -> list[FloatArray]:
-            return [limit(*(getattr(of, f.name) for of in (fine, coarse))) for f in fields(fine)]
-
-        energy, shaft = EnergyHistory(*limits(self.energy, coarser.energy)), None
-        if self.shaft is not None:
-            shaft = ShaftMotion(*limits(self.shaft, coarser.shaft))
-        frame = None
-        if self.frame is not None:
-            frame = FrameMotion(*limits(self.frame, coarser.frame))
+        energy = _of_fields(limit, self.energy, coarser.energy)
         return replace(
             self,
             displacement=list(map(limit, self.displacement, coarser.displacement)),
@@ -136,6 +130,15 @@ class Trajectory:
             ),
             energy=energy,
             energy_error=float(np.abs(energy.imbalance).max() / energy.kinetic.max()),
-            shaft=shaft,
-            frame=frame,
+            shaft=_of_fields(limit, self.shaft, coarser.shaft),
+            frame=_of_fields(limit, self.frame, coarser.frame),
         )
+
+
+def _of_fields(function: Callable[..., FloatArray], *histories: Any) -> Any:
+    """What a function makes of every field of the same histories of some runs; None of none."""
+    if histories[0] is None:
+        return None
+    names = [field.name for field in fields(histories[0])]
+    changed = (function(*(getattr(own, name) for own in histories)) for name in names)
+    return type(histories[0])(*changed)
