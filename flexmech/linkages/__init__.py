@@ -1,7 +1,6 @@
 """Rigid linkages: topology, kinematics and inverse dynamics. No elasticity here."""
 
 from flexmech.linkages.attachments import GROUND, AttachmentPoint, JointSpring, Load, Spring
-from flexmech.linkages.carried_motion import carried_motion, turned
 from flexmech.linkages.coupler_curves.curve import CouplerCurve, CouplerPoint, coupler_sextic
 from flexmech.linkages.coupler_curves.double_points import (
     DoublePoint,
@@ -27,15 +26,13 @@ from flexmech.linkages.inverse_dynamics import (
 from flexmech.linkages.link_mass import LEAST_DISTANCE, LinkBody, LinkMass, lumped_elements
 from flexmech.linkages.linkage import (
     Linkage,
+    LinkageStack,
     assemblable,
+    connections,
     continuous_angles,
-    drawn_joints,
-    linkage_positions,
-    picture_crank_angle,
     refuse_passing,
 )
-from flexmech.linkages.linkage_stack import LinkageStack, connections
-from flexmech.linkages.motion import RigidMotion
+from flexmech.linkages.motion import RigidMotion, carried_motion, turned
 from flexmech.linkages.motors.along_motion import states_along, yielded_along
 from flexmech.linkages.motors.drive_train import DriveTrain
 from flexmech.linkages.motors.integrated_run import known_until, solved_run
@@ -47,8 +44,13 @@ from flexmech.linkages.motors.settled_run import SettledRun, TwistedShaft, repea
 from flexmech.linkages.motors.shaft_equation import AddedTorque, ShaftEquation, ShaftLoad
 from flexmech.linkages.motors.speed_control import DrivenBy, MotorOutput, SpeedControl
 from flexmech.linkages.motors.turn_series import TurnSeries
-from flexmech.linkages.moving_points import moving_points
 from flexmech.linkages.planar import PlanarJoint, PlanarLink, PlanarLinkage
+from flexmech.linkages.positions import (
+    drawn_joints,
+    linkage_positions,
+    moving_points,
+    picture_crank_angle,
+)
 from flexmech.linkages.rotating_arm import RotatingArm
 from flexmech.linkages.synthesis import (
     CrankRockerProportions,
