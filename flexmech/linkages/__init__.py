@@ -4,7 +4,6 @@ from flexmech.linkages.attachments import GROUND, AttachmentPoint, JointSpring, 
 from flexmech.linkages.coupler_curves.curve import CouplerCurve, CouplerPoint, coupler_sextic
 from flexmech.linkages.coupler_curves.double_points import (
     DoublePoint,
-    FiniteDoublePoint,
     circuit_of,
     double_points,
     finite_double_points,
@@ -79,7 +78,6 @@ __all__ = [
     "Drive",
     "DriveTrain",
     "DrivenBy",
-    "FiniteDoublePoint",
     "FourBar",
     "FrequenciesOnPath",
     "GrashofClass",

@@ -35,75 +35,85 @@ def cross(first: ComplexArray | complex, second: ComplexArray | complex) -> Floa
 
 @dataclass(frozen=True)
 class Circle:
-    """Circular locus about a point of a known body."""
+    """Circular locus of a point of a body that turns about a point of a known one.
 
-    body: int
+    Parameters
+    ----------
+    known : int
+    centre : complex
+        In the drawing.
+    body : int
+    point : complex
+        In the drawing.
+    """
+
+    known: int
     centre: complex
-    radius: float
+    body: int
+    point: complex
+
+    @property
+    def radius(self) -> float:
+        """Distance of the point from the centre in m."""
+        return abs(self.point - self.centre)
+
+    @property
+    def drawn_normal(self) -> complex:
+        """Normal at the point in the drawing."""
+        return self.point - self.centre
 
     def gradient(self, bodies: BodyMotion, place: ComplexArray) -> ComplexArray:
         """Unit normal at a place."""
-        return (place - point_of(bodies, self.body, self.centre)) / self.radius
+        return (place - point_of(bodies, self.known, self.centre)) / self.radius
 
     def gap(self, bodies: BodyMotion, place: ComplexArray) -> FloatArray:
         """Distance of a place from the circle, along the normal."""
-        arm = place - point_of(bodies, self.body, self.centre)
+        arm = place - point_of(bodies, self.known, self.centre)
         return np.asarray((np.abs(arm) ** 2 - self.radius**2) / (2 * self.radius))
+
+    def placement(self, bodies: BodyMotion, place: ComplexArray) -> Placement:
+        """Where the body is, by the place of its point, (B,)."""
+        centre = point_of(bodies, self.known, self.centre)
+        turn = (place - centre) / self.drawn_normal
+        return self.centre, centre, turn / np.abs(turn)
 
 
 @dataclass(frozen=True)
 class Line:
-    """Straight locus on a known body, by a point and its direction in the drawing."""
-
-    body: int
-    through: complex
-    along: complex
-
-    def gradient(self, bodies: BodyMotion, place: ComplexArray) -> ComplexArray:
-        """Unit normal at a place, to the left of the line."""
-        return np.asarray(1j * bodies.turn[:, self.body] * self.along)
-
-    def gap(self, bodies: BodyMotion, place: ComplexArray) -> FloatArray:
-        """Distance of a place from the line, along the normal."""
-        return dot(self.gradient(bodies, place), place - point_of(bodies, self.body, self.through))
-
-
-@dataclass(frozen=True)
-class Placed:
-    """A body determined by the intersection point of two loci.
+    """Straight locus of a point on a known body.
 
     Parameters
     ----------
-    body : int
-    point : complex
-        The point, in the drawing.
     known : int
-        Body that carries the other point or, where the body does not turn against it, the
-        body that carries its line.
-    pivot : complex, optional
-        Point of the known body about which the body turns; None where it only slides.
+    point : complex
+        The line passes through it in the drawing.
+    along : complex
+        Unit vector of the line in the drawing.
+    body : int, optional
+        Body of the point, if it translates along the line.
     """
 
-    body: int
-    point: complex
     known: int
-    pivot: complex | None
+    point: complex
+    along: complex
+    body: int | None = None
+
+    @property
+    def drawn_normal(self) -> complex:
+        """Normal in the drawing, to the left of the line."""
+        return 1j * self.along
+
+    def gradient(self, bodies: BodyMotion, place: ComplexArray) -> ComplexArray:
+        """Unit normal at a place, to the left of the line."""
+        return np.asarray(bodies.turn[:, self.known] * self.drawn_normal)
+
+    def gap(self, bodies: BodyMotion, place: ComplexArray) -> FloatArray:
+        """Distance of a place from the line, along the normal."""
+        return dot(self.gradient(bodies, place), place - point_of(bodies, self.known, self.point))
 
     def placement(self, bodies: BodyMotion, place: ComplexArray) -> Placement:
-        """Where the body is.
-
-        Parameters
-        ----------
-        bodies : BodyMotion
-            All bodies of the drawing, those known so far in their positions; (B, n).
-        place : ndarray of complex, shape (B,)
-            Of its point.
-        """
-        if self.pivot is None:
-            return self.point, place, bodies.turn[:, self.known]
-        centre = point_of(bodies, self.known, self.pivot)
-        turn = (place - centre) / (self.point - self.pivot)
-        return self.pivot, centre, turn / np.abs(turn)
+        """Where the body is, by the place of its point, (B,)."""
+        return self.point, place, bodies.turn[:, self.known]
 
 
 @dataclass(frozen=True)
@@ -113,28 +123,27 @@ class TwoLoci:
     Parameters
     ----------
     refusal : Refusal
-    drawn : complex
     first, second : Circle or Line
         Not a line before a circle.
-    side : float
-        Sign of the product of the normals at the point, which tells its branch.
-    placed : tuple of Placed
     size : float
         Of the linkage.
     """
 
     refusal: Refusal
-    drawn: complex
     first: Circle | Line
     second: Circle | Line
-    side: float
-    placed: tuple[Placed, ...]
     size: float
 
     @property
     def solves(self) -> tuple[int, ...]:
         """Bodies that the dyad determines."""
-        return tuple(own.body for own in self.placed)
+        loci = self.first, self.second
+        return tuple(own.body for own in loci if own.body is not None)
+
+    @property
+    def side(self) -> float:
+        """Sign of the product of the normals in the drawing, which tells the branch."""
+        return float(np.sign(cross(self.first.drawn_normal, self.second.drawn_normal)))
 
     def placements(
         self, bodies: BodyMotion, angle: FloatArray, sides: FloatArray
@@ -157,13 +166,13 @@ class TwoLoci:
         self.refusal.refuse("locked", np.abs(sine) < LOCKING_SINE, angle)
         # One step of Newton's method takes off what rounding has left near locked positions.
         place = place - _vector(*normals, sine, first.gap(bodies, place), second.gap(bodies, place))
-        return [own.placement(bodies, place) for own in self.placed]
+        return [own.placement(bodies, place) for own in (first, second) if own.body is not None]
 
     def transmission_angle(self, bodies: BodyMotion) -> FloatArray | None:
         """Acute angle in rad at which the loci meet, (B,); None of two lines, which are drawn."""
         if not isinstance(self.first, Circle):
             return None
-        place = point_of(bodies, self.placed[0].body, self.drawn)
+        place = point_of(bodies, self.first.body, self.first.point)
         normals = [locus.gradient(bodies, place) for locus in (self.first, self.second)]
         return np.arctan2(np.abs(cross(*normals)), np.abs(dot(*normals)))
 
@@ -172,9 +181,9 @@ class TwoLoci:
         first, second = self.first, self.second
         if not isinstance(first, Circle):
             return []
-        centre = point_of(bodies, first.body, first.centre)
+        centre = point_of(bodies, first.known, first.centre)
         if isinstance(second, Circle):
-            between = np.abs(point_of(bodies, second.body, second.centre) - centre)
+            between = np.abs(point_of(bodies, second.known, second.centre) - centre)
             outside, inside = first.radius + second.radius, abs(first.radius - second.radius)
             return [
                 Clearance.of(outside, between, outside, self.size),
@@ -185,12 +194,12 @@ class TwoLoci:
 
     def _place(self, bodies: BodyMotion, angle: FloatArray, side: FloatArray) -> ComplexArray:
         if isinstance(self.first, Circle):
-            centre = point_of(bodies, self.first.body, self.first.centre)
+            centre = point_of(bodies, self.first.known, self.first.centre)
             if isinstance(self.second, Circle):
                 return self._on_circles(bodies, angle, side, centre)
             return self._on_circle_and_line(bodies, angle, side, centre)
         # Two lines: the gaps of any place lead to where they meet.
-        start = point_of(bodies, self.first.body, self.first.through)
+        start = point_of(bodies, self.first.known, self.first.point)
         normals = (self.first.gradient(bodies, start), self.second.gradient(bodies, start))
         sine = cross(*normals)
         self.refusal.refuse("locked", np.abs(sine) < LOCKING_SINE, angle)
@@ -203,7 +212,7 @@ class TwoLoci:
     ) -> ComplexArray:
         assert isinstance(self.first, Circle)
         assert isinstance(self.second, Circle)
-        line = point_of(bodies, self.second.body, self.second.centre) - centre
+        line = point_of(bodies, self.second.known, self.second.centre) - centre
         distance = np.abs(line)
         self.refusal.refuse("apart", distance <= ROUND_OFF * self.size, angle)
         ahead = (self.first.radius**2 - self.second.radius**2 + distance**2) / (2 * distance)
@@ -215,8 +224,8 @@ class TwoLoci:
     ) -> ComplexArray:
         assert isinstance(self.first, Circle)
         assert isinstance(self.second, Line)
-        along = bodies.turn[:, self.second.body] * self.second.along
-        through = point_of(bodies, self.second.body, self.second.through)
+        along = bodies.turn[:, self.second.known] * self.second.along
+        through = point_of(bodies, self.second.known, self.second.point)
         to_centre = centre - through
         leg = self._leg(self.first.radius, np.abs(cross(along, to_centre)), angle)
         return through + (dot(along, to_centre) + side * leg) * along

@@ -6,8 +6,6 @@ from collections.abc import Iterable
 from dataclasses import replace
 from itertools import combinations
 
-import numpy as np
-
 from flexmech.errors import InputError, LockingError
 from flexmech.linkages.change_points import in_degrees
 from flexmech.linkages.planar.bodies import (
@@ -19,7 +17,7 @@ from flexmech.linkages.planar.bodies import (
     SharedPoint,
 )
 from flexmech.linkages.planar.drawing import Drawing
-from flexmech.linkages.planar.dyads import Circle, Line, Placed, SlidingBody, TwoLoci, cross
+from flexmech.linkages.planar.dyads import Circle, Line, SlidingBody, TwoLoci, cross
 from flexmech.linkages.planar.groups import Dyad
 from flexmech.linkages.planar.newton import NewtonGroup
 
@@ -183,8 +181,7 @@ class _Order:
         if len(unknown) == 1 and len(shared) == len(lines) == 1:
             (pivot,), (line,) = shared, lines
             if line.guide in self.known:
-                circle, placed = self._circle(pivot, line.point)
-                return self._loci(line.point, circle, self._line(line, line.point), placed)
+                return self._two_loci(line.point, self._circle(pivot, line.point), self._line(line))
             return SlidingBody(
                 self._refusal(line.point, (*unknown, *self.bodies.at_point[line.point])),
                 unknown[0],
@@ -200,53 +197,29 @@ class _Order:
         # Where the two meet, each is on a circle about its pivot, or on the line along which it
         # translates.
         (meeting,) = (own.point for own in shared if own.first in unknown)
-        circles: list[tuple[Circle | Line, Placed]] = [
-            self._circle(own, meeting) for own in pivots.values()
-        ]
-        translating = [self._translation(lines, body, meeting) for body in set(unknown) - {*pivots}]
-        every = [*circles, *(own for own in translating if own is not None)]
-        if len(every) < 2:
-            return None
-        (first, one), (second, other) = every
-        return self._loci(meeting, first, second, one, other)
+        circles = [self._circle(own, meeting) for own in pivots.values()]
+        others = [self._translation(lines, body, meeting) for body in {*unknown} - {*pivots}]
+        loci: list[Circle | Line] = [*circles, *(own for own in others if own is not None)]
+        return self._two_loci(meeting, *loci) if len(loci) == 2 else None
 
-    def _translation(
-        self, lines: list[GuidedPoint], body: int, point: str
-    ) -> tuple[Line, Placed] | None:
+    def _translation(self, lines: list[GuidedPoint], body: int, point: str) -> Line | None:
         """Line along which a point of a body translates: two of its points slide along it."""
         own = [line for line in lines if line.body == body and line.guide in self.known]
         if len(own) != 2 or own[0].guide != own[1].guide:
             return None
         if abs(cross(own[0].along, own[1].along)) >= PARALLEL_SINE:
             return None
-        return self._line(own[0], point), Placed(body, self._drawn(point), own[0].guide, None)
+        return Line(own[0].guide, self._drawn(point), own[0].along, body)
 
-    def _line(self, own: GuidedPoint, point: str) -> Line:
-        return Line(own.guide, self._drawn(point), own.along)
+    def _line(self, own: GuidedPoint) -> Line:
+        return Line(own.guide, self._drawn(own.point), own.along)
 
-    def _circle(self, pivot: SharedPoint, point: str) -> tuple[Circle | Line, Placed]:
-        drawn, centre = self._drawn(point), self._drawn(pivot.point)
-        circle = Circle(pivot.first, centre, abs(drawn - centre))
-        return circle, Placed(pivot.second, drawn, pivot.first, centre)
+    def _circle(self, pivot: SharedPoint, point: str) -> Circle:
+        return Circle(pivot.first, self._drawn(pivot.point), pivot.second, self._drawn(point))
 
-    def _loci(
-        self, point: str, first: Circle | Line, second: Circle | Line, *placed: Placed
-    ) -> TwoLoci:
-        drawn = self._drawn(point)
-        normals = [
-            drawn - own.centre if isinstance(own, Circle) else 1j * own.along
-            for own in (first, second)
-        ]
-        here = self.bodies.at_point[point]
-        return TwoLoci(
-            self._refusal(point, here),
-            drawn,
-            first,
-            second,
-            float(np.sign(cross(normals[0], normals[1]))),
-            placed,
-            self.drawing.size,
-        )
+    def _two_loci(self, point: str, first: Circle | Line, second: Circle | Line) -> TwoLoci:
+        refusal = self._refusal(point, self.bodies.at_point[point])
+        return TwoLoci(refusal, first, second, self.drawing.size)
 
     def _refusal(self, point: str, bodies: Iterable[int]) -> Refusal:
         names = [self.bodies.name(body) for body in dict.fromkeys(bodies)]
