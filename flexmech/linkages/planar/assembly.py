@@ -14,7 +14,7 @@ from flexmech.linkages.change_points import TURN, ChangePoints, Clearance, chang
 from flexmech.linkages.motion import LOCKING_SINE, RigidMotion
 from flexmech.linkages.planar.bodies import CRANK, bodies_of
 from flexmech.linkages.planar.drawing import Drawing
-from flexmech.linkages.planar.groups import Dyad
+from flexmech.linkages.planar.dyads import Dyad
 from flexmech.linkages.planar.newton import ContinuationPath, NewtonGroup
 from flexmech.linkages.planar.plan import assembly_order
 

@@ -1,7 +1,9 @@
-"""Rigid bodies of a drawing, and the constraints between them.
+"""Rigid bodies of a drawing, the constraints between them, and groups that these determine.
 
 A body is what is welded together; body 0 is the ground, body 1 turns with the driven shaft. Rates
-are derivatives by the crank angle.
+are derivatives by the crank angle. Positions of a group come in closed form
+(:mod:`flexmech.linkages.planar.dyads`) or by Newton's method
+(:mod:`flexmech.linkages.planar.newton`), rates of all groups from the constraints.
 """
 
 from __future__ import annotations
@@ -12,11 +14,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import AssemblyError, InputError, LockingError
-from flexmech.linkages.body_motion import BodyPoint
+from flexmech.linkages.body_motion import BodyMotion, BodyPoint
 from flexmech.linkages.change_points import in_degrees
-from flexmech.linkages.constraints import Coincidence, PointOnLine
+from flexmech.linkages.constraints import Coincidence, Constraints, PointOnLine
 from flexmech.linkages.planar.drawing import Drawing
 
 # Numbers of the two bodies whose motion is known from the start.
@@ -152,6 +154,71 @@ def _welded(drawing: Drawing) -> dict[str, int]:
     order = dict.fromkeys([label[drawing.crank], *label.values()])
     number = {own: index for index, own in enumerate(order, start=CRANK)}
     return {name: number[own] for name, own in label.items()}
+
+
+class BodyGroup:
+    """Bodies that are found together.
+
+    Parameters
+    ----------
+    drawing : Drawing
+    bodies : Bodies
+    joints : tuple of SharedPoint and GuidedPoint
+        As many equations as unknowns.
+    unknown : tuple of int
+        The bodies, in order.
+    """
+
+    def __init__(
+        self,
+        drawing: Drawing,
+        bodies: Bodies,
+        joints: tuple[SharedPoint | GuidedPoint, ...],
+        unknown: tuple[int, ...],
+    ) -> None:
+        self.size = drawing.size
+        self.unknown = list(unknown)
+        self.constraints = Constraints([own.condition(drawing) for own in joints], unknown)
+        self._scale = np.tile([self.size, self.size, 1.0], len(unknown))
+
+    def fill(self, bodies: BodyMotion, place: ComplexArray, turn: ComplexArray) -> None:
+        """Put the group's bodies into positions.
+
+        Parameters
+        ----------
+        bodies : BodyMotion
+            All bodies of the drawing, (B, n); those of the group are changed.
+        place, turn : ndarray of complex, shape (B, m)
+            As of :class:`BodyMotion`.
+        """
+        bodies.place[:, self.unknown], bodies.turn[:, self.unknown] = place, turn
+
+    def jacobian(self, bodies: BodyMotion) -> FloatArray:
+        """Jacobian of the joints' conditions, lengths in parts of the size; (B, 3 m, 3 m)."""
+        return np.asarray(self.constraints.jacobian(bodies) * self._scale / self.size)
+
+    def fill_rates(self, bodies: BodyMotion) -> list[FloatArray]:
+        """Give the group's bodies in their positions derivatives by the crank angle.
+
+        Parameters
+        ----------
+        bodies : BodyMotion
+            All bodies of the drawing, (B, n); those of the group are changed.
+
+        Returns
+        -------
+        list of ndarray, shape (B, 3 m)
+            First and second derivatives of the unknowns, lengths in parts of the size.
+        """
+        rates: list[FloatArray] = []
+        jacobian = self.jacobian(bodies)
+        of_order = (bodies.place_1, bodies.turn_1), (bodies.place_2, bodies.turn_2)
+        for order, (place, turn) in enumerate(of_order, start=1):
+            left = self.constraints.gap_rate(bodies, order) / self.size
+            rates.append(np.asarray(np.linalg.solve(jacobian, -left[..., None])[..., 0]))
+            x, y, phi = np.moveaxis((rates[-1] * self._scale).reshape(len(left), -1, 3), -1, 0)
+            place[:, self.unknown], turn[:, self.unknown] = x + 1j * y, phi
+        return rates
 
 
 Cause = Literal["apart", "locked"]

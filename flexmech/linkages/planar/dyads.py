@@ -16,7 +16,14 @@ from flexmech.arrays import ROUND_OFF, ComplexArray, FloatArray
 from flexmech.linkages.body_motion import BodyMotion, dot
 from flexmech.linkages.change_points import Clearance
 from flexmech.linkages.motion import LOCKING_SINE
-from flexmech.linkages.planar.bodies import Refusal
+from flexmech.linkages.planar.bodies import (
+    Bodies,
+    BodyGroup,
+    GuidedPoint,
+    Refusal,
+    SharedPoint,
+)
+from flexmech.linkages.planar.drawing import Drawing
 
 Placement = tuple[complex, ComplexArray, ComplexArray]
 """A point of a body in the drawing, where it is, (B,), and how the body is turned, (B,)."""
@@ -310,6 +317,53 @@ class SlidingBody:
         # The line's direction now: arm = (ahead + i beside) times it.
         turn = arm / (ahead + 1j * beside) / self.along
         return [(self.pivot, centre, turn / np.abs(turn))]
+
+
+class Dyad(BodyGroup):
+    """One or two bodies with a closed form.
+
+    Parameters
+    ----------
+    drawing, bodies, joints
+        As of :class:`BodyGroup`.
+    form : TwoLoci or SlidingBody
+    """
+
+    def __init__(
+        self,
+        drawing: Drawing,
+        bodies: Bodies,
+        joints: tuple[SharedPoint | GuidedPoint, ...],
+        form: TwoLoci | SlidingBody,
+    ) -> None:
+        super().__init__(drawing, bodies, joints, form.solves)
+        self.form = form
+
+    def fill_positions(self, bodies: BodyMotion, angle: FloatArray, sides: FloatArray) -> None:
+        """Put the bodies where the closed form has them.
+
+        Parameters
+        ----------
+        bodies : BodyMotion
+            All bodies of the drawing at the crank angles, (B, n); those of the dyad are changed.
+        angle : ndarray, shape (B,)
+            Crank angle less that of the drawing in rad.
+        sides : ndarray, shape (B,)
+            1 where the dyad is on the side of the drawing, -1 where it is on the other one.
+
+        Raises
+        ------
+        InputError
+            Where the bodies do not meet, or lock.
+        """
+        placements = self.form.placements(bodies, angle, sides)
+        reference = np.asarray(bodies.drawn)[self.unknown]
+        places = [
+            place + turn * (own - drawn)
+            for own, (drawn, place, turn) in zip(reference, placements, strict=True)
+        ]
+        turns = [turn for *_, turn in placements]
+        self.fill(bodies, np.stack(places, axis=-1), np.stack(turns, axis=-1))
 
 
 def _vector(

@@ -20,9 +20,8 @@ from flexmech.errors import AssemblyError, ComputationError, InputError
 from flexmech.linkages.body_motion import BodyMotion
 from flexmech.linkages.change_points import in_degrees
 from flexmech.linkages.motion import LOCKING_SINE
-from flexmech.linkages.planar.bodies import Bodies, GuidedPoint, Refusal, SharedPoint
+from flexmech.linkages.planar.bodies import Bodies, BodyGroup, GuidedPoint, Refusal, SharedPoint
 from flexmech.linkages.planar.drawing import Drawing
-from flexmech.linkages.planar.groups import BodyGroup
 
 Known = Callable[[FloatArray], BodyMotion]
 """All bodies at crank angles (B,), those in motion that are known before."""

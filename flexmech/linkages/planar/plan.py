@@ -17,8 +17,7 @@ from flexmech.linkages.planar.bodies import (
     SharedPoint,
 )
 from flexmech.linkages.planar.drawing import Drawing
-from flexmech.linkages.planar.dyads import Circle, Line, SlidingBody, TwoLoci, cross
-from flexmech.linkages.planar.groups import Dyad
+from flexmech.linkages.planar.dyads import Circle, Dyad, Line, SlidingBody, TwoLoci, cross
 from flexmech.linkages.planar.newton import NewtonGroup
 
 Step = Dyad | NewtonGroup
