@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Mapping
+from collections.abc import Callable, Collection, Hashable, Mapping
 from dataclasses import dataclass
 from typing import Protocol, Self
 
@@ -163,20 +163,31 @@ def assemblable(linkage: Linkage, crank_angles: FloatArray) -> NDArray[np.bool_]
     -------
     ndarray of bool, shape (A,)
     """
-    if _is_assemblable(linkage, crank_angles):
-        return np.ones(len(crank_angles), dtype=bool)
-    return np.array(
-        [_is_assemblable(linkage, angle) for angle in crank_angles.tolist()], dtype=bool
-    )
+    return can_be_taken(linkage.motion, crank_angles)
 
 
-def _is_assemblable(linkage: Linkage, crank_angle: ArrayLike) -> bool:
-    """Whether it can be assembled at a crank angle, or at each of several."""
+def can_be_taken(move: Callable[[FloatArray], object], angles: FloatArray) -> NDArray[np.bool_]:
+    """Whether each of some angles is not refused.
+
+    Parameters
+    ----------
+    move : callable
+        Raises InputError where one of the angles (B,) that it is given cannot be taken.
+    angles : ndarray, shape (A,)
+
+    Returns
+    -------
+    ndarray of bool, shape (A,)
+    """
     try:
-        linkage.motion(crank_angle)
+        move(angles)
     except InputError:
-        return False
-    return True
+        if len(angles) <= 1:
+            return np.zeros(len(angles), dtype=bool)
+        # Halves of halves: ranges of motion are few.
+        halves = np.array_split(angles, 2)
+        return np.concatenate([can_be_taken(move, own) for own in halves])
+    return np.ones(len(angles), dtype=bool)
 
 
 def refuse_passing(linkage: Linkage, crank_angles: FloatArray) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.body_motion import BodyMotion
 from flexmech.linkages.change_points import TURN, ChangePoints, Clearance, change_points_of
+from flexmech.linkages.linkage import can_be_taken
 from flexmech.linkages.motion import LOCKING_SINE, RigidMotion
 from flexmech.linkages.planar.bodies import CRANK, bodies_of
 from flexmech.linkages.planar.drawing import Drawing
@@ -88,10 +89,6 @@ class Assembly:
             ),
         )
 
-    def assemblable(self, theta: FloatArray) -> NDArray[np.bool_]:
-        """Whether the linkage can be assembled at crank angles of shape (A,)."""
-        return self._reached(theta - self.drawn_at, None)
-
     @cached_property
     def change_angles(self) -> FloatArray:
         """Crank angles in rad of a turn at which dyads go over to the other branch, (P,)."""
@@ -109,18 +106,6 @@ class Assembly:
         forms = [step.form for step in self.steps if isinstance(step, Dyad)]
         found = {form.refusal.joint: form.transmission_angle(known) for form in forms}
         return {joint: angle for joint, angle in found.items() if angle is not None}
-
-    def _reached(self, angle: FloatArray, steps: int | None) -> NDArray[np.bool_]:
-        """Whether the first steps of the plan can be taken at angles (A,) from the drawing."""
-        try:
-            self.body_motion(angle, steps, needs_rates=False)
-        except InputError:
-            if len(angle) == 1:
-                return np.array([False])
-            half = len(angle) // 2
-            halves = angle[:half], angle[half:]
-            return np.concatenate([self._reached(own, steps) for own in halves])
-        return np.ones(len(angle), dtype=bool)
 
     def body_motion(
         self, angle: FloatArray, steps: int | None = None, *, needs_rates: bool = True
@@ -166,7 +151,9 @@ class Assembly:
         if number not in self._change_points:
 
             def clearances(angle: FloatArray) -> list[Clearance]:
-                reached = self._reached(angle, number)
+                reached = can_be_taken(
+                    partial(self.body_motion, steps=number, needs_rates=False), angle
+                )
                 known = self.body_motion(angle[reached], number, needs_rates=False)
                 return [own.at(reached) for own in dyad.form.clearances(known)]
 

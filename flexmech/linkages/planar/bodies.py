@@ -8,6 +8,7 @@ are derivatives by the crank angle. Positions of a group come in closed form
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -24,6 +25,9 @@ from flexmech.linkages.planar.drawing import Drawing
 # Numbers of the two bodies whose motion is known from the start.
 GROUND_BODY, CRANK = 0, 1
 
+PointPlace = Callable[[int, str], complex]
+"""From a body's number and the name of a point to the place of the point in the body's axes."""
+
 
 @dataclass(frozen=True)
 class SharedPoint:
@@ -33,10 +37,12 @@ class SharedPoint:
     first: int
     second: int
 
-    def condition(self, drawing: Drawing) -> Coincidence:
-        """Constraint equation between the bodies, whose axes are those of the drawing."""
-        place = drawing.complex_point(self.point)
-        return Coincidence(BodyPoint(self.first, place), BodyPoint(self.second, place))
+    def condition(self, at: PointPlace) -> Coincidence:
+        """Constraint equation, by the places of the point in the two bodies."""
+        first, second = (
+            BodyPoint(body, at(body, self.point)) for body in (self.first, self.second)
+        )
+        return Coincidence(first, second)
 
 
 @dataclass(frozen=True)
@@ -57,11 +63,10 @@ class GuidedPoint:
     guide: int
     along: complex
 
-    def condition(self, drawing: Drawing) -> PointOnLine:
-        """Constraint equation between the bodies, whose axes are those of the drawing."""
-        place = drawing.complex_point(self.point)
-        line = BodyPoint(self.guide, place)
-        return PointOnLine(BodyPoint(self.body, place), line, self.along)
+    def condition(self, at: PointPlace) -> PointOnLine:
+        """Constraint equation, by the places of the point in its body and on its line."""
+        point, line = (BodyPoint(body, at(body, self.point)) for body in (self.body, self.guide))
+        return PointOnLine(point, line, self.along)
 
 
 @dataclass(frozen=True)
@@ -178,7 +183,11 @@ class BodyGroup:
     ) -> None:
         self.size = drawing.size
         self.unknown = list(unknown)
-        self.constraints = Constraints([own.condition(drawing) for own in joints], unknown)
+        # The axes of all bodies are those of the drawing.
+        conditions = [
+            own.condition(lambda _, point: drawing.complex_point(point)) for own in joints
+        ]
+        self.constraints = Constraints(conditions, unknown)
         self._scale = np.tile([self.size, self.size, 1.0], len(unknown))
 
     def fill(self, bodies: BodyMotion, place: ComplexArray, turn: ComplexArray) -> None:
