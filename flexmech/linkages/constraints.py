@@ -191,7 +191,8 @@ class Constraints:
         for own, arm, sign in zip((self.first, self.second), arms, (1.0, -1.0), strict=True):
             turn = bodies.turn[:, own.body]
             own.add_to(matrix, sign, axes[:, own.body], turn, arm, self._across(bodies))
-        matrix += self._rotation[..., None]
+        turns = np.nonzero(self._rotation)
+        matrix[turns] += self._rotation[turns][:, None]
         return np.ascontiguousarray(matrix.transpose(2, 0, 1))
 
     def jacobian_with_rates(self, bodies: BodyMotion, slid: ComplexArray) -> MatrixWithRates:

@@ -220,13 +220,14 @@ class BodyGroup:
             First and second derivatives of the unknowns, lengths in parts of the size.
         """
         rates: list[FloatArray] = []
-        jacobian = self.jacobian(bodies)
+        jacobian = self.constraints.jacobian(bodies)
         of_order = (bodies.place_1, bodies.turn_1), (bodies.place_2, bodies.turn_2)
         for order, (place, turn) in enumerate(of_order, start=1):
-            left = self.constraints.gap_rate(bodies, order) / self.size
-            rates.append(np.asarray(np.linalg.solve(jacobian, -left[..., None])[..., 0]))
-            x, y, phi = np.moveaxis((rates[-1] * self._scale).reshape(len(left), -1, 3), -1, 0)
-            place[:, self.unknown], turn[:, self.unknown] = x + 1j * y, phi
+            left = self.constraints.gap_rate(bodies, order)
+            rate = np.asarray(np.linalg.solve(jacobian, -left[..., None])[..., 0])
+            place[:, self.unknown] = rate[:, 0::3] + 1j * rate[:, 1::3]
+            turn[:, self.unknown] = rate[:, 2::3]
+            rates.append(rate / self._scale)
         return rates
 
 
