@@ -30,7 +30,16 @@ Placement = tuple[complex, ComplexArray, ComplexArray]
 
 
 def point_of(bodies: BodyMotion, body: int, drawn: complex) -> ComplexArray:
-    """Positions (B,) of a point of one of the bodies (B, n) of a drawing."""
+    """Positions (B,) of a point of a body.
+
+    Parameters
+    ----------
+    bodies : BodyMotion
+        All bodies of the drawing, (B, n).
+    body : int
+    drawn : complex
+        The point in the drawing.
+    """
     arm = drawn - np.asarray(bodies.drawn)[body]
     return np.asarray(bodies.place[:, body] + bodies.turn[:, body] * arm)
 
