@@ -1,7 +1,7 @@
 r"""Where crunodes of a coupler curve come and go while the linkage changes.
 
 A crunode's loop shrinks to a cusp where the margin 1 - \|cos kappa\| of its double point passes
-zero, see :mod:`flexmech.linkages.FiniteDoublePoint`; two crunodes annihilate each other where two
+zero, see :mod:`flexmech.linkages.DoublePoint`; two crunodes annihilate each other where two
 roots of the cubic merge and the curve touches itself (a tacnode). Between such parameters each
 double point is a continuous function of the parameter and is followed along the circle of
 singular foci.
@@ -21,7 +21,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from flexmech import ComputationError, CouplerPoint, FourBar, InputError
 from flexmech.linkages import (
-    FiniteDoublePoint,
+    DoublePoint,
     GrashofClass,
     circuit_of,
     finite_double_points,
@@ -30,7 +30,7 @@ from flexmech.linkages import (
 )
 
 Family = Callable[[float], tuple[FourBar, CouplerPoint]]
-Nodes = tuple[FiniteDoublePoint, ...]
+Nodes = tuple[DoublePoint, ...]
 Stop = tuple[float, Nodes]
 
 # Part of the interval to which mergers and cusps are located.
@@ -84,7 +84,7 @@ class DoublePointPath:
 
         Returns
         -------
-        tuple of FiniteDoublePoint
+        tuple of DoublePoint
             One or three.
 
         Raises
@@ -125,7 +125,7 @@ class DoublePointPath:
         nodes = self.nodes(parameter)
         return sum(node.kind == "crunode" and node.lies_on(self.circuit) for node in nodes)
 
-    def nearest(self, parameter: float, place: float) -> FiniteDoublePoint:
+    def nearest(self, parameter: float, place: float) -> DoublePoint:
         """Double point that is nearest to a place on the circle of singular foci."""
         return min(self.nodes(parameter), key=lambda node: distance(place, node.place))
 
@@ -139,7 +139,7 @@ class DoublePointPath:
 
         Returns
         -------
-        list of list of (float, tuple of FiniteDoublePoint)
+        list of list of (float, tuple of DoublePoint)
             At the parameters and, where double points move fast, at more in between; those of
             one stretch each in the order of its first. Between stretches is 1e-12 of the
             interval.
@@ -191,7 +191,7 @@ def _is_followed(nodes: Nodes, ahead: Nodes) -> bool:
     return moved <= FOLLOWED * min(gaps, default=math.pi / 2)
 
 
-Place = tuple[float, FiniteDoublePoint]
+Place = tuple[float, DoublePoint]
 
 TURN = 2 * math.pi
 FEWEST_STEPS = 2

@@ -1,11 +1,9 @@
 """Rigid linkages: topology, kinematics and inverse dynamics. No elasticity here."""
 
 from flexmech.linkages.attachments import GROUND, AttachmentPoint, JointSpring, Load, Spring
-from flexmech.linkages.carried_motion import carried_motion, turned
 from flexmech.linkages.coupler_curves.curve import CouplerCurve, CouplerPoint, coupler_sextic
 from flexmech.linkages.coupler_curves.double_points import (
     DoublePoint,
-    FiniteDoublePoint,
     circuit_of,
     double_points,
     finite_double_points,
@@ -31,15 +29,13 @@ from flexmech.linkages.inverse_dynamics import (
 from flexmech.linkages.link_mass import LEAST_DISTANCE, LinkBody, LinkMass, lumped_elements
 from flexmech.linkages.linkage import (
     Linkage,
+    LinkageStack,
     assemblable,
+    connections,
     continuous_angles,
-    drawn_joints,
-    linkage_positions,
-    picture_crank_angle,
     refuse_passing,
 )
-from flexmech.linkages.linkage_stack import LinkageStack, connections
-from flexmech.linkages.motion import RigidMotion
+from flexmech.linkages.motion import RigidMotion, carried_motion, turned
 from flexmech.linkages.motors.along_motion import states_along, yielded_along
 from flexmech.linkages.motors.drive_train import DriveTrain, MotorOutput
 from flexmech.linkages.motors.integrated_run import known_until, solved_run
@@ -53,8 +49,13 @@ from flexmech.linkages.motors.shaft_equation import (
     TurnSeries,
     TwistedShaft,
 )
-from flexmech.linkages.moving_points import moving_points
 from flexmech.linkages.planar import PlanarJoint, PlanarLink, PlanarLinkage
+from flexmech.linkages.positions import (
+    drawn_joints,
+    linkage_positions,
+    moving_points,
+    picture_crank_angle,
+)
 from flexmech.linkages.rotating_arm import RotatingArm
 from flexmech.linkages.synthesis import (
     CrankRockerProportions,
@@ -81,7 +82,6 @@ __all__ = [
     "DoublePoint",
     "Drive",
     "DriveTrain",
-    "FiniteDoublePoint",
     "FourBar",
     "FrequenciesOnPath",
     "GrashofClass",

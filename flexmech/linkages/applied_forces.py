@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.attachments import AttachmentPoint, JointSpring, Load, Spring
+from flexmech.linkages.body_motion import GROUND_AFTER_LINKS
 from flexmech.linkages.motion import RigidMotion, cross
 from flexmech.linkages.topology import Topology
 
@@ -98,12 +99,12 @@ class SpringLine:
 
 @dataclass(frozen=True)
 class ForceOnLink:
-    """A force and a torque that act on a link.
+    """A force and a torque that act on a link or on the ground.
 
     Parameters
     ----------
     link : int
-        Number of the link in the topology.
+        Number of the link in the topology; ``GROUND_AFTER_LINKS`` of the ground.
     x : float or ndarray, shape (...)
         Place along the link's frame in m; an array where it moves along the link.
     force : ndarray, shape (..., 2)
@@ -199,14 +200,42 @@ def applied_forces(
         Where the ends of a spring meet and its direction is not defined.
     """
     yield from forces_of_loads(topology, motion, loads, time, moved)
+    for one in forces_of_springs(topology, motion, springs, joint_springs, angles, moved):
+        if one.link != GROUND_AFTER_LINKS:
+            yield one
+
+
+def forces_of_springs(
+    topology: Topology,
+    motion: RigidMotion,
+    springs: Sequence[Spring],
+    joint_springs: Sequence[JointSpring],
+    angles: FloatArray,
+    moved: Moved | None = None,
+) -> Iterator[ForceOnLink]:
+    """Forces of springs on both their ends, and torques of springs in joints, on the ground too.
+
+    Parameters
+    ----------
+    topology, motion, springs, joint_springs, angles, moved
+        As in :func:`applied_forces`.
+
+    Yields
+    ------
+    ForceOnLink
+
+    Raises
+    ------
+    InputError
+        Where the ends of a spring meet and its direction is not defined.
+    """
     for spring in springs:
         needed = bool(spring.free_length or spring.damping)
         line = SpringLine.of(spring, topology, motion, moved, needs_direction=needed)
+        pull = line.tension[..., None] * line.along
         for end, sign in ((spring.first, 1.0), (spring.second, -1.0)):
-            if not end.is_ground:
-                force = sign * line.tension[..., None] * line.along
-                nothing = np.zeros_like(line.tension)
-                yield ForceOnLink(topology.index(end.link), end.x, force, nothing)
+            link = GROUND_AFTER_LINKS if end.is_ground else topology.index(end.link)
+            yield ForceOnLink(link, end.x, sign * pull, 0.0 * line.tension, end.y)
     for own in joint_springs:
         if own.torsional_stiffness or own.torsional_damping:
             gap, rate = joint_gap(topology, motion, own, angles, moved)
@@ -244,16 +273,17 @@ def joint_gap(
     rate[..., 2] = topology.joint_angle(spring.joint, motion.angular_velocity)
     if moved is not None:
         for sign, link, x in _sides(topology, spring):
-            displacement, velocity = moved(link, x)
-            gap, rate = gap + sign * displacement, rate + sign * velocity
+            if link != GROUND_AFTER_LINKS:
+                displacement, velocity = moved(link, x)
+                gap, rate = gap + sign * displacement, rate + sign * velocity
     return gap, rate
 
 
 def _sides(topology: Topology, spring: JointSpring) -> list[tuple[float, int, float]]:
     """Sign, link and place of the ends at a joint, the follower first."""
-    ends = topology.pinned_ends[spring.joint]
-    pairs = zip((1.0, -1.0), ends, strict=True)
-    return [(sign, *topology.end_place(end)) for sign, end in pairs if end is not None]
+    ends = zip((1.0, -1.0), topology.pinned_ends[spring.joint], strict=True)
+    ground = (GROUND_AFTER_LINKS, 0.0)
+    return [(sign, *(topology.end_place(end) if end else ground)) for sign, end in ends]
 
 
 def _point_motion(

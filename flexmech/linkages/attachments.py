@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linkages.motion import direction, normal
+from flexmech.linkages.motion import turned
 from flexmech.validation import (
     NOT_NEGATIVE,
     POSITIVE,
@@ -180,7 +180,7 @@ class Load:
         """
         if self.axes == "ground":
             return values[..., :2]
-        return np.asarray(values[..., :1] * direction(angle) + values[..., 1:2] * normal(angle))
+        return turned(values[..., :2], angle)
 
 
 @dataclass(frozen=True)

@@ -64,12 +64,6 @@ class BodyMotion:
         drawn = np.zeros(links + 1, dtype=complex)
         return cls(drawn, place[0], np.exp(1j * turn[0]), *place[1:], *turn[1:])
 
-    @classmethod
-    def stacked(cls, bodies: Sequence[BodyMotion]) -> Self:
-        """Several bodies (B,) as one (B, n)."""
-        columns = ([getattr(body, own.name) for body in bodies] for own in fields(cls))
-        return cls(*(np.stack(np.broadcast_arrays(*each), axis=-1) for each in columns))
-
     def of(self, numbers: IntArray | int) -> Self:
         """Some of several bodies, by their numbers."""
         return type(self)(*(getattr(self, own.name)[..., numbers] for own in fields(self)))
@@ -87,34 +81,6 @@ class BodyMotion:
         """Second derivative of a point's position."""
         arm = self.turn * (drawn - self.drawn)
         return self.place_2 + (1j * self.turn_2 - self.turn_1**2) * arm
-
-    def line_rates(
-        self,
-        through: complex | ComplexArray,
-        along: complex | ComplexArray,
-        place: ComplexArray,
-        velocity: ComplexArray | complex = 0.0,
-    ) -> tuple[FloatArray, FloatArray]:
-        """Normal rates of a line of the body: derivatives that a point on the line must have.
-
-        Parameters
-        ----------
-        through, along : complex or ndarray of complex
-            A point and the unit vector of the line in the body's axes.
-        place, velocity : ndarray of complex
-            Of the point; the first derivative needs no velocity.
-
-        Returns
-        -------
-        tuple of ndarray
-            To the left of the line.
-        """
-        direction = self.turn * along
-        distance = dot(direction, place - self.point(through))
-        sliding = dot(direction, velocity - self.point_1(through))
-        first = dot(1j * direction, self.point_1(through)) + distance * self.turn_1
-        second = dot(1j * direction, self.point_2(through)) + distance * self.turn_2
-        return first, second + 2 * sliding * self.turn_1
 
 
 @dataclass(frozen=True)
@@ -215,6 +181,15 @@ class BodyPoints:
     def places(self, bodies: BodyMotion, slid: ComplexArray | None = None) -> ComplexArray:
         """Positions of the points in ground axes, (B, P); as :meth:`arms`."""
         return np.asarray(bodies.place[:, self.body] + self.arms(bodies, slid))
+
+    def rate(self, bodies: BodyMotion, order: int) -> ComplexArray:
+        """First or second derivative of the positions of points that do not slide, (B, P)."""
+        place, turning = (
+            (bodies.place_1, 1j * bodies.turn_1)
+            if order == 1
+            else (bodies.place_2, 1j * bodies.turn_2 - bodies.turn_1**2)
+        )
+        return np.asarray(place[:, self.body] + turning[:, self.body] * self.arms(bodies))
 
     def jacobian(self, bodies: BodyMotion, axes: ComplexArray, slid: ComplexArray) -> FloatArray:
         """Jacobian of the points by the coordinates of the bodies and by the slides.

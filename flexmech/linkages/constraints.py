@@ -139,25 +139,29 @@ class Constraints:
         first, second = (own.places(bodies, slid) for own in (self.first, self.second))
         return self._in_rows(first - second, self._across(bodies))
 
-    def gap_rates(self, bodies: BodyMotion) -> tuple[FloatArray, FloatArray]:
-        """First and second derivative of the gaps; shapes (B, count)."""
-        one, other = bodies.of(self.first.body), bodies.of(self.second.body)
-        at, through = self.first.place, self.second.place
-        paths = one.point_1(at), one.point_2(at)
-        line_rates = other.point_1(through), other.point_2(through)
+    def gap_rate(self, bodies: BodyMotion, order: int) -> FloatArray:
+        """First or second derivative of the gaps where they are closed; shape (B, count).
+
+        Parameters
+        ----------
+        bodies : BodyMotion
+            Batch of shape (B, n).
+        order : {1, 2}
+        """
+        apart = self.first.rate(bodies, order) - self.second.rate(bodies, order)
+        rows = self._in_rows(apart, self._across(bodies))
         if len(self._lines):
-            # A line's own rate counts across it, at the place where the point is.
-            lines, here = self._lines, one.point(at)[:, self._lines]
-            needed = other.of(lines).line_rates(
-                through[lines], self._along, here, paths[0][:, lines]
-            )
-            for path, own in zip(line_rates, needed, strict=True):
-                path[:, lines] = own * self._across(bodies)
-        rates = [
-            self._in_rows(path - own, self._across(bodies))
-            for path, own in zip(paths, line_rates, strict=True)
-        ]
-        return rates[0], rates[1]
+            # A line's own rotation counts across it, at the place where the point is.
+            guide = self.second.body[self._lines]
+            along, spin = bodies.turn[:, guide] * self._along, bodies.turn_1[:, guide]
+            gap = (self.first.places(bodies) - self.second.places(bodies))[:, self._lines]
+            distance, turned = dot(along, gap), spin
+            if order == 2:
+                rate = (self.first.rate(bodies, 1) - self.second.rate(bodies, 1))[:, self._lines]
+                sliding, turned = dot(along, rate), bodies.turn_2[:, guide]
+                rows[:, self._row[self._lines]] -= 2 * sliding * spin
+            rows[:, self._row[self._lines]] -= distance * turned
+        return rows
 
     def jacobian(
         self,
@@ -187,7 +191,8 @@ class Constraints:
         for own, arm, sign in zip((self.first, self.second), arms, (1.0, -1.0), strict=True):
             turn = bodies.turn[:, own.body]
             own.add_to(matrix, sign, axes[:, own.body], turn, arm, self._across(bodies))
-        matrix += self._rotation[..., None]
+        turns = np.nonzero(self._rotation)
+        matrix[turns] += self._rotation[turns][:, None]
         return np.ascontiguousarray(matrix.transpose(2, 0, 1))
 
     def jacobian_with_rates(self, bodies: BodyMotion, slid: ComplexArray) -> MatrixWithRates:

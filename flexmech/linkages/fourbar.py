@@ -12,9 +12,8 @@ from numpy.typing import ArrayLike
 
 from flexmech.arrays import ROUND_OFF, SAME_PLACE, FloatArray
 from flexmech.errors import AssemblyError, InputError, LockingError
-from flexmech.linkages.change_points import ChangePoints, passing
-from flexmech.linkages.fourbar_motion import FourBarDimensions
-from flexmech.linkages.motion import LOCKING_SINE, RigidMotion, checked_drive
+from flexmech.linkages.change_points import ChangePoints, in_degrees, passing
+from flexmech.linkages.motion import LOCKING_SINE, RigidMotion, checked_drive, direction, normal
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Topology
 from flexmech.model_text import TomlTable, quantity
 from flexmech.units import LENGTH
@@ -192,9 +191,15 @@ class FourBar:
         return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
     def _transmission_cosine(self, theta: FloatArray) -> FloatArray:
-        cosine = self.dimensions.cosine_at_b(np.cos(theta))
+        cosine = self._cosine_at_b(np.cos(theta))
         self._refuse_gaps(theta, cosine)
         return cosine
+
+    def _cosine_at_b(self, crank_cosine: FloatArray) -> FloatArray:
+        """Cosine of the angle at B, by the cosine rule, from that of the crank angle (...)."""
+        sides = self.coupler**2 + self.rocker**2 - self.ground**2 - self.crank**2
+        opposite = 2 * self.ground * self.crank * crank_cosine
+        return np.asarray((sides + opposite) / (2 * self.coupler * self.rocker))
 
     def reversed_transmission_angle(self, crank_angle: ArrayLike) -> FloatArray:
         """Angle between coupler and crank at A in rad, between 0 and pi.
@@ -218,7 +223,7 @@ class FourBar:
         """
         theta2 = checked_array(crank_angle, "crank_angle", "rad")
         self._refuse_locking(theta2)
-        theta3, _ = self._dimensions_at(theta2).follower_angles(theta2)
+        theta3, _ = self._follower_angles(theta2)
         turned = theta3 - theta2
         return np.asarray(np.arctan2(np.abs(np.sin(turned)), -np.cos(turned)))
 
@@ -228,7 +233,7 @@ class FourBar:
         Elamy et al. 2023, eqs. 2 and 3, where the crank passes 0 and 180 degrees; a limit
         position of the crank gives 0 or pi instead.
         """
-        cosines = self.dimensions.cosine_at_b(np.array([1.0, -1.0]))
+        cosines = self._cosine_at_b(np.array([1.0, -1.0]))
         least, greatest = np.arccos(np.clip(cosines, -1.0, 1.0)).tolist()
         return least, greatest
 
@@ -240,7 +245,8 @@ class FourBar:
     ) -> RigidMotion:
         """Rigid motion of crank, coupler and rocker.
 
-        See :meth:`flexmech.linkages.fourbar_motion.FourBarDimensions.motion`.
+        Kumar & Chandrakar, eqs. 1.22, 1.23 (angular velocities), 1.35 and 1.36 (angular
+        accelerations, corrected: the alpha2 term of 1.36 has sin(theta2 - theta3)).
 
         Parameters
         ----------
@@ -260,18 +266,53 @@ class FourBar:
         """
         theta2, omega2, alpha2 = checked_drive(crank_angle, crank_speed, crank_acceleration)
         self._refuse_locking(theta2)
-        return self._dimensions_at(theta2).motion(theta2, omega2, alpha2)
+        theta3, theta4 = self._follower_angles(theta2)
+        cos_43, sin_43 = np.cos(theta4 - theta3), np.sin(theta4 - theta3)
+        cos_24, sin_24 = np.cos(theta2 - theta4), np.sin(theta2 - theta4)
+        cos_23, sin_23 = np.cos(theta2 - theta3), np.sin(theta2 - theta3)
+        omega3 = self.crank * omega2 * sin_24 / (self.coupler * sin_43)
+        omega4 = self.crank * omega2 * sin_23 / (self.rocker * sin_43)
+        alpha3 = (
+            self.crank * (omega2**2 * cos_24 + alpha2 * sin_24)
+            + self.coupler * omega3**2 * cos_43
+            - self.rocker * omega4**2
+        ) / (self.coupler * sin_43)
+        alpha4 = (
+            self.crank * (omega2**2 * cos_23 + alpha2 * sin_23)
+            - self.rocker * omega4**2 * cos_43
+            + self.coupler * omega3**2
+        ) / (self.rocker * sin_43)
 
-    def _dimensions_at(self, theta: FloatArray) -> FourBarDimensions:
-        """Lengths and side at crank angles (...)."""
-        sides = self.dimensions.side * self.change_points.sides(theta)
-        return replace(self.dimensions, side=sides)
+        along, across = self.crank * direction(theta2), self.crank * normal(theta2)
+        position, velocity, acceleration = np.zeros((3, *theta2.shape, 3, 2))
+        position[..., 1, :] = along
+        position[..., 2, 0] = self.ground
+        velocity[..., 1, :] = omega2[..., None] * across
+        acceleration[..., 1, :] = alpha2[..., None] * across - omega2[..., None] ** 2 * along
+        return RigidMotion(
+            crank_angle=theta2,
+            crank_speed=omega2,
+            angle=np.stack([theta2, theta3, theta4], axis=-1),
+            angular_velocity=np.stack([omega2, omega3, omega4], axis=-1),
+            angular_acceleration=np.stack([alpha2, alpha3, alpha4], axis=-1),
+            origin=position,
+            origin_velocity=velocity,
+            origin_acceleration=acceleration,
+        )
 
-    @property
-    def dimensions(self) -> FourBarDimensions:
-        """Lengths and branch as numbers; the side is that between the first change points."""
-        side = 1.0 if self.branch == "open" else -1.0
-        return FourBarDimensions(self.ground, self.crank, self.coupler, self.rocker, side)
+    def _follower_angles(self, theta2: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Coupler and rocker angles (...) from the two circles about A and O4 that meet in B."""
+        to_o4_x = self.ground - self.crank * np.cos(theta2)
+        to_o4_y = -self.crank * np.sin(theta2)
+        distance = np.hypot(to_o4_x, to_o4_y)
+        cosine = (self.coupler**2 + distance**2 - self.rocker**2) / (2 * self.coupler * distance)
+        opening = np.arccos(np.clip(cosine, -1.0, 1.0))
+        side = self.change_points.sides(theta2) * (1.0 if self.branch == "open" else -1.0)
+        theta3 = np.arctan2(to_o4_y, to_o4_x) + side * opening
+        theta4 = np.arctan2(
+            self.coupler * np.sin(theta3) - to_o4_y, self.coupler * np.cos(theta3) - to_o4_x
+        )
+        return theta3, theta4
 
     def resized(self, lengths: Mapping[str, float], ground_growth: float) -> FourBar:
         """Four-bar with other lengths of crank, coupler and rocker, and a larger ground.
@@ -312,9 +353,9 @@ class FourBar:
     def _refuse_gaps(self, theta: FloatArray, cosine: FloatArray) -> None:
         gaps = ~(np.abs(cosine) <= 1.0 + ROUND_OFF)
         if np.any(gaps):
-            angle = _degrees(theta[gaps].flat[0])
+            angle = in_degrees(theta[gaps].flat[0])
             raise AssemblyError(
-                f"the linkage cannot be assembled at crank angle {angle:g} deg: coupler and "
+                f"the linkage cannot be assembled at crank angle {angle}: coupler and "
                 f"rocker do not meet there ({self.grashof_class}); choose crank angles inside "
                 "its range of motion or other link lengths"
             )
@@ -323,13 +364,9 @@ class FourBar:
         self.change_points.refuse(theta, "all links come into one line")
         locked = 1 - self._transmission_cosine(theta) ** 2 < LOCKING_SINE**2
         if np.any(locked):
-            angle = _degrees(theta[locked].flat[0])
+            angle = in_degrees(theta[locked].flat[0])
             raise LockingError(
-                f"the linkage locks at crank angle {angle:g} deg: coupler and rocker are in "
+                f"the linkage locks at crank angle {angle}: coupler and rocker are in "
                 "one line (transmission angle 0 or 180 deg) and the crank cannot drive it "
                 "through; leave that crank angle out or change the link lengths"
             )
-
-
-def _degrees(angle: float) -> float:
-    return float(np.round(np.degrees(angle), 9))

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linkages.applied_forces import Moved, SpringLine, joint_gap
+from flexmech.linkages.applied_forces import Moved, forces_of_springs
 from flexmech.linkages.attachments import JointSpring, Spring
+from flexmech.linkages.body_motion import GROUND_AFTER_LINKS
 from flexmech.linkages.motion import RigidMotion, cross, direction
-from flexmech.linkages.topology import Clamp, LinkEnd, Topology
+from flexmech.linkages.topology import Clamp, Topology
 
 
 @dataclass(frozen=True)
@@ -80,18 +81,19 @@ def shaking_force(
     InputError
         Where the ends of a spring meet and its direction is not defined.
     """
-    about = shaft_axis(topology, motion) if point is None else point
-    batch = motion.crank_angle.shape
-    force, moment = np.zeros((*batch, 2)), -np.broadcast_to(drive_torque, batch)
+    about = np.asarray(shaft_axis(topology, motion) if point is None else point)
+    names = topology.joint_names
+    force = np.zeros((*motion.crank_angle.shape, 2))
+    moment = -np.broadcast_to(drive_torque, force.shape[:-1])
+    for joint, place in _bearings(topology, motion, moved):
+        reaction = -joint_force[..., names.index(joint), :]
+        force, moment = force + reaction, moment + cross(place - about, reaction)
     turned = motion.angle if angles is None else angles
-    for place, one, couple in (
-        *_of_joints(topology, motion, joint_force, moved),
-        *_of_springs(topology, motion, springs, moved),
-        *_of_joint_springs(topology, motion, joint_springs, turned, moved),
-    ):
-        force = force + one
-        moment = moment + cross(place - np.asarray(about), one) + couple
-    return ShakingForce(force, moment, about)
+    for one in forces_of_springs(topology, motion, springs, joint_springs, turned, moved):
+        if one.link == GROUND_AFTER_LINKS:
+            arm, couple = np.array([one.x, one.y]) - about, one.torque
+            force, moment = force + one.force, moment + cross(arm, one.force) + couple
+    return ShakingForce(force, moment, (float(about[0]), float(about[1])))
 
 
 def shaft_axis(topology: Topology, motion: RigidMotion) -> tuple[float, float]:
@@ -110,73 +112,26 @@ def shaft_axis(topology: Topology, motion: RigidMotion) -> tuple[float, float]:
     return float(x), float(y)
 
 
-_OnFrame = tuple[FloatArray, FloatArray, FloatArray]
-"""Place (..., 2), force (..., 2) on the frame there, and couple (...)."""
-
-
 def _axis(topology: Topology, motion: RigidMotion, clamp: Clamp) -> FloatArray:
     """Axis of a clamp's shaft, from which its end is a hub away; shape (..., 2)."""
     link, x = topology.end_place(clamp.link_end)
     return motion.position(link, x) - clamp.hub * direction(motion.angle[..., link])
 
 
-def _of_joints(
-    topology: Topology, motion: RigidMotion, joint_force: FloatArray, moved: Moved | None
-) -> Iterator[_OnFrame]:
-    """Reactions of clamps, whose couple is that of the drive, of pivots, and of sliders."""
-    nothing = np.zeros(motion.crank_angle.shape)
+def _bearings(
+    topology: Topology, motion: RigidMotion, moved: Moved | None
+) -> Iterator[tuple[str, FloatArray]]:
+    """Joints to the ground, and where each exerts its reaction, (..., 2).
 
-    def reaction(joint: str) -> FloatArray:
-        return np.asarray(-joint_force[..., topology.joint_names.index(joint), :])
-
+    The couple of a clamp is that of the drive.
+    """
     for clamp in topology.clamps:
-        yield _axis(topology, motion, clamp), reaction(clamp.joint), nothing
+        yield clamp.joint, _axis(topology, motion, clamp)
     for pivot in topology.pivots:
         # Where its bearing is: a link's end on springs moves against that.
-        place = motion.position(*topology.end_place(pivot.link_end))
-        yield place, reaction(pivot.joint), nothing
+        yield pivot.joint, motion.position(*topology.end_place(pivot.link_end))
     for slider in topology.sliders:
         if not slider.guide:
-            yield (
-                _sliding(topology, motion, slider.link_end, moved),
-                reaction(slider.joint),
-                nothing,
-            )
-
-
-def _sliding(
-    topology: Topology, motion: RigidMotion, end: LinkEnd, moved: Moved | None
-) -> FloatArray:
-    """Place of a sliding end, (..., 2)."""
-    link, x = topology.end_place(end)
-    place = motion.position(link, x)
-    return place if moved is None else place + moved(link, x)[0][..., :2]
-
-
-def _of_springs(
-    topology: Topology, motion: RigidMotion, springs: Sequence[Spring], moved: Moved | None
-) -> Iterator[_OnFrame]:
-    """Springs with an end on the ground."""
-    for spring in springs:
-        for end, sign in ((spring.first, 1.0), (spring.second, -1.0)):
-            if end.is_ground:
-                needed = bool(spring.free_length or spring.damping)
-                line = SpringLine.of(spring, topology, motion, moved, needs_direction=needed)
-                place = np.array([end.x, end.y])
-                yield place, sign * line.tension[..., None] * line.along, 0.0 * line.tension
-
-
-def _of_joint_springs(
-    topology: Topology,
-    motion: RigidMotion,
-    springs: Sequence[JointSpring],
-    angles: FloatArray,
-    moved: Moved | None,
-) -> Iterator[_OnFrame]:
-    """Torsional springs in pivots."""
-    pivots = {pivot.joint for pivot in topology.pivots}
-    for own in springs:
-        if own.joint in pivots and (own.torsional_stiffness or own.torsional_damping):
-            gap, rate = joint_gap(topology, motion, own, angles, moved)
-            couple = -own.torque(gap[..., 2], rate[..., 2])
-            yield np.zeros(2), np.zeros((*couple.shape, 2)), couple
+            link, x = topology.end_place(slider.link_end)
+            shift = 0.0 if moved is None else moved(link, x)[0][..., :2]
+            yield slider.joint, motion.position(link, x) + shift

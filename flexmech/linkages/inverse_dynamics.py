@@ -1,4 +1,4 @@
-"""Inverse dynamics of the rigid linkage: inertia forces, joint reactions, driving torque.
+"""Inverse dynamics of the rigid linkage: joint forces, driving torque, forces inside the links.
 
 Kumar & Chandrakar, eqs. 1.43-1.44 (link inertia force and moment) and 1.64-1.65 (lumped
 masses). All results are batched over the positions of a :class:`RigidMotion`.
@@ -6,13 +6,14 @@ masses). All results are batched over the positions of a :class:`RigidMotion`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.linkages.applied_forces import ForceOnLink, applied_forces
 from flexmech.linkages.attachments import JointSpring, Load, Spring
 from flexmech.linkages.connection_forces import (
@@ -22,16 +23,17 @@ from flexmech.linkages.connection_forces import (
     guide_place,
     solve_connections,
 )
-from flexmech.linkages.internal_forces import LinkForces
-from flexmech.linkages.link_mass import LinkMass
-from flexmech.linkages.motion import RigidMotion, cross, direction, normal
+from flexmech.linkages.link_mass import LinkMass, MassMoments
+from flexmech.linkages.motion import RigidMotion, cross, direction
 from flexmech.linkages.topology import Topology
 from flexmech.model_text import shapes, short_repr
 
+AnyArray = NDArray[Any]
+
 
 @dataclass(frozen=True)
-class InverseDynamics(LinkForces):
-    """Joint and internal forces of the rigid linkage in its motion.
+class LinkForces:
+    """Forces on the links of a moving linkage, and internal forces at cuts.
 
     Parameters
     ----------
@@ -47,6 +49,141 @@ class InverseDynamics(LinkForces):
         Loads and forces of springs.
     on_guides : tuple of ForceOnLink
         Forces of sliders on their guides.
+    """
+
+    motion: RigidMotion
+    masses: tuple[LinkMass, ...]
+    gravity: tuple[float, float]
+    start_force: FloatArray
+    start_moment: FloatArray
+    applied: tuple[ForceOnLink, ...]
+    on_guides: tuple[ForceOnLink, ...]
+
+    def axial_force(self, link: int, x: float | FloatArray) -> FloatArray:
+        """Tension along a link in N.
+
+        Parameters
+        ----------
+        link : int
+        x : float or ndarray, shape (k,)
+            Distances from the link's start in m. A point mass, body or load exactly there
+            counts to the far side of the cut. Of links of several designs (B, k), those in
+            each position.
+
+        Returns
+        -------
+        ndarray, shape (...) or (..., k)
+        """
+        return np.asarray(self._beyond(link, x)[0].real)
+
+    def shear_force(self, link: int, x: float | FloatArray) -> FloatArray:
+        """Force across a link in N that the part beyond a cut exerts on the part before it.
+
+        Parameters
+        ----------
+        link : int
+        x : float or ndarray, shape (k,)
+            As in :meth:`axial_force`.
+
+        Returns
+        -------
+        ndarray, shape (...) or (..., k)
+            Positive along the y axis of the link's frame. Where the mass lies on the axis and
+            the link turns at constant speed, it is the slope of :meth:`bending_moment` with the
+            other sign; an angular acceleration adds to that slope by the rotary inertia of the
+            sections.
+        """
+        return np.asarray(self._beyond(link, x)[0].imag)
+
+    def bending_moment(self, link: int, x: float | FloatArray) -> FloatArray:
+        """Moment in N m that the part beyond a cut exerts on the part before it.
+
+        Parameters
+        ----------
+        link : int
+        x : float or ndarray, shape (k,)
+            As in :meth:`axial_force`.
+
+        Returns
+        -------
+        ndarray, shape (...) or (..., k)
+            Positive where it curves the link towards the y axis of its frame.
+        """
+        force, moment = self._beyond(link, x)
+        return np.asarray(moment - np.asarray(x) * force.imag)
+
+    def _beyond(self, link: int, x: float | FloatArray) -> tuple[ComplexArray, FloatArray]:
+        """Force in the link's axes and moment about its start that act from beyond cuts."""
+        place, motion = np.asarray(x, dtype=float), self.motion
+
+        def at_cuts(values: AnyArray) -> AnyArray:
+            return values[..., None] if place.ndim else values
+
+        back = np.exp(-1j * motion.angle[..., link])
+        force, moment = needed_by_inertia(
+            motion, self.gravity, link, self.masses[link].before(place), at_cuts
+        )
+        force = force - at_cuts(back * _complex(self.start_force[..., link, :]))
+        moment = moment - at_cuts(self.start_moment[..., link])
+        for one in (*self.applied, *self.on_guides):
+            if one.link == link:
+                passed = at_cuts(np.broadcast_to(one.x, back.shape)) < place
+                force = force - passed * at_cuts(back * _complex(one.force))
+                moment = moment - passed * at_cuts(one.moment(motion))
+        return force, moment
+
+
+def needed_by_inertia(
+    motion: RigidMotion,
+    gravity: tuple[float, float],
+    link: int,
+    moments: MassMoments,
+    spread: Callable[[AnyArray], AnyArray] = np.asarray,
+) -> tuple[ComplexArray, FloatArray]:
+    """Force and moment that accelerate mass of a link against its weight.
+
+    Kumar & Chandrakar, eqs. 1.43 and 1.44.
+
+    Parameters
+    ----------
+    motion : RigidMotion
+    gravity : tuple of float
+        In ground axes, m/s^2.
+    link : int
+    moments : tuple
+        See :meth:`LinkMass.before`.
+    spread : callable
+        Gives values (...) of positions the dimensions of the moments.
+
+    Returns
+    -------
+    force : ndarray of complex
+        Along and across the link's frame, N.
+    moment : ndarray
+        About the link's start, N m.
+    """
+    mass, first, second = moments
+    speed, change = motion.angular_velocity[..., link], motion.angular_acceleration[..., link]
+    ground_pull = _complex(motion.origin_acceleration[..., link, :] - np.asarray(gravity))
+    pull = spread(ground_pull * np.exp(-1j * motion.angle[..., link]))
+    force = mass * pull + first * spread(1j * change - speed**2)
+    moment = np.imag(np.conj(first) * pull) + second * spread(change)
+    return force, moment
+
+
+def _complex(vector: FloatArray) -> ComplexArray:
+    """Vectors (..., 2) as complex numbers (...)."""
+    return vector[..., 0] + 1j * vector[..., 1]
+
+
+@dataclass(frozen=True)
+class InverseDynamics(LinkForces):
+    """Joint and internal forces of the rigid linkage in its motion.
+
+    Parameters
+    ----------
+    motion, masses, gravity, start_force, start_moment, applied, on_guides
+        As in :class:`LinkForces`.
     inertia_force : ndarray, shape (..., n_links, 2)
         Resultant of inertia and weight on each link, ground axes, N.
     inertia_moment : ndarray, shape (..., n_links)
@@ -123,81 +260,44 @@ def inverse_dynamics(
     InputError
         If the connections do not determine the forces, or a spring has no direction.
     """
-    force, moment = _inertia_loads(motion, masses, gravity)
+    needed = [needed_by_inertia(motion, gravity, n, own.moments) for n, own in enumerate(masses)]
+    force = np.stack([-own for own, _ in needed], axis=-1) * np.exp(1j * motion.angle)
+    moment = np.stack([-own for _, own in needed], axis=-1)
+    load = np.stack([force.real, force.imag, moment], axis=-1)
+    inertia_force = load[..., :2].copy()
     angles = motion.angle if continuous_angles is None else continuous_angles
     applied = tuple(applied_forces(topology, motion, loads, springs, joint_springs, angles, time))
-    rows = np.concatenate([force, moment[..., None]], axis=-1)
-    _add_forces(rows, motion, applied)
+    for one in applied:
+        load[..., one.link, :2] += one.force
+        load[..., one.link, 2] += one.moment(motion)
     displaced = None
     if longer is not None:
         displaced = np.zeros((*longer.shape, 2), dtype=complex)
         displaced[..., 1] = longer * np.exp(1j * motion.angle)
     matrix = connection_matrix(topology, motion, displaced)
-    unknown = solve_connections(topology, motion, rows.reshape(*rows.shape[:-2], -1), matrix)
+    unknown = solve_connections(topology, motion, load.reshape(*load.shape[:-2], -1), matrix)
     vectors = unknown[..., None] * connection_vectors(topology, matrix)
-    return _collect(
-        topology, motion, tuple(masses), gravity, force, moment, applied, unknown, vectors
-    )
-
-
-def _add_forces(rows: FloatArray, motion: RigidMotion, forces: Iterable[ForceOnLink]) -> None:
-    for one in forces:
-        rows[..., one.link, :2] += one.force
-        rows[..., one.link, 2] += one.moment(motion)
-
-
-def _inertia_loads(
-    motion: RigidMotion, masses: Sequence[LinkMass], gravity: tuple[float, float]
-) -> tuple[FloatArray, FloatArray]:
-    """Inertia force and moment about each link's start, weight included."""
-    mass, first, second = (
-        np.stack([np.asarray(m.moment(order)) for m in masses], axis=-1) for order in (0, 1, 2)
-    )
-    beside = np.stack([np.asarray(m.moment_across) for m in masses], axis=-1)
-    pull = motion.origin_acceleration - np.asarray(gravity)
-    along, across = direction(motion.angle), normal(motion.angle)
-    turning = motion.angular_acceleration[..., None] * across
-    turning = turning - motion.angular_velocity[..., None] ** 2 * along
-    quarter = np.stack([-turning[..., 1], turning[..., 0]], axis=-1)
-    force = -(mass[..., None] * pull + first[..., None] * turning + beside[..., None] * quarter)
-    lever = first * np.sum(pull * across, axis=-1) - beside * np.sum(pull * along, axis=-1)
-    moment = -(lever + second * motion.angular_acceleration)
-    return force, moment
-
-
-def _collect(
-    topology: Topology,
-    motion: RigidMotion,
-    masses: tuple[LinkMass, ...],
-    gravity: tuple[float, float],
-    force: FloatArray,
-    moment: FloatArray,
-    applied: tuple[ForceOnLink, ...],
-    unknown: FloatArray,
-    vectors: FloatArray,
-) -> InverseDynamics:
-    batch = unknown.shape[:-1]
-    joint_force = {name: np.zeros((*batch, 2)) for name in topology.joint_names}
-    joint_moment = {name: np.zeros(batch) for name in topology.joint_names}
-    is_couple = np.array([one.component == 2 for one in connections(topology)])
-    couples = np.where(is_couple, unknown, 0.0)
-    for number, one in enumerate(connections(topology)):
-        joint_force[one.joint] += vectors[..., number, :]
-        joint_moment[one.joint] += couples[..., number]
+    every = connections(topology)
+    couples = np.where([one.component == 2 for one in every], unknown, 0.0)
+    joint_force = {name: np.zeros((*unknown.shape[:-1], 2)) for name in topology.joint_names}
+    joint_moment = {name: np.zeros(unknown.shape[:-1]) for name in topology.joint_names}
+    for number, connection in enumerate(every):
+        joint_force[connection.joint] += vectors[..., number, :]
+        joint_moment[connection.joint] += couples[..., number]
     start_force, start_moment, on_guides = _on_links(topology, motion, vectors, couples)
     return InverseDynamics(
         motion=motion,
-        masses=masses,
+        masses=tuple(masses),
         gravity=gravity,
-        inertia_force=force,
-        inertia_moment=moment,
-        joint_force=joint_force,
-        driving_torque=_driving_torque(topology, motion, joint_force, joint_moment),
         start_force=start_force,
-        joint_moment=joint_moment,
         start_moment=start_moment,
         applied=applied,
         on_guides=on_guides,
+        inertia_force=inertia_force,
+        inertia_moment=moment,
+        joint_force=joint_force,
+        joint_moment=joint_moment,
+        driving_torque=_driving_torque(topology, motion, joint_force, joint_moment),
     )
 
 

@@ -5,8 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.linkages.topology import Topology
 from flexmech.validation import NOT_NEGATIVE, check_number
+
+MassMoments = tuple[FloatArray, ComplexArray, FloatArray]
+"""Mass, first moment along and across a link, and polar second moment about its start."""
 
 LEAST_DISTANCE = 1 / 500
 """Of point masses, bodies, loads and springs, in lengths of their link: a beam element as short is
@@ -132,11 +138,53 @@ class LinkMass:
         points_apart = (positions, masses, offset, tuple(fixed))
         return cls(length, mass_per_length, *points_apart, rotary_inertia)
 
+    def before(self, place: FloatArray) -> MassMoments:
+        """Mass and moments of the part of the link before cuts.
+
+        Parameters
+        ----------
+        place : ndarray, shape () or (k,)
+            Distances from the link's start in m; a point mass or body exactly there is beyond the
+            cut. Of links of several designs (B, k), those in each position.
+
+        Returns
+        -------
+        tuple of ndarray, shape () or (k,), or (B, k)
+            Mass in kg, first moment about the link's start as a complex number, along and across
+            the link, in kg m, and polar second moment in kg m^2.
+        """
+        return self._moments(place, place)
+
+    @property
+    def moments(self) -> MassMoments:
+        """Mass and moments of the whole link, as in :meth:`before`; () or, of designs, (B,)."""
+        return self._moments(np.asarray(self.length), np.asarray(np.inf))
+
+    def _moments(self, place: FloatArray, reach: FloatArray) -> MassMoments:
+        """Distributed mass up to places, and points and bodies before others."""
+
+        def each(numbers: float) -> FloatArray:
+            return np.reshape(numbers, (-1, 1) if np.ndim(place) > 1 else np.shape(numbers))
+
+        mass: FloatArray = each(self.mass_per_length) * place
+        first: ComplexArray = mass * (place / 2 + 1j * self.offset)
+        second = mass * (place**2 / 3 + self.offset**2) + each(self.rotary_inertia) * place
+        points = zip(self.point_positions, self.point_masses, strict=True)
+        lumps = [(each(x), each(x) + 0j, each(lump), 0.0) for x, lump in points]
+        for own in self.bodies:
+            at, centre, lump = map(np.asarray, (own.position, complex(*own.centre), own.mass))
+            lumps.append((at, centre, lump, own.inertia))
+        for at, centre, lump, inertia in lumps:
+            passed = at < reach
+            mass = mass + passed * lump
+            first = first + passed * lump * centre
+            second = second + passed * (lump * np.abs(centre) ** 2 + inertia)
+        return mass, first, second
+
     @property
     def moment_across(self) -> float:
         """First moment of mass about the line between the ends in kg m."""
-        distributed = self.mass_per_length * self.length * self.offset
-        return distributed + sum(body.mass * body.centre[1] for body in self.bodies)
+        return float(self.moments[1].imag)
 
     def moment(self, order: int) -> float:
         """Mass in kg, first moment along the link in kg m or polar second moment in kg m^2.
@@ -147,18 +195,7 @@ class LinkMass:
             The second moment is about the link's start, with what lies off the axis and with the
             rotary inertia of the sections.
         """
-        distributed = self.mass_per_length * self.length ** (order + 1) / (order + 1)
-        if order == 2:
-            distributed += self.mass_per_length * self.length * self.offset**2
-            distributed += self.section_inertia
-        points = zip(self.point_positions, self.point_masses, strict=True)
-        total = distributed + sum(mass * x**order for x, mass in points)
-        for body in self.bodies:
-            along, across = body.centre
-            total += body.mass * along**order
-            if order == 2:
-                total += body.mass * across**2 + body.inertia
-        return total
+        return float(np.real(self.moments[order]))
 
     @property
     def centre(self) -> tuple[float, float]:

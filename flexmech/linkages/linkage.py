@@ -1,10 +1,10 @@
-"""Interface of all linkages, and their positions at crank angles."""
+"""Interface of all linkages; where they can be assembled, and their angles along turns."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Collection, Mapping
-from typing import TYPE_CHECKING, Any, Protocol, Self
+from collections.abc import Callable, Collection, Hashable, Mapping
+from dataclasses import dataclass
+from typing import Protocol, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,11 +13,8 @@ from flexmech.arrays import FloatArray
 from flexmech.errors import InputError, LockingError
 from flexmech.linkages.change_points import TURN, in_degrees
 from flexmech.linkages.motion import RigidMotion
-from flexmech.linkages.topology import LinkEnd, Topology
+from flexmech.linkages.topology import Topology
 from flexmech.model_text import TomlTable
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 
 class Linkage(Protocol):
@@ -104,81 +101,53 @@ class Linkage(Protocol):
         ...
 
 
-# In degrees; the first at which the linkage can be assembled shows it best. Then every degree.
-PICTURE_ANGLES = (60.0, 0.0, 30.0, 90.0, 120.0, 180.0, 240.0, 300.0, *range(1, 360))
-
-
-def linkage_positions(linkage: Linkage, crank_angle: float) -> xr.Dataset:
-    """Ends of the links, and the joints, at one crank angle.
+@dataclass(frozen=True)
+class LinkageStack:
+    """D linkages whose topologies differ in the lengths of links alone.
 
     Parameters
     ----------
-    linkage : Linkage
-    crank_angle : float
-        In rad.
-
-    Returns
-    -------
-    xarray.Dataset
-        ``rigid_position`` (link, station, component) at both ends of each link and
-        ``joint_position`` (joint, component) in m, ``joint_kind`` (joint): clamp, pivot, pin,
-        weld or slider; and the attribute ``drawing``, what :func:`drawn_joints` gives as JSON.
-
-    Raises
-    ------
-    InputError
-        If the linkage cannot be assembled at the crank angle.
+    linkages : tuple of Linkage
     """
-    import xarray as xr
 
-    topology, motion = linkage.topology, linkage.motion(crank_angle)
-    ends = np.array(
-        [
-            [motion.position(number, x) for x in (0.0, link.length)]
-            for number, link in enumerate(topology.links)
-        ]
-    )
-    joints = [
-        ends[topology.index(place.link), 0 if place.end == "start" else 1]
-        for place in topology.joints.values()
-    ]
-    return xr.Dataset(
-        {
-            "rigid_position": (("link", "station", "component"), ends, {"units": "m"}),
-            "joint_position": (("joint", "component"), np.array(joints), {"units": "m"}),
-        },
-        coords={
-            "link": list(topology.link_names),
-            "component": ["x", "y"],
-            "joint": list(topology.joint_names),
-            "joint_kind": ("joint", list(topology.joint_kinds)),
-        },
-        attrs={"drawing": json.dumps(drawn_joints(topology))},
-    )
+    linkages: tuple[Linkage, ...]
+
+    @property
+    def topology(self) -> Topology:
+        """Links and connections; lengths are those of the first linkage."""
+        return self.linkages[0].topology
+
+    def motion(self, crank_angle: FloatArray, crank_speed: FloatArray) -> RigidMotion:
+        """Rigid motion of all linkages, each at as many positions.
+
+        Parameters
+        ----------
+        crank_angle, crank_speed : ndarray, shape (D * A,)
+            In rad and rad/s; first those of the first linkage.
+
+        Returns
+        -------
+        RigidMotion
+            Batch of shape (D * A,), with ``design``.
+
+        Raises
+        ------
+        InputError
+            Where one of them cannot be assembled or locks.
+        """
+        shape = (len(self.linkages), -1)
+        every = zip(
+            self.linkages, crank_angle.reshape(shape), crank_speed.reshape(shape), strict=True
+        )
+        return RigidMotion.of_designs([one.motion(angle, speed) for one, angle, speed in every])
 
 
-def picture_crank_angle(linkage: Linkage) -> float:
-    """Crank angle in rad for pictures of a linkage: the first usual one that it can take.
-
-    Parameters
-    ----------
-    linkage : Linkage
-
-    Returns
-    -------
-    float
-
-    Raises
-    ------
-    InputError
-        If the linkage can be assembled at no crank angle of whole degrees.
-    """
-    for degrees in PICTURE_ANGLES:
-        if _is_assemblable(linkage, np.radians(degrees)):
-            return float(np.radians(degrees))
-    raise InputError(
-        "the linkage can be assembled at no crank angle of whole degrees; check its lengths"
-    )
+def connections(linkage: Linkage) -> Hashable:
+    """What two linkages must have in common to be stacked."""
+    topology = linkage.topology
+    links = tuple((link.name, link.rigid) for link in topology.links)
+    joined = (topology.clamps, topology.pivots, topology.pins, topology.welds, topology.sliders)
+    return type(linkage), links, joined
 
 
 def assemblable(linkage: Linkage, crank_angles: FloatArray) -> NDArray[np.bool_]:
@@ -194,20 +163,31 @@ def assemblable(linkage: Linkage, crank_angles: FloatArray) -> NDArray[np.bool_]
     -------
     ndarray of bool, shape (A,)
     """
-    if _is_assemblable(linkage, crank_angles):
-        return np.ones(len(crank_angles), dtype=bool)
-    return np.array(
-        [_is_assemblable(linkage, angle) for angle in crank_angles.tolist()], dtype=bool
-    )
+    return can_be_taken(linkage.motion, crank_angles)
 
 
-def _is_assemblable(linkage: Linkage, crank_angle: ArrayLike) -> bool:
-    """Whether it can be assembled at a crank angle, or at each of several."""
+def can_be_taken(move: Callable[[FloatArray], object], angles: FloatArray) -> NDArray[np.bool_]:
+    """Whether each of some angles is not refused.
+
+    Parameters
+    ----------
+    move : callable
+        Raises InputError where one of the angles (B,) that it is given cannot be taken.
+    angles : ndarray, shape (A,)
+
+    Returns
+    -------
+    ndarray of bool, shape (A,)
+    """
     try:
-        linkage.motion(crank_angle)
+        move(angles)
     except InputError:
-        return False
-    return True
+        if len(angles) <= 1:
+            return np.zeros(len(angles), dtype=bool)
+        # Halves of halves: ranges of motion are few.
+        halves = np.array_split(angles, 2)
+        return np.concatenate([can_be_taken(move, own) for own in halves])
+    return np.ones(len(angles), dtype=bool)
 
 
 def refuse_passing(linkage: Linkage, crank_angles: FloatArray) -> None:
@@ -234,40 +214,6 @@ def refuse_passing(linkage: Linkage, crank_angles: FloatArray) -> None:
             "it in either branch and their motion is not determined; let the crank swing on one "
             "side of it, or change the dimensions"
         )
-
-
-def drawn_joints(topology: Topology) -> dict[str, Any]:
-    """Data of links and joints for pictures, in values that JSON can store.
-
-    Parameters
-    ----------
-    topology : Topology
-
-    Returns
-    -------
-    dict
-        ``links``: ``name`` and whether ``rigid``. ``joints``: ``name``, ``kind``, ``at`` (number
-        of a link, and how far along it from 0 to 1); of sliders ``direction`` of the line in rad
-        to the x axis of the ground or of the link whose number is ``guide``. ``hub``: distance of
-        the driven link's end from the axis of the shaft in m.
-    """
-    lines = {slider.joint: slider for slider in topology.sliders}
-    joints = []
-    for (name, place), kind in zip(topology.joints.items(), topology.joint_kinds, strict=True):
-        joint: dict[str, Any] = {"name": name, "kind": kind, "at": _at(topology, place)}
-        if (line := lines.get(name)) is not None:
-            joint["direction"] = line.direction
-            joint["guide"] = topology.index(line.guide) if line.guide else None
-        joints.append(joint)
-    return {
-        "links": [{"name": link.name, "rigid": link.rigid} for link in topology.links],
-        "joints": joints,
-        "hub": topology.clamps[0].hub if topology.clamps else 0.0,
-    }
-
-
-def _at(topology: Topology, place: LinkEnd) -> list[float]:
-    return [topology.index(place.link), 0.0 if place.end == "start" else 1.0]
 
 
 # Of a turn, at which angles are followed: half a degree. No link may turn by half a turn from one

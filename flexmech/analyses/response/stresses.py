@@ -14,7 +14,7 @@ from flexmech.arrays import FloatArray
 from flexmech.linear_system import Engine, LinkModel, bent_curvature, kinks_of
 from flexmech.linkages import Drive, RigidMotion, continuous_angles, forces_by_joints
 from flexmech.linkages.applied_forces import applied_forces
-from flexmech.linkages.internal_forces import LinkForces
+from flexmech.linkages.inverse_dynamics import LinkForces
 from flexmech.materials import Material
 from flexmech.sections import BeamSection, LaminateSection
 from flexmech.time_domain import Trajectory

@@ -10,7 +10,7 @@ import numpy as np
 from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.linear_system import DisplacedLinks, kinks_of
 from flexmech.linkages import InverseDynamics
-from flexmech.linkages.internal_forces import LinkForces
+from flexmech.linkages.inverse_dynamics import LinkForces
 from flexmech.mechanism import Mechanism
 
 # Off the ends of a link and off masses, loads and springs, where internal forces jump.

@@ -11,7 +11,7 @@ from flexmech.analyses.strength.forces import BESIDE, InternalForces
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import DisplacedLinks, RunningLinks
 from flexmech.linkages import InverseDynamics, LinkEnd, Topology
-from flexmech.linkages.internal_forces import LinkForces
+from flexmech.linkages.inverse_dynamics import LinkForces
 from flexmech.linkages.motion import direction, normal
 
 

@@ -21,7 +21,7 @@ from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.loads.connectors import Connectors
 from flexmech.linkages import LinkMass, RigidMotion
-from flexmech.linkages.internal_forces import LinkForces
+from flexmech.linkages.inverse_dynamics import LinkForces
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
 

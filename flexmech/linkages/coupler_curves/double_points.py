@@ -152,29 +152,6 @@ def circuit_of_position(
 CUSP_MARGIN = 1e-10
 
 
-@dataclass(frozen=True)
-class DoublePoint:
-    """Double point of a coupler curve: a crunode or a cusp.
-
-    Parameters
-    ----------
-    kind : {"crunode", "cusp"}
-        Self-intersection, or a point of zero speed.
-    position : ndarray, shape (2,)
-        In ground axes in m.
-    crank_angles : ndarray, shape (2,)
-        Of the two passages in rad, from 0 to 2 pi, the smaller first; equal for a cusp.
-    coupler_angles : ndarray, shape (2,)
-        Angle theta3 of the coupler at those crank angles in rad, from 0 to 2 pi: tells the
-        branch where the crank cannot turn fully and a curve runs over both.
-    """
-
-    kind: Literal["crunode", "cusp"]
-    position: FloatArray
-    crank_angles: FloatArray
-    coupler_angles: FloatArray
-
-
 class Attitude(NamedTuple):
     """Configuration of the linkage at a double point.
 
@@ -191,34 +168,47 @@ class Attitude(NamedTuple):
 
 
 @dataclass(frozen=True)
-class FiniteDoublePoint:
-    r"""Real double point of the whole sextic, of all its branches and circuits.
+class DoublePoint:
+    r"""Real double point of a coupler curve: a crunode, a cusp or an acnode.
 
     Parameters
     ----------
     place : float
         Where on the circle of singular foci: arctan w, from -pi/2 to pi/2, the ends being one
         point.
-    position : tuple of two floats
+    position : ndarray, shape (2,)
         In ground axes in m.
     margin : float
         1 - \|cos kappa\| over the square of crank / (E-A) or rocker / (E-B) where that is less
         than one: positive for a crunode, zero for a cusp, negative for an acnode.
     attitudes : tuple of Attitude
-        Two, or none of an acnode.
+        Of the two passages, that with the smaller crank angle first; none of an acnode.
     """
 
     place: float
-    position: tuple[float, float]
+    position: FloatArray
     margin: float
     attitudes: tuple[Attitude, ...]
 
     @property
     def kind(self) -> Literal["crunode", "cusp", "acnode"]:
-        """Kind of the double point by its margin, within round-off."""
+        """Self-intersection, point of zero speed or isolated point: by the margin in round-off."""
         if abs(self.margin) <= CUSP_MARGIN:
             return "cusp"
         return "crunode" if self.margin > 0 else "acnode"
+
+    @property
+    def crank_angles(self) -> FloatArray:
+        """Of the two passages in rad, from 0 to 2 pi, ascending; equal for a cusp."""
+        return np.array([attitude.crank_angle for attitude in self.attitudes])
+
+    @property
+    def coupler_angles(self) -> FloatArray:
+        """Angles theta3 of the coupler at those crank angles in rad, from 0 to 2 pi.
+
+        They tell the branch where the crank cannot turn fully and a curve runs over both.
+        """
+        return np.array([attitude.coupler_angle for attitude in self.attitudes])
 
     def lies_on(self, circuit: Circuit) -> bool:
         """Whether both attitudes belong to a circuit."""
@@ -264,15 +254,11 @@ def double_points(
     """
     _check_coupler(linkage, point)
     circuit = circuit_of(linkage, crank_angle)
-    found = [
-        _double_point(node)
-        for node in finite_double_points(linkage, point)
-        if node.lies_on(circuit)
-    ]
-    return tuple(sorted(found, key=lambda double: float(double.crank_angles[0])))
+    found = (node for node in finite_double_points(linkage, point) if node.lies_on(circuit))
+    return tuple(sorted(found, key=lambda node: node.attitudes))
 
 
-def finite_double_points(linkage: FourBar, point: CouplerPoint) -> tuple[FiniteDoublePoint, ...]:
+def finite_double_points(linkage: FourBar, point: CouplerPoint) -> tuple[DoublePoint, ...]:
     """Real double points of the sextic: of every circuit, between circuits, and isolated ones.
 
     Parameters
@@ -283,7 +269,7 @@ def finite_double_points(linkage: FourBar, point: CouplerPoint) -> tuple[FiniteD
 
     Returns
     -------
-    tuple of FiniteDoublePoint
+    tuple of DoublePoint
         One or three by growing place; none of a point in a pin.
 
     Raises
@@ -318,7 +304,7 @@ def _node(
     triangle: CouplerTriangle,
     motion: CrankMotion,
     place: float,
-) -> FiniteDoublePoint:
+) -> DoublePoint:
     t, s = math.sin(place), math.cos(place)
     scale = math.hypot(s, triangle.sine * t)
     along = (s / scale, triangle.sine * t / scale)
@@ -339,10 +325,9 @@ def _node(
         if margin <= CUSP_MARGIN:
             kappa = math.pi * round(kappa / math.pi)
         eta = math.atan2(along[1], along[0])
-        attitudes = tuple(
-            _attitude(linkage, point, motion, position, eta + turn) for turn in (kappa, -kappa)
-        )
-    return FiniteDoublePoint(place, position, margin, attitudes)
+        turned = (eta + kappa, eta - kappa)
+        attitudes = tuple(sorted(_attitude(linkage, point, motion, position, x) for x in turned))
+    return DoublePoint(place, np.array(position), margin, attitudes)
 
 
 def _versines(radius: float, arm: float, distance: float) -> tuple[float, float]:
@@ -369,16 +354,6 @@ def _attitude(
     coupler_angle = full_turn(to_pin + math.pi - point.angle)
     circuit = circuit_of_position(linkage, motion, (a_x, a_y), coupler_angle)
     return Attitude(full_turn(math.atan2(a_y, a_x)), coupler_angle, circuit)
-
-
-def _double_point(node: FiniteDoublePoint) -> DoublePoint:
-    first, second = sorted(node.attitudes, key=lambda attitude: attitude.crank_angle)
-    return DoublePoint(
-        kind="cusp" if node.kind == "cusp" else "crunode",
-        position=np.array(node.position),
-        crank_angles=np.array([first.crank_angle, second.crank_angle]),
-        coupler_angles=np.array([first.coupler_angle, second.coupler_angle]),
-    )
 
 
 def full_turn(angle: float) -> float:

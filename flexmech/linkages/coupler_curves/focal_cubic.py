@@ -1,7 +1,8 @@
 """The cubic whose roots are the finite double points of a coupler curve.
 
-See :mod:`flexmech.linkages.double_points` for its derivation. Written with homogeneous
-w = t / s, it is a binary form of degree three: a root at infinity is as good as another.
+See :mod:`flexmech.linkages.coupler_curves.double_points` for its derivation. Written with
+homogeneous w = t / s, it is a binary form of degree three: a root at infinity is as good as
+another.
 """
 
 from __future__ import annotations

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.body_motion import BodyMotion
 from flexmech.linkages.change_points import TURN, ChangePoints, Clearance, change_points_of
+from flexmech.linkages.linkage import can_be_taken
 from flexmech.linkages.motion import LOCKING_SINE, RigidMotion
-from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, bodies_of
+from flexmech.linkages.planar.bodies import CRANK, bodies_of
 from flexmech.linkages.planar.drawing import Drawing
-from flexmech.linkages.planar.dyads import SlidingBody, TwoLoci
+from flexmech.linkages.planar.dyads import Dyad
 from flexmech.linkages.planar.newton import ContinuationPath, NewtonGroup
 from flexmech.linkages.planar.plan import assembly_order
 
@@ -39,13 +40,12 @@ class Assembly:
 
     def check_as_drawn(self) -> None:
         """Refuse a drawing in a dead point."""
-        known = self._driven(np.zeros(1))
+        drawn = self._driven(np.zeros(1))
         for step in self.steps:
             if isinstance(step, NewtonGroup):
-                step.refuse_locking(known)
-                known |= step.as_drawn(known)
+                step.fill_as_drawn(drawn)
             else:
-                known |= step.motion(known, np.zeros(1), np.ones(1))
+                step.fill_positions(drawn, np.zeros(1), np.ones(1))
 
     def motion(self, theta: FloatArray, omega: FloatArray, alpha: FloatArray) -> RigidMotion:
         """Rigid motion of every beam.
@@ -67,12 +67,14 @@ class Assembly:
                     "crank speed 0"
                 )
             turned = np.zeros_like(turned)
-        known = self.body_motion(turned)
-        columns = [self._beam(known, turned, beam) for beam in self._beams]
-        angle, turn_1, turn_2, place, place_1, place_2 = (
-            np.stack(np.broadcast_arrays(*column), axis=-1).reshape(*theta.shape, -1)
-            for column in zip(*columns, strict=True)
-        )
+        numbers, starts, drawn_angles = map(np.array, zip(*self._beams, strict=True))
+        body = self.body_motion(turned).of(numbers)
+        crank_turns = np.where(numbers == CRANK, turned[:, None], np.angle(body.turn))
+        shape = (*theta.shape, len(numbers))
+        angle = np.reshape(drawn_angles + crank_turns, shape)
+        turn_1, turn_2 = body.turn_1.reshape(shape), body.turn_2.reshape(shape)
+        places = (body.point(starts), body.point_1(starts), body.point_2(starts))
+        place, place_1, place_2 = (own.reshape(shape) for own in places)
         w, a = omega[..., None], alpha[..., None]
         return RigidMotion(
             crank_angle=theta,
@@ -87,41 +89,27 @@ class Assembly:
             ),
         )
 
-    def assemblable(self, theta: FloatArray) -> NDArray[np.bool_]:
-        """Whether the linkage can be assembled at crank angles of shape (A,)."""
-        return self._reached(theta - self.drawn_at, None)
-
     @cached_property
     def change_angles(self) -> FloatArray:
         """Crank angles in rad of a turn at which dyads go over to the other branch, (P,)."""
         every = [
             self._changes(number, step).angles
             for number, step in enumerate(self.steps)
-            if not isinstance(step, NewtonGroup)
+            if isinstance(step, Dyad)
         ]
         around = np.mod(self.drawn_at + np.concatenate([np.zeros(0), *every]), TURN)
         return np.unique(np.where(TURN - around < LOCKING_SINE, 0.0, around))
 
     def transmission_angles(self, theta: FloatArray) -> dict[str, FloatArray]:
         """Transmission angle of each dyad at crank angles, by its joint; each of shape (A,)."""
-        known = self.body_motion(theta - self.drawn_at)
-        dyads = (step for step in self.steps if not isinstance(step, NewtonGroup))
-        found = {dyad.refusal.joint: dyad.transmission_angle(known) for dyad in dyads}
+        known = self.body_motion(theta - self.drawn_at, needs_rates=False)
+        forms = [step.form for step in self.steps if isinstance(step, Dyad)]
+        found = {form.refusal.joint: form.transmission_angle(known) for form in forms}
         return {joint: angle for joint, angle in found.items() if angle is not None}
 
-    def _reached(self, angle: FloatArray, steps: int | None) -> NDArray[np.bool_]:
-        """Whether the first steps of the plan can be taken at angles (A,) from the drawing."""
-        try:
-            self.body_motion(angle, steps)
-        except InputError:
-            if len(angle) == 1:
-                return np.array([False])
-            half = len(angle) // 2
-            halves = angle[:half], angle[half:]
-            return np.concatenate([self._reached(own, steps) for own in halves])
-        return np.ones(len(angle), dtype=bool)
-
-    def body_motion(self, angle: FloatArray, steps: int | None = None) -> dict[int, BodyMotion]:
+    def body_motion(
+        self, angle: FloatArray, steps: int | None = None, *, needs_rates: bool = True
+    ) -> BodyMotion:
         """Motion of the bodies at crank angles from that of the drawing.
 
         Parameters
@@ -130,36 +118,44 @@ class Assembly:
             In rad.
         steps : int, optional
             How many steps of the plan to take; all of them by default.
+        needs_rates : bool
+            Whether derivatives by the crank angle are asked for; they are zeros otherwise.
 
         Returns
         -------
-        dict of int to BodyMotion
+        BodyMotion
+            Of all bodies, (B, n); those of later steps are as the ground.
 
         Raises
         ------
         InputError
             Where the linkage cannot be assembled or locks.
         """
-        known = self._driven(angle)
+        bodies = self._driven(angle)
         for number, step in enumerate(self.steps[:steps]):
             if isinstance(step, NewtonGroup):
-                known |= step.motion(known, _within_half_a_turn(angle), self._path(number, step))
+                near = _within_half_a_turn(angle)
+                step.fill_positions(bodies, near, self._path(number, step))
             else:
                 changes = self._changes(number, step)
                 # By crank angles of the turn from 0 to 360 degrees, in which the drawing is.
                 turn = TURN * np.floor(self.drawn_at / TURN)
-                changes.refuse(angle + turn, step.refusal.meeting, self.drawn_at - turn)
-                known |= step.motion(known, angle, changes.sides(angle))
-        return known
+                changes.refuse(angle + turn, step.form.refusal.meeting, self.drawn_at - turn)
+                step.fill_positions(bodies, angle, changes.sides(angle))
+            if needs_rates:
+                step.fill_rates(bodies)
+        return bodies
 
-    def _changes(self, number: int, dyad: TwoLoci | SlidingBody) -> ChangePoints:
+    def _changes(self, number: int, dyad: Dyad) -> ChangePoints:
         """Change points of a dyad by the crank angle from that of the drawing."""
         if number not in self._change_points:
 
             def clearances(angle: FloatArray) -> list[Clearance]:
-                reached = self._reached(angle, number)
-                known = self.body_motion(angle[reached], number)
-                return [own.at(reached) for own in dyad.clearances(known)]
+                reached = can_be_taken(
+                    partial(self.body_motion, steps=number, needs_rates=False), angle
+                )
+                known = self.body_motion(angle[reached], number, needs_rates=False)
+                return [own.at(reached) for own in dyad.form.clearances(known)]
 
             self._change_points[number] = change_points_of(clearances, 0.0)
         return self._change_points[number]
@@ -169,15 +165,28 @@ class Assembly:
             self._paths[number] = group.trace_path(lambda angle: self.body_motion(angle, number))
         return self._paths[number]
 
-    def _driven(self, angle: FloatArray) -> dict[int, BodyMotion]:
-        """Motion of the ground and of the crank."""
-        zero, one = np.zeros_like(angle), np.ones_like(angle)
-        axis = self.drawing.complex_point(self.drawing.drive.point)
-        ground = BodyMotion(axis, axis + 0j * one, one + 0j, 0j * one, 0j * one, zero, zero)
-        if self.drawing.is_stationary:
-            return {GROUND_BODY: ground, CRANK: ground}
-        crank = BodyMotion(axis, ground.place, np.exp(1j * angle), 0j * one, 0j * one, one, zero)
-        return {GROUND_BODY: ground, CRANK: crank}
+    def _driven(self, angle: FloatArray) -> BodyMotion:
+        """All bodies at crank angles (B,), the crank in motion and the others as the ground."""
+        nothing = np.zeros((len(angle), len(self._references)))
+        bodies = BodyMotion(
+            self._references,
+            nothing + self._references,
+            1 + 0j * nothing,
+            0j * nothing,
+            0j * nothing,
+            nothing.copy(),
+            nothing,
+        )
+        if not self.drawing.is_stationary:
+            bodies.turn[:, CRANK], bodies.turn_1[:, CRANK] = np.exp(1j * angle), 1.0
+        return bodies
+
+    @cached_property
+    def _references(self) -> ComplexArray:
+        """Reference point of each body in the drawing, (n,)."""
+        drawing, axis = self.drawing, self.drawing.drive.point
+        firsts = [drawing.link(links[0]).points[0] for links in self.bodies.links[CRANK + 1 :]]
+        return np.array([drawing.complex_point(name) for name in (axis, axis, *firsts)])
 
     @cached_property
     def _beams(self) -> list[tuple[int, complex, float]]:
@@ -192,20 +201,6 @@ class Assembly:
             for link in self.drawing.links
             for beam in link.beams
         ]
-
-    def _beam(
-        self, known: dict[int, BodyMotion], turned: FloatArray, beam: tuple[int, complex, float]
-    ) -> tuple[NDArray[np.number], ...]:
-        number, start, drawn_angle = beam
-        body = known[number]
-        return (
-            drawn_angle + (turned if number == CRANK else np.angle(body.turn)),
-            body.turn_1,
-            body.turn_2,
-            body.point(start),
-            body.point_1(start),
-            body.point_2(start),
-        )
 
 
 def _pairs(vector: NDArray[np.number]) -> FloatArray:

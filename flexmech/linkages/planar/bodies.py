@@ -1,26 +1,32 @@
-"""Rigid bodies of a drawing, and the constraints between them.
+"""Rigid bodies of a drawing, the constraints between them, and groups that these determine.
 
 A body is what is welded together; body 0 is the ground, body 1 turns with the driven shaft. Rates
-are derivatives by the crank angle.
+are derivatives by the crank angle. Positions of a group come in closed form
+(:mod:`flexmech.linkages.planar.dyads`) or by Newton's method
+(:mod:`flexmech.linkages.planar.newton`), rates of all groups from the constraints.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import AssemblyError, InputError, LockingError
-from flexmech.linkages.body_motion import BodyPoint
+from flexmech.linkages.body_motion import BodyMotion, BodyPoint
 from flexmech.linkages.change_points import in_degrees
-from flexmech.linkages.constraints import Coincidence, PointOnLine
+from flexmech.linkages.constraints import Coincidence, Constraints, PointOnLine
 from flexmech.linkages.planar.drawing import Drawing
 
 # Numbers of the two bodies whose motion is known from the start.
 GROUND_BODY, CRANK = 0, 1
+
+PointPlace = Callable[[int, str], complex]
+"""From a body's number and the name of a point to the place of the point in the body's axes."""
 
 
 @dataclass(frozen=True)
@@ -31,10 +37,12 @@ class SharedPoint:
     first: int
     second: int
 
-    def condition(self, drawing: Drawing) -> Coincidence:
-        """Constraint equation between the bodies, whose axes are those of the drawing."""
-        place = drawing.complex_point(self.point)
-        return Coincidence(BodyPoint(self.first, place), BodyPoint(self.second, place))
+    def condition(self, at: PointPlace) -> Coincidence:
+        """Constraint equation, by the places of the point in the two bodies."""
+        first, second = (
+            BodyPoint(body, at(body, self.point)) for body in (self.first, self.second)
+        )
+        return Coincidence(first, second)
 
 
 @dataclass(frozen=True)
@@ -55,11 +63,10 @@ class GuidedPoint:
     guide: int
     along: complex
 
-    def condition(self, drawing: Drawing) -> PointOnLine:
-        """Constraint equation between the bodies, whose axes are those of the drawing."""
-        place = drawing.complex_point(self.point)
-        line = BodyPoint(self.guide, place)
-        return PointOnLine(BodyPoint(self.body, place), line, self.along)
+    def condition(self, at: PointPlace) -> PointOnLine:
+        """Constraint equation, by the places of the point in its body and on its line."""
+        point, line = (BodyPoint(body, at(body, self.point)) for body in (self.body, self.guide))
+        return PointOnLine(point, line, self.along)
 
 
 @dataclass(frozen=True)
@@ -152,6 +159,76 @@ def _welded(drawing: Drawing) -> dict[str, int]:
     order = dict.fromkeys([label[drawing.crank], *label.values()])
     number = {own: index for index, own in enumerate(order, start=CRANK)}
     return {name: number[own] for name, own in label.items()}
+
+
+class BodyGroup:
+    """Bodies that are found together.
+
+    Parameters
+    ----------
+    drawing : Drawing
+    bodies : Bodies
+    joints : tuple of SharedPoint and GuidedPoint
+        As many equations as unknowns.
+    unknown : tuple of int
+        The bodies, in order.
+    """
+
+    def __init__(
+        self,
+        drawing: Drawing,
+        bodies: Bodies,
+        joints: tuple[SharedPoint | GuidedPoint, ...],
+        unknown: tuple[int, ...],
+    ) -> None:
+        self.size = drawing.size
+        self.unknown = list(unknown)
+        # The axes of all bodies are those of the drawing.
+        conditions = [
+            own.condition(lambda _, point: drawing.complex_point(point)) for own in joints
+        ]
+        self.constraints = Constraints(conditions, unknown)
+        self._scale = np.tile([self.size, self.size, 1.0], len(unknown))
+
+    def fill(self, bodies: BodyMotion, place: ComplexArray, turn: ComplexArray) -> None:
+        """Put the group's bodies into positions.
+
+        Parameters
+        ----------
+        bodies : BodyMotion
+            All bodies of the drawing, (B, n); those of the group are changed.
+        place, turn : ndarray of complex, shape (B, m)
+            As of :class:`BodyMotion`.
+        """
+        bodies.place[:, self.unknown], bodies.turn[:, self.unknown] = place, turn
+
+    def jacobian(self, bodies: BodyMotion) -> FloatArray:
+        """Jacobian of the joints' conditions, lengths in parts of the size; (B, 3 m, 3 m)."""
+        return np.asarray(self.constraints.jacobian(bodies) * self._scale / self.size)
+
+    def fill_rates(self, bodies: BodyMotion) -> list[FloatArray]:
+        """Give the group's bodies in their positions derivatives by the crank angle.
+
+        Parameters
+        ----------
+        bodies : BodyMotion
+            All bodies of the drawing, (B, n); those of the group are changed.
+
+        Returns
+        -------
+        list of ndarray, shape (B, 3 m)
+            First and second derivatives of the unknowns, lengths in parts of the size.
+        """
+        rates: list[FloatArray] = []
+        jacobian = self.constraints.jacobian(bodies)
+        of_order = (bodies.place_1, bodies.turn_1), (bodies.place_2, bodies.turn_2)
+        for order, (place, turn) in enumerate(of_order, start=1):
+            left = self.constraints.gap_rate(bodies, order)
+            rate = np.asarray(np.linalg.solve(jacobian, -left[..., None])[..., 0])
+            place[:, self.unknown] = rate[:, 0::3] + 1j * rate[:, 1::3]
+            turn[:, self.unknown] = rate[:, 2::3]
+            rates.append(rate / self._scale)
+        return rates
 
 
 Cause = Literal["apart", "locked"]

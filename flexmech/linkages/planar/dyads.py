@@ -1,15 +1,13 @@
-"""Motion of groups of one or two bodies in closed form, over a batch of crank angles.
+"""Positions of one or two bodies in closed form, over a batch of crank angles.
 
 A point that stays at a distance from a known point is on a circle, one that slides is on a
 line. Two of these loci give the point (RRR: two circles, RRP and PRR: circle and line, PRP:
 two lines); the bodies follow from it. A body that turns about one known point while another
-slides along it (RPR) follows from the two. Norton, Design of Machinery, ch. 4; the loci's
-derivatives are written for lines that move.
+slides along it (RPR) follows from the two. Norton, Design of Machinery, ch. 4.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,9 +16,32 @@ from flexmech.arrays import ROUND_OFF, ComplexArray, FloatArray
 from flexmech.linkages.body_motion import BodyMotion, dot
 from flexmech.linkages.change_points import Clearance
 from flexmech.linkages.motion import LOCKING_SINE
-from flexmech.linkages.planar.bodies import Refusal
+from flexmech.linkages.planar.bodies import (
+    Bodies,
+    BodyGroup,
+    GuidedPoint,
+    Refusal,
+    SharedPoint,
+)
+from flexmech.linkages.planar.drawing import Drawing
 
-Known = Mapping[int, BodyMotion]
+Placement = tuple[complex, ComplexArray, ComplexArray]
+"""A point of a body in the drawing, where it is, (B,), and how the body is turned, (B,)."""
+
+
+def point_of(bodies: BodyMotion, body: int, drawn: complex) -> ComplexArray:
+    """Positions (B,) of a point of a body.
+
+    Parameters
+    ----------
+    bodies : BodyMotion
+        All bodies of the drawing, (B, n).
+    body : int
+    drawn : complex
+        The point in the drawing.
+    """
+    arm = drawn - np.asarray(bodies.drawn)[body]
+    return np.asarray(bodies.place[:, body] + bodies.turn[:, body] * arm)
 
 
 def cross(first: ComplexArray | complex, second: ComplexArray | complex) -> FloatArray:
@@ -29,144 +50,86 @@ def cross(first: ComplexArray | complex, second: ComplexArray | complex) -> Floa
 
 
 @dataclass(frozen=True)
-class PointPath:
-    """Positions of a point with derivatives by the crank angle; each of shape (B,)."""
-
-    place: ComplexArray
-    first: ComplexArray
-    second: ComplexArray
-
-    @classmethod
-    def of(cls, body: BodyMotion, drawn: complex) -> PointPath:
-        """Path of a point of a body."""
-        return cls(body.point(drawn), body.point_1(drawn), body.point_2(drawn))
-
-
-@dataclass(frozen=True)
 class Circle:
-    """Circular locus about a point of a known body."""
+    """Circular locus of a point of a body that turns about a point of a known one.
 
-    body: int
+    Parameters
+    ----------
+    known : int
+    centre : complex
+        In the drawing.
+    body : int
+    point : complex
+        In the drawing.
+    """
+
+    known: int
     centre: complex
-    radius: float
+    body: int
+    point: complex
 
-    def gradient(self, bodies: Known, place: ComplexArray) -> ComplexArray:
+    @property
+    def radius(self) -> float:
+        """Distance of the point from the centre in m."""
+        return abs(self.point - self.centre)
+
+    @property
+    def drawn_normal(self) -> complex:
+        """Normal at the point in the drawing."""
+        return self.point - self.centre
+
+    def gradient(self, bodies: BodyMotion, place: ComplexArray) -> ComplexArray:
         """Unit normal at a place."""
-        return (place - bodies[self.body].point(self.centre)) / self.radius
+        return (place - point_of(bodies, self.known, self.centre)) / self.radius
 
-    def gap(self, bodies: Known, place: ComplexArray) -> FloatArray:
+    def gap(self, bodies: BodyMotion, place: ComplexArray) -> FloatArray:
         """Distance of a place from the circle, along the normal."""
-        arm = place - bodies[self.body].point(self.centre)
+        arm = place - point_of(bodies, self.known, self.centre)
         return np.asarray((np.abs(arm) ** 2 - self.radius**2) / (2 * self.radius))
 
-    def speed(self, bodies: Known, place: ComplexArray) -> FloatArray:
-        """First derivative along the normal of a point on the circle."""
-        return dot(self.gradient(bodies, place), bodies[self.body].point_1(self.centre))
-
-    def acceleration(self, bodies: Known, place: ComplexArray, first: ComplexArray) -> FloatArray:
-        """Second derivative along the normal of a point on the locus.
-
-        Parameters
-        ----------
-        bodies : mapping of int to BodyMotion
-            Those known so far.
-        place, first : ndarray of complex, shape (B,)
-            Of the point, and its first derivative.
-        """
-        body = bodies[self.body]
-        relative = np.abs(first - body.point_1(self.centre)) ** 2 / self.radius
-        return dot(self.gradient(bodies, place), body.point_2(self.centre)) - relative
+    def placement(self, bodies: BodyMotion, place: ComplexArray) -> Placement:
+        """Where the body is, by the place of its point, (B,)."""
+        centre = point_of(bodies, self.known, self.centre)
+        turn = (place - centre) / self.drawn_normal
+        return self.centre, centre, turn / np.abs(turn)
 
 
 @dataclass(frozen=True)
 class Line:
-    """Straight locus on a known body, by a point and its direction in the drawing."""
-
-    body: int
-    through: complex
-    along: complex
-
-    def gradient(self, bodies: Known, place: ComplexArray) -> ComplexArray:
-        """Unit normal at a place, to the left of the line."""
-        return 1j * bodies[self.body].turn * self.along
-
-    def gap(self, bodies: Known, place: ComplexArray) -> FloatArray:
-        """Distance of a place from the line, along the normal."""
-        body = bodies[self.body]
-        return dot(1j * body.turn * self.along, place - body.point(self.through))
-
-    def speed(self, bodies: Known, place: ComplexArray) -> FloatArray:
-        """First derivative along the normal of a point on the line."""
-        return bodies[self.body].line_rates(self.through, self.along, place)[0]
-
-    def acceleration(self, bodies: Known, place: ComplexArray, first: ComplexArray) -> FloatArray:
-        """Second derivative along the normal of a point on the locus.
-
-        Parameters
-        ----------
-        bodies : mapping of int to BodyMotion
-            Those known so far.
-        place, first : ndarray of complex, shape (B,)
-            Of the point, and its first derivative.
-        """
-        return bodies[self.body].line_rates(self.through, self.along, place, first)[1]
-
-
-@dataclass(frozen=True)
-class Placed:
-    """A body determined by the intersection point of two loci.
+    """Straight locus of a point on a known body.
 
     Parameters
     ----------
-    body : int
-    point : complex
-        The point, in the drawing.
     known : int
-        Body that carries the other point or, where the body does not turn against it, the
-        body that carries its line.
-    pivot : complex, optional
-        Point of the known body about which the body turns; None where it only slides.
+    point : complex
+        The line passes through it in the drawing.
+    along : complex
+        Unit vector of the line in the drawing.
+    body : int, optional
+        Body of the point, if it translates along the line.
     """
 
-    body: int
-    point: complex
     known: int
-    pivot: complex | None
+    point: complex
+    along: complex
+    body: int | None = None
 
-    def motion(self, bodies: Known, path: PointPath) -> BodyMotion:
-        """Motion of the body.
+    @property
+    def drawn_normal(self) -> complex:
+        """Normal in the drawing, to the left of the line."""
+        return 1j * self.along
 
-        Parameters
-        ----------
-        bodies : sequence of BodyMotion
-            Those known so far.
-        path : PointPath
-            Of its point.
-        """
-        known = bodies[self.known]
-        if self.pivot is None:
-            return BodyMotion(
-                self.point,
-                path.place,
-                known.turn,
-                path.first,
-                path.second,
-                known.turn_1,
-                known.turn_2,
-            )
-        drawn = self.point - self.pivot
-        centre = PointPath.of(known, self.pivot)
-        arm = path.place - centre.place
-        square = abs(drawn) ** 2
-        return BodyMotion(
-            self.pivot,
-            centre.place,
-            arm / drawn / (np.abs(arm) / abs(drawn)),
-            centre.first,
-            centre.second,
-            cross(arm, path.first - centre.first) / square,
-            cross(arm, path.second - centre.second) / square,
-        )
+    def gradient(self, bodies: BodyMotion, place: ComplexArray) -> ComplexArray:
+        """Unit normal at a place, to the left of the line."""
+        return np.asarray(bodies.turn[:, self.known] * self.drawn_normal)
+
+    def gap(self, bodies: BodyMotion, place: ComplexArray) -> FloatArray:
+        """Distance of a place from the line, along the normal."""
+        return dot(self.gradient(bodies, place), place - point_of(bodies, self.known, self.point))
+
+    def placement(self, bodies: BodyMotion, place: ComplexArray) -> Placement:
+        """Where the body is, by the place of its point, (B,)."""
+        return self.point, place, bodies.turn[:, self.known]
 
 
 @dataclass(frozen=True)
@@ -176,96 +139,83 @@ class TwoLoci:
     Parameters
     ----------
     refusal : Refusal
-    drawn : complex
     first, second : Circle or Line
         Not a line before a circle.
-    side : float
-        Sign of the product of the normals at the point, which tells its branch.
-    placed : tuple of Placed
     size : float
         Of the linkage.
     """
 
     refusal: Refusal
-    drawn: complex
     first: Circle | Line
     second: Circle | Line
-    side: float
-    placed: tuple[Placed, ...]
     size: float
 
     @property
     def solves(self) -> tuple[int, ...]:
         """Bodies that the dyad determines."""
-        return tuple(own.body for own in self.placed)
+        loci = self.first, self.second
+        return tuple(own.body for own in loci if own.body is not None)
 
-    def motion(self, bodies: Known, angle: FloatArray, sides: FloatArray) -> dict[int, BodyMotion]:
-        """Motion of the bodies that the dyad determines.
+    @property
+    def side(self) -> float:
+        """Sign of the product of the normals in the drawing, which tells the branch."""
+        return float(np.sign(cross(self.first.drawn_normal, self.second.drawn_normal)))
+
+    def placements(
+        self, bodies: BodyMotion, angle: FloatArray, sides: FloatArray
+    ) -> list[Placement]:
+        """Where the bodies are that the dyad determines.
 
         Parameters
         ----------
-        bodies : mapping of int to BodyMotion
-            Those known so far.
+        bodies : BodyMotion
+            All bodies of the drawing, those known so far in their positions; (B, n).
         angle : ndarray, shape (B,)
             Crank angle less that of the drawing in rad.
         sides : ndarray, shape (B,)
             1 where the point is on the side of the drawing, -1 where it is on the other one.
         """
-        path = self._path(bodies, angle, self.side * sides)
-        return {own.body: own.motion(bodies, path) for own in self.placed}
-
-    def transmission_angle(self, bodies: Known) -> FloatArray | None:
-        """Acute angle in rad at which the loci meet, (B,); None of two lines, which are drawn."""
-        if not isinstance(self.first, Circle):
-            return None
-        place = bodies[self.placed[0].body].point(self.drawn)
-        normals = (locus.gradient(bodies, place) for locus in (self.first, self.second))
-        return np.asarray(np.arcsin(np.minimum(np.abs(cross(*normals)), 1.0)))
-
-    def clearances(self, bodies: Known) -> list[Clearance]:
-        """How far the loci are from touching; none of two lines, which meet in one point."""
         first, second = self.first, self.second
-        if not isinstance(first, Circle):
-            return []
-        centre = bodies[first.body].point(first.centre)
-        if isinstance(second, Circle):
-            between = np.abs(bodies[second.body].point(second.centre) - centre)
-            outside, inside = first.radius + second.radius, abs(first.radius - second.radius)
-            return [
-                Clearance.of(outside, between, outside, self.size),
-                Clearance.of(between, inside, inside, self.size),
-            ]
-        guide = bodies[second.body]
-        aside = np.abs(cross(guide.turn * second.along, centre - guide.point(second.through)))
-        return [Clearance.of(first.radius, aside, first.radius, self.size)]
-
-    def _path(self, bodies: Known, angle: FloatArray, side: FloatArray) -> PointPath:
-        first, second = self.first, self.second
-        place = self._place(bodies, angle, side)
+        place = self._place(bodies, angle, self.side * sides)
         normals = first.gradient(bodies, place), second.gradient(bodies, place)
         sine = cross(*normals)
         self.refusal.refuse("locked", np.abs(sine) < LOCKING_SINE, angle)
         # One step of Newton's method takes off what rounding has left near locked positions.
         place = place - _vector(*normals, sine, first.gap(bodies, place), second.gap(bodies, place))
-        normals = first.gradient(bodies, place), second.gradient(bodies, place)
-        sine = cross(*normals)
-        rate = _vector(*normals, sine, first.speed(bodies, place), second.speed(bodies, place))
-        rate_2 = _vector(
-            *normals,
-            sine,
-            first.acceleration(bodies, place, rate),
-            second.acceleration(bodies, place, rate),
-        )
-        return PointPath(place, rate, rate_2)
+        return [own.placement(bodies, place) for own in (first, second) if own.body is not None]
 
-    def _place(self, bodies: Known, angle: FloatArray, side: FloatArray) -> ComplexArray:
+    def transmission_angle(self, bodies: BodyMotion) -> FloatArray | None:
+        """Acute angle in rad at which the loci meet, (B,); None of two lines, which are drawn."""
+        if not isinstance(self.first, Circle):
+            return None
+        place = point_of(bodies, self.first.body, self.first.point)
+        normals = [locus.gradient(bodies, place) for locus in (self.first, self.second)]
+        return np.arctan2(np.abs(cross(*normals)), np.abs(dot(*normals)))
+
+    def clearances(self, bodies: BodyMotion) -> list[Clearance]:
+        """How far the loci are from touching; none of two lines, which meet in one point."""
+        first, second = self.first, self.second
+        if not isinstance(first, Circle):
+            return []
+        centre = point_of(bodies, first.known, first.centre)
+        if isinstance(second, Circle):
+            between = np.abs(point_of(bodies, second.known, second.centre) - centre)
+            outside, inside = first.radius + second.radius, abs(first.radius - second.radius)
+            return [
+                Clearance.of(outside, between, outside, self.size),
+                Clearance.of(between, inside, inside, self.size),
+            ]
+        aside = np.abs(second.gap(bodies, centre))
+        return [Clearance.of(first.radius, aside, first.radius, self.size)]
+
+    def _place(self, bodies: BodyMotion, angle: FloatArray, side: FloatArray) -> ComplexArray:
         if isinstance(self.first, Circle):
-            centre = bodies[self.first.body].point(self.first.centre)
+            centre = point_of(bodies, self.first.known, self.first.centre)
             if isinstance(self.second, Circle):
                 return self._on_circles(bodies, angle, side, centre)
             return self._on_circle_and_line(bodies, angle, side, centre)
         # Two lines: the gaps of any place lead to where they meet.
-        start = bodies[self.first.body].point(self.first.through)
+        start = point_of(bodies, self.first.known, self.first.point)
         normals = (self.first.gradient(bodies, start), self.second.gradient(bodies, start))
         sine = cross(*normals)
         self.refusal.refuse("locked", np.abs(sine) < LOCKING_SINE, angle)
@@ -274,11 +224,11 @@ class TwoLoci:
         )
 
     def _on_circles(
-        self, bodies: Known, angle: FloatArray, side: FloatArray, centre: ComplexArray
+        self, bodies: BodyMotion, angle: FloatArray, side: FloatArray, centre: ComplexArray
     ) -> ComplexArray:
         assert isinstance(self.first, Circle)
         assert isinstance(self.second, Circle)
-        line = bodies[self.second.body].point(self.second.centre) - centre
+        line = point_of(bodies, self.second.known, self.second.centre) - centre
         distance = np.abs(line)
         self.refusal.refuse("apart", distance <= ROUND_OFF * self.size, angle)
         ahead = (self.first.radius**2 - self.second.radius**2 + distance**2) / (2 * distance)
@@ -286,12 +236,12 @@ class TwoLoci:
         return np.asarray(centre + (ahead + 1j * side * aside) * line / distance)
 
     def _on_circle_and_line(
-        self, bodies: Known, angle: FloatArray, side: FloatArray, centre: ComplexArray
+        self, bodies: BodyMotion, angle: FloatArray, side: FloatArray, centre: ComplexArray
     ) -> ComplexArray:
         assert isinstance(self.first, Circle)
         assert isinstance(self.second, Line)
-        guide = bodies[self.second.body]
-        along, through = guide.turn * self.second.along, guide.point(self.second.through)
+        along = bodies.turn[:, self.second.known] * self.second.along
+        through = point_of(bodies, self.second.known, self.second.point)
         to_centre = centre - through
         leg = self._leg(self.first.radius, np.abs(cross(along, to_centre)), angle)
         return through + (dot(along, to_centre) + side * leg) * along
@@ -335,62 +285,94 @@ class SlidingBody:
         """The body."""
         return (self.body,)
 
-    def transmission_angle(self, bodies: Known) -> FloatArray:
+    def transmission_angle(self, bodies: BodyMotion) -> FloatArray:
         """Acute angle in rad from the normal of the arm to the line, (B,)."""
-        pivot = bodies[self.pivot_body].point(self.pivot)
-        arm = bodies[self.slider_body].point(self.slider) - pivot
-        along = bodies[self.body].turn * self.along
-        return np.asarray(np.arccos(np.minimum(np.abs(cross(along, arm)) / np.abs(arm), 1.0)))
+        pivot = point_of(bodies, self.pivot_body, self.pivot)
+        arm = point_of(bodies, self.slider_body, self.slider) - pivot
+        along = bodies.turn[:, self.body] * self.along
+        return np.arctan2(np.abs(dot(along, arm)), np.abs(cross(along, arm)))
 
-    def clearances(self, bodies: Known) -> list[Clearance]:
+    def clearances(self, bodies: BodyMotion) -> list[Clearance]:
         """How far the line, on a circle about the pivot, is from touching the slider's point."""
-        pivot = bodies[self.pivot_body].point(self.pivot)
-        distance = np.abs(bodies[self.slider_body].point(self.slider) - pivot)
+        pivot = point_of(bodies, self.pivot_body, self.pivot)
+        distance = np.abs(point_of(bodies, self.slider_body, self.slider) - pivot)
         beside = abs(float(cross(self.along, self.slider - self.pivot)))
         return [Clearance.of(distance, beside, beside, self.size)]
 
-    def motion(self, bodies: Known, angle: FloatArray, sides: FloatArray) -> dict[int, BodyMotion]:
-        """Motion of the body.
+    def placements(
+        self, bodies: BodyMotion, angle: FloatArray, sides: FloatArray
+    ) -> list[Placement]:
+        """Where the body is.
 
         Parameters
         ----------
-        bodies : mapping of int to BodyMotion
-            Those known so far.
+        bodies : BodyMotion
+            All bodies of the drawing, those known so far in their positions; (B, n).
         angle : ndarray, shape (B,)
             Crank angle less that of the drawing in rad.
         sides : ndarray, shape (B,)
             1 where the slider is on the side of the drawing, -1 where it is on the other one.
         """
-        centre = PointPath.of(bodies[self.pivot_body], self.pivot)
-        point = PointPath.of(bodies[self.slider_body], self.slider)
+        centre = point_of(bodies, self.pivot_body, self.pivot)
+        arm = point_of(bodies, self.slider_body, self.slider) - centre
         drawn = self.slider - self.pivot
         beside = float(cross(self.along, drawn))
-        side = np.sign(float(dot(self.along, drawn))) * sides
-        arm, first, second = (
-            getattr(point, name) - getattr(centre, name) for name in ("place", "first", "second")
-        )
         distance = np.abs(arm)
         square = (distance - abs(beside)) * (distance + abs(beside))
         self.refusal.refuse("apart", square < -ROUND_OFF * self.size**2, angle)
+        side = np.sign(float(dot(self.along, drawn))) * sides
         ahead = side * np.sqrt(np.maximum(square, 0.0))
         self.refusal.refuse("locked", np.abs(ahead) < LOCKING_SINE * distance, angle)
         # The line's direction now: arm = (ahead + i beside) times it.
-        along = arm / (ahead + 1j * beside)
-        along = along / np.abs(along)
-        turn_1 = dot(1j * along, first) / ahead
-        sliding = dot(along, first) + beside * turn_1
-        turn_2 = (dot(1j * along, second) - 2 * sliding * turn_1 + beside * turn_1**2) / ahead
-        return {
-            self.body: BodyMotion(
-                self.pivot,
-                centre.place,
-                along / self.along,
-                centre.first,
-                centre.second,
-                turn_1,
-                turn_2,
-            )
-        }
+        turn = arm / (ahead + 1j * beside) / self.along
+        return [(self.pivot, centre, turn / np.abs(turn))]
+
+
+class Dyad(BodyGroup):
+    """One or two bodies with a closed form.
+
+    Parameters
+    ----------
+    drawing, bodies, joints
+        As of :class:`BodyGroup`.
+    form : TwoLoci or SlidingBody
+    """
+
+    def __init__(
+        self,
+        drawing: Drawing,
+        bodies: Bodies,
+        joints: tuple[SharedPoint | GuidedPoint, ...],
+        form: TwoLoci | SlidingBody,
+    ) -> None:
+        super().__init__(drawing, bodies, joints, form.solves)
+        self.form = form
+
+    def fill_positions(self, bodies: BodyMotion, angle: FloatArray, sides: FloatArray) -> None:
+        """Put the bodies where the closed form has them.
+
+        Parameters
+        ----------
+        bodies : BodyMotion
+            All bodies of the drawing at the crank angles, (B, n); those of the dyad are changed.
+        angle : ndarray, shape (B,)
+            Crank angle less that of the drawing in rad.
+        sides : ndarray, shape (B,)
+            1 where the dyad is on the side of the drawing, -1 where it is on the other one.
+
+        Raises
+        ------
+        InputError
+            Where the bodies do not meet, or lock.
+        """
+        placements = self.form.placements(bodies, angle, sides)
+        reference = np.asarray(bodies.drawn)[self.unknown]
+        places = [
+            place + turn * (own - drawn)
+            for own, (drawn, place, turn) in zip(reference, placements, strict=True)
+        ]
+        turns = [turn for *_, turn in placements]
+        self.fill(bodies, np.stack(places, axis=-1), np.stack(turns, axis=-1))
 
 
 def _vector(

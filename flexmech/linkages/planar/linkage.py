@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.change_points import passing
+from flexmech.linkages.linkage import assemblable
 from flexmech.linkages.motion import RigidMotion, checked_drive
 from flexmech.linkages.planar.assembly import Assembly
 from flexmech.linkages.planar.drawing import Drawing, PlanarJoint, PlanarLink
@@ -263,7 +264,7 @@ class PlanarLinkage:
         angles = np.radians(np.arange(0.0, 360.0))
         if self.change_angles.size:
             return f"{passing(self.change_angles)}, and does not turn fully"
-        turns = self._assembly.assemblable(angles).all()
+        turns = assemblable(self, angles).all()
         return "the crank turns fully" if turns else "the crank does not turn fully"
 
     def to_table(self) -> TomlTable:

@@ -8,8 +8,8 @@ path.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
@@ -19,19 +19,12 @@ from flexmech.arrays import ROUND_OFF, FloatArray
 from flexmech.errors import AssemblyError, ComputationError, InputError
 from flexmech.linkages.body_motion import BodyMotion
 from flexmech.linkages.change_points import in_degrees
-from flexmech.linkages.constraints import Constraints
 from flexmech.linkages.motion import LOCKING_SINE
-from flexmech.linkages.planar.bodies import (
-    GROUND_BODY,
-    Bodies,
-    GuidedPoint,
-    Refusal,
-    SharedPoint,
-)
+from flexmech.linkages.planar.bodies import Bodies, BodyGroup, GuidedPoint, Refusal, SharedPoint
 from flexmech.linkages.planar.drawing import Drawing
 
-Known = Callable[[FloatArray], Mapping[int, BodyMotion]]
-"""Motion of the bodies that are known before, at crank angles of shape (B,)."""
+Known = Callable[[FloatArray], BodyMotion]
+"""All bodies at crank angles (B,), those in motion that are known before."""
 
 # Of the crank angle along the way, in rad. Cubic polynomials over the largest one guess a posture
 # to about 1e-5 where no dead point is near; a step that is too long is halved. Where steps become
@@ -78,17 +71,13 @@ class ContinuationPath:
         )
 
 
-class NewtonGroup:
+class NewtonGroup(BodyGroup):
     """Bodies whose positions are solved together.
 
     Parameters
     ----------
-    drawing : Drawing
-    bodies : Bodies
-    joints : tuple of SharedPoint and GuidedPoint
-        As many equations as unknowns.
-    unknown : tuple of int
-        The bodies, in order.
+    drawing, bodies, joints, unknown
+        As of :class:`BodyGroup`.
     drawn_at : float
         Crank angle of the drawing in rad.
     """
@@ -101,37 +90,22 @@ class NewtonGroup:
         unknown: tuple[int, ...],
         drawn_at: float,
     ) -> None:
-        self.bodies = bodies
+        super().__init__(drawing, bodies, joints, unknown)
         self.drawn_at = drawn_at
-        self.size = drawing.size
-        self.constraints = Constraints([own.condition(drawing) for own in joints], unknown)
         self._joints = joints
-        self.unknown = list(unknown)
-        starts = (drawing.link(bodies.links[body][0]).points[0] for body in unknown)
-        self._drawn = np.array([drawing.complex_point(start) for start in starts])
-        self._scale = np.tile([self.size, self.size, 1.0], len(unknown))
+        # For messages.
+        self.names = ", ".join(bodies.name(body) for body in unknown)
 
-    @property
-    def names(self) -> str:
-        """Names of the links that are solved together, for messages."""
-        return ", ".join(self.bodies.name(body) for body in self.unknown)
-
-    def motion(
-        self, known: Mapping[int, BodyMotion], angle: FloatArray, path: ContinuationPath
-    ) -> dict[int, BodyMotion]:
-        """Motion of the group's bodies.
+    def fill_positions(self, bodies: BodyMotion, angle: FloatArray, path: ContinuationPath) -> None:
+        """Put the bodies where Newton's method finds them.
 
         Parameters
         ----------
-        known : mapping of int to BodyMotion
-            At the crank angles.
+        bodies : BodyMotion
+            All bodies of the drawing at the crank angles, (B, n); those of the group are changed.
         angle : ndarray, shape (B,)
             Crank angle less that of the drawing in rad.
         path : ContinuationPath
-
-        Returns
-        -------
-        dict of int to BodyMotion
 
         Raises
         ------
@@ -142,9 +116,8 @@ class NewtonGroup:
         """
         self._refuse_beyond(angle, path)
         guess = path.guess(angle)
-        found, ended = self._solved(known, guess)
-        matrix = self._scaled_jacobian(known, found)
-        sign = np.linalg.slogdet(matrix)[0]
+        found, ended = self._solved(bodies, guess)
+        sign = np.linalg.slogdet(self.jacobian(bodies))[0]
         missed = np.abs(found - guess).max(axis=-1)
         lost = np.logical_not(ended) | (sign != path.sign) | (missed > MOST_MISSED)
         if np.any(lost):
@@ -152,7 +125,6 @@ class NewtonGroup:
                 f"no position of {self.names} is found at {in_degrees(angle[lost][0])} past the "
                 "drawing by Newton's method; draw the linkage at a crank angle nearer to it"
             )
-        return self._with_rates(known, found, matrix)
 
     def trace_path(self, known: Known) -> ContinuationPath:
         """Continue the drawn posture half a turn in both directions.
@@ -172,8 +144,7 @@ class NewtonGroup:
         InputError
             If the linkage does not come back to the drawn posture after a turn.
         """
-        start = np.zeros((1, len(self._scale)))
-        matrix = self._scaled_jacobian(known(np.zeros(1)), start)
+        matrix = self._jacobian_at(known(np.zeros(1)), np.zeros(len(self._scale)))
         sign = float(np.linalg.slogdet(matrix)[0][0])
         back, ahead = (self._half(known, way, sign) for way in (-1.0, 1.0))
         columns = zip(*back[0][:0:-1], *ahead[0], strict=True)
@@ -183,36 +154,30 @@ class NewtonGroup:
             self._check_period(unknowns)
         return ContinuationPath(angle, unknowns, slope, sign, locks)
 
-    def refuse_locking(self, known: Mapping[int, BodyMotion]) -> None:
-        """Refuse a drawing in a dead point.
+    def fill_as_drawn(self, bodies: BodyMotion) -> None:
+        """Put the bodies where they are drawn.
 
         Parameters
         ----------
-        known : mapping of int to BodyMotion
-            In the drawing; shape (1,).
+        bodies : BodyMotion
+            As drawn, (1, n); those of the group are changed.
 
         Raises
         ------
         InputError
-            Names the joint.
+            If the drawing is in a dead point; names the joint.
         """
         start = np.zeros(len(self._scale))
-        matrix = self._scaled_jacobian(known, start[None])[0]
+        matrix = self._jacobian_at(bodies, start)[0]
         if np.linalg.svd(matrix, compute_uv=False)[-1] < LOCKING_SINE:
-            self.refusal(self._loosest_joint(known, start)).refuse(
-                "locked", np.array([True]), np.zeros(1)
-            )
-
-    def as_drawn(self, known: Mapping[int, BodyMotion]) -> dict[int, BodyMotion]:
-        """Motion of the group's bodies in the drawn posture."""
-        start = np.zeros((1, len(self._scale)))
-        return self._with_rates(known, start, self._scaled_jacobian(known, start))
+            refusal = self._refusal(self._loosest_joint(bodies, start))
+            refusal.refuse("locked", np.array([True]), np.zeros(1))
 
     def _refuse_beyond(self, angle: FloatArray, path: ContinuationPath) -> None:
         ends = ((angle < path.angle[0], 0), (angle > path.angle[-1], -1))
         for beyond, end in ends:
             if np.any(beyond):
-                refusal = self.refusal(path.locks[end])
+                refusal = self._refusal(path.locks[end])
                 limit = in_degrees(refusal.drawn_at + path.angle[end])
                 raise AssemblyError(
                     f"the linkage cannot be assembled at crank angle "
@@ -222,7 +187,7 @@ class NewtonGroup:
                     "of motion or other dimensions"
                 )
 
-    def refusal(self, joint: str) -> Refusal:
+    def _refusal(self, joint: str) -> Refusal:
         """Message for a joint of the group."""
         return Refusal(joint, self.names, self.drawn_at)
 
@@ -275,90 +240,49 @@ class NewtonGroup:
         missed = float(np.abs(found[0] - guess).max())
         if not ended[0] or not missed <= MOST_MISSED:
             return None
-        matrix = self._scaled_jacobian(there, found)
-        if np.linalg.slogdet(matrix)[0][0] != sign:
+        if np.linalg.slogdet(self.jacobian(there))[0][0] != sign:
             return None
         slope, bend = self._slopes(there, found[0])
         return found[0], slope, bend, missed
 
     def _solved(
-        self, known: Mapping[int, BodyMotion], guess: FloatArray
+        self, bodies: BodyMotion, guess: FloatArray
     ) -> tuple[FloatArray, NDArray[np.bool_]]:
         """Unknowns at the root near a guess, and whether they have converged; (B, n), (B,)."""
-        found, given = guess.copy(), self._stacked_bodies(known)
+        found = guess.copy()
+        self._fill_in(bodies, found)
         for _ in range(ITERATIONS):
-            bodies = self._at(given, found)
             residual = self.constraints.gap(bodies) / self.size
             try:
-                change = np.linalg.solve(self._scaled(bodies), -residual[..., None])[..., 0]
+                change = np.linalg.solve(self.jacobian(bodies), -residual[..., None])[..., 0]
             except np.linalg.LinAlgError:
                 break
             found = found + change
+            self._fill_in(bodies, found)
             if not np.all(np.isfinite(found)) or np.abs(change).max() < ROUND_OFF:
                 break
-        residual = self.constraints.gap(self._at(given, found)) / self.size
+        residual = self.constraints.gap(bodies) / self.size
         return found, np.abs(residual).max(axis=-1) < ROUND_OFF
 
-    def _stacked_bodies(self, known: Mapping[int, BodyMotion]) -> BodyMotion:
-        """All bodies by their numbers; unknown ones at rest."""
-        numbers = range(len(self.bodies.links))
-        return BodyMotion.stacked([known.get(n, known[GROUND_BODY]) for n in numbers])
+    def _fill_in(self, bodies: BodyMotion, unknowns: FloatArray) -> None:
+        """Put the bodies into a posture by the unknowns (B, n)."""
+        x, y, phi = np.moveaxis(unknowns.reshape(len(unknowns), -1, 3), -1, 0)
+        drawn = np.asarray(bodies.drawn)[self.unknown]
+        self.fill(bodies, np.asarray(drawn + self.size * (x + 1j * y)), np.exp(1j * phi))
 
-    def _at(self, bodies: BodyMotion, unknowns: FloatArray) -> BodyMotion:
-        """Bodies with those of the group at rest in a posture."""
-        own, x, y, phi = self.unknown, *np.moveaxis(unknowns.reshape(len(unknowns), -1, 3), -1, 0)
-        drawn, place, turn = map(np.copy, (bodies.drawn, bodies.place, bodies.turn))
-        drawn[own] = self._drawn
-        place[:, own] = self._drawn + self.size * (x + 1j * y)
-        turn[:, own] = np.exp(1j * phi)
-        return replace(bodies, drawn=drawn, place=place, turn=turn)
+    def _jacobian_at(self, bodies: BodyMotion, unknowns: FloatArray) -> FloatArray:
+        """Jacobian (1, n, n) in one posture."""
+        self._fill_in(bodies, unknowns[None])
+        return self.jacobian(bodies)
 
-    def _scaled(self, bodies: BodyMotion) -> FloatArray:
-        """Jacobian by the unknowns in parts of the size."""
-        return np.asarray(self.constraints.jacobian(bodies) * self._scale / self.size)
-
-    def _scaled_jacobian(self, known: Mapping[int, BodyMotion], unknowns: FloatArray) -> FloatArray:
-        return self._scaled(self._at(self._stacked_bodies(known), unknowns))
-
-    def _slopes(
-        self, known: Mapping[int, BodyMotion], unknowns: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def _slopes(self, bodies: BodyMotion, unknowns: FloatArray) -> list[FloatArray]:
         """First and second derivative of one posture's unknowns by the crank angle."""
-        matrix = self._scaled_jacobian(known, unknowns[None])
-        moved = self._rates(known, unknowns[None], matrix)
-        first, second = (rate.ravel() / self._scale for rate in moved[1])
-        return first, second
+        self._fill_in(bodies, unknowns[None])
+        return [rate[0] for rate in self.fill_rates(bodies)]
 
-    def _with_rates(
-        self, known: Mapping[int, BodyMotion], unknowns: FloatArray, matrix: FloatArray
-    ) -> dict[int, BodyMotion]:
-        """The group's bodies with their rates; only they are returned."""
-        bodies, _ = self._rates(known, unknowns, matrix)
-        return {body: bodies.of(body) for body in self.unknown}
-
-    def _rates(
-        self, known: Mapping[int, BodyMotion], unknowns: FloatArray, matrix: FloatArray
-    ) -> tuple[BodyMotion, list[FloatArray]]:
-        """All bodies with their rates, and the derivatives (B, n) of the unknowns."""
-        bodies, own = self._at(self._stacked_bodies(known), unknowns), self.unknown
-        rates = []
-        for derivative in (0, 1):
-            left = self.constraints.gap_rates(bodies)[derivative] / self.size
-            rate = np.linalg.solve(matrix, -left[..., None])[..., 0] * self._scale
-            rates.append(rate)
-            x, y, phi = np.moveaxis(rate.reshape(len(rate), -1, 3), -1, 0)
-            place, turn = (
-                getattr(bodies, f"{name}_{derivative + 1}").copy() for name in ("place", "turn")
-            )
-            place[:, own], turn[:, own] = x + 1j * y, phi
-            moved = {f"place_{derivative + 1}": place, f"turn_{derivative + 1}": turn}
-            bodies = replace(bodies, **moved)
-        return bodies, rates
-
-    def _loosest_joint(self, known: Mapping[int, BodyMotion], unknowns: FloatArray) -> str:
+    def _loosest_joint(self, bodies: BodyMotion, unknowns: FloatArray) -> str:
         """Joint with the greatest rotation in the free motion of a singular posture."""
-        matrix = self._scaled_jacobian(known, unknowns[None])[0]
-        free = np.linalg.svd(matrix)[2][-1]
+        free = np.linalg.svd(self._jacobian_at(bodies, unknowns)[0])[2][-1]
         turning = dict(zip(self.unknown, free[2::3], strict=True))
         joints = {
             own.point: abs(turning.get(own.first, 0.0) - turning.get(own.second, 0.0))

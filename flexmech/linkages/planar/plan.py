@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import combinations
-
-import numpy as np
 
 from flexmech.errors import InputError, LockingError
 from flexmech.linkages.change_points import in_degrees
@@ -19,10 +17,10 @@ from flexmech.linkages.planar.bodies import (
     SharedPoint,
 )
 from flexmech.linkages.planar.drawing import Drawing
-from flexmech.linkages.planar.dyads import Circle, Line, Placed, SlidingBody, TwoLoci, cross
+from flexmech.linkages.planar.dyads import Circle, Dyad, Line, SlidingBody, TwoLoci, cross
 from flexmech.linkages.planar.newton import NewtonGroup
 
-Step = TwoLoci | SlidingBody | NewtonGroup
+Step = Dyad | NewtonGroup
 # Between lines that count as parallel: angles are written in degrees, which leave 1e-16, and a body
 # that two lines at this sine guide would turn by it over its whole way.
 PARALLEL_SINE = 1e-9
@@ -40,7 +38,7 @@ def assembly_order(drawing: Drawing, bodies: Bodies, drawn_at: float) -> tuple[S
 
     Returns
     -------
-    tuple of TwoLoci, SlidingBody and NewtonGroup
+    tuple of Dyad and NewtonGroup
 
     Raises
     ------
@@ -53,13 +51,10 @@ def assembly_order(drawing: Drawing, bodies: Bodies, drawn_at: float) -> tuple[S
     _refuse_unjoined(bodies)
     order = _Order(drawing, bodies, drawn_at)
     order.refuse_redundant((CRANK,), 0)
-    steps = []
+    steps: list[Step] = []
     while order.unknown:
-        step = order.dyad() or order.group()
-        steps.append(step)
-        own = step.unknown if isinstance(step, NewtonGroup) else step.solves
-        order.refuse_redundant(own, 3 * len(own))
-        order.known.update(own)
+        steps.append(order.next_step())
+        order.known.update(steps[-1].unknown)
     return tuple(steps)
 
 
@@ -130,18 +125,17 @@ class _Order:
                 "and locks; remove a link or a joint there"
             )
 
-    def dyad(self) -> TwoLoci | SlidingBody | None:
-        """Next bodies with a closed form, if any."""
-        return next(self._single_bodies(), None) or next(self._pairs(), None)
-
-    def group(self) -> NewtonGroup:
-        """Smallest group of bodies that can be solved together."""
+    def next_step(self) -> Step:
+        """Smallest group of bodies that can be solved together, in closed form where it has one."""
         unknown = self.unknown
         for size in range(1, len(unknown) + 1):
             for chosen in combinations(unknown, size):
                 joints = self._on(chosen)
                 if _equations(joints) >= 3 * size:
                     self.refuse_redundant(chosen, 3 * size)
+                    form = self._closed_form(joints, chosen)
+                    if form is not None:
+                        return Dyad(self.drawing, self.bodies, joints, form)
                     return NewtonGroup(self.drawing, self.bodies, joints, chosen, self.drawn_at)
         free = self.bodies.name(self._freest(unknown))
         raise InputError(
@@ -176,99 +170,55 @@ class _Order:
                 own.append(replace(line, body=at[line.point]))
         return tuple(own)
 
-    def _carriers(self, body: int) -> dict[str, int]:
-        """Known points of a body, each with a known body that carries it."""
-        return {
-            point: min(set(here) & self.known)
-            for point, here in self.bodies.at_point.items()
-            if body in here and set(here) & self.known
-        }
+    def _closed_form(
+        self, joints: tuple[SharedPoint | GuidedPoint, ...], unknown: tuple[int, ...]
+    ) -> TwoLoci | SlidingBody | None:
+        """Closed form of one or two bodies; None of other groups."""
+        shared = [own for own in joints if isinstance(own, SharedPoint)]
+        lines = [own for own in joints if isinstance(own, GuidedPoint)]
+        pivots = {own.second: own for own in shared if own.first in self.known}
+        if len(unknown) == 1 and len(shared) == len(lines) == 1:
+            (pivot,), (line,) = shared, lines
+            if line.guide in self.known:
+                return self._two_loci(line.point, self._circle(pivot, line.point), self._line(line))
+            return SlidingBody(
+                self._refusal(line.point, (*unknown, *self.bodies.at_point[line.point])),
+                unknown[0],
+                pivot.first,
+                line.body,
+                self._drawn(pivot.point),
+                self._drawn(line.point),
+                line.along,
+                self.drawing.size,
+            )
+        if len(unknown) != 2 or len(shared) != len(pivots) + 1:
+            return None
+        # Where the two meet, each is on a circle about its pivot, or on the line along which it
+        # translates.
+        (meeting,) = (own.point for own in shared if own.first in unknown)
+        circles = [self._circle(own, meeting) for own in pivots.values()]
+        others = [self._translation(lines, body, meeting) for body in {*unknown} - {*pivots}]
+        loci: list[Circle | Line] = [*circles, *(own for own in others if own is not None)]
+        return self._two_loci(meeting, *loci) if len(loci) == 2 else None
 
-    def _single_bodies(self) -> Iterator[TwoLoci | SlidingBody]:
-        """Bodies with one known point and one line, theirs or a known one's (RRP, RPR)."""
-        for body in self.unknown:
-            carriers = self._carriers(body)
-            if len(carriers) != 1:
-                continue
-            ((pivot, carrier),) = carriers.items()
-            for own in self.bodies.lines:
-                here = self.bodies.at_point[own.point]
-                if body in here and own.guide in self.known and own.point != pivot:
-                    circle, placed = self._circle(body, own.point, pivot, carrier)
-                    line = Line(own.guide, self._drawn(own.point), own.along)
-                    yield self._loci(own.point, circle, line, placed)
-                elif own.guide == body and set(here) & self.known:
-                    yield SlidingBody(
-                        self._refusal(own.point, (body, *here)),
-                        body,
-                        carrier,
-                        min(set(here) & self.known),
-                        self._drawn(pivot),
-                        self._drawn(own.point),
-                        own.along,
-                        self.drawing.size,
-                    )
+    def _translation(self, lines: list[GuidedPoint], body: int, point: str) -> Line | None:
+        """Line along which a point of a body translates: two of its points slide along it."""
+        own = [line for line in lines if line.body == body and line.guide in self.known]
+        if len(own) != 2 or own[0].guide != own[1].guide:
+            return None
+        if abs(cross(own[0].along, own[1].along)) >= PARALLEL_SINE:
+            return None
+        return Line(own[0].guide, self._drawn(point), own[0].along, body)
 
-    def _pairs(self) -> Iterator[TwoLoci]:
-        """Pairs of bodies that share a point with a locus on each of them."""
-        unknown = set(self.unknown)
-        for point, here in self.bodies.at_point.items():
-            if set(here) & self.known:
-                continue
-            found = [self._locus(body, point) for body in here if body in unknown]
-            located = [own for own in found if own is not None]
-            for (first, one), (second, other) in combinations(located, 2):
-                if isinstance(first, Line):
-                    first, one, second, other = second, other, first, one
-                yield self._loci(point, first, second, one, other)
+    def _line(self, own: GuidedPoint) -> Line:
+        return Line(own.guide, self._drawn(own.point), own.along)
 
-    def _locus(self, body: int, point: str) -> tuple[Circle | Line, Placed] | None:
-        """Locus of a point of a body by known bodies."""
-        carriers = self._carriers(body)
-        if len(carriers) == 1:
-            ((pivot, carrier),) = carriers.items()
-            return self._circle(body, point, pivot, carrier)
-        if not carriers and (line := self._guide_of_translation(body)) is not None:
-            drawn = self._drawn(point)
-            return Line(line.guide, drawn, line.along), Placed(body, drawn, line.guide, None)
-        return None
+    def _circle(self, pivot: SharedPoint, point: str) -> Circle:
+        return Circle(pivot.first, self._drawn(pivot.point), pivot.second, self._drawn(point))
 
-    def _guide_of_translation(self, body: int) -> GuidedPoint | None:
-        """Line along which a body translates: two of its points slide along it."""
-        lines = [
-            own
-            for own in self.bodies.lines
-            if body in self.bodies.at_point[own.point] and own.guide in self.known
-        ]
-        for one, other in combinations(lines, 2):
-            parallel = abs(cross(one.along, other.along)) < PARALLEL_SINE
-            if one.guide == other.guide and parallel:
-                return one
-        return None
-
-    def _circle(self, body: int, point: str, pivot: str, carrier: int) -> tuple[Circle, Placed]:
-        drawn, centre = self._drawn(point), self._drawn(pivot)
-        circle = Circle(carrier, centre, abs(drawn - centre))
-        return circle, Placed(body, drawn, carrier, centre)
-
-    def _loci(
-        self, point: str, first: Circle | Line, second: Circle | Line, *placed: Placed
-    ) -> TwoLoci:
-        drawn = self._drawn(point)
-        normals = [
-            drawn - own.centre if isinstance(own, Circle) else 1j * own.along
-            for own in (first, second)
-        ]
-        here = self.bodies.at_point[point]
-        return TwoLoci(
-            self._refusal(point, here),
-            drawn,
-            first,
-            second,
-            float(np.sign(cross(normals[0], normals[1]))),
-            placed,
-            self.drawing.size,
-        )
+    def _two_loci(self, point: str, first: Circle | Line, second: Circle | Line) -> TwoLoci:
+        refusal = self._refusal(point, self.bodies.at_point[point])
+        return TwoLoci(refusal, first, second, self.drawing.size)
 
     def _refusal(self, point: str, bodies: Iterable[int]) -> Refusal:
         names = [self.bodies.name(body) for body in dict.fromkeys(bodies)]

@@ -9,8 +9,8 @@ import numpy as np
 
 from flexmech.arrays import ROUND_OFF, SAME_PLACE
 from flexmech.errors import InputError
-from flexmech.linkages.body_motion import BodyMotion, BodyPoint
-from flexmech.linkages.constraints import Coincidence, Constraints, PointOnLine
+from flexmech.linkages.body_motion import BodyMotion
+from flexmech.linkages.constraints import Constraints
 from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, Bodies, GuidedPoint, SharedPoint
 from flexmech.linkages.planar.drawing import Drawing
 
@@ -60,7 +60,7 @@ class _Shapes:
     Attributes
     ----------
     at : dict of (int, str) to complex
-        Place of a point in a body.
+        Place of a point in a body, and of the point of a line in its guide.
     """
 
     def __init__(
@@ -76,14 +76,7 @@ class _Shapes:
         for body, links in enumerate(bodies.links):
             if links:
                 self._lay_out(body, links)
-
-    def condition(self, own: SharedPoint | GuidedPoint) -> Coincidence | PointOnLine:
-        """Constraint equation of a joint with the new dimensions."""
-        if isinstance(own, SharedPoint):
-            ends = (BodyPoint(body, self.at[body, own.point]) for body in (own.first, own.second))
-            return Coincidence(*ends)
-        point = BodyPoint(own.body, self.at[own.body, own.point])
-        return PointOnLine(point, BodyPoint(own.guide, self._through(own)), own.along)
+        self.at |= {(line.guide, line.point): self._through(line) for line in bodies.lines}
 
     def _through(self, line: GuidedPoint) -> complex:
         """Point of a line in the axes of its guide."""
@@ -131,7 +124,11 @@ def _assembled(shapes: _Shapes) -> BodyMotion:
     start = np.array([[first[body] for body in range(count)]])
     rest = np.zeros((1, count))
     placed = BodyMotion(0j * rest[0], start, 1 + 0j * rest, 0j * rest, 0j * rest, rest, rest)
-    conditions = [shapes.condition(x) for x in bodies.constraints if not _of_crank_and_ground(x)]
+    conditions = [
+        own.condition(lambda body, point: shapes.at[body, point])
+        for own in bodies.constraints
+        if not _of_crank_and_ground(own)
+    ]
     moving = range(CRANK + 1, count)
     constraints = Constraints(conditions, moving)
     for _ in range(ITERATIONS):

@@ -162,11 +162,11 @@ def _cusp(
     linkage, point = _four_bar(name), _point(name)
     heat, circuit = thermal_expansion * temperature_rise, linkages.circuit_of(linkage)
 
-    def nodes(moisture: float) -> tuple[linkages.FiniteDoublePoint, ...]:
+    def nodes(moisture: float) -> tuple[linkages.DoublePoint, ...]:
         own = swollen(linkage, point, heat + moisture_expansion * moisture, heat)
         return linkages.finite_double_points(*own)
 
-    def nearest(moisture: float, place: float) -> linkages.FiniteDoublePoint:
+    def nearest(moisture: float, place: float) -> linkages.DoublePoint:
         return min(nodes(moisture), key=lambda node: abs(math.remainder(node.place - place, np.pi)))
 
     crossed = [
