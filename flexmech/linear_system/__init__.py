@@ -31,7 +31,6 @@ from flexmech.linear_system.assembly.engine_stack import MechanismStack, likenes
 from flexmech.linear_system.assembly.link_points import LinkPoint, displacement_row, point_rows
 from flexmech.linear_system.assembly.running_links import RunningLinks
 from flexmech.linear_system.assembly.section_forces import DisplacedLinks
-from flexmech.linear_system.assembly.sparse_positions import SparseMatrices, SparsePositions
 from flexmech.linear_system.assembly.straight_links import (
     StraightForces,
     element_tensions,
@@ -56,16 +55,9 @@ from flexmech.linear_system.joints.rigid_coordinates import RigidGeometricStiffn
 from flexmech.linear_system.joints.rigid_pose import DisplacedTies
 from flexmech.linear_system.links.bent_axis import bent_curvature, kinks_of
 from flexmech.linear_system.links.chains import (
-    MOST_WHOLE,
-    ChainMatrix,
-    LinkMatrix,
-    chain_matrices,
     chain_matrix,
-    diagonal,
     in_positions,
-    summed,
     times,
-    whole,
 )
 from flexmech.linear_system.links.dead_moments import (
     DeadMoments,
@@ -75,7 +67,7 @@ from flexmech.linear_system.links.displaced_inertia import DisplacedInertia
 from flexmech.linear_system.links.link_inertia import LinkInertia, MovingLink
 from flexmech.linear_system.links.link_model import LinkModel, RigidFields
 from flexmech.linear_system.links.link_readings import LinkReadings
-from flexmech.linear_system.links.link_stack import among_alike, same_of_all
+from flexmech.linear_system.links.link_stack import MOST_STACKED, among_alike, same_of_all
 from flexmech.linear_system.links.link_stretch import LinkStretch
 from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
 from flexmech.linear_system.links.rigid_link import rigid_link
@@ -95,8 +87,7 @@ from flexmech.linear_system.reduction.component_modes import (
     ComponentModes,
     component_modes,
 )
-from flexmech.linear_system.reduction.link_pencil import LinkPencil
-from flexmech.linear_system.reduction.static_response import StaticResponse
+from flexmech.linear_system.reduction.unreduced_links import LinkPencil, StaticResponse
 
 __all__ = [
     "COMPRESSED",
@@ -106,7 +97,7 @@ __all__ = [
     "LESS_LOADED",
     "LOAD_STEPS",
     "MAX_ITERATIONS",
-    "MOST_WHOLE",
+    "MOST_STACKED",
     "NEGLIGIBLE",
     "PRESTRESS_LEVELS",
     "RELATIVE_RESIDUAL",
@@ -116,7 +107,6 @@ __all__ = [
     "BalancedLoads",
     "BucklingError",
     "CarriedLinkage",
-    "ChainMatrix",
     "ComponentModes",
     "ConnectedMatrices",
     "Connectors",
@@ -131,7 +121,6 @@ __all__ = [
     "LinkDamping",
     "LinkFrames",
     "LinkInertia",
-    "LinkMatrix",
     "LinkModel",
     "LinkPencil",
     "LinkPoint",
@@ -148,8 +137,6 @@ __all__ = [
     "RigidGeometricStiffness",
     "RotationTerms",
     "RunningLinks",
-    "SparseMatrices",
-    "SparsePositions",
     "StaticResponse",
     "StraightForces",
     "StressedLinks",
@@ -163,13 +150,11 @@ __all__ = [
     "bent_curvature",
     "body_nodes",
     "body_turns",
-    "chain_matrices",
     "chain_matrix",
     "check_elastic",
     "checked_mechanism",
     "component_modes",
     "condense",
-    "diagonal",
     "displacement_row",
     "element_tensions",
     "has_constant_tangents",
@@ -189,10 +174,8 @@ __all__ = [
     "stack_engines",
     "straight_forces",
     "stressed_along_turn",
-    "summed",
     "swelling_force",
     "ties_beyond_pins",
     "times",
-    "whole",
     "with_rigid_links",
 ]

@@ -16,11 +16,10 @@ from flexmech.beams.link_matrices import Chain, Coupling, build_chain, stack_cha
 from flexmech.beams.restrained_ends import restrained_beam
 from flexmech.choices import ELEMENTS, MASSES, MODES, MassChoice
 from flexmech.linear_system import (
-    MOST_WHOLE,
+    MOST_STACKED,
     BalancedLoads,
     Engine,
     LinkFrames,
-    LinkMatrix,
     LinkModel,
     LinkStretch,
     MechanismStack,
@@ -33,9 +32,7 @@ from flexmech.linear_system import (
     refuse_large_displacements,
     rigid_link,
     straight_forces,
-    summed,
     ties_beyond_pins,
-    whole,
     with_rigid_links,
 )
 from flexmech.linkages import LinkMass, RigidMotion, lumped_elements
@@ -114,7 +111,7 @@ class ReferenceEngine(Engine):
     def likeness_of_links(self) -> Hashable | None:
         """See :attr:`Engine.likeness_of_links`."""
         mechanism, links = self.mechanism, []
-        if self.element not in STACKED or self.elements > MOST_WHOLE:
+        if self.element not in STACKED or self.elements > MOST_STACKED:
             return None
         each = zip(mechanism.linkage.topology.links, mechanism.link_masses_in_order, strict=True)
         for link, mass in each:
@@ -278,7 +275,7 @@ class ReferenceEngine(Engine):
             stressed, displacement=list(displacement), internal_force=force, damping=damping
         )
 
-    def _damping(self, displacement: Sequence[FloatArray], motion: RigidMotion) -> list[LinkMatrix]:
+    def _damping(self, displacement: Sequence[FloatArray], motion: RigidMotion) -> list[FloatArray]:
         """Damping matrices (B, n, n) of bent links; none of rigid ones."""
         bent = self.equilibrium.damping(displacement, motion.design)
         found = [
@@ -286,12 +283,12 @@ class ReferenceEngine(Engine):
             for number, (link, q) in enumerate(zip(self.clamped_links, displacement, strict=True))
         ]
         for number, coupling in self._couplings.items():
-            found[number] = whole(found[number]) + coupling.damping_time * coupling.stiffness
+            found[number] = found[number] + coupling.damping_time * coupling.stiffness
         return found
 
     def damping_stiffness(
         self, displacement: Sequence[FloatArray], rate: Sequence[FloatArray]
-    ) -> list[LinkMatrix] | None:
+    ) -> list[FloatArray] | None:
         """See :meth:`Engine.damping_stiffness`."""
         if not any(link.damping.any() for link in self.clamped_links):
             return None
@@ -311,11 +308,9 @@ class ReferenceEngine(Engine):
             self.mechanism, frames, motion, loads, self._lumped, self.connectors
         )
         tensions = element_tensions(self.mechanism, self.nodes, motion, straight.links)
-        tangent: dict[int, LinkMatrix] = {
-            number: summed(
-                chain.model.stiffness,
-                chain_matrix(chain.elements.geometric_stiffness(tensions[number])),
-            )
+        tangent: dict[int, FloatArray] = {
+            number: chain.model.stiffness
+            + chain_matrix(chain.elements.geometric_stiffness(tensions[number]))
             for number, chain in self.chains.items()
         }
         drawn = [np.zeros_like(load.T) for load in loads]
@@ -342,8 +337,8 @@ class ReferenceEngine(Engine):
             tension = varying_tension(motion, number, chain, gravity)
             middle = forces.axial_force(number, (nodes[:, :-1] + nodes[:, 1:]) / 2)
             tension[..., 0] = middle + tension[..., 2] / 2
-            total = whole(chain_matrix(chain.elements.geometric_stiffness(tension)))
-            own = whole(chain.model.stiffness)
+            total = chain_matrix(chain.elements.geometric_stiffness(tension))
+            own = chain.model.stiffness
             total.reshape(len(own), -1, *own.shape[1:])[:] += own[:, None]
             tangent.append(total)
         return StressedLinks(tangent, loads=loads)

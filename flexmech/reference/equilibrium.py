@@ -31,11 +31,9 @@ from flexmech.linear_system import (
     DeadMoments,
     EquilibriumError,
     LinkFrames,
-    LinkMatrix,
     RigidGeometricStiffness,
     chain_matrix,
     refuse_positions,
-    whole,
 )
 from flexmech.linkages import JointSpring, RigidMotion
 from flexmech.reference import banded
@@ -266,7 +264,7 @@ class Equilibrium:
         displacement: Sequence[FloatArray],
         extra: Sequence[FloatArray],
         design: IntArray | None = None,
-    ) -> tuple[list[FloatArray], dict[int, LinkMatrix]]:
+    ) -> tuple[list[FloatArray], dict[int, FloatArray]]:
         """Internal forces and tangents of the links at given displacements.
 
         Parameters
@@ -298,7 +296,7 @@ class Equilibrium:
         for number, coupling in self._couplings.items():
             bent = displacement[number] @ coupling.rows.T - coupling.unloaded
             forces[number] += bent @ coupling.elastic @ coupling.rows
-            tangents[number] = whole(tangents[number]) + coupling.stiffness
+            tangents[number] = tangents[number] + coupling.stiffness
         return forces, tangents
 
     def damping(

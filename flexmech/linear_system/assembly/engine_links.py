@@ -17,7 +17,6 @@ from flexmech.linear_system.assembly.balanced_loads import BalancedLoads, Solve,
 from flexmech.linear_system.assembly.element_kinds import ElementKinds
 from flexmech.linear_system.assembly.free_shaft import FreeShaft
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.links.chains import ChainMatrix, LinkMatrix
 from flexmech.linear_system.links.dead_moments import DeadMoments, without_spin_softening
 from flexmech.linear_system.links.displaced_inertia import DisplacedInertia, turns_as_one_body
 from flexmech.linear_system.links.link_model import LinkModel
@@ -80,18 +79,11 @@ class EngineLinks(ElementKinds):
         """Link frames and constraints of the unreduced links."""
         return LinkFrames(self.topology, self.links)
 
-    @property
+    @cached_property
     def fixed_interface_links(self) -> tuple[FixedInterfaceLink, ...]:
         """Constraint modes and fixed-interface modes of the flexible links."""
-        # Kept, those of many elements take a tenth of a map's memory: they are made anew.
-        many = any(isinstance(link.stiffness, ChainMatrix) for link in self.links)
-        return self._with_fixed_interfaces() if many else self._kept_fixed_interfaces
-
-    def _with_fixed_interfaces(self) -> tuple[FixedInterfaceLink, ...]:
         couples = joint_couples(self.mechanism, self.connectors)
         return fix_interfaces(self.topology, self.links, couples)
-
-    _kept_fixed_interfaces = cached_property(_with_fixed_interfaces)
 
     @property
     @abstractmethod
@@ -306,7 +298,7 @@ class EngineLinks(ElementKinds):
 
     def damping_stiffness(
         self, displacement: Sequence[FloatArray], rate: Sequence[FloatArray]
-    ) -> Sequence[LinkMatrix] | None:
+    ) -> Sequence[FloatArray] | None:
         """Derivative of the links' damping forces by their displacement at given rates.
 
         Parameters

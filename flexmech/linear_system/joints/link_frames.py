@@ -29,7 +29,6 @@ from flexmech.linear_system.joints.link_ties import LinkTies
 from flexmech.linear_system.joints.rigid_coordinates import RigidCoordinates
 from flexmech.linear_system.joints.rigid_pose import DisplacedTies, RigidPose
 from flexmech.linear_system.joints.steady_links import SteadyLinks
-from flexmech.linear_system.links.chains import LinkMatrix, whole
 from flexmech.linear_system.links.link_model import LinkModel, WholeLink
 from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
 from flexmech.linkages import RigidMotion, Topology
@@ -149,7 +148,7 @@ class LinkFrames:
     def assemble(
         self,
         motion: RigidMotion,
-        stiffness: Sequence[LinkMatrix],
+        stiffness: Sequence[FloatArray],
         terms: RotationTerms,
         damping: Sequence[LinkDamping] | None = None,
         guide_stiffness: FloatArray | None = None,
@@ -180,13 +179,16 @@ class LinkFrames:
         own_damping = damping is None
         if damping is None:
             damping = [LinkDamping(link.damping, link.ends.damping) for link in self.links]
-        links, resisting = [link.whole() for link in self.links], [own.whole() for own in damping]
+        links, resisting = (
+            [link.whole() for link in self.links],
+            [(own.matrix, own.ends) for own in damping],
+        )
         straight = [x is link.stiffness for x, link in zip(stiffness, self.links, strict=True)]
         moving = terms.any or len(self._steady.numbers) < len(links)
         if (design := motion.design) is not None and moving:
             links = [link.at(design) for link in links]
             stiffness = [
-                whole(x)[design] if own else x for x, own in zip(stiffness, straight, strict=True)
+                x[design] if own else x for x, own in zip(stiffness, straight, strict=True)
             ]
         if design is not None and own_damping:
             resisting = [
@@ -206,7 +208,7 @@ class LinkFrames:
         if damps:
             counted = sorted(unturned) if terms.coriolis else []
             self._steady.write_coriolis(rates, motion.angular_velocity, counted)
-        tangents = [_tangent(links[n], motion, n, whole(x), terms) for n, x in enumerate(stiffness)]
+        tangents = [_tangent(links[n], motion, n, x, terms) for n, x in enumerate(stiffness)]
         factors = self._steady.factors.at(motion.angle)
         self._steady.mass.write(mass, factors)
         steady = {

@@ -11,7 +11,6 @@ import numpy as np
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.link_place import LinkPlace
 from flexmech.linear_system.joints.link_ties import LinkTies
-from flexmech.linear_system.links.chains import whole
 from flexmech.linear_system.links.link_model import LinkModel
 
 
@@ -51,7 +50,7 @@ class SteadyLinks:
     @cached_property
     def mass(self) -> SteadySum:
         """Sum of the links' masses."""
-        return self._sum({n: whole(self._links[n].mass) for n in self.numbers})
+        return self._sum({n: self._links[n].mass for n in self.numbers})
 
     def sum_of_tangents(self, tangents: Mapping[int, FloatArray]) -> SteadySum:
         """Sum over tangents (..., n, n) of some of the links; that of unstressed ones is cached."""
@@ -62,7 +61,7 @@ class SteadyLinks:
 
     @cached_property
     def _stiffness(self) -> SteadySum:
-        return self._sum({n: whole(self._links[n].stiffness) for n in self.numbers})
+        return self._sum({n: self._links[n].stiffness for n in self.numbers})
 
     def write_coriolis(self, total: FloatArray, speed: FloatArray, numbers: Sequence[int]) -> None:
         """Write the constant part of ``N' 2 omega S N`` of some links, and zero elsewhere.
@@ -89,7 +88,7 @@ class SteadyLinks:
         """Constant part of ``N' 2 S N`` of each of these links, (..., k, size size)."""
         size, found = self._ties.size, []
         for number in sorted(self.numbers):
-            matrix = 2 * whole(self._links[number].gyroscopic)
+            matrix = 2 * self._links[number].gyroscopic
             found.append(np.zeros((*matrix.shape[:-2], size, size)))
             self._places[number].add_constant(found[-1], matrix)
         every = np.stack(found, axis=-3)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system.links.chains import LinkMatrix, with_entries
+from flexmech.linear_system.links.chains import with_entries
 from flexmech.linear_system.links.displaced_inertia import DisplacedInertia
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.stressed_links import StressedLinks
@@ -168,8 +168,8 @@ class DeadMoments:
             yield link, np.flatnonzero(self.links == link)
 
     def add_stiffness(
-        self, tangent: Mapping[int, LinkMatrix], displacement: Sequence[FloatArray]
-    ) -> dict[int, LinkMatrix]:
+        self, tangent: Mapping[int, FloatArray], displacement: Sequence[FloatArray]
+    ) -> dict[int, FloatArray]:
         """Tangents (n, n) or (B, n, n) of elastic links with the geometric stiffness of bodies."""
         stiffened = dict(tangent)
         for link, (rows, stiffness) in self.rotation_stiffness(displacement).items():
@@ -221,8 +221,8 @@ def without_spin_softening(
 
 
 def _with_rotation_stiffness(
-    tangent: LinkMatrix, link: LinkModel, stiffness: Sequence[FloatArray]
-) -> LinkMatrix:
+    tangent: FloatArray, link: LinkModel, stiffness: Sequence[FloatArray]
+) -> FloatArray:
     """A tangent with stiffness (B,) added against the rotation of each body of a link."""
     by_row: dict[int, FloatArray] = {}
     for body, own in zip(link.bodies, stiffness, strict=True):

@@ -19,7 +19,6 @@ from typing import Self
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linear_system.links.chains import whole
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rigid_body import RigidBody
 from flexmech.linkages import RigidMotion, Topology
@@ -84,7 +83,7 @@ class DisplacedInertia:
             self.links, self.speed[..., None, None], self.change[..., None, None], strict=True
         )
         return [
-            speed**2 * whole(link.centrifugal_mass) - change * whole(link.gyroscopic)
+            speed**2 * link.centrifugal_mass - change * link.gyroscopic
             for link, speed, change in rates
         ]
 

@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system.links.chains import LinkMatrix, in_positions, repeated
+from flexmech.linear_system.links.chains import in_positions
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import RigidMotion
 
@@ -43,10 +43,10 @@ class StressedLinks:
         Of the linkage in these positions, a batch of shape (B,); None where it is not kept.
     """
 
-    tangent: Sequence[LinkMatrix]
+    tangent: Sequence[FloatArray]
     displacement: list[FloatArray] | None = None
     internal_force: list[FloatArray] | None = None
-    damping: Sequence[LinkMatrix] | None = None
+    damping: Sequence[FloatArray] | None = None
     loads: list[FloatArray] | None = None
     guide_stiffness: FloatArray | None = None
     unstressed: bool = False
@@ -70,14 +70,18 @@ class StressedLinks:
         StressedLinks
         """
 
-        def every(arrays: list[FloatArray] | None) -> list[FloatArray] | None:
+        def every(arrays: Sequence[FloatArray] | None) -> list[FloatArray] | None:
             return None if arrays is None else [np.repeat(each, count, axis=0) for each in arrays]
 
+        def matrices(arrays: Sequence[FloatArray]) -> list[FloatArray]:
+            # A constant one stays.
+            return [x if x.ndim == 2 else np.repeat(x, count, axis=0) for x in arrays]
+
         return StressedLinks(
-            [repeated(t, count) for t in self.tangent],
+            matrices(self.tangent),
             every(self.displacement),
             every(self.internal_force),
-            self.damping and [repeated(d, count) for d in self.damping],
+            self.damping and matrices(self.damping),
             every(self.loads),
             None
             if self.guide_stiffness is None

@@ -16,7 +16,6 @@ from flexmech.choices import LinkDirection
 from flexmech.dynamical_systems import ForcedPeriodicSystem
 from flexmech.linear_system import (
     LinkFrames,
-    LinkMatrix,
     LinkPoint,
     RotationTerms,
     StressedLinks,
@@ -128,7 +127,7 @@ def residual_flexibility(
     return flexibility
 
 
-def _stiffness(moving: MovingModes, tangent: Sequence[LinkMatrix], some: slice) -> FloatArray:
+def _stiffness(moving: MovingModes, tangent: Sequence[FloatArray], some: slice) -> FloatArray:
     """``P' K P`` at some crank angles, (B, m, m)."""
     turn, modes = moving.turn, moving.basis[some]
     reduced = turn.frames.link_coordinates(turn.displaced.at(some), modes)

@@ -31,7 +31,6 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.choices import MovingFrame
 from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem
-from flexmech.linear_system import LinkMatrix
 from flexmech.time_domain.periodic_motion.nodal_frames import (
     ground_rates,
     inertia_in_ground_axes,
@@ -272,7 +271,7 @@ def _projected(
 
 
 def _inertia(
-    matrices: Iterable[LinkMatrix],
+    matrices: Iterable[FloatArray],
     speed: FloatArray,
     shapes: FloatArray,
     rates: FloatArray,

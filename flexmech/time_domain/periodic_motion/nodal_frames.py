@@ -19,10 +19,10 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import FourierSeries
-from flexmech.linear_system import LinkMatrix, LinkModel, whole
+from flexmech.linear_system import LinkModel
 
 
-def inertia_in_ground_axes(link: LinkModel) -> tuple[LinkMatrix, FloatArray, FloatArray]:
+def inertia_in_ground_axes(link: LinkModel) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Mass matrix, ``S*`` and ``M_t*`` of a link, each (n, n).
 
     Parameters
@@ -33,8 +33,8 @@ def inertia_in_ground_axes(link: LinkModel) -> tuple[LinkMatrix, FloatArray, Flo
     turn = quarter_turn(link)
     crossed = turn.T @ link.gyroscopic
     turned = turn.T @ link.mass @ turn
-    gyroscopic = whole(link.gyroscopic) - link.mass @ turn
-    return link.mass, gyroscopic, whole(link.centrifugal_mass) + turned - crossed - crossed.T
+    gyroscopic = link.gyroscopic - link.mass @ turn
+    return link.mass, gyroscopic, link.centrifugal_mass + turned - crossed - crossed.T
 
 
 def ground_rates(

@@ -37,7 +37,6 @@ from flexmech.linear_system import (
     StressedLinks,
     SystemMatrices,
     inertia_loads,
-    whole,
     with_rigid_links,
 )
 from flexmech.linkages import ConstantSpeed, RigidMotion
@@ -190,7 +189,7 @@ class OrbitEquations:
         if self.frames.rigid.size and stressed.displacement is not None:
             maps, total = self._maps(stressed.displacement), np.zeros_like(self.mass)
             for by_z, tangent in zip(maps, stressed.tangent, strict=True):
-                total += np.swapaxes(by_z, 1, 2) @ whole(tangent) @ by_z
+                total += np.swapaxes(by_z, 1, 2) @ tangent @ by_z
         else:
             terms = RotationTerms.all_or_none(False)
             links = stressed.tangent
@@ -292,7 +291,7 @@ class OrbitEquations:
         if more is None:
             return state.stressed
         pairs = zip(state.stressed.tangent, more, strict=True)
-        return replace(state.stressed, tangent=[whole(own) + whole(other) for own, other in pairs])
+        return replace(state.stressed, tangent=[own + other for own, other in pairs])
 
     def independent(self, displacement: Sequence[FloatArray]) -> FloatArray:
         """Independent coordinates z (N, n) of the displacement of each link, (N, n_link)."""
@@ -332,8 +331,8 @@ class OrbitEquations:
             own = own if turned is None else own + turned
             omega = self.motion.angular_velocity[:, number, None, None]
             alpha = self.motion.angular_acceleration[:, number, None, None]
-            by_rate = 2 * omega * own.gyroscopic + whole(own_damping[number].matrix)
-            by_place = whole(stressed.tangent[number]) + alpha * own.gyroscopic
+            by_rate = 2 * omega * own.gyroscopic + own_damping[number].matrix
+            by_place = stressed.tangent[number] + alpha * own.gyroscopic
             by_place = by_place - omega**2 * own.centrifugal_mass
             mass += back @ own.mass @ by_z
             damping += back @ (2 * own.mass @ rate + by_rate @ by_z)
@@ -395,7 +394,7 @@ class OrbitEquations:
             force = self._inertias[number].shape_forces(own)
             if not link.rigid:
                 force += stressed.internal_force[number]
-                force += times(whole(damping[number].matrix), own.rate)
+                force += times(damping[number].matrix, own.rate)
             for body in link.bodies:
                 moved = (each @ body.rows.T for each in elastic)
                 force += body.nonlinear_inertia(motion, number, gravity, *moved) @ body.rows
