@@ -225,13 +225,6 @@ class CorotationalElements:
             columns.append(change / step[:, None])
         return np.stack(columns, axis=2)
 
-    def add_to_diagonal(self, matrix: FloatArray, rows: IntArray, stiffness: FloatArray) -> None:
-        """Add stiffness (k, B) against rotations ``rows`` (k,) of the link to (e, r, r, B)."""
-        per_node = self.elements.shapes.per_node
-        element = np.minimum(rows // per_node, len(matrix) - 1)
-        place = self.relative_places[rows - per_node * element]
-        matrix[element, place, place] += stiffness
-
     @cached_property
     def relative_places(self) -> IntArray:
         """Relative coordinate of each nodal coordinate, (2 p,)."""

@@ -172,8 +172,13 @@ class ForceBalance:
             strains.append(response.strain)
         dead.add_forces(inner, displacement)
         for link, (rows, stiffness) in dead.rotation_stiffness(displacement).items():
-            if link in self.links:
-                self.links[link].add_to_diagonal(entries[1][link], rows, stiffness)
+            if link not in self.links:
+                continue
+            own, tangent = self.links[link], entries[1][link]
+            per_node = own.elements.shapes.per_node
+            element = np.minimum(rows // per_node, len(tangent) - 1)
+            place = own.relative_places[rows - per_node * element]
+            tangent[element, place, place] += stiffness
         self._add_coupling(displacement, inner, problem.swelling)
         rotation_stiffness = self._springs.add_forces(motion, displacement, inner, ties.displaced)
         unbalanced = [load - force for load, force in zip(problem.loads, inner, strict=True)]
