@@ -16,7 +16,7 @@ from flexmech.beams.restrained_ends import restrained_beam
 from flexmech.choices import ELEMENTS_A_LINK, MODES
 from flexmech.errors import InputError
 from flexmech.linear_system import (
-    MOST_WHOLE,
+    MOST_STACKED,
     RESTRAINED_ENDS,
     Connectors,
     LinkFrames,
@@ -224,7 +224,7 @@ def prepare_comparisons(mechanisms: Sequence[Mechanism], modes: int = MODES) -> 
         if (likeness := links.likeness) is not None:
             alike.setdefault(likeness, []).append(links)
     counted = max(modes, MODES)
-    if _elements(counted) > MOST_WHOLE:
+    if _elements(counted) > MOST_STACKED:
         return
     for own in alike.values():
         for theory in SIMPLEST:
@@ -280,7 +280,7 @@ def _frequencies(links: _Links, theory: str, modes: int) -> FloatArray:
     """Natural frequencies in Hz of the lowest modes that there are, (A, modes)."""
     if (prepared := _PREPARED.pop((links, theory, modes), None)) is not None:
         return prepared
-    if theory in SIMPLEST and links.likeness is not None and _elements(modes) <= MOST_WHOLE:
+    if theory in SIMPLEST and links.likeness is not None and _elements(modes) <= MOST_STACKED:
         return np.asarray(_of_stack([links], theory, modes)[0])
     chains = [_beam(links, number, theory, modes) for number in range(len(links.sections))]
     motion, still = links.motion, RotationTerms.all_or_none(False)

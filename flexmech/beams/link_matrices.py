@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.beam_shapes import BeamShapes
 from flexmech.beams.elements import ROTATION, BeamElements
-from flexmech.linear_system import LinkModel, LinkReadings, RigidFields, chain_matrices
+from flexmech.linear_system import LinkModel, LinkReadings, RigidFields, chain_matrix
 from flexmech.linkages import LinkMass
 from flexmech.mesh import node_positions
 from flexmech.sections import BeamSection, SectionStack
@@ -185,7 +185,7 @@ def _straight_link(
         matrices[:3], first_moment[:] = 0.0, 0.0
     for node, lump in lumps:
         _add_point_mass(matrices[:3], node, lump)
-    inertia, centrifugal, gyroscopic, stiffness, damping = chain_matrices(matrices)
+    inertia, centrifugal, gyroscopic, stiffness, damping = map(chain_matrix, matrices)
     last, clamped = size - per_node, np.array(shapes.clamped)
     warping = np.array(shapes.warping, dtype=np.intp)
     return LinkModel(

@@ -25,7 +25,6 @@ from flexmech.arrays import FloatArray
 from flexmech.beams.elements import BEAM_SHAPES, BeamElements
 from flexmech.beams.link_matrices import Chain, Coupling, build_chain, sum_of_elements
 from flexmech.beams.solid_link import MOST_RUNS, SHORT, SolidLink, twisted_back, twists_matter
-from flexmech.linear_system import whole
 from flexmech.linkages import LinkEnd, LinkMass
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection, LaminateSection
@@ -126,12 +125,12 @@ class RestrainedEnds:
         inertia = mass_per_length / self.mass_per_length * rows.T @ self.mass @ rows
         restrained = replace(
             model,
-            mass=whole(model.mass) + inertia,
+            mass=model.mass + inertia,
             # What twists moves in the linkage's plane too, on both sides of the axis.
-            centrifugal_mass=whole(model.centrifugal_mass) + inertia,
-            gyroscopic=whole(model.gyroscopic),
-            stiffness=whole(model.stiffness) + coupling.stiffness,
-            damping=whole(model.damping) + coupling.damping_time * coupling.stiffness,
+            centrifugal_mass=model.centrifugal_mass + inertia,
+            gyroscopic=model.gyroscopic,
+            stiffness=model.stiffness + coupling.stiffness,
+            damping=model.damping + coupling.damping_time * coupling.stiffness,
         )
         return replace(chain, model=restrained, coupling=coupling)
 
@@ -224,7 +223,7 @@ def _from_solid(free: LaminateSection, length: float) -> RestrainedEnds | None:
     inner = np.setdiff1d(np.arange(chain.model.size), [*chain.model.start, chain.model.end[1]])
     own = _loads_of(chain, length)[inner]
     grid = np.ix_(inner, inner)
-    stiffness = whole(chain.model.stiffness)[grid]
+    stiffness = chain.model.stiffness[grid]
     points = (_POINTS + 1) / 2
     moments = _load_moments(length) @ _moments(points)
     gram = (moments * _WEIGHTS * length / 2) @ moments.T
@@ -239,7 +238,7 @@ def _from_solid(free: LaminateSection, length: float) -> RestrainedEnds | None:
     found = RestrainedEnds(length, shapes, (added + added.T) / 2, 0 * added, free.mass_per_length)
     rows = found.rows(chain.nodes, chain.elements)[:, inner]
     moved = np.linalg.solve(stiffness + rows.T @ found.stiffness @ rows, own)
-    lacking = answers.T @ (solid.mass @ answers) - moved.T @ whole(chain.model.mass)[grid] @ moved
+    lacking = answers.T @ (solid.mass @ answers) - moved.T @ chain.model.mass[grid] @ moved
     by_shapes = np.linalg.inv(rows @ moved)
     inertia = by_shapes.T @ lacking @ by_shapes
     return replace(found, mass=_without_negative((inertia + inertia.T) / 2))

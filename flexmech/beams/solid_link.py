@@ -21,7 +21,6 @@ import scipy.sparse.linalg as spla
 from flexmech.arrays import FloatArray
 from flexmech.beams.elements import BEAM_SHAPES
 from flexmech.beams.link_matrices import build_chain
-from flexmech.linear_system import whole
 from flexmech.linkages import LinkMass
 from flexmech.sections import BeamSection, LaminateSection
 from flexmech.sections.free_edges import FIRST_MODE, is_off_axis, layer_runs
@@ -123,10 +122,10 @@ def _by_beams(section: LaminateSection, length: float, torsion: float = 0.0) -> 
     model = build_chain("link", beam, mass, 2 * ALONG, BEAM_SHAPES["timoshenko"]).model
     turned = np.zeros(model.size)
     turned[model.start_rotation[0]], turned[model.end_rotation[0]] = -1.0, 1.0
-    stiffness = whole(model.stiffness) + torsion / length * np.outer(turned, turned)
+    stiffness = model.stiffness + torsion / length * np.outer(turned, turned)
     kept = np.setdiff1d(np.arange(model.size), [*model.start, model.end[1]])
     grid = np.ix_(kept, kept)
-    squares = scipy.linalg.eigh(stiffness[grid], whole(model.mass)[grid], eigvals_only=True)
+    squares = scipy.linalg.eigh(stiffness[grid], model.mass[grid], eigvals_only=True)
     return np.asarray(np.sqrt(squares[:MODES]) / (2 * np.pi))
 
 

@@ -31,7 +31,6 @@ from flexmech.linear_system.assembly.engine_stack import MechanismStack, likenes
 from flexmech.linear_system.assembly.link_points import LinkPoint, displacement_row, point_rows
 from flexmech.linear_system.assembly.running_links import RunningLinks
 from flexmech.linear_system.assembly.section_forces import DisplacedLinks
-from flexmech.linear_system.assembly.sparse_positions import SparseMatrices, SparsePositions
 from flexmech.linear_system.assembly.straight_links import (
     StraightForces,
     element_tensions,
@@ -61,21 +60,14 @@ from flexmech.linear_system.links.body_forces import (
     body_turns,
 )
 from flexmech.linear_system.links.chains import (
-    MOST_WHOLE,
-    ChainMatrix,
-    LinkMatrix,
-    chain_matrices,
     chain_matrix,
-    diagonal,
     in_positions,
-    summed,
     times,
-    whole,
 )
 from flexmech.linear_system.links.link_inertia import LinkInertia, MovingLink, inertia_loads
 from flexmech.linear_system.links.link_model import LinkModel, RigidFields
 from flexmech.linear_system.links.link_readings import LinkReadings
-from flexmech.linear_system.links.link_stack import among_alike, same_of_all
+from flexmech.linear_system.links.link_stack import MOST_STACKED, among_alike, same_of_all
 from flexmech.linear_system.links.link_stretch import LinkStretch
 from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
 from flexmech.linear_system.links.rigid_link import rigid_link
@@ -96,8 +88,7 @@ from flexmech.linear_system.reduction.component_modes import (
     ComponentModes,
     component_modes,
 )
-from flexmech.linear_system.reduction.link_pencil import LinkPencil
-from flexmech.linear_system.reduction.static_response import StaticResponse
+from flexmech.linear_system.reduction.unreduced_links import LinkPencil, StaticResponse
 
 __all__ = [
     "COMPRESSED",
@@ -107,7 +98,7 @@ __all__ = [
     "LESS_LOADED",
     "LOAD_STEPS",
     "MAX_ITERATIONS",
-    "MOST_WHOLE",
+    "MOST_STACKED",
     "NEGLIGIBLE",
     "PRESTRESS_LEVELS",
     "RELATIVE_RESIDUAL",
@@ -117,7 +108,6 @@ __all__ = [
     "BalancedLoads",
     "BucklingError",
     "CarriedLinkage",
-    "ChainMatrix",
     "ComponentModes",
     "ConnectedMatrices",
     "Connectors",
@@ -132,7 +122,6 @@ __all__ = [
     "LinkDamping",
     "LinkFrames",
     "LinkInertia",
-    "LinkMatrix",
     "LinkModel",
     "LinkPencil",
     "LinkPoint",
@@ -150,8 +139,6 @@ __all__ = [
     "RigidGeometricStiffness",
     "RotationTerms",
     "RunningLinks",
-    "SparseMatrices",
-    "SparsePositions",
     "StaticResponse",
     "StraightForces",
     "StressedLinks",
@@ -165,7 +152,6 @@ __all__ = [
     "bent_curvature",
     "body_nodes",
     "body_turns",
-    "chain_matrices",
     "chain_matrix",
     "check_elastic",
     "checked_mechanism",
@@ -193,10 +179,8 @@ __all__ = [
     "stack_engines",
     "straight_forces",
     "stressed_along_turn",
-    "summed",
     "swelling_force",
     "ties_beyond_pins",
     "times",
-    "whole",
     "with_rigid_links",
 ]

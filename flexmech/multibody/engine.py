@@ -25,7 +25,6 @@ from flexmech.linear_system import (
     BalancedLoads,
     Engine,
     LinkFrames,
-    LinkMatrix,
     LinkModel,
     LinkPoint,
     Prestress,
@@ -37,7 +36,6 @@ from flexmech.linear_system import (
     inertia_loads,
     refuse_large_displacements,
     straight_forces,
-    whole,
     with_rigid_links,
 )
 from flexmech.linkages import Drive, LockedCrank, MotorRun, RigidMotion
@@ -389,8 +387,8 @@ class ExudynEngine(Engine):
         straight = self._straight(motion)
         loads, nodes = straight.loads, [link.readings.nodes for link in self.clamped_links]
         tensions = element_tensions(self.mechanism, nodes, motion, straight.links)
-        tangent: dict[int, LinkMatrix] = {
-            number: whole(link.stiffness) + np.tensordot(tensions[number][..., 0], unit, axes=1)
+        tangent: dict[int, FloatArray] = {
+            number: link.stiffness + np.tensordot(tensions[number][..., 0], unit, axes=1)
             for number, (link, unit) in enumerate(
                 zip(self.clamped_links, self._unit_tension, strict=True)
             )

@@ -25,13 +25,14 @@ import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.elements import BeamElements
+from flexmech.linear_system import chain_matrix
 from flexmech.reference.element_numbers import (
     ElementNumbers,
+    RigidArms,
     by_elements,
     in_positions,
     over_positions,
 )
-from flexmech.reference.rigid_arms import RigidArms
 from flexmech.sections import damping_times
 
 # Step of differences over a radian or an element's length: half the digits.
@@ -94,28 +95,44 @@ class CorotationalElements:
 
     elements: BeamElements
 
-    def response(
-        self, displacement: FloatArray, swelling: float = 1.0
-    ) -> tuple[FloatArray, FloatArray]:
-        """Internal forces and tangent stiffness of deformed elements.
+    def relative(self, q: FloatArray) -> FloatArray:
+        """Relative coordinates (e, r, B) by those of the link's nodes, (n, B)."""
+        nodal = q.reshape(-1, self.elements.shapes.per_node, q.shape[1])
+        first, second = nodal[:-1], nodal[1:]
+        return np.concatenate([second[:, :2] - first[:, :2], first[:, 2:], second[:, 2:]], axis=1)
 
-        Parameters
-        ----------
-        displacement : ndarray, shape (B, e, 2 p)
-            Coordinates of each element's nodes in the frame of the straight link.
-        swelling : float
-            Part of the section's free strain and curvature that has come on.
+    def on_nodes(self, force: FloatArray) -> FloatArray:
+        """Forces on the link's nodes (n, B) from those by the relative coordinates, (e, r, B)."""
+        (count, _, batch), per_node = force.shape, self.elements.shapes.per_node
+        total = np.zeros((count + 1, per_node, batch))
+        total[:-1, :2] -= force[:, :2]
+        total[1:, :2] += force[:, :2]
+        total[:-1, 2:] += force[:, 2:per_node]
+        total[1:, 2:] += force[:, per_node:]
+        return total.reshape(-1, batch)
 
-        Returns
-        -------
-        force : ndarray, shape (B, e, 2 p)
-        tangent : ndarray, shape (B, e, 2 p, 2 p)
+    def by_relative(self, matrix: FloatArray) -> FloatArray:
+        """Matrices by relative coordinates; (B, e, 2 p, 2 p) -> (e, r, r, B).
+
+        A displacement of both nodes alike must meet no force.
         """
-        force, tangent, _ = self.relative_response(self._relative(displacement), swelling)
-        of_nodes = self.node_signs[:, None] * force[:, self.relative_places]
-        return np.moveaxis(of_nodes, -1, 0), np.moveaxis(self.of_nodes(tangent), -1, 0)
+        # With the first node fixed the nodal coordinates are the relative ones.
+        per_node = self.elements.shapes.per_node
+        own = np.concatenate([[per_node, per_node + 1], self._own])
+        return np.ascontiguousarray(np.moveaxis(matrix, 0, -1)[:, own[:, None], own])
 
-    def relative_response(
+    def of_nodes(self, matrix: FloatArray) -> FloatArray:
+        """Element matrices in nodal coordinates: (e, r, r, B) -> (e, 2 p, 2 p, B)."""
+        places, signs = self.relative_places, self.node_signs
+        return np.asarray(
+            matrix[:, places[:, None], places] * np.outer(signs, signs)[..., None], dtype=float
+        )
+
+    def of_link(self, matrix: FloatArray) -> FloatArray:
+        """Matrix of the link from those by relative coordinates: (e, r, r, B) -> (B, n, n)."""
+        return chain_matrix(np.moveaxis(self.of_nodes(matrix), -1, 0))
+
+    def response(
         self,
         relative: FloatArray,
         swelling: float = 1.0,
@@ -152,14 +169,13 @@ class CorotationalElements:
         if before is not None:
             for_tangent = self._stress(pure, bending, before.at(moved), swelling, numbers)
         self._fill(tangent, pure, numbers, for_tangent)
-        self._arms.turn_tangent(relative, tangent, force)
-        self._arms.turn_force(relative, force)
+        self._arms.turn(relative, force, tangent)
         gradient = pure.by_relative_coordinates(
             1 / numbers.length, pure.lift, pure.lift[:, self._angles].sum(axis=1)
         )
         return ElementResponse(force, tangent, LinearStrain(moved, pure.strain, gradient))
 
-    def damping(self, displacement: FloatArray, design: IntArray | None = None) -> FloatArray:
+    def damping(self, relative: FloatArray, design: IntArray | None = None) -> FloatArray:
         """Kelvin-Voigt damping matrix of deformed elements.
 
         A bowed element that bends further stretches no fibre on its axis, and nothing is to
@@ -168,61 +184,46 @@ class CorotationalElements:
 
         Parameters
         ----------
-        displacement : ndarray, shape (B, e, 2 p)
-            As in :meth:`response`.
+        relative : ndarray, shape (e, r, B)
         design : ndarray of int, shape (B,), optional
-            As in :meth:`relative_response`.
+            As in :meth:`response`.
 
         Returns
         -------
-        ndarray, shape (B, e, 2 p, 2 p)
+        ndarray, shape (e, r, r, B)
         """
-        relative, numbers = self._relative(displacement), self._numbers_at(design)
-        pure = self._pure(self._arms.moved(relative), numbers)
+        pure = self._pure(self._arms.moved(relative), self._numbers_at(design))
         matrix = np.empty((*relative.shape[:2], *relative.shape[1:]))
         axial = damping_times(self.elements.section)[..., 0] * self._numbers.axial_stiffness
         own = self._by_design(self._own_part(self.elements.neutral_damping))
         damped = replace(self._numbers, axial_stiffness=axial, bending=own)
         self._fill(matrix, pure, damped if design is None else damped.at(design), None)
-        self._arms.turn_tangent(relative, matrix, None)
-        return np.moveaxis(self.of_nodes(matrix), -1, 0)
+        self._arms.turn(relative, None, matrix)
+        return matrix
 
-    def damping_stiffness(self, displacement: FloatArray, rate: FloatArray) -> FloatArray:
+    def damping_stiffness(self, relative: FloatArray, rate: FloatArray) -> FloatArray:
         """Derivative of the damping forces of deformed elements by their displacement.
 
         By differences, which is near enough for Newton's method.
 
         Parameters
         ----------
-        displacement, rate : ndarray, shape (B, e, 2 p)
-            As in :meth:`response`, and its time derivative.
+        relative, rate : ndarray, shape (e, r, B)
+            And its time derivative.
 
         Returns
         -------
-        ndarray, shape (B, e, 2 p, 2 p)
+        ndarray, shape (e, r, r, B)
         """
-        per_node, count = self.elements.shapes.per_node, displacement.shape[-1]
-        columns = np.zeros((*displacement.shape, count))
-
-        def forces(place: FloatArray) -> FloatArray:
-            return np.asarray((self.damping(place) @ rate[..., None])[..., 0])
-
-        before, length = forces(displacement), self.elements.length[:, None]
-        for column in self.relative_part:
-            step = DIFFERENCE * (length if column % per_node < 2 else np.ones_like(length))
-            moved = displacement.copy()
-            moved[..., column] += step[:, 0]
-            columns[..., column] = (forces(moved) - before) / step
-        # What both nodes move by alike changes nothing.
-        columns[..., :2] = -columns[..., per_node : per_node + 2]
-        return columns
-
-    def of_nodes(self, matrix: FloatArray) -> FloatArray:
-        """Element matrices in nodal coordinates: (e, r, r, B) -> (e, 2 p, 2 p, B)."""
-        places, signs = self.relative_places, self.node_signs
-        return np.asarray(
-            matrix[:, places[:, None], places] * np.outer(signs, signs)[..., None], dtype=float
-        )
+        before = by_elements(self.damping(relative), rate)
+        columns = []
+        for coordinate in range(relative.shape[1]):
+            step = DIFFERENCE * (self._numbers.length if coordinate < 2 else np.ones((1, 1)))
+            moved = relative.copy()
+            moved[:, coordinate] += step
+            change = by_elements(self.damping(moved), rate) - before
+            columns.append(change / step[:, None])
+        return np.stack(columns, axis=2)
 
     @cached_property
     def relative_places(self) -> IntArray:
@@ -235,18 +236,6 @@ class CorotationalElements:
     def node_signs(self) -> FloatArray:
         """Sign of each nodal coordinate in it, (2 p,): -1 for displacements of the first node."""
         return np.where(np.arange(2 * self.elements.shapes.per_node) < 2, -1.0, 1.0)
-
-    @cached_property
-    def relative_part(self) -> IntArray:
-        """Nodal coordinates that are the relative ones with the first node fixed, (r,)."""
-        per_node = self.elements.shapes.per_node
-        return np.concatenate([[per_node, per_node + 1], self._own])
-
-    def _relative(self, displacement: FloatArray) -> FloatArray:
-        nodal = np.moveaxis(displacement, 0, -1)
-        per_node = self.elements.shapes.per_node
-        moved = nodal[:, per_node : per_node + 2] - nodal[:, :2]
-        return np.concatenate([moved, nodal[:, self._own]], axis=1)
 
     @cached_property
     def _own(self) -> IntArray:

@@ -12,15 +12,14 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.beams.comparison import compare_theories, prepare_comparisons
 from flexmech.beams.elements import BEAM_SHAPES
-from flexmech.beams.link_matrices import Chain, Coupling, build_chain, stack_chains
+from flexmech.beams.link_matrices import Chain, build_chain, stack_chains
 from flexmech.beams.restrained_ends import restrained_beam
 from flexmech.choices import ELEMENTS, MASSES, MODES, MassChoice
 from flexmech.linear_system import (
-    MOST_WHOLE,
+    MOST_STACKED,
     BalancedLoads,
     Engine,
     LinkFrames,
-    LinkMatrix,
     LinkModel,
     LinkStretch,
     MechanismStack,
@@ -28,20 +27,18 @@ from flexmech.linear_system import (
     StressedLinks,
     TheoryComparison,
     chain_matrix,
-    element_tensions,
     inertia_loads,
     refuse_large_displacements,
     rigid_link,
     straight_forces,
-    summed,
     ties_beyond_pins,
-    whole,
     with_rigid_links,
 )
 from flexmech.linkages import LinkMass, RigidMotion, lumped_elements
 from flexmech.linkages.motion import direction
 from flexmech.mechanism import Mechanism
 from flexmech.reference.equilibrium import Equilibrium
+from flexmech.reference.force_balance import ForceBalance
 from flexmech.reference.stretch import chain_stretch
 
 # Elements by whose theories links of several designs are built at once.
@@ -114,7 +111,7 @@ class ReferenceEngine(Engine):
     def likeness_of_links(self) -> Hashable | None:
         """See :attr:`Engine.likeness_of_links`."""
         mechanism, links = self.mechanism, []
-        if self.element not in STACKED or self.elements > MOST_WHOLE:
+        if self.element not in STACKED or self.elements > MOST_STACKED:
             return None
         each = zip(mechanism.linkage.topology.links, mechanism.link_masses_in_order, strict=True)
         for link, mass in each:
@@ -184,20 +181,15 @@ class ReferenceEngine(Engine):
         return LinkFrames(self.rigid_joint_topology, self.clamped_links)
 
     @cached_property
+    def balance(self) -> ForceBalance:
+        """Forces and tangents of displaced links."""
+        return ForceBalance(self._clamped_frames, self.chains, self.mechanism.joint_springs)
+
+    @cached_property
     def equilibrium(self) -> Equilibrium:
         """Solver for the quasi-static equilibrium on this mesh."""
-        return Equilibrium(
-            self._clamped_frames,
-            {n: chain.elements for n, chain in self.chains.items()},
-            self.mechanism.joint_springs,
-            self._couplings,
-            stable_alone=not self.connectors.depend_on_displacement,
-        )
-
-    @property
-    def _couplings(self) -> dict[int, Coupling]:
-        """Nonlocal energies of links of off-axis plies between joints, by number."""
-        return {n: chain.coupling for n, chain in self.chains.items() if chain.coupling is not None}
+        alone = not self.connectors.depend_on_displacement
+        return Equilibrium(self.balance, stable_alone=alone)
 
     def stressed_clamped_links(
         self,
@@ -256,19 +248,20 @@ class ReferenceEngine(Engine):
         varying: Sequence[FloatArray],
         loads: list[FloatArray],
     ) -> StressedLinks:
-        force, of_chains = self.equilibrium.response(displacement, varying, motion.design)
-        frames, links = self.equilibrium.frames, self.clamped_links
+        force, of_chains = self.balance.response(displacement, varying, motion.design)
+        frames, links = self._clamped_frames, self.clamped_links
         found, dead = None, self._dead(motion, loads, displacement)
         columns = [q.T for q in displacement]
         of_chains = dead.add_stiffness(of_chains, columns)
         dead.add_forces([each.T for each in force], columns)
         if frames.has_arms:
             beside = [load - own for load, own in zip(loads, force, strict=True)]
-            found = self.equilibrium.stiffness_of_rigid(motion, displacement, beside, dead)
+            found = self.balance.stiffness_of_rigid(motion, displacement, beside, dead)
         stressed = with_rigid_links(frames, of_chains, found)
         damping = None
         if any(link.damping.any() for link in links):
-            damping = self._damping(displacement, motion)
+            bent = self.balance.damping(displacement, motion.design)
+            damping = [bent.get(n, np.zeros((*q.shape, 3))) for n, q in enumerate(displacement)]
         # A rigid link that turns meets its tangent as it is, against the forces that cause it.
         for number, link in enumerate(links):
             if link.rigid:
@@ -278,55 +271,27 @@ class ReferenceEngine(Engine):
             stressed, displacement=list(displacement), internal_force=force, damping=damping
         )
 
-    def _damping(self, displacement: Sequence[FloatArray], motion: RigidMotion) -> list[LinkMatrix]:
-        """Damping matrices (B, n, n) of bent links; none of rigid ones."""
-        bent = self.equilibrium.damping(displacement, motion.design)
-        found = [
-            np.zeros((len(q), 3, 3)) if link.rigid else chain_matrix(bent[number])
-            for number, (link, q) in enumerate(zip(self.clamped_links, displacement, strict=True))
-        ]
-        for number, coupling in self._couplings.items():
-            found[number] = whole(found[number]) + coupling.damping_time * coupling.stiffness
-        return found
-
     def damping_stiffness(
         self, displacement: Sequence[FloatArray], rate: Sequence[FloatArray]
-    ) -> list[LinkMatrix] | None:
+    ) -> list[FloatArray] | None:
         """See :meth:`Engine.damping_stiffness`."""
         if not any(link.damping.any() for link in self.clamped_links):
             return None
-        found = self.equilibrium.damping_stiffness(displacement, rate)
-        return [
-            chain_matrix(found[number]) if number in found else np.zeros((*q.shape, q.shape[1]))
-            for number, q in enumerate(displacement)
-        ]
+        found = self.balance.damping_stiffness(displacement, rate)
+        return [found.get(n, np.zeros((*q.shape, q.shape[1]))) for n, q in enumerate(displacement)]
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links with the geometric stiffness of their tension."""
-        frames = self._rigid_joint_frames
-        loads = self._straight_loads(motion)
-        if isinstance(self.mechanism, MechanismStack):
-            return self._axial_of_stack(motion, loads, self.mechanism)
-        straight = straight_forces(
-            self.mechanism, frames, motion, loads, self._lumped, self.connectors
-        )
-        tensions = element_tensions(self.mechanism, self.nodes, motion, straight.links)
-        tangent: dict[int, LinkMatrix] = {
-            number: summed(
-                chain.model.stiffness,
-                chain_matrix(chain.elements.geometric_stiffness(tensions[number])),
+        frames, designs = self._rigid_joint_frames, self.mechanism
+        loads, found = self._straight_loads(motion), None
+        if not isinstance(designs, MechanismStack):
+            straight = straight_forces(
+                designs, frames, motion, loads, self._lumped, self.connectors
             )
-            for number, chain in self.chains.items()
-        }
-        drawn = [np.zeros_like(load.T) for load in loads]
-        tangent = self._dead(motion, loads).add_stiffness(tangent, drawn)
-        return with_rigid_links(frames, tangent, straight.stiffness, loads)
-
-    def _axial_of_stack(
-        self, motion: RigidMotion, loads: list[FloatArray], designs: MechanismStack
-    ) -> StressedLinks:
-        """As :meth:`_axial`, of several designs."""
-        if ties_beyond_pins(self._rigid_joint_frames):
+            forces, found = straight.links, straight.stiffness
+        elif not ties_beyond_pins(frames):
+            forces = designs.forces(motion)
+        else:
             # What welds carry is found design by design.
             alone, design = replace(motion, design=None), np.asarray(motion.design)
             parts = [
@@ -336,17 +301,18 @@ class ReferenceEngine(Engine):
                 for number, own in enumerate(self.members)
             ]
             return StressedLinks([np.concatenate(own) for own in zip(*parts, strict=True)])
-        forces, gravity, tangent = designs.forces(motion), np.asarray(designs.gravity), []
+        tangent = {}
         for number, chain in self.chains.items():
-            nodes = chain.nodes[motion.design]
-            tension = varying_tension(motion, number, chain, gravity)
-            middle = forces.axial_force(number, (nodes[:, :-1] + nodes[:, 1:]) / 2)
+            nodes, stiffness = chain.nodes, chain.model.stiffness
+            if motion.design is not None:
+                nodes, stiffness = nodes[motion.design], stiffness[motion.design]
+            tension = varying_tension(motion, number, chain, np.asarray(designs.gravity))
+            middle = forces.axial_force(number, (nodes[..., :-1] + nodes[..., 1:]) / 2)
             tension[..., 0] = middle + tension[..., 2] / 2
-            total = whole(chain_matrix(chain.elements.geometric_stiffness(tension)))
-            own = whole(chain.model.stiffness)
-            total.reshape(len(own), -1, *own.shape[1:])[:] += own[:, None]
-            tangent.append(total)
-        return StressedLinks(tangent, loads=loads)
+            tangent[number] = stiffness + chain_matrix(chain.elements.geometric_stiffness(tension))
+        drawn = [np.zeros_like(load.T) for load in loads]
+        tangent = self._dead(motion, loads).add_stiffness(tangent, drawn)
+        return with_rigid_links(frames, tangent, found, loads)
 
     def _varying(self, motion: RigidMotion) -> list[FloatArray]:
         """Geometric stiffness of each element, (e, r, r, B), by flexible link: its varying part.
@@ -359,7 +325,8 @@ class ReferenceEngine(Engine):
             chain.elements.geometric_stiffness(varying_tension(motion, number, chain, gravity))
             for number, chain in self.chains.items()
         ]
-        return self.equilibrium.by_relative_coordinates(every)
+        pairs = zip(self.balance.links.values(), every, strict=True)
+        return [link.by_relative(matrices) for link, matrices in pairs]
 
 
 def varying_tension(

@@ -1,54 +1,139 @@
-"""Residual forces of a displaced linkage, and its tangent stiffness.
+"""Forces and tangents of all links displaced from their straight places, at all crank angles.
 
-Arrays end with the batch of positions.
+Arrays inside end with the batch of positions.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
+from typing import Any
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
-from flexmech.linear_system import DeadMoments
-from flexmech.reference.corotational import CorotationalElements, LinearStrain
-from flexmech.reference.coupled_links import CoupledLinks
-from flexmech.reference.dependent_element import Ties
-from flexmech.reference.element_numbers import by_elements
-from flexmech.reference.linkage_tangents import LinkageTangents, TangentEntries
-from flexmech.reference.newton_state import Imbalance, Problem
-from flexmech.reference.nodal_chains import node_forces, relative_coordinates
+from flexmech.arrays import FloatArray, IntArray
+from flexmech.beams.link_matrices import Chain
+from flexmech.linear_system import (
+    DeadMoments,
+    DisplacedTies,
+    LinkFrames,
+    RigidGeometricStiffness,
+)
+from flexmech.linkages import JointSpring, RigidMotion
+from flexmech.reference.assembly import LinkageAssembly, LinkRows, Ties
+from flexmech.reference.corotational import CorotationalElements, ElementResponse, LinearStrain
+from flexmech.reference.element_numbers import by_elements, in_positions
 from flexmech.reference.radial_springs import RadialSprings
 
 
 @dataclass(frozen=True)
-class ForceBalance:
-    """Residual and tangent of one linkage on one mesh.
+class Problem:
+    """Loads of the equilibrium in a batch of positions.
 
     Parameters
     ----------
-    links : mapping of int to CorotationalElements
-        The flexible ones, by their number.
-    tangents : LinkageTangents
-    springs : RadialSprings
-    coupled : CoupledLinks
-    per_node : int
-        Coordinates of a node.
+    motion : RigidMotion
+    loads : sequence of ndarray, shape (n_link, B)
+        Forces on each link.
+    greatest : ndarray, shape (B,)
+        Greatest force of them on the linkage where it is not displaced.
+    extra : sequence of ndarray, shape (e, r, r, B)
+        Stiffness that comes with them, by each element's relative coordinates.
+    dead : DeadMoments
+        Of bodies and rigid links.
+    ties : Ties, optional
+        Constraints where they do not depend on the displacement.
+    swelling : float
+        Part of the swelling that has come on.
     """
 
-    links: Mapping[int, CorotationalElements]
-    tangents: LinkageTangents
-    springs: RadialSprings
-    coupled: CoupledLinks
-    per_node: int
+    motion: RigidMotion
+    loads: Sequence[FloatArray]
+    greatest: FloatArray
+    extra: Sequence[FloatArray]
+    dead: DeadMoments
+    ties: Ties | None
+    swelling: float = 1.0
 
-    def ties(self, z: FloatArray, problem: Problem) -> Ties:
-        """Constraints of the linkage displaced by z (size, B)."""
-        if problem.loads is None:
-            return problem.ties
-        return self.tangents.ties(problem.motion, z)
+    def loaded(self, part: float) -> Problem:
+        """The problem with a part of the loads and of the swelling."""
+        loads, extra = ([part * x for x in arrays] for arrays in (self.loads, self.extra))
+        dead, greatest = self.dead.scaled(part), part * self.greatest
+        return Problem(self.motion, loads, greatest, extra, dead, self.ties, part)
+
+    def at(self, which: IntArray) -> Problem:
+        """Quantities of some positions."""
+        loads, extra = (
+            [in_positions(x, which) for x in arrays] for arrays in (self.loads, self.extra)
+        )
+        greatest, ties = self.greatest[which], self.ties and self.ties.at(which)
+        motion, dead = self.motion.at(which), self.dead.at(which)
+        return Problem(motion, loads, greatest, extra, dead, ties, self.swelling)
+
+
+@dataclass(frozen=True)
+class Imbalance:
+    """Residual and tangent at displacements.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (size, B)
+        Outer minus inner forces.
+    band : ndarray, shape (size, width + 1, B)
+        Tangent stiffness in band form.
+    strains : list of LinearStrain
+        Of each link's elements.
+    """
+
+    residual: FloatArray
+    band: FloatArray
+    strains: list[LinearStrain]
+
+    @property
+    def error(self) -> FloatArray:
+        """Greatest force out of balance, shape (B,)."""
+        return np.asarray(np.abs(self.residual).max(axis=0, initial=0.0), dtype=float)
+
+    def at(self, which: IntArray) -> Imbalance:
+        """Quantities of some positions."""
+        strains = [strain.of(which) for strain in self.strains]
+        residual, band = (in_positions(values, which) for values in (self.residual, self.band))
+        return Imbalance(residual, band, strains)
+
+
+class ForceBalance:
+    """Forces and tangents of one linkage on one mesh.
+
+    Parameters
+    ----------
+    frames : LinkFrames
+        Of the unreduced links.
+    chains : mapping of int to Chain
+        Each flexible link by its number, all of one kind of elements.
+    springs : sequence of JointSpring
+        The radial ones join ends that the frames do not constrain.
+
+    Attributes
+    ----------
+    links : dict of int to CorotationalElements
+        The flexible ones.
+    assembly : LinkageAssembly
+    """
+
+    def __init__(
+        self, frames: LinkFrames, chains: Mapping[int, Chain], springs: Sequence[JointSpring]
+    ) -> None:
+        self.frames = frames
+        self.links = {n: CorotationalElements(own.elements) for n, own in chains.items()}
+        self._springs = RadialSprings(frames, springs)
+        # Energies of whole links, which have off-axis plies between joints. A rigid rotation of the
+        # link has no curvature, to first order in the rotations of elements against it.
+        self._couplings = {n: x.coupling for n, x in chains.items() if x.coupling is not None}
+        every = {n: np.arange(frames.links[n].size) for n in self._couplings}
+        self._coupled = {n: LinkRows(frames, n, rows) for n, rows in every.items()}
+        joined = [*self._springs.columns, *(rows.columns for rows in self._coupled.values())]
+        self.assembly = LinkageAssembly(frames, self.links, joined)
 
     def imbalance(
         self, z: FloatArray, problem: Problem, before: Sequence[LinearStrain] | None = None
@@ -61,67 +146,193 @@ class ForceBalance:
         problem : Problem
         before : sequence of LinearStrain, optional
             Of each link's elements where a step came from that has led to z; see
-            :meth:`CorotationalElements.relative_response`.
+            :meth:`CorotationalElements.response`.
 
         Returns
         -------
         Imbalance
         """
-        entries, ties = self.tangents.entries(z.shape[1]), self.ties(z, problem)
-        displacement = self.tangents.link_displacement(z, ties)
+        motion, dead = problem.motion, problem.dead
+        entries, ties = self.assembly.entries(z.shape[1]), problem.ties
+        if ties is None:
+            ties = self.assembly.ties(motion, z)
+        displacement = self.assembly.link_displacement(z, ties)
         inner, strains = [np.zeros_like(q) for q in displacement], []
         for place, (number, extra) in enumerate(zip(self.links, problem.extra, strict=True)):
-            relative = relative_coordinates(displacement[number], self.per_node)
-            force, tangent, strain = self.links[number].relative_response(
-                relative,
+            response = self._response(
+                number,
+                displacement[number],
+                extra,
                 problem.swelling,
                 None if before is None else before[place],
-                out=entries.of_link(number),
-                design=problem.motion.design,
+                entries[1][number],
+                motion.design,
             )
-            force += by_elements(extra, relative)
-            tangent += extra
-            inner[number] = node_forces(force, self.per_node)
-            strains.append(strain)
-        problem.dead.add_forces(inner, displacement)
-        self._stiffen(problem.dead, displacement, entries)
-        self.coupled.add_forces(displacement, inner, problem.swelling)
-        rotation_stiffness: FloatArray | None = None
-        springs: Iterable[FloatArray] = ()
-        if self.springs.columns:
-            given = problem.motion, displacement, inner, ties.displaced
-            rotation_stiffness = self.springs.add_forces(*given)
-            springs = self.springs.tangents(problem.motion, ties)
-        springs = chain(springs, self.coupled.tangents(ties, z.shape[1]))
-        residual = self._unbalanced(inner, ties, problem)
-        if problem.loads is None or ties.displaced is None:
-            return Imbalance(residual, self.tangents.band(entries, ties, springs=springs), strains)
-        unbalanced = [(load - force).T for load, force in zip(problem.loads, inner, strict=True)]
-        stiffness = ties.displaced.geometric_stiffness(
-            unbalanced, problem.dead.by_link(displacement)
-        )
-        if rotation_stiffness is not None:
-            stiffness = replace(
-                stiffness, rotation_stiffness=stiffness.rotation_stiffness + rotation_stiffness
-            )
-        band = self.tangents.band(entries, ties, ties.displaced.matrix(stiffness), springs)
-        return Imbalance(residual, band, strains)
-
-    def _unbalanced(self, inner: Sequence[FloatArray], ties: Ties, problem: Problem) -> FloatArray:
-        """Residual forces (size, B) in independent coordinates."""
-        if problem.loads is None:
-            return problem.outer - self.tangents.gather(inner, ties)
-        unbalanced = [load - force for load, force in zip(problem.loads, inner, strict=True)]
-        return self.tangents.gather(unbalanced, ties)
-
-    def _stiffen(
-        self, dead: DeadMoments, displacement: Sequence[FloatArray], entries: TangentEntries
-    ) -> None:
-        """Add the geometric stiffness of bodies to the tangents of flexible links."""
+            inner[number] = self.links[number].on_nodes(response.force)
+            strains.append(response.strain)
+        dead.add_forces(inner, displacement)
         for link, (rows, stiffness) in dead.rotation_stiffness(displacement).items():
             if link not in self.links:
                 continue
-            tangent = entries.of_link(link)
-            element = np.minimum(rows // self.per_node, len(tangent) - 1)
-            place = self.links[link].relative_places[rows - self.per_node * element]
+            own, tangent = self.links[link], entries[1][link]
+            per_node = own.elements.shapes.per_node
+            element = np.minimum(rows // per_node, len(tangent) - 1)
+            place = own.relative_places[rows - per_node * element]
             tangent[element, place, place] += stiffness
+        self._add_coupling(displacement, inner, problem.swelling)
+        rotation_stiffness = self._springs.add_forces(motion, displacement, inner, ties.displaced)
+        unbalanced = [load - force for load, force in zip(problem.loads, inner, strict=True)]
+        rigid = None
+        if ties.displaced is not None:
+            found = _geometric_stiffness(
+                ties.displaced, unbalanced, dead, displacement, rotation_stiffness
+            )
+            rigid = ties.displaced.matrix(found)
+        coupled = (
+            rows.turned(self._couplings[link].stiffness, ties)
+            for link, rows in self._coupled.items()
+        )
+        joined = chain(self._springs.tangents(motion, ties), coupled)
+        band = self.assembly.band(entries, ties, rigid, joined)
+        return Imbalance(self.assembly.gather(unbalanced, ties), band, strains)
+
+    def _response(
+        self, number: int, q: FloatArray, extra: FloatArray, *given: Any
+    ) -> ElementResponse:
+        """Forces and tangent of a link's elements at displacements q (n, B), with extra stiffness.
+
+        ``given`` is that of :meth:`CorotationalElements.response`.
+        """
+        relative = self.links[number].relative(q)
+        response = self.links[number].response(relative, *given)
+        response.force[:] += by_elements(extra, relative)
+        response.tangent[:] += extra
+        return response
+
+    def _add_coupling(
+        self, displacement: Sequence[FloatArray], forces: Sequence[FloatArray], swelling: float
+    ) -> None:
+        """Add internal forces (n_link, B) of energies of whole links."""
+        for link, own in self._couplings.items():
+            bent = own.rows @ displacement[link] - swelling * own.unloaded[:, None]
+            forces[link][:] += own.rows.T @ (own.elastic @ bent)
+
+    def response(
+        self,
+        displacement: Sequence[FloatArray],
+        extra: Sequence[FloatArray],
+        design: IntArray | None = None,
+    ) -> tuple[list[FloatArray], dict[int, FloatArray]]:
+        """Internal forces and tangents of the links at given displacements.
+
+        Parameters
+        ----------
+        displacement : sequence of ndarray, shape (B, n_link)
+        extra : sequence of ndarray, shape (e, r, r, B)
+            Stiffness of each element besides that of the corotational beam, by its relative
+            coordinates.
+        design : ndarray of int, shape (B,), optional
+            Of each position of several designs.
+
+        Returns
+        -------
+        list of ndarray, shape (B, n_link)
+            Forces on the nodes; none of a rigid link.
+        dict of int to ndarray, shape (B, n_link, n_link)
+            Tangent of each flexible link.
+        """
+        columns, tangents = [q.T for q in displacement], {}
+        forces = [np.zeros_like(q) for q in columns]
+        for (number, link), more in zip(self.links.items(), extra, strict=True):
+            response = self._response(number, columns[number], more, 1.0, None, None, design)
+            forces[number] = link.on_nodes(response.force)
+            tangents[number] = link.of_link(response.tangent)
+        self._add_coupling(columns, forces, swelling=1.0)
+        for number, coupling in self._couplings.items():
+            tangents[number] += coupling.stiffness
+        return [force.T for force in forces], tangents
+
+    def damping(
+        self, displacement: Sequence[FloatArray], design: IntArray | None = None
+    ) -> dict[int, FloatArray]:
+        """Kelvin-Voigt damping matrix of each flexible link at given displacements.
+
+        Parameters
+        ----------
+        displacement : sequence of ndarray, shape (B, n_link)
+        design : ndarray of int, shape (B,), optional
+            Of each position of several designs.
+
+        Returns
+        -------
+        dict of int to ndarray, shape (B, n_link, n_link)
+        """
+        matrices = {
+            number: link.of_link(link.damping(link.relative(displacement[number].T), design))
+            for number, link in self.links.items()
+        }
+        for number, coupling in self._couplings.items():
+            matrices[number] += coupling.damping_time * coupling.stiffness
+        return matrices
+
+    def damping_stiffness(
+        self, displacement: Sequence[FloatArray], rate: Sequence[FloatArray]
+    ) -> dict[int, FloatArray]:
+        """Derivative of each flexible link's damping forces by its displacement at given rates.
+
+        Parameters
+        ----------
+        displacement, rate : sequence of ndarray, shape (B, n_link)
+
+        Returns
+        -------
+        dict of int to ndarray, shape (B, n_link, n_link)
+        """
+        return {
+            number: link.of_link(
+                link.damping_stiffness(*(link.relative(q[number].T) for q in (displacement, rate)))
+            )
+            for number, link in self.links.items()
+        }
+
+    def stiffness_of_rigid(
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        beside: Sequence[FloatArray],
+        dead: DeadMoments,
+    ) -> RigidGeometricStiffness:
+        """Geometric stiffness of rigid links and sliders at given displacements.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement, beside : sequence of ndarray, shape (B, n_link)
+            Where each link is, and outer less inner forces on it there.
+        dead : DeadMoments
+            Of bodies and rigid links.
+
+        Returns
+        -------
+        RigidGeometricStiffness
+        """
+        displaced = self.frames.displaced_ties_by(motion, displacement)
+        columns, inner = [q.T for q in displacement], [-own.T for own in beside]
+        rotation_stiffness = self._springs.add_forces(motion, columns, inner, displaced)
+        unbalanced = [-force for force in inner]
+        return _geometric_stiffness(displaced, unbalanced, dead, columns, rotation_stiffness)
+
+
+def _geometric_stiffness(
+    displaced: DisplacedTies,
+    unbalanced: Sequence[FloatArray],
+    dead: DeadMoments,
+    displacement: Sequence[FloatArray],
+    of_springs: FloatArray,
+) -> RigidGeometricStiffness:
+    """That of rigid links and sliders under forces (n_link, B), and of springs (B, links)."""
+    found = displaced.geometric_stiffness(
+        [force.T for force in unbalanced], dead.by_link(displacement)
+    )
+    return replace(found, rotation_stiffness=found.rotation_stiffness + of_springs)

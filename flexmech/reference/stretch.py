@@ -8,6 +8,7 @@ import numpy as np
 import scipy.linalg
 
 from flexmech.arrays import SAME_PLACE, FloatArray
+from flexmech.beams.elements import BeamElements
 from flexmech.beams.link_matrices import Chain
 from flexmech.linear_system import LinkStretch
 
@@ -34,35 +35,22 @@ def chain_stretch(chain: Chain, *, turns_far: bool = False) -> LinkStretch:
     -------
     LinkStretch
     """
-    elements, size = chain.elements, chain.model.size
-    count, per_node = len(elements.length), elements.shapes.per_node
+    elements, to_neutral = chain.elements, chain.elements.to_neutral_axis
     values, directions = _squares(elements.arch, elements.arch)
     kept = np.abs(values) > _NO_SLOPE * np.abs(values).max(axis=1, keepdims=True)
-    to_neutral = elements.to_neutral_axis
     stiffness = float(elements.neutral_stiffness[0, 0, 0] * elements.length[0])
     scale = np.sqrt(stiffness * elements.length)
-    gradient, slopes, weights = np.zeros((count, size)), [], []
-    for number in range(count):
-        own = slice(per_node * number, per_node * (number + 2))
-        elongation = np.zeros(2 * per_node)
-        elongation[[0, per_node]] = -1.0, 1.0
-        gradient[number, own] = scale[number] / elements.length[number] * elongation @ to_neutral
-        for direction in np.flatnonzero(kept[number]):
-            row = np.zeros(size)
-            row[own] = directions[number, direction] @ to_neutral
-            slopes.append(row)
-            weights.append((number, scale[number] * values[number, direction]))
-    spread = np.zeros((count, len(slopes)))
-    for column, (number, weight) in enumerate(weights):
-        spread[number, column] = weight
+    number = np.nonzero(kept)[0]
+    weights = np.zeros((len(kept), len(number)))
+    weights[number, np.arange(len(number))] = (scale[:, None] * values)[kept]
     axis = sum(elements.shapes.arms(elements.section))
     # Two arms of a symmetric section leave their round-off.
     axis *= abs(axis) > SAME_PLACE * chain.nodes[-1]
     axial = LinkStretch(
-        gradient,
-        np.stack(slopes),
-        spread,
-        np.full(count, elements.section.damping.axial),
+        scale[:, None] * _elongations(elements),
+        _of_link(directions @ to_neutral)[kept],
+        weights,
+        np.full(len(kept), elements.section.damping.axial),
         neutral_axis=float(axis),
     )
     return _with_bending(chain, axial) if turns_far else axial
@@ -76,33 +64,47 @@ def _with_bending(chain: Chain, axial: LinkStretch) -> LinkStretch:
     shorter along the frame. A product is a difference of squares:
     ``4 b u = (b + u)^2 - (b - u)^2``.
     """
-    elements, size = chain.elements, chain.model.size
-    per_node, to_neutral = elements.shapes.per_node, elements.to_neutral_axis
-    gradient, slopes, weights = [], [], []
-    for number, length in enumerate(elements.length):
-        own = slice(per_node * number, per_node * (number + 2))
-        longer = np.zeros(2 * per_node)
-        longer[[0, per_node]] = -1.0, 1.0
-        stretching = elements.neutral_stiffness[number] @ longer
-        bending = elements.neutral_stiffness[number] - np.outer(stretching, longer) / 2
-        values, directions = _squares(bending, elements.neutral_stiffness[number])
-        rows = np.zeros((1 + 2 * per_node, size))
-        rows[0, own] = longer @ to_neutral / length
-        rows[1:, own] = directions @ to_neutral
-        for bent in np.flatnonzero(values > _NO_BENDING * values.max()):
-            root = float(np.sqrt(values[bent]))
-            gradient.append(root * rows[1 + bent])
-            slopes += [rows[1 + bent] + rows[0], rows[1 + bent] - rows[0]]
-            weights.append(root / 2 * np.array([[-1.0, 1.0]]))
+    elements, longer = chain.elements, _longer(chain.elements)
+    stretching = elements.neutral_stiffness @ longer
+    bending = elements.neutral_stiffness - stretching[..., None] * longer / 2
+    values, directions = _squares(bending, elements.neutral_stiffness)
+    kept = values > _NO_BENDING * values.max(axis=1, keepdims=True)
+    root = np.sqrt(values[kept])[:, None]
+    bent = _of_link(directions @ elements.to_neutral_axis)[kept]
+    stretched = _elongations(elements)[np.nonzero(kept)[0]]
+    slopes = np.stack([bent + stretched, bent - stretched], axis=1)
     # Of the second order alone is the damping of all bending that of curvature.
-    time = np.full(len(gradient), elements.section.damping.bending)
+    time = np.full(len(root), elements.section.damping.bending)
     return replace(
         axial,
-        gradient=np.concatenate([axial.gradient, gradient]),
-        slopes=np.concatenate([axial.slopes, slopes]),
-        weights=scipy.linalg.block_diag(axial.weights, *weights),
+        gradient=np.concatenate([axial.gradient, root * bent]),
+        slopes=np.concatenate([axial.slopes, slopes.reshape(-1, bent.shape[1])]),
+        weights=scipy.linalg.block_diag(axial.weights, np.kron(np.diag(root[:, 0]), [-0.5, 0.5])),
         damping_time=np.append(axial.damping_time, time),
     )
+
+
+def _longer(elements: BeamElements) -> FloatArray:
+    """Elongation of an element by its nodes' coordinates, (2 p,)."""
+    longer = np.zeros(2 * elements.shapes.per_node)
+    longer[[0, elements.shapes.per_node]] = -1.0, 1.0
+    return longer
+
+
+def _elongations(elements: BeamElements) -> FloatArray:
+    """Strain of each element by its nodes' displacements along the link, (e, n)."""
+    strain = _longer(elements) @ elements.to_neutral_axis / elements.length[:, None]
+    return _of_link(strain[:, None])[:, 0]
+
+
+def _of_link(rows: FloatArray) -> FloatArray:
+    """Rows (e, k, 2 p) by the coordinates of elements as rows (e, k, n) by those of the link."""
+    count, kinds, both = rows.shape
+    total = np.zeros((count, kinds, both // 2 * (count + 1)))
+    for number in range(count):
+        first = both // 2 * number
+        total[number, :, first : first + both] = rows[number]
+    return total
 
 
 def _squares(matrices: FloatArray, alike: FloatArray) -> tuple[FloatArray, FloatArray]:

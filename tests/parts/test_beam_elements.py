@@ -24,6 +24,12 @@ PLACES, WEIGHTS = (POINTS + 1) / 2, WEIGHTS / 2
 deformed = st.lists(numbers(-0.2, 0.2), min_size=12, max_size=12).map(np.array)
 
 
+def element_response(elements, q):
+    """Forces (2 p,) and tangent (2 p, 2 p) of one element in nodal coordinates."""
+    force, tangent, _ = elements.response(elements.relative(q[:, None]))
+    return elements.on_nodes(force)[:, 0], elements.of_link(tangent)[0]
+
+
 def energy(q):
     """Strain energy by quadrature along the chord: mean shallow-arch strain, linear curvature."""
     end = complex(LENGTH + q[3] - q[0], q[4] - q[1])
@@ -38,7 +44,7 @@ def energy(q):
 def test_forces_of_an_euler_element_are_the_gradient_of_its_strain_energy(q):
     section = BeamSection(AXIAL, BENDING, 1.0, 1.0, 1.0, 1.0)
     beam = BeamElements(BEAM_SHAPES["euler"], section, np.array([LENGTH]))
-    force = CorotationalElements(beam).response(q[None, None, :6])[0][0, 0]
+    force = element_response(CorotationalElements(beam), q[:6])[0]
     step, gradient = 1e-3, []
     for unit in np.eye(6):
         near, far = (energy(q[:6] + h * unit) - energy(q[:6] - h * unit) for h in (step, 2 * step))
@@ -60,9 +66,9 @@ def test_tangents_are_derivatives_of_forces_that_turn_with_the_element(kind, q, 
     q = q[: 2 * size]
 
     def force(x):
-        return elements.response(x[None, None])[0][0, 0] / unit
+        return element_response(elements, x)[0] / unit
 
-    step, tangent = 1e-5, elements.response(q[None, None])[1][0, 0] / unit
+    step, tangent = 1e-5, element_response(elements, q)[1] / unit
     slope = np.stack(
         [(force(q + step * d) - force(q - step * d)) / (2 * step) for d in np.eye(2 * size)], axis=1
     )

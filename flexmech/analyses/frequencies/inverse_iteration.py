@@ -15,7 +15,6 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import (
     LinearSystem,
     LinkPencil,
-    SparseMatrices,
     StaticResponse,
     times,
 )
@@ -47,18 +46,6 @@ class Pencil:
     rows: NDArray[np.intc]
     starts: NDArray[np.intc]
     entries: FloatArray
-
-    @classmethod
-    def of(cls, matrices: SparseMatrices) -> Pencil:
-        """That of sparse matrices whose patterns differ."""
-        size = matrices.mass.shape[0]
-        parts = [each.tocoo() for each in vars(matrices).values()]
-        keys = np.concatenate([size * part.col.astype(np.int64) + part.row for part in parts])
-        taken, place = np.unique(keys, return_inverse=True)
-        entries = np.zeros((3, len(taken)))
-        number = np.repeat(np.arange(3), [part.nnz for part in parts])
-        entries[number, place] = np.concatenate([part.data for part in parts])
-        return cls(*_pattern(taken // size, taken % size, size), entries)
 
     @classmethod
     def of_positions(cls, system: LinearSystem) -> list[Pencil]:

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies.eigenproblem import Modes
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import Engine, LinearSystem, LinkMatrix, Prestress
+from flexmech.linear_system import Engine, LinearSystem, Prestress
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection, DampingTimes
 
@@ -128,6 +128,6 @@ def _unreduced(system: LinearSystem, vectors: NDArray[Any]) -> list[NDArray[Any]
     return [basis @ q for basis, q in zip(system.bases, links, strict=True)]
 
 
-def _square(matrix: LinkMatrix, vectors: NDArray[Any]) -> FloatArray:
+def _square(matrix: FloatArray, vectors: NDArray[Any]) -> FloatArray:
     """``x^H A x`` of shapes (B, n, m) with matrices (n, n) or (B, n, n); (B, m)."""
     return np.asarray(np.sum(vectors.conj() * (matrix @ vectors), axis=1).real, dtype=float)

@@ -24,16 +24,12 @@ from flexmech.analyses.frequencies.inverse_iteration import (
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import (
     GREAT_DETAIL,
-    ChainMatrix,
     LinearSystem,
     LinkPencil,
     RotationTerms,
-    SparsePositions,
     StaticResponse,
     StressedLinks,
-    diagonal,
     same_of_all,
-    whole,
 )
 from flexmech.linkages import RigidMotion
 
@@ -251,23 +247,8 @@ class UnreducedPositions:
     stressed: StressedLinks
 
     @cached_property
-    def sparse(self) -> SparsePositions | None:
-        """Sparse matrices, where links have many elements and nothing else has a stiffness."""
-        engine = self.systems.engine
-        links = engine.frames.links
-        chains = any(isinstance(link.stiffness, ChainMatrix) for link in links)
-        massless = any(not (link.rigid or diagonal(link.mass).all()) for link in links)
-        if not chains or massless or engine.rigid_modes or engine.connectors.any:
-            return None
-        if engine.mechanism.frame is not None:
-            return None
-        if self.stressed.guide_stiffness is not None:
-            return None
-        return SparsePositions(engine.frames, self._motion, self.stressed, self._terms)
-
-    @cached_property
     def response(self) -> StaticResponse | None:
-        """Static response, where whole matrices of elastic links are all that has a stiffness."""
+        """Static response, where elastic links are all that has a stiffness."""
         if not self._links_alone:
             return None
         engine = self.systems.engine
@@ -277,7 +258,7 @@ class UnreducedPositions:
 
     @cached_property
     def moving(self) -> tuple[LinkPencil, StaticResponse] | None:
-        """Pencil, and static response of straight links, where whole matrices are all there is.
+        """Pencil, and static response of straight links, where elastic links are all there is.
 
         Not of damped links: in turning frames their matrices are far from symmetric, and what the
         left eigenvectors miss counts to the first order.
@@ -304,22 +285,19 @@ class UnreducedPositions:
 
     @property
     def _links_alone(self) -> bool:
-        """Whether whole matrices of elastic links are all that has a stiffness."""
+        """Whether elastic links are all that has a stiffness."""
         engine = self.systems.engine
-        chains = any(isinstance(link.stiffness, ChainMatrix) for link in engine.links)
         rigid = any(link.rigid for link in engine.links)
         held = self.stressed.guide_stiffness is not None or engine.connectors.any
         carried = engine.mechanism.frame is not None
-        return not (chains or rigid or held or carried or engine.rigid_modes)
+        return not (rigid or held or carried or engine.rigid_modes)
 
     def pencils(self) -> Iterator[Pencil]:
         """Sparse matrices of each position."""
         count = len(self.crank_angle)
         engine = self.systems.engine
         at_a_time = max(1, MATRIX_BYTES // (8 * engine.frames.size**2))
-        if self.sparse is not None:
-            yield from (Pencil.of(self.sparse.at(place)) for place in range(count))
-        elif at_a_time >= count or engine.designs is not None:
+        if at_a_time >= count or engine.designs is not None:
             yield from self._every
         else:
             for start in range(0, count, at_a_time):
@@ -362,7 +340,7 @@ def reduction_error(
     """
     engine = unreduced.systems.engine
     if reduced.is_conservative and (response := unreduced.response) is not None:
-        masses = [whole(link.mass) for link in engine.links]
+        masses = [link.mass for link in engine.links]
         improved = responding_values(response, masses, reduced.unreduced_links(modes.vectors))
     else:
         shapes = reduced.unreduced_vectors(modes.vectors, engine.frames)

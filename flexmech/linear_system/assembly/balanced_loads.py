@@ -23,7 +23,6 @@ from flexmech.linear_system.joints.position_errors import (
     refuse_positions,
 )
 from flexmech.linear_system.links.body_forces import DisplacedInertia
-from flexmech.linear_system.links.chains import LinkMatrix, whole
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.loads.connectors import Connectors
@@ -65,7 +64,7 @@ def balanced_loads(
     motion: RigidMotion,
     loads: Sequence[FloatArray],
     solve: Solve,
-    tangents: Callable[[list[FloatArray]], Sequence[LinkMatrix]],
+    tangents: Callable[[list[FloatArray]], Sequence[FloatArray]],
     *,
     displaced_inertia: DisplacedInertia | None = None,
     solve_connects: bool = False,
@@ -104,7 +103,7 @@ def balanced_loads(
     force = acting.forces(None)
     if displaced_inertia is None and not connectors.depend_on_displacement:
         return BalancedLoads(_sum(loads, force), None)
-    stiffness: Sequence[LinkMatrix] = [link.stiffness for link in frames.links]
+    stiffness: Sequence[FloatArray] = [link.stiffness for link in frames.links]
     displacement = [np.zeros_like(load) for load in loads]
     residual = frames.gather(motion, _sum(loads, force))
     if displaced_inertia is not None:
@@ -185,13 +184,13 @@ class _DisplacementForces:
     def stiffness(
         self,
         frames: LinkFrames,
-        stiffness: Sequence[LinkMatrix],
+        stiffness: Sequence[FloatArray],
         displacement: Sequence[FloatArray],
     ) -> FloatArray:
         """Tangent stiffness of the linkage with these forces, (B, size, size)."""
         if self.displaced_inertia is not None:
             pairs = zip(stiffness, self.displaced_inertia.matrices(displacement), strict=True)
-            stiffness = [whole(tangent) - matrix for tangent, matrix in pairs]
+            stiffness = [tangent - matrix for tangent, matrix in pairs]
         links = frames.assemble(self.motion, stiffness, FROZEN)
         added = self.connectors.added(
             frames, self.motion, links, FROZEN, "equilibrium", displacement

@@ -11,7 +11,6 @@ import numpy as np
 from flexmech.arrays import IntArray
 from flexmech.choices import MOST_ELEMENTS
 from flexmech.errors import InputError
-from flexmech.linear_system.links.chains import ChainMatrix
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.mechanism import Mechanism
 
@@ -19,9 +18,6 @@ from flexmech.mechanism import Mechanism
 BATCH_BYTES = 32_000_000
 # Speed alone: fewer positions take as long as these, however large their matrices are.
 LEAST_BATCH = 4
-# A position of a link stored by elements takes memory as of so many columns of its matrix. Memory
-# alone.
-STORED_COLUMNS = 100
 
 # Positions of each design of a stack in a batch. Memory alone, and speed: the memory of more is
 # given back to the system after every step, and asked for anew. As many of a small stack, so that
@@ -50,10 +46,7 @@ def stack_batches(count: int, designs: int) -> list[IntArray]:
 
 def batch_size(links: Sequence[LinkModel]) -> int:
     """Number of positions of a linkage to hold in memory at a time."""
-    entries = 0
-    for link in links:
-        chain = isinstance(link.stiffness, ChainMatrix)
-        entries += link.size * (min(STORED_COLUMNS, link.size) if chain else link.size)
+    entries = sum(link.size**2 for link in links)
     return max(LEAST_BATCH, BATCH_BYTES // (8 * 4 * entries))
 
 

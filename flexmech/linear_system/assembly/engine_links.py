@@ -23,7 +23,6 @@ from flexmech.linear_system.links.body_forces import (
     turns_as_one_body,
     without_spin_softening,
 )
-from flexmech.linear_system.links.chains import ChainMatrix, LinkMatrix
 from flexmech.linear_system.links.link_inertia import inertia_loads
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.link_stretch import LinkStretch
@@ -83,17 +82,10 @@ class EngineLinks(ElementKinds):
         """Link frames and constraints of the unreduced links."""
         return LinkFrames(self.topology, self.links)
 
-    @property
+    @cached_property
     def fixed_interface_links(self) -> tuple[FixedInterfaceLink, ...]:
         """Constraint modes and fixed-interface modes of the flexible links."""
-        # Kept, those of many elements take a tenth of a map's memory: they are made anew.
-        many = any(isinstance(link.stiffness, ChainMatrix) for link in self.links)
-        return self._with_fixed_interfaces() if many else self._kept_fixed_interfaces
-
-    def _with_fixed_interfaces(self) -> tuple[FixedInterfaceLink, ...]:
         return fix_interfaces(self.topology, self.links, self.connectors.end_forces())
-
-    _kept_fixed_interfaces = cached_property(_with_fixed_interfaces)
 
     @property
     @abstractmethod
@@ -308,7 +300,7 @@ class EngineLinks(ElementKinds):
 
     def damping_stiffness(
         self, displacement: Sequence[FloatArray], rate: Sequence[FloatArray]
-    ) -> Sequence[LinkMatrix] | None:
+    ) -> Sequence[FloatArray] | None:
         """Derivative of the links' damping forces by their displacement at given rates.
 
         Parameters

@@ -14,7 +14,7 @@ from typing import Self
 import numpy as np
 
 from flexmech.errors import InputError
-from flexmech.linear_system.links.chains import whole, with_entries
+from flexmech.linear_system.links.chains import with_entries
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import Clamp, Topology, picture_crank_angle
 from flexmech.mechanism import Mechanism
@@ -115,11 +115,11 @@ class FreeShaft:
             mean = (momentum := mass @ rigid) / (rigid @ momentum)
             clamped = replace(
                 own,
-                mass=whole(mass) + rotary * np.outer(mean, mean),
-                gyroscopic=whole(own.gyroscopic),
-                centrifugal_mass=whole(own.centrifugal_mass),
-                stiffness=whole(own.stiffness),
-                damping=whole(own.damping),
+                mass=mass + rotary * np.outer(mean, mean),
+                gyroscopic=own.gyroscopic,
+                centrifugal_mass=own.centrifugal_mass,
+                stiffness=own.stiffness,
+                damping=own.damping,
                 uncounted_rotary_inertia=0.0,
             )
         return tuple(clamped if link is own else link for link in links)

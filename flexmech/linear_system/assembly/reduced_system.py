@@ -10,7 +10,6 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.assembly.system import LinearSystem, condense
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.body_forces import body_turns
-from flexmech.linear_system.links.chains import LinkMatrix, whole
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
 from flexmech.linear_system.links.stressed_links import StressedLinks
@@ -132,7 +131,7 @@ def reduced_system(
     )
 
 
-def _projected(basis: FloatArray, tangent: LinkMatrix) -> FloatArray:
+def _projected(basis: FloatArray, tangent: FloatArray) -> FloatArray:
     """Tangent stiffness of a link in component modes."""
     return np.asarray(np.swapaxes(basis, -1, -2) @ (tangent @ basis))
 
@@ -173,7 +172,7 @@ def _damped_ends(
     for number, link in enumerate(reduction.links):
         if not ways[number]:
             continue
-        ends = whole(link.model.ends.damping if damping is None else damping[number].ends)
+        ends = link.model.ends.damping if damping is None else damping[number].ends
         rows = frames.targets[number][link.condensed] - first
         columns = slice(last[number] - ways[number], last[number])
         answer = ends[..., link.condensed, :] @ link.damped_ends

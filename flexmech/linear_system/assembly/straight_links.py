@@ -16,7 +16,7 @@ from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.rigid_coordinates import RigidGeometricStiffness
 from flexmech.linear_system.links.body_forces import DeadMoments
-from flexmech.linear_system.links.chains import LinkMatrix, with_entries
+from flexmech.linear_system.links.chains import with_entries
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.loads.connectors import Connectors
@@ -106,7 +106,7 @@ def straight_forces(
 
 def with_rigid_links(
     frames: LinkFrames,
-    tangent: Mapping[int, LinkMatrix],
+    tangent: Mapping[int, FloatArray],
     found: RigidGeometricStiffness | None,
     loads: list[FloatArray] | None = None,
 ) -> StressedLinks:
@@ -144,7 +144,7 @@ def with_rigid_links(
     return StressedLinks(tangents, loads=loads, guide_stiffness=found.guide_stiffness)
 
 
-def _in_order(values: Mapping[int, LinkMatrix]) -> Sequence[LinkMatrix]:
+def _in_order(values: Mapping[int, FloatArray]) -> Sequence[FloatArray]:
     return [values[number] for number in sorted(values)]
 
 

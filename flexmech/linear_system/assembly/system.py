@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.carried_linkage import COORDINATES, CarriedLinkage
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.links.chains import times, whole
+from flexmech.linear_system.links.chains import times
 from flexmech.linear_system.links.link_inertia import rigid_inertia
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
@@ -113,7 +113,7 @@ class LinearSystem:
             if link.rigid:
                 parts.append(link.mass_root.T @ q)
                 continue
-            mass, moved = whole(link.mass), q
+            mass, moved = link.mass, q
             if not (heavy := np.diagonal(mass) != 0).all():
                 mass, moved = mass[np.ix_(heavy, heavy)], q[:, heavy]
             parts.append(np.linalg.cholesky(mass).T @ moved)
@@ -166,13 +166,13 @@ class LinearSystem:
         shapes = [q[0] for q in self.unreduced_links(vectors)]
         of_frame = np.zeros((COORDINATES, vectors.shape[2]))
         if self.carried is None:
-            return [whole(k.mass) @ q for k, q in zip(links, shapes, strict=True)], of_frame
+            return [k.mass @ q for k, q in zip(links, shapes, strict=True)], of_frame
         weights, moved = [], self._split(vectors)[1][0]
         fields = self.carried.fields(self.motion)[:, 0]
         for link, shape, field in zip(links, shapes, fields, strict=True):
             own, forces = link.fields, rigid_inertia(link)[:, :3]
             rigid = np.stack([own.along, own.across, own.tangential], axis=1)
-            weights.append(whole(link.mass) @ shape + forces @ field @ moved)
+            weights.append(link.mass @ shape + forces @ field @ moved)
             of_frame = of_frame + field.T @ forces.T @ (shape + rigid @ field @ moved)
         return weights, of_frame + self.carried.frame.inertia_matrix @ moved
 

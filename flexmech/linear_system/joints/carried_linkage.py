@@ -25,7 +25,6 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.links.chains import whole
 from flexmech.linear_system.links.link_inertia import LinkInertia, field_coefficients
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
@@ -213,9 +212,7 @@ class CarriedLinkage:
         roots = []
         for inertia in self.inertias:
             coupled = inertia.mass[:, :3]
-            both = np.block(
-                [[whole(inertia.model.mass), coupled], [coupled.T, inertia.rigid[:3, :3]]]
-            )
+            both = np.block([[inertia.model.mass, coupled], [coupled.T, inertia.rigid[:3, :3]]])
             values, vectors = np.linalg.eigh(both)
             roots.append(vectors * np.sqrt(np.maximum(values, 0.0)))
         return roots

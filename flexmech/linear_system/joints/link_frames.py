@@ -28,7 +28,6 @@ from flexmech.linear_system.joints.link_place import DependentRows, LinkPlace
 from flexmech.linear_system.joints.link_ties import LinkTies
 from flexmech.linear_system.joints.rigid_coordinates import RigidCoordinates
 from flexmech.linear_system.joints.rigid_pose import DisplacedTies, RigidPose
-from flexmech.linear_system.links.chains import LinkMatrix, whole
 from flexmech.linear_system.links.link_model import LinkModel, WholeLink
 from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
 from flexmech.linkages import RigidMotion, Topology
@@ -148,7 +147,7 @@ class LinkFrames:
     def assemble(
         self,
         motion: RigidMotion,
-        stiffness: Sequence[LinkMatrix],
+        stiffness: Sequence[FloatArray],
         terms: RotationTerms,
         damping: Sequence[LinkDamping] | None = None,
         guide_stiffness: FloatArray | None = None,
@@ -176,11 +175,11 @@ class LinkFrames:
         SystemMatrices
         """
         links = [link.whole() for link in self.links]
-        tangents = [whole(x) for x in stiffness]
+        tangents = list(stiffness)
         own_damping = damping is None
         if damping is None:
             damping = [LinkDamping(link.damping, link.ends.damping) for link in self.links]
-        resisting = [own.whole() for own in damping]
+        resisting = [(own.matrix, own.ends) for own in damping]
         if (design := motion.design) is not None:
             straight = [x is link.stiffness for x, link in zip(stiffness, self.links, strict=True)]
             links = [link.at(design) for link in links]

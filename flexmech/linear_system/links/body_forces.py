@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system.links.chains import LinkMatrix, whole, with_entries
+from flexmech.linear_system.links.chains import with_entries
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linkages import RigidMotion, Topology
@@ -100,7 +100,7 @@ class DisplacedInertia:
         def linear(centrifugal: FloatArray, gyroscopic: FloatArray) -> FloatArray:
             return np.asarray(speed**2 * centrifugal - change * gyroscopic)
 
-        matrix = linear(whole(link.centrifugal_mass), whole(link.gyroscopic))
+        matrix = linear(link.centrifugal_mass, link.gyroscopic)
         force = (matrix @ displacement[..., None])[..., 0]
         for body in link.bodies:
             moved, (_, gyroscopic, centrifugal) = displacement @ body.rows.T, body.matrices(STILL)
@@ -296,8 +296,8 @@ class DeadMoments:
             yield link, np.flatnonzero(self.links == link)
 
     def add_stiffness(
-        self, tangent: Mapping[int, LinkMatrix], displacement: Sequence[FloatArray]
-    ) -> dict[int, LinkMatrix]:
+        self, tangent: Mapping[int, FloatArray], displacement: Sequence[FloatArray]
+    ) -> dict[int, FloatArray]:
         """Tangents (n, n) or (B, n, n) of elastic links with the geometric stiffness of bodies."""
         stiffened = dict(tangent)
         for link, (rows, stiffness) in self.rotation_stiffness(displacement).items():

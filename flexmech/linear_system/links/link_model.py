@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system.links.chains import LinkMatrix, whole, with_entries
+from flexmech.linear_system.links.chains import with_entries
 from flexmech.linear_system.links.link_readings import LinkReadings
 from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
 from flexmech.linkages import LinkBody, LinkMass
@@ -54,9 +54,9 @@ class EndMatrices:
         Displacements by the ends alone.
     """
 
-    mass: LinkMatrix
-    gyroscopic: LinkMatrix
-    damping: LinkMatrix
+    mass: FloatArray
+    gyroscopic: FloatArray
+    damping: FloatArray
     readings: LinkReadings
 
 
@@ -141,12 +141,12 @@ class LinkModel:
     """
 
     name: str
-    mass: LinkMatrix
-    gyroscopic: LinkMatrix
-    centrifugal_mass: LinkMatrix
+    mass: FloatArray
+    gyroscopic: FloatArray
+    centrifugal_mass: FloatArray
     first_moment: FloatArray
-    stiffness: LinkMatrix
-    damping: LinkMatrix
+    stiffness: FloatArray
+    damping: FloatArray
     is_axial: NDArray[np.bool_]
     start: IntArray
     end: IntArray
@@ -256,11 +256,10 @@ class LinkModel:
         return [body for body in self.bodies if body.is_off_axis and not body.of_section]
 
     def whole(self) -> WholeLink:
-        """Its matrices as full ones."""
+        """Its matrices of inertia."""
         ends = self.ends
         return WholeLink(
-            *(whole(x) for x in (self.mass, self.gyroscopic, self.centrifugal_mass)),
-            *(whole(x) for x in (ends.mass, ends.gyroscopic)),
+            self.mass, self.gyroscopic, self.centrifugal_mass, ends.mass, ends.gyroscopic
         )
 
     @property
@@ -289,8 +288,8 @@ class LinkModel:
     def mass_root(self) -> FloatArray:
         """``L`` with ``L L^T`` the mass matrix, (n, n); of a rigid link that may be singular."""
         if not self.rigid:
-            return np.asarray(np.linalg.cholesky(whole(self.mass)), dtype=float)
-        values, vectors = np.linalg.eigh(whole(self.mass))
+            return np.asarray(np.linalg.cholesky(self.mass), dtype=float)
+        values, vectors = np.linalg.eigh(self.mass)
         return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)), dtype=float)
 
     def end_displacement(self, end: str) -> IntArray:
@@ -370,7 +369,7 @@ class LinkModel:
         """
         across = np.swapaxes(basis, -1, -2)
 
-        def project(matrix: LinkMatrix) -> FloatArray:
+        def project(matrix: FloatArray) -> FloatArray:
             return across @ matrix @ basis
 
         unit = self.end_basis(basis.shape[-1], kept)

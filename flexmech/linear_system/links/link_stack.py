@@ -12,6 +12,9 @@ from flexmech.arrays import IntArray
 
 Found = TypeVar("Found")
 
+# Links of more elements are computed design by design: memory, and speed, which is then as great.
+MOST_STACKED = 16
+
 
 class UnlikeDesignsError(Exception):
     """Designs of a stack that cannot be computed together: their matrices differ in size.

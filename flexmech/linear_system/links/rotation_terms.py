@@ -9,7 +9,6 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.choices import ROTATION_TERMS
 from flexmech.errors import InputError
-from flexmech.linear_system.links.chains import LinkMatrix, whole
 from flexmech.validation import check_flag, check_instance
 
 # All terms or none of them in one word, as users write it and as results have it.
@@ -155,9 +154,5 @@ class LinkDamping:
         :class:`flexmech.linear_system.links.link_model.EndMatrices`.
     """
 
-    matrix: LinkMatrix
-    ends: LinkMatrix
-
-    def whole(self) -> tuple[FloatArray, FloatArray]:
-        """Both as full matrices."""
-        return whole(self.matrix), whole(self.ends)
+    matrix: FloatArray
+    ends: FloatArray

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system.links.chains import LinkMatrix, in_positions
+from flexmech.linear_system.links.chains import in_positions
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import RigidMotion
 
@@ -41,10 +41,10 @@ class StressedLinks:
         Of the linkage in these positions, a batch of shape (B,); None where it is not kept.
     """
 
-    tangent: Sequence[LinkMatrix]
+    tangent: Sequence[FloatArray]
     displacement: list[FloatArray] | None = None
     internal_force: list[FloatArray] | None = None
-    damping: Sequence[LinkMatrix] | None = None
+    damping: Sequence[FloatArray] | None = None
     loads: list[FloatArray] | None = None
     guide_stiffness: FloatArray | None = None
     unstressed: bool = False

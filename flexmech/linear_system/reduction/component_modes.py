@@ -43,7 +43,6 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.links.chains import LinkMatrix
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.link_stack import same_of_all
 from flexmech.linear_system.reduction.fixed_interface_modes import (
@@ -187,7 +186,8 @@ def component_modes(
     """
     if fixed is None:
         fixed = fix_interfaces(topology, links)
-    every = np.sort(np.concatenate([h.bending.lowest(modes) for h in fixed], axis=-1), axis=-1)
+    lowest = [h.bending.frequency[..., :modes] for h in fixed]
+    every = np.sort(np.concatenate(lowest, axis=-1), axis=-1)
     usual_cutoff = BENDING_CUTOFF * every[..., min(modes, every.shape[-1]) - 1]
     bending_cutoff = detail * usual_cutoff
     # Short links stretch at frequencies like those at which they bend.
@@ -237,9 +237,9 @@ def _reduce(
     turning_sections: bool,
     decouples_mass: bool,
 ) -> ReducedLink:
-    bending = fixed.bending.shapes(0, fixed.bending.below(bending_cutoff))
+    bending = fixed.bending.shapes[..., : fixed.bending.below(bending_cutoff)]
     n_axial = fixed.axial.below(axial_cutoff)
-    mass, axial = fixed.link.mass, fixed.axial.shapes(0, n_axial)
+    mass, axial = fixed.link.mass, fixed.axial.shapes[..., :n_axial]
     if same_of_all((_across(bending) @ (mass @ axial)).any(axis=(-2, -1))):
         axial = _complement(axial, bending, mass)
     dynamic = np.concatenate([bending, axial], axis=-1)
@@ -249,13 +249,15 @@ def _reduce(
         shapes = np.concatenate([fixed.constraint_modes, dynamic], axis=-1)
         relief = np.concatenate([relief, _damping_shapes(fixed, shapes)], axis=-1)
     dynamic = np.concatenate([dynamic, _complement(relief, dynamic, mass)], axis=-1)
-    candidates = fixed.axial.shapes(n_axial, max(n_axial, condensed_modes))
+    candidates = fixed.axial.shapes[..., n_axial : max(n_axial, condensed_modes)]
     if condensed_modes and great_detail and turning_sections:
         sections = _turning_sections(fixed)
         sections = np.broadcast_to(sections, (*candidates.shape[:-1], sections.shape[-1]))
         candidates = np.concatenate([candidates, sections], axis=-1)
     if damped and turning:
-        candidates = np.concatenate([candidates, fixed.interior_shapes], axis=-1)
+        # Constraint modes of dependent ends without the ends: they vanish at the joints.
+        shapes = (fixed.constraint_modes - fixed.boundary.unit)[..., fixed.boundary.dependent]
+        candidates = np.concatenate([candidates, shapes], axis=-1)
     condensed = _complement(candidates, dynamic, mass)
     static = fixed.constraint_modes
     if decouples_mass:
@@ -274,10 +276,9 @@ def _reduce(
 
 def _damped_ends(fixed: FixedInterfaceLink, basis: FloatArray, condensed: FloatArray) -> FloatArray:
     """Motions (..., n_reduced, r) of dependent ends whose damping deforms condensed shapes."""
-    link, inner, dependent = fixed.link, fixed.inner, fixed.boundary.dependent
+    link, dependent = fixed.link, fixed.boundary.dependent
     force = link.damping @ fixed.boundary.unit[:, dependent]
-    inside = force[..., inner, :]
-    whole = (inside * fixed.flexibility.displacements(inside)).sum(axis=-2)
+    whole = (force * (fixed.flexibility @ force)).sum(axis=-2)
     scale = 1 / np.sqrt(np.where(whole > 0, whole, np.inf))
     part = _across(condensed) @ force * scale[..., None, :]
     stiffness = _across(condensed) @ (link.stiffness @ condensed)
@@ -312,18 +313,18 @@ def _damping_shapes(fixed: FixedInterfaceLink, shapes: FloatArray) -> FloatArray
     link, inner = fixed.link, fixed.inner
     if not len(inner):
         return shapes[..., :0]
-    time = fixed.flexibility.trace_with(link.damping)[..., None, None] / len(inner)
-    responses = np.zeros_like(shapes)
+    trace = (fixed.flexibility * link.damping).sum(axis=(-2, -1))
+    time = trace[..., None, None] / len(inner)
     unlike = (link.damping @ shapes) / time - link.stiffness @ shapes
-    responses[..., inner, :] = fixed.flexibility.displacements(unlike[..., inner, :])
+    responses = fixed.flexibility @ unlike
     response, shape = ((x * (link.mass @ x)).sum(axis=-2) for x in (responses, shapes))
     kept = (response > ROUND_OFF_SHAPE**2 * shape).reshape(-1, shapes.shape[-1])
     # Which are kept, as a number.
     same_of_all(np.unique(kept, axis=0, return_inverse=True)[1].ravel())
-    return responses[..., kept[0]]
+    return np.asarray(responses[..., kept[0]])
 
 
-def _complement(vectors: FloatArray, others: FloatArray, mass: LinkMatrix) -> FloatArray:
+def _complement(vectors: FloatArray, others: FloatArray, mass: FloatArray) -> FloatArray:
     """Mass-orthonormal complement of ``vectors`` to mass-orthonormal ``others``."""
     if not vectors.shape[-1]:
         return vectors

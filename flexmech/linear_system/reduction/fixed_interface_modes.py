@@ -1,25 +1,190 @@
-"""Fixed-interface modes and constraint modes of a link (Craig & Bampton, *AIAA Journal* 6, 1968).
+"""Constraint modes and fixed-interface modes of a link (Craig & Bampton 1968).
 
-Of few elements all modes are found at once. Of many the lowest are found alone, by Lanczos' method
-on the inverse of the stiffness (shift-invert, ARPACK), so that nothing grows with the square of the
-number of elements.
+*AIAA Journal* 6, 1313-1319. The boundary of a link are the coordinates that its joints move.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, eigsh, splu
+from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system.links.chains import ChainMatrix, LinkMatrix, couples, whole
+from flexmech.linear_system.joints.joint_points import joint_points
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.link_stack import same_of_all
-from flexmech.linear_system.reduction.link_boundary import JoinedEnds, LinkBoundary, link_boundary
-from flexmech.linkages import Topology
+from flexmech.linkages import LinkEnd, Topology
+from flexmech.linkages.topology import End
+
+ENDS: tuple[End, ...] = ("start", "end")
+
+
+@dataclass(frozen=True)
+class LinkBoundary:
+    """Fixed and boundary coordinates of a link at its joints.
+
+    Parameters
+    ----------
+    fixed : ndarray of bool, shape (n,)
+        Fixed by the ground, the shaft or the fitting of a joint.
+    unit : ndarray, shape (n, b)
+        Unit displacement of each boundary coordinate: of one coordinate of the link, or of all
+        that rotate with a welded end.
+    kept : dict of str to ndarray of int
+        Which of them are displacements of ``start`` and ``end``, and ``start_rotation`` and
+        ``end_rotation``.
+    dependent : ndarray of int, shape (k,)
+        Which of them are displacements that depend on another link, or on a line.
+    """
+
+    fixed: NDArray[np.bool_]
+    unit: FloatArray
+    kept: dict[str, IntArray]
+    dependent: IntArray
+
+    @property
+    def inner(self) -> IntArray:
+        """Coordinates that no joint fixes or moves, (i,)."""
+        return np.flatnonzero(~(self.fixed | self.unit.any(axis=1)))
+
+
+def link_boundary(topology: Topology, link: LinkModel) -> LinkBoundary:
+    """Coordinates of a flexible link at its joints.
+
+    Parameters
+    ----------
+    topology : Topology
+        Of its linkage.
+    link : LinkModel
+        Unreduced.
+
+    Returns
+    -------
+    LinkBoundary
+    """
+    fixed = np.zeros(link.size, dtype=bool)
+    for rows in _fixed_by_joints(topology, link):
+        fixed[rows] = True
+    tied, welded = _tied_ends(topology), _welded_ends(topology)
+    columns: list[IntArray] = []
+    kept: dict[str, IntArray] = {}
+    for end in ENDS:
+        rows = link.end_displacement(end)
+        keeps = LinkEnd(link.name, end) in tied and not fixed[rows].any()
+        kept[end] = len(columns) + np.arange(2 if keeps else 0)
+        columns += [rows[n : n + 1] for n in range(2 if keeps else 0)]
+    for end in ENDS:
+        rows = link.end_rotation_of(end)
+        keeps = bool(len(rows)) and LinkEnd(link.name, end) in welded and not fixed[rows].any()
+        # Both ends of a bar have one rotation.
+        before = [n for n, own in enumerate(columns) if np.array_equal(own, rows)]
+        numbers = (before or [len(columns)]) if keeps else []
+        kept[f"{end}_rotation"] = np.array(numbers, dtype=np.intp)
+        columns += [rows] if len(columns) in numbers else []
+    # The section of a body off the axis is a joint too: a rigid link is welded to it.
+    arms = [body.rows.any(axis=0) for body in link.attached_off_axis]
+    taken = fixed.copy()
+    taken[np.concatenate([*columns, np.zeros(0, dtype=np.intp)])] = True
+    columns += list(np.flatnonzero(np.any(arms, axis=0) & ~taken)[:, None]) if arms else []
+    unit = np.zeros((link.size, len(columns)))
+    for number, rows in enumerate(columns):
+        unit[rows, number] = 1.0
+    ends = [kept[place.end] for place in _dependent_ends(topology) if place.link == link.name]
+    dependent = np.concatenate([np.zeros(0, dtype=np.intp), *ends])
+    return LinkBoundary(fixed, unit, kept, dependent)
+
+
+def _fixed_by_joints(topology: Topology, link: LinkModel) -> Iterator[IntArray]:
+    """Coordinates that the ground, the shaft or a fitting fixes, end by end."""
+    for clamp in topology.clamps:
+        if clamp.link_end.link == link.name:
+            if not (clamp.free and clamp.hub):
+                yield link.end_displacement(clamp.link_end.end)
+            if not clamp.free:
+                yield link.end_rotation_of(clamp.link_end.end)
+    for pivot in topology.pivots:
+        if pivot.link_end.link == link.name and not pivot.sprung:
+            yield link.end_displacement(pivot.link_end.end)
+    for place in topology.joined_ends:
+        if place.link == link.name:
+            yield link.end_warping_of(place.end)
+
+
+def _tied_ends(topology: Topology) -> set[LinkEnd]:
+    """Ends joined to other links, on a line, or on springs."""
+    tied = {place for tie in topology.ties for place in (tie.leader, tie.follower)}
+    tied |= {slider.link_end for slider in topology.sliders}
+    tied |= {clamp.link_end for clamp in topology.clamps if clamp.free and clamp.hub}
+    return tied | {pivot.link_end for pivot in topology.pivots if pivot.sprung}
+
+
+def _welded_ends(topology: Topology) -> set[LinkEnd]:
+    """Ends tied by welds, or clamped to a free shaft."""
+    welded = {place for weld in topology.welds for place in (weld.leader, weld.follower)}
+    return welded | {clamp.link_end for clamp in topology.clamps if clamp.free}
+
+
+def _dependent_ends(topology: Topology) -> list[LinkEnd]:
+    """Ends of flexible links that depend on another link's end, a rigid link or a line."""
+    rigid = {link.name for link in topology.links if link.rigid}
+    welded, dependent = _welded_ends(topology), []
+    for point in joint_points(topology):
+        elastic = [end for end in point.ends if end.link not in rigid]
+        # What is welded to a rigid link does not turn against its frame.
+        leaders = elastic[:1]
+        if point.slider is not None:
+            leaders = []
+        elif len(elastic) < len(point.ends):
+            leaders = [end for end in elastic if end in welded][:1]
+        dependent += [end for end in elastic if end not in leaders]
+    return dependent
+
+
+@dataclass(frozen=True)
+class FixedInterfaceModes:
+    """All vibration modes of a link with its interface fixed, normalized by the mass.
+
+    Parameters
+    ----------
+    frequency : ndarray, shape (..., m)
+        Angular, in rad/s; ascending.
+    shapes : ndarray, shape (..., n, m)
+    """
+
+    frequency: FloatArray
+    shapes: FloatArray
+
+    @classmethod
+    def of(
+        cls, link: LinkModel, moving: IntArray, condensed: IntArray | None = None
+    ) -> FixedInterfaceModes:
+        """Modes in which some coordinates move, and others follow statically.
+
+        Parameters
+        ----------
+        link : LinkModel
+            Unreduced.
+        moving : ndarray of int, shape (m,)
+        condensed : ndarray of int, shape (k,), optional
+
+        Returns
+        -------
+        FixedInterfaceModes
+        """
+        amplitudes = np.eye(link.size)[:, moving]
+        if condensed is not None:
+            amplitudes = constraint_modes(link.stiffness, amplitudes, condensed)[0]
+        across = np.swapaxes(amplitudes, -1, -2)
+        unit_mass = np.linalg.inv(np.linalg.cholesky(across @ (link.mass @ amplitudes))) @ across
+        turned = np.swapaxes(unit_mass, -1, -2)
+        values, vectors = np.linalg.eigh(unit_mass @ (link.stiffness @ turned))
+        return cls(np.sqrt(np.abs(values)), turned @ vectors)
+
+    def below(self, frequency: FloatArray) -> int:
+        """Number of modes up to an angular frequency (...) in rad/s, the same of all designs."""
+        return same_of_all((self.frequency <= np.asarray(frequency)[..., None]).sum(axis=-1))
 
 
 @dataclass(frozen=True)
@@ -34,34 +199,30 @@ class FixedInterfaceLink:
     constraint_modes : ndarray, shape (n, b)
         Static displacement by a unit of each boundary coordinate. These and all that follow have
         a leading dimension where the link is of several designs.
+    flexibility : ndarray, shape (n, n)
+        Displacements by forces with the interface fixed.
     bending, axial : FixedInterfaceModes
-        Fixed-interface modes, normalized by the mass.
     bending_relief, axial_relief : ndarray, shape (n, r)
         Inertia-relief modes, static responses to the inertia of the constraint modes, and
         attachment modes of couples at free ends.
     floating_relief : ndarray, shape (n, r)
         Inertia-relief mode of a rigid motion along the link.
-    interior_shapes : ndarray, shape (n, k)
-        Constraint modes of dependent ends without the ends: they vanish at the joints.
-    flexibility : Flexibility
-        Of the coordinates that no joint fixes or moves.
     """
 
     link: LinkModel
     boundary: LinkBoundary
     constraint_modes: FloatArray
+    flexibility: FloatArray
     bending: FixedInterfaceModes
     axial: FixedInterfaceModes
     bending_relief: FloatArray
     axial_relief: FloatArray
     floating_relief: FloatArray
-    interior_shapes: FloatArray
-    flexibility: Flexibility
 
     @property
     def inner(self) -> IntArray:
         """Coordinates that no joint fixes or moves, (i,)."""
-        return self.flexibility.free
+        return self.boundary.inner
 
 
 def fix_interfaces(
@@ -81,273 +242,77 @@ def fix_interfaces(
     -------
     tuple of FixedInterfaceLink
     """
-    ends = JoinedEnds.of(topology)
     if couples is None:
         couples = [np.zeros((link.size, 0)) for link in links]
     pairs = zip(links, couples, strict=True)
-    return tuple(_fix_interface(ends, *pair) for pair in pairs if not pair[0].rigid)
+    return tuple(_fix_interface(topology, *pair) for pair in pairs if not pair[0].rigid)
 
 
-def _fix_interface(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> FixedInterfaceLink:
-    """Constraint modes and fixed-interface modes of a flexible link.
-
-    Parameters
-    ----------
-    ends : JoinedEnds
-        Of the linkage.
-    link : LinkModel
-        Unreduced.
-    couples : ndarray, shape (n, k)
-        Forces of springs in joints that turn the link's ends.
-
-    Returns
-    -------
-    FixedInterfaceLink
-    """
-    boundary = link_boundary(ends, link)
-    flexibility, constraint_modes = static_modes(boundary, link.stiffness)
-    inner = flexibility.free
-    interior_shapes = (constraint_modes - boundary.unit)[..., boundary.dependent]
-    relief = np.zeros_like(constraint_modes)
-    inertia = link.mass @ constraint_modes
-    relief[..., inner, :] = flexibility.displacements(inertia[..., inner, :])
+def _fix_interface(topology: Topology, link: LinkModel, couples: FloatArray) -> FixedInterfaceLink:
+    """Modes of a flexible link, on whose ends springs in joints exert couples (n, k)."""
+    boundary = link_boundary(topology, link)
+    static, flexibility = constraint_modes(link.stiffness, boundary.unit, boundary.inner)
+    relief = flexibility @ (link.mass @ static)
     axial_boundary = boundary.unit[link.is_axial].any(axis=0)
     # A link that no end ties to the ground moves along itself as a whole: one axial shape.
     # One with fixed ends only stretches: of a slender one far too little for inertia to matter.
     floats = bool(axial_boundary.any()) and not boundary.fixed.any()
     axial_relief = relief[..., axial_boundary]
-    floating_relief = axial_relief.sum(axis=-1, keepdims=True)
+    inner = boundary.inner
     stretching, turning = inner[link.is_axial[inner]], inner[~link.is_axial[inner]]
-    responses = [relief[..., ~axial_boundary], _attachment_modes(link, flexibility)]
-    # Modes of a link whose ends turn freely converge slowly to a spring against that.
-    turned = np.zeros((*relief.shape[:-2], *couples.shape))
-    turned[..., inner, :] = flexibility.displacements(couples[inner])
+    responses = [
+        relief[..., ~axial_boundary],
+        flexibility[..., _free_ends_of_eccentric_link(link, inner)],
+        # Modes of a link whose ends turn freely converge slowly to a spring against that.
+        flexibility @ couples,
+    ]
     return FixedInterfaceLink(
         link=link,
         boundary=boundary,
-        constraint_modes=constraint_modes,
-        # Where an axis off the pins couples both, bending goes along without axial force.
-        bending=FixedInterfaceModes(link, turning, stretching),
-        axial=FixedInterfaceModes(link, stretching),
-        bending_relief=np.concatenate([*responses, turned], axis=-1),
-        axial_relief=axial_relief,
-        floating_relief=floating_relief if floats else relief[..., :0],
-        interior_shapes=interior_shapes,
+        constraint_modes=static,
         flexibility=flexibility,
+        # Where an axis off the pins couples both, bending goes along without axial force.
+        bending=FixedInterfaceModes.of(link, turning, stretching),
+        axial=FixedInterfaceModes.of(link, stretching),
+        bending_relief=np.concatenate(responses, axis=-1),
+        axial_relief=axial_relief,
+        floating_relief=axial_relief.sum(axis=-1, keepdims=True) if floats else relief[..., :0],
     )
 
 
-def static_modes(boundary: LinkBoundary, stiffness: LinkMatrix) -> tuple[Flexibility, FloatArray]:
-    """Flexibility of a link with its ends held, and its constraint modes.
+def constraint_modes(
+    stiffness: FloatArray, unit: FloatArray, inner: IntArray
+) -> tuple[FloatArray, FloatArray]:
+    """Constraint modes of a link, and its flexibility with the interface fixed.
 
     Parameters
     ----------
-    boundary : LinkBoundary
-    stiffness : ndarray, shape (..., n, n), or ChainMatrix, shape (n, n)
+    stiffness : ndarray, shape (..., n, n)
+    unit : ndarray, shape (n, b)
+        Unit displacements of the boundary.
+    inner : ndarray of int, shape (i,)
+        Coordinates that answer to them statically.
 
     Returns
     -------
-    Flexibility
     ndarray, shape (..., n, b)
+    ndarray, shape (..., n, n)
+        Zero in what is fixed.
     """
-    flexibility, unit = Flexibility(stiffness, boundary.inner), boundary.unit
-    forces = (stiffness @ unit)[..., flexibility.free, :]
-    modes = np.array(np.broadcast_to(unit, (*forces.shape[:-2], *unit.shape)))
-    modes[..., flexibility.free, :] = -flexibility.displacements(forces)
-    return flexibility, modes
+    flexibility = np.zeros_like(stiffness)
+    grid = (..., inner[:, None], inner)
+    flexibility[grid] = np.linalg.inv(stiffness[grid])
+    return unit - flexibility @ (stiffness @ unit), flexibility
 
 
-def _attachment_modes(link: LinkModel, flexibility: Flexibility) -> FloatArray:
-    """Attachment modes (n, m) of an eccentric link: response to couples at its free ends.
+def _free_ends_of_eccentric_link(link: LinkModel, inner: IntArray) -> IntArray:
+    """Rotations of free ends of an eccentric link, whose attachment modes are kept.
 
     The force of a pin on an arm is a spring against the end's rotation, to which modes of the link
     with free rotations at its ends converge slowly.
     """
-    off_axis = any(body.of_section for body in link.bodies)
-    if not (off_axis or couples(link.stiffness, link.is_axial, ~link.is_axial)):
-        return np.zeros((*link.mass.shape[:-2], link.size, 0))
-    ends, inner = np.concatenate([link.start_rotation[:1], link.end_rotation[:1]]), flexibility.free
-    turned = ends[np.isin(ends, inner)]
-    unit = np.zeros((link.size, len(turned)))
-    unit[turned, np.arange(len(turned))] = 1.0
-    shapes = np.zeros((*link.mass.shape[:-2], *unit.shape))
-    shapes[..., inner, :] = flexibility.displacements(unit[inner])
-    return shapes
-
-
-# Of many elements so many modes are found first, twice as many where these are too few. Speed and
-# memory alone: a map of four frequencies asks for some twenty modes of a link.
-FIRST_MODES = 24
-# All modes are found at once where the lowest are more than this part of them: it takes no longer.
-LARGE_PART = 1 / 4
-
-
-class FixedInterfaceModes:
-    """Mass-normalized vibration modes of a link with its interface fixed, found as needed.
-
-    Parameters
-    ----------
-    link : LinkModel
-        Unreduced.
-    which : ndarray of int, shape (m,)
-        Coordinates that move, one in each shape.
-    condensed : ndarray of int, shape (k,), optional
-        Coordinates that are condensed statically.
-    """
-
-    def __init__(self, link: LinkModel, which: IntArray, condensed: IntArray | None = None) -> None:
-        self._link, self._which = link, which
-        self._condensed = which[:0] if condensed is None else condensed
-        moves, condenses = np.zeros((2, link.size), dtype=bool)
-        moves[which], condenses[self._condensed] = True, True
-        self._couples = couples(link.stiffness, moves, condenses)
-        batch = link.mass.shape[:-2]
-        self._frequency, self._shapes = np.zeros((*batch, 0)), np.zeros((*batch, link.size, 0))
-
-    def lowest(self, count: int) -> FloatArray:
-        """Lowest angular frequencies in rad/s, (..., count), or all if there are fewer."""
-        self._find(count)
-        return self._frequency[..., :count]
-
-    def below(self, frequency: FloatArray) -> int:
-        """Number of modes up to an angular frequency (...) in rad/s, the same of all designs."""
-        self._find(1)
-        while self._known < len(self._which) and (self._frequency[..., -1] <= frequency).any():
-            self._find(2 * self._known)
-        return same_of_all((self._frequency <= np.asarray(frequency)[..., None]).sum(axis=-1))
-
-    def shapes(self, first: int, last: int) -> FloatArray:
-        """Modes from one number up to another, (..., n, last - first), or up to the last one."""
-        self._find(last)
-        return self._shapes[..., first:last]
-
-    @property
-    def _known(self) -> int:
-        """Number of modes that are found."""
-        return int(self._frequency.shape[-1])
-
-    def _find(self, count: int) -> None:
-        """Find at least ``count`` modes, if there are so many."""
-        size = len(self._which)
-        if min(count, size) <= self._known:
-            return
-        many = isinstance(self._link.stiffness, ChainMatrix)
-        count = max(count, FIRST_MODES)
-        if many and count < LARGE_PART * size:
-            self._frequency, self._shapes = self._lowest(count)
-        else:
-            self._frequency, self._shapes = self._all()
-
-    def _all(self) -> tuple[FloatArray, FloatArray]:
-        link = self._link
-        shapes = self._moved(np.eye(len(self._which)))
-        across = np.swapaxes(shapes, -1, -2)
-        unit_mass = np.linalg.inv(np.linalg.cholesky(across @ (link.mass @ shapes))) @ across
-        turned = np.swapaxes(unit_mass, -1, -2)
-        values, vectors = np.linalg.eigh(unit_mass @ (link.stiffness @ turned))
-        return np.sqrt(np.abs(values)), turned @ vectors
-
-    def _lowest(self, count: int) -> tuple[FloatArray, FloatArray]:
-        link, which, size = self._link, self._which, len(self._which)
-        free = np.union1d(which, self._condensed) if self._couples else which
-        place, flexibility = np.searchsorted(free, which), Flexibility(link.stiffness, free)
-
-        def inverse(load: FloatArray) -> FloatArray:
-            forces = np.zeros((len(free), 1))
-            forces[place, 0] = load.ravel()
-            return np.asarray(flexibility.displacements(forces)[place, 0])
-
-        def inertia(amplitude: FloatArray) -> FloatArray:
-            return self._load(link.mass @ self._moved(amplitude.reshape(size, -1)))[:, 0]
-
-        def elastic(amplitude: FloatArray) -> FloatArray:
-            return self._load(link.stiffness @ self._moved(amplitude.reshape(size, -1)))[:, 0]
-
-        stiffness, mass, response = (
-            LinearOperator((size, size), matvec=product, dtype=float)
-            for product in (elastic, inertia, inverse)
-        )
-        # A start that has a part of every mode, and is the same in each run.
-        start = np.random.default_rng(0).standard_normal(size)
-        squares, vectors = eigsh(stiffness, count, mass, sigma=0.0, OPinv=response, v0=start)
-        order = np.argsort(squares)
-        return np.sqrt(np.abs(squares[order])), self._moved(vectors[:, order])
-
-    def _moved(self, amplitudes: FloatArray) -> FloatArray:
-        """Coordinates (..., n, k) of the link at amplitudes (m, k) of the shapes."""
-        moved = _scattered(self._link.size, self._which, amplitudes)
-        if self._couples:
-            force = (self._link.stiffness @ moved)[..., self._condensed, :]
-            moved = np.array(np.broadcast_to(moved, (*force.shape[:-2], *moved.shape)))
-            moved[..., self._condensed, :] = -self._condensing.displacements(force)
-        return moved
-
-    def _load(self, forces: FloatArray) -> FloatArray:
-        """Generalized forces (m, k) on the shapes by forces (n, k) on the coordinates."""
-        load = forces[self._which]
-        if self._couples:
-            response = _scattered(
-                self._link.size,
-                self._condensed,
-                self._condensing.displacements(forces[self._condensed]),
-            )
-            load = load - (self._link.stiffness @ response)[self._which]
-        return load
-
-    @cached_property
-    def _condensing(self) -> Flexibility:
-        """Of the condensed coordinates."""
-        return Flexibility(self._link.stiffness, self._condensed)
-
-
-def _scattered(size: int, rows: IntArray, values: FloatArray) -> FloatArray:
-    """Vectors (size, k) with values (r, k) in some rows."""
-    whole = np.zeros((size, values.shape[1]))
-    whole[rows] = values
-    return whole
-
-
-# Columns that are solved at a time, where all would fill a full matrix: memory alone.
-AT_A_TIME = 64
-
-
-class Flexibility:
-    """Flexibility matrix: inverse of a stiffness matrix with some coordinates fixed.
-
-    Of a chain of elements only its sparse factors are computed.
-
-    Parameters
-    ----------
-    stiffness : ndarray, shape (..., n, n), or ChainMatrix, shape (n, n)
-    free : ndarray of int, shape (i,)
-        Ascending coordinates that are not fixed.
-    """
-
-    def __init__(self, stiffness: LinkMatrix, free: IntArray) -> None:
-        self.free = free
-        self._factors = self._inverse = None
-        if isinstance(stiffness, ChainMatrix) and len(free):
-            self._factors = splu(stiffness.sparse()[free][:, free].tocsc())
-        else:
-            self._inverse = np.linalg.inv(whole(stiffness)[..., free[:, None], free])
-
-    def displacements(self, forces: FloatArray) -> FloatArray:
-        """Displacements (..., i, k) by forces (..., i, k) on the free coordinates."""
-        if self._factors is not None:
-            return np.asarray(self._factors.solve(np.ascontiguousarray(forces)))
-        return np.asarray(self.matrix @ forces, dtype=float)
-
-    @property
-    def matrix(self) -> FloatArray:
-        """The matrix itself, (..., i, i); not of a chain of elements."""
-        return np.asarray(self._inverse, dtype=float)
-
-    def trace_with(self, matrix: LinkMatrix) -> FloatArray:
-        """Trace of the product with a symmetric matrix (..., n, n) in the same coordinates."""
-        free, total = self.free, np.zeros(matrix.shape[:-2])
-        for first in range(0, len(free), AT_A_TIME):
-            unit = np.zeros((matrix.shape[-1], len(free[first : first + AT_A_TIME])))
-            unit[free[first : first + AT_A_TIME], np.arange(unit.shape[1])] = 1.0
-            moved = self.displacements((matrix @ unit)[..., free, :])
-            total += np.trace(moved[..., first : first + AT_A_TIME, :], axis1=-2, axis2=-1)
-        return total
+    coupled = link.stiffness[..., link.is_axial, :][..., ~link.is_axial].any()
+    if not (coupled or any(body.of_section for body in link.bodies)):
+        return inner[:0]
+    ends = np.concatenate([link.start_rotation[:1], link.end_rotation[:1]])
+    return ends[np.isin(ends, inner)]

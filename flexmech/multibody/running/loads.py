@@ -23,7 +23,7 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linear_system import LinkModel, RigidBody, whole
+from flexmech.linear_system import LinkModel, RigidBody
 from flexmech.linkages import Drive, Linkage
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
@@ -50,7 +50,7 @@ class LinkEnergies:
         self._assembly = assembly
         self._links = links
         # Without attached bodies, which turn with their nodes.
-        self._mass = [whole(link.mass) for link in links]
+        self._mass = [link.mass for link in links]
         for number, _ in assembly.beams:
             for body in (own for own in links[number].bodies if not own.of_section):
                 own = body.matrices(np.zeros(()))[0]

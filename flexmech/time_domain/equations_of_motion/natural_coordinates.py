@@ -30,7 +30,6 @@ from flexmech.linear_system import (
     LinkModel,
     LinkStretch,
     RigidBody,
-    whole,
 )
 from flexmech.linear_system.links.link_model import NO_VECTORS, NONE, RigidFields
 from flexmech.linear_system.links.rigid_body import QUARTER_TURN
@@ -185,7 +184,7 @@ def _bar(
     of a link that nothing joins at its end that of the start, the rotation and the stretch. Its
     inertia has that of a free shaft in it, none of which is on the rotation.
     """
-    mass = whole(rigid.mass)
+    mass = rigid.mass
     matter = RigidBody(mass[0, 0], (mass[1, 2], -mass[0, 2]), mass[2, 2], central_inertia=0.0)
     at_start, stretch, turn = np.eye(4)[:2], np.eye(4)[2], np.eye(4)[3]
     if joined:

@@ -19,11 +19,11 @@ import numpy as np
 import scipy.linalg
 
 from flexmech.arrays import SAME_PLACE, FloatArray, IntArray
-from flexmech.linear_system import Engine, LinkModel, LinkStretch, RigidBody, body_nodes, whole
+from flexmech.linear_system import Engine, LinkModel, LinkStretch, RigidBody, body_nodes
 from flexmech.linear_system.assembly.free_shaft import FreeShaft
 from flexmech.linear_system.links.link_model import RigidFields
 from flexmech.linear_system.links.rigid_body import QUARTER_TURN
-from flexmech.linear_system.reduction.link_boundary import JoinedEnds, link_boundary
+from flexmech.linear_system.reduction.fixed_interface_modes import link_boundary
 from flexmech.linkages import Topology
 from flexmech.time_domain.equations_of_motion.natural_coordinates import (
     NaturalLink,
@@ -211,7 +211,7 @@ class TurningSections:
 
     def _inertia(self, link: LinkModel) -> list[FloatArray]:
         """Mass, gyroscopic and centrifugal mass matrix, (n + r, n + r)."""
-        found = [whole(x).copy() for x in (link.mass, link.gyroscopic, link.centrifugal_mass)]
+        found = [x.copy() for x in (link.mass, link.gyroscopic, link.centrifugal_mass)]
         for number, body in self.bodies:
             entries = np.ix_(self.place[number], self.place[number])
             straight = body.matrices(np.zeros(()))
@@ -287,9 +287,9 @@ def with_turning_sections(
 
 def _static_answer(topology: Topology, link: LinkModel, extended: LinkModel) -> FloatArray:
     """Displacements (n, r) of a link whose joined ends rest as ``d_1`` lifts its neutral axis."""
-    boundary = link_boundary(JoinedEnds.of(topology), link)
-    inner, more = np.flatnonzero(~(boundary.fixed | boundary.joined)), slice(link.size, None)
-    answer, stiffness = np.zeros((link.size, extended.size - link.size)), whole(extended.stiffness)
+    boundary = link_boundary(topology, link)
+    inner, more = boundary.inner, slice(link.size, None)
+    answer, stiffness = np.zeros((link.size, extended.size - link.size)), extended.stiffness
     answer[inner] = -np.linalg.solve(stiffness[inner[:, None], inner], stiffness[inner, more])
     return answer
 

@@ -31,7 +31,7 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.choices import MovingFrame
 from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem
-from flexmech.linear_system import LinkMatrix, LinkModel, whole
+from flexmech.linear_system import LinkModel
 from flexmech.time_domain.periodic_motion.sampled_turn import SampledTurn
 
 # A subspace turns fast where its highest frequency comes nearer than this part to the next one,
@@ -266,7 +266,7 @@ def _projected(
 
 
 def _inertia(
-    matrices: Iterable[LinkMatrix],
+    matrices: Iterable[FloatArray],
     speed: FloatArray,
     shapes: FloatArray,
     rates: FloatArray,
@@ -332,10 +332,10 @@ def _in_ground_axes(
     x, y = link.vectors
     quarter[x, y], quarter[y, x] = -1.0, 1.0
     crossed = quarter.T @ link.gyroscopic
-    centrifugal = whole(link.centrifugal_mass) + quarter.T @ link.mass @ quarter
+    centrifugal = link.centrifugal_mass + quarter.T @ link.mass @ quarter
     matrices = (
         link.mass,
-        whole(link.gyroscopic) - link.mass @ quarter,
+        link.gyroscopic - link.mass @ quarter,
         centrifugal - crossed - crossed.T,
     )
     rates = moving - speed * (quarter @ full)

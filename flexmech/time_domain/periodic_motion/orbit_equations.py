@@ -34,7 +34,6 @@ from flexmech.linear_system import (
     LinkDamping,
     LinkFrames,
     LinkInertia,
-    LinkMatrix,
     MovingLink,
     PointForce,
     PointJacobian,
@@ -44,7 +43,6 @@ from flexmech.linear_system import (
     body_turns,
     connected_matrices,
     inertia_loads,
-    whole,
     with_rigid_links,
 )
 from flexmech.linkages import RigidMotion
@@ -205,7 +203,7 @@ class OrbitEquations:
     def _stiffness(
         self,
         frames: LinkFrames,
-        tangent: Sequence[LinkMatrix],
+        tangent: Sequence[FloatArray],
         connected: ConnectedMatrices | None,
     ) -> FloatArray:
         total = frames.assemble(self.motion, tangent, FROZEN, self._undamped).stiffness
@@ -313,7 +311,7 @@ class OrbitEquations:
         if more is None:
             return state.stressed
         pairs = zip(state.stressed.tangent, more, strict=True)
-        return replace(state.stressed, tangent=[whole(own) + whole(other) for own, other in pairs])
+        return replace(state.stressed, tangent=[own + other for own, other in pairs])
 
     def _connected(
         self, displacement: Sequence[FloatArray], frames: LinkFrames
@@ -357,7 +355,7 @@ class OrbitEquations:
             force = self._inertias[number].shape_forces(own)
             if not link.rigid:
                 force += stressed.internal_force[number]
-                force += times(whole(damping[number]), own.rate)
+                force += times(damping[number], own.rate)
             for body in link.bodies:
                 moved = (each @ body.rows.T for each in elastic)
                 force += body.nonlinear_inertia(motion, number, gravity, *moved) @ body.rows

@@ -12,7 +12,6 @@ import scipy.linalg
 from flexmech.analyses import natural_frequencies
 from flexmech.arrays import FloatArray
 from flexmech.beams import BEAM_SHAPES, build_chain
-from flexmech.linear_system import whole
 from flexmech.linkages import FourBar, LinkMass
 from flexmech.materials import (
     Fibre,
@@ -135,7 +134,7 @@ def _fundamental(section: BeamSection, slenderness: float, ends: str, element: s
     }[ends]
     free = np.setdiff1d(np.arange(model.size), fixed)
     grid = np.ix_(free, free)
-    squares = scipy.linalg.eigvalsh(whole(model.stiffness)[grid], whole(model.mass)[grid])
+    squares = scipy.linalg.eigvalsh(model.stiffness[grid], model.mass[grid])
     # A simply supported beam that may slide has a rigid motion first.
     square = squares[1 if ends == "SS" else 0]
     return float(np.sqrt(square) * length**2 / THICKNESS * np.sqrt(DENSITY / ACROSS))

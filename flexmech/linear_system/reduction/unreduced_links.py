@@ -1,7 +1,11 @@
-"""The quadratic pencil of unreduced links, applied to shapes link by link.
+"""Unreduced links without matrices of the whole linkage: their static response, and their pencil.
 
-``(lambda^2 M + lambda C + K) x`` without matrices of the whole linkage: with ``q = N z`` of each
-link, the force on it in its frame is::
+By these the error of component modes is measured (inverse iteration). Forces inside a link
+displace it as one whose ends are held (its flexibility), and push its ends as its constraint modes
+say (Guyan 1965). What is left is a small system of the ends alone. That is exact.
+
+The pencil ``(lambda^2 M + lambda C + K) x`` is applied to shapes link by link: with ``q = N z`` of
+each link, the force on it in its frame is::
 
     lambda^2 M q + lambda ((2 omega S + D) q + 2 M N' z)
         + (K - omega^2 M_t + alpha S) q + (2 omega S + D) N' z + M N'' z
@@ -13,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -21,11 +26,88 @@ from numpy.typing import NDArray
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.link_place import DependentRows
-from flexmech.linear_system.links.chains import LinkMatrix, as_given, as_real, times, whole
+from flexmech.linear_system.links.chains import as_given, as_real, times
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.links.stressed_links import StressedLinks
-from flexmech.linkages import RigidMotion
+from flexmech.linear_system.reduction.fixed_interface_modes import (
+    FixedInterfaceLink,
+    constraint_modes,
+)
+from flexmech.linkages import RigidMotion, Topology
+
+
+@dataclass(frozen=True)
+class StaticResponse:
+    """Displacements of elastic links in B positions of their linkage, by forces on them.
+
+    Parameters
+    ----------
+    topology : Topology
+        Of links that are all elastic.
+    links : sequence of FixedInterfaceLink
+    motion : RigidMotion
+        Batch of shape (B,).
+    tangent : sequence of ndarray, optional
+        Tangent stiffness (n, n) or (B, n, n) of each link; that of straight links by default.
+    """
+
+    topology: Topology
+    links: Sequence[FixedInterfaceLink]
+    motion: RigidMotion
+    tangent: Sequence[FloatArray] | None = None
+
+    @cached_property
+    def _modes(self) -> list[tuple[FloatArray, FloatArray]]:
+        """Constraint modes (..., n, b) and flexibility (..., n, n) of each link."""
+        if self.tangent is None:
+            return [(link.constraint_modes, link.flexibility) for link in self.links]
+        return [
+            constraint_modes(tangent, link.boundary.unit, link.inner)
+            for link, tangent in zip(self.links, self.tangent, strict=True)
+        ]
+
+    @cached_property
+    def _ends(self) -> tuple[LinkFrames, FloatArray]:
+        """Frames of the links condensed to their ends, and flexibility (B, e, e) of these."""
+        tangent = self.tangent or [own.link.stiffness for own in self.links]
+        stiffness = [
+            np.swapaxes(modes, -1, -2) @ (matrix @ modes)
+            for (modes, _), matrix in zip(self._modes, tangent, strict=True)
+        ]
+        condensed = [
+            own.link.held_by(own.boundary.kept, matrix)
+            for own, matrix in zip(self.links, stiffness, strict=True)
+        ]
+        frames = LinkFrames(self.topology, condensed)
+        still = RotationTerms.all_or_none(False)
+        matrices = frames.assemble(self.motion, stiffness, still)
+        return frames, np.asarray(np.linalg.inv(matrices.stiffness))
+
+    def displacements(self, forces: Sequence[NDArray[Any]]) -> list[NDArray[Any]]:
+        """Displacements of all links.
+
+        Parameters
+        ----------
+        forces : sequence of ndarray, shape (B, n_link, m)
+            Each column a load, in the frame of its link; real or complex.
+
+        Returns
+        -------
+        list of ndarray, shape (B, n_link, m)
+        """
+        real = [as_real(force) for force in forces]
+        frames, flexibility = self._ends
+        pairs = zip(self._modes, real, strict=True)
+        on_ends = [times(np.swapaxes(modes, -1, -2), force) for (modes, _), force in pairs]
+        z = flexibility @ frames.gather(self.motion, on_ends)
+        ends = frames.link_coordinates(self.motion, z)
+        moved = [
+            times(modes, end) + times(inner, force)
+            for (modes, inner), end, force in zip(self._modes, ends, real, strict=True)
+        ]
+        return [as_given(*pair) for pair in zip(moved, forces, strict=True)]
+
 
 Shapes = list[NDArray[Any]]
 """Vectors of each link, (B, n_link, m)."""
@@ -123,10 +205,11 @@ class LinkPencil:
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Forces on a link by its coordinates, their rates by its ends, and those of these."""
         terms, (rows, rate, change) = self.terms, ends
-        mass, gyroscopic = whole(link.mass), whole(link.gyroscopic)
+        mass, gyroscopic, stressed = link.mass, link.gyroscopic, self.stressed
         inertia = times(mass, q)
-        by_rate, by_place = np.zeros_like(q), times(self._tangent(number, link), q)
-        damping = self._damping(number, link)
+        tangent = link.stiffness if stressed.unstressed else stressed.tangent[number]
+        damping = link.damping if stressed.damping is None else stressed.damping[number]
+        by_rate, by_place = np.zeros_like(q), times(tangent, q)
         if damping.any():
             by_rate += times(damping, q)
             if terms.coriolis:
@@ -139,7 +222,7 @@ class LinkPencil:
             if len(rows):
                 by_rate += times(2 * mass[..., rows], rate)
         if terms.centripetal:
-            by_place -= speed**2 * times(whole(link.centrifugal_mass), q)
+            by_place -= speed**2 * times(link.centrifugal_mass, q)
             if len(rows):
                 by_place += times(2 * gyroscopic[..., rows], speed * rate)
         if terms.tangential:
@@ -147,11 +230,3 @@ class LinkPencil:
         if (terms.centripetal or terms.tangential) and len(rows):
             by_place += times(mass[..., rows], change)
         return inertia, by_rate, by_place
-
-    def _tangent(self, number: int, link: LinkModel) -> FloatArray:
-        own: LinkMatrix = link.stiffness
-        return whole(own if self.stressed.unstressed else self.stressed.tangent[number])
-
-    def _damping(self, number: int, link: LinkModel) -> FloatArray:
-        own = self.stressed.damping
-        return whole(link.damping if own is None else own[number])

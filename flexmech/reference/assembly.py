@@ -1,0 +1,370 @@
+"""Forces and tangents of all links by the independent coordinates, at all crank angles at once.
+
+Arrays end with the batch of positions. Tangents come from the elements' relative coordinates into
+a narrow band by one sparse matrix for all positions. What varies with the position goes the long
+way, as a block by the independent coordinates that it depends on: elements at dependent ends,
+rigid links and sliders, springs in joints, and energies of whole links.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain, pairwise
+from typing import Any
+
+import numpy as np
+import scipy.sparse
+
+from flexmech.arrays import FloatArray, IntArray
+from flexmech.beams.elements import BeamElements
+from flexmech.linear_system import DisplacedTies, LinkFrames
+from flexmech.linkages import RigidMotion
+from flexmech.reference.corotational import CorotationalElements
+from flexmech.reference.element_numbers import in_positions
+
+
+@dataclass(frozen=True)
+class Ties:
+    """Constraints of the links in a batch of positions.
+
+    Parameters
+    ----------
+    turns : list of list of ndarray, shape (r, c, B)
+        Of each link: derivative of the dependent rows of each tie by the independent ones.
+    displaced : DisplacedTies, optional
+        Where rigid links and lines are, if there are any.
+    """
+
+    turns: list[list[FloatArray]]
+    displaced: DisplacedTies | None
+
+    def at(self, which: IntArray) -> Ties:
+        """Constraints of some positions, where they do not depend on displacements."""
+        return Ties([[in_positions(turn, which) for turn in turns] for turns in self.turns], None)
+
+
+class LinkRows:
+    """Coordinates of a link by the independent coordinates z of the linkage.
+
+    Parameters
+    ----------
+    frames : LinkFrames
+        Of the unreduced links.
+    link : int
+    rows : ndarray of int, shape (r,)
+        Ascending coordinates of the link; all of a rigid one.
+
+    Attributes
+    ----------
+    columns : ndarray of int, shape (c,)
+        Ascending coordinates of z that move them.
+    """
+
+    columns: IntArray
+
+    def __init__(self, frames: LinkFrames, link: int, rows: IntArray) -> None:
+        self.link, self._count, self._of_rigid = link, len(rows), None
+        self._ties: list[tuple[int, IntArray, tuple[IntArray, IntArray]]] = []
+        if frames.links[link].rigid:
+            self.columns = np.arange(len(frames.rigid.independent_coordinates))
+            self._of_rigid = frames.rigid.of_link(link)
+            return
+        target = frames.targets[link][rows]
+        ties = [
+            (number, np.flatnonzero(np.isin(rows, dependent)), dependent, columns)
+            for number, (dependent, columns) in enumerate(frames.dependencies(link))
+            if np.isin(rows, dependent).any()
+        ]
+        for _, place, _, _ in ties:
+            target[place] = -1
+        free = np.flatnonzero(target >= 0)
+        every = [target[free], *(columns for _, _, _, columns in ties)]
+        self.columns = np.unique(np.concatenate(every))
+        self._free = free, np.searchsorted(self.columns, target[free])
+        for number, place, dependent, columns in ties:
+            grid = place[:, None], np.searchsorted(self.columns, columns)
+            self._ties.append((number, np.searchsorted(dependent, rows[place]), grid))
+
+    def derivative(self, ties: Ties) -> FloatArray:
+        """Derivative of the rows by the columns, (r, c, B)."""
+        if self._of_rigid is not None:
+            assert ties.displaced is not None
+            return np.moveaxis(ties.displaced.pose.coordinates[:, self._of_rigid], 0, -1)
+        turns = [ties.turns[self.link][number] for number, _, _ in self._ties]
+        batch = turns[0].shape[2] if turns else 1
+        derivative = np.zeros((self._count, len(self.columns), batch))
+        derivative[self._free] = 1.0
+        for (_, own, grid), turn in zip(self._ties, turns, strict=True):
+            derivative[grid] = turn[own]
+        return derivative
+
+    def turned(self, matrix: FloatArray, ties: Ties) -> FloatArray:
+        """A matrix (r, r) or (B, r, r) of the rows as one of the columns, (c, c, B)."""
+        derivative = np.moveaxis(self.derivative(ties), -1, 0)
+        return np.moveaxis(np.swapaxes(derivative, 1, 2) @ matrix @ derivative, 0, -1)
+
+
+class LinkageAssembly:
+    """Displacements, forces and tangents of links by the independent coordinates z.
+
+    Parameters
+    ----------
+    frames : LinkFrames
+        Of the unreduced links.
+    links : mapping of int to CorotationalElements
+        The flexible ones, by their number.
+    joined : sequence of ndarray of int
+        Coordinates of z that each further energy depends on: springs between links, and such.
+
+    Attributes
+    ----------
+    order : ndarray of int, shape (size,)
+        Of the coordinates in the band.
+    """
+
+    order: IntArray
+
+    def __init__(
+        self,
+        frames: LinkFrames,
+        links: Mapping[int, CorotationalElements],
+        joined: Sequence[IntArray] = (),
+    ) -> None:
+        self.frames, self.links = frames, dict(links)
+        self._per_node = next(iter(links.values())).elements.shapes.per_node
+        # Independent coordinates of rigid links and sliders are the first ones.
+        self._rigid_count = len(frames.rigid.independent_coordinates)
+        self._dependent = {
+            (link, element): LinkRows(frames, link, self._rows(element))
+            for link in links
+            for element in self._dependent_elements(link)
+        }
+        self._blocks = [
+            *(rows.columns for rows in self._dependent.values()),
+            np.arange(self._rigid_count),
+            *joined,
+        ]
+        self.order, self._scatter = self._band_scatter()
+
+    @property
+    def ties_move(self) -> bool:
+        """Whether constraints depend on the displacement: there are rigid links or lines."""
+        return bool(self.frames.rigid.size)
+
+    def ties(self, motion: RigidMotion, z: FloatArray) -> Ties:
+        """Constraints of the links in each position.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        z : ndarray, shape (size, B)
+            Displacement on which they depend where :attr:`ties_move`.
+
+        Returns
+        -------
+        Ties
+        """
+        displaced, rows = None, []
+        if self.ties_move:
+            displaced = self.frames.displaced_ties(motion, z[: self._rigid_count].T)
+            rows = [[tie.turn for tie in ties] for ties in displaced.rows]
+        else:
+            rows = [[tie.turn for tie in ties] for ties in self.frames.dependent_rows(motion)]
+        return Ties(
+            [[np.ascontiguousarray(np.moveaxis(x, 0, -1)) for x in turns] for turns in rows],
+            displaced,
+        )
+
+    def link_displacement(self, z: FloatArray, ties: Ties) -> list[FloatArray]:
+        """Coordinates (n_link, B) of each link from independent ones (size, B)."""
+        result = []
+        for link, target in enumerate(self.frames.targets):
+            q = np.where(target[:, None] >= 0, z[target], 0.0)
+            dependent = self.frames.dependencies(link)
+            for number, ((rows, columns), turn) in enumerate(
+                zip(dependent, ties.turns[link], strict=True)
+            ):
+                place = None if ties.displaced is None else ties.displaced.rows[link][number].place
+                q[rows] = (turn * z[columns]).sum(axis=1) if place is None else place.T
+            result.append(q)
+        return result
+
+    def coordinates(self, motion: RigidMotion, displacement: Sequence[FloatArray]) -> FloatArray:
+        """Independent coordinates (size, B) of displacements (B, n_link) of all links.
+
+        A dependent end is taken to satisfy its constraint.
+        """
+        if not self.ties_move:
+            columns = [q[..., None] for q in displacement]
+            return self.frames.independent(motion, columns)[..., 0].T.copy()
+        z = np.zeros((self.frames.size, len(displacement[0])))
+        for link, (target, q) in enumerate(zip(self.frames.targets, displacement, strict=True)):
+            own = self.frames.independent_coordinates(link)
+            z[target[own]] = q.T[own]
+        pose = self.frames.displaced_ties_by(motion, displacement).pose
+        z[: self._rigid_count] = pose.y[:, self.frames.rigid.independent_coordinates].T
+        return z
+
+    def gather(self, forces: Sequence[FloatArray], ties: Ties) -> FloatArray:
+        """Generalized forces (size, B) by forces (n_link, B) on the links."""
+        total = np.zeros((self.frames.size, forces[0].shape[1]))
+        for link, (target, force) in enumerate(zip(self.frames.targets, forces, strict=True)):
+            free = target >= 0
+            for (rows, columns), turn in zip(
+                self.frames.dependencies(link), ties.turns[link], strict=True
+            ):
+                total[columns] += (turn * force[rows][:, None]).sum(axis=0)
+                free[rows] = False
+            own = np.flatnonzero(free)
+            total[target[own]] += force[own]
+        return total
+
+    def entries(self, batch: int) -> tuple[FloatArray, dict[int, FloatArray]]:
+        """Array (R, B) for the entries of tangents, and views (e, r, r, B) for those of links."""
+        rows, views, first = np.empty((self._first_of_blocks()[-1], batch)), {}, 0
+        for link, shape in self._shapes.items():
+            last = first + int(np.prod(shape))
+            views[link], first = rows[first:last].reshape(*shape, batch), last
+        return rows, views
+
+    def band(
+        self,
+        entries: tuple[FloatArray, dict[int, FloatArray]],
+        ties: Ties,
+        rigid: FloatArray | None,
+        joined: Iterable[FloatArray],
+    ) -> FloatArray:
+        """Tangent in band form; see :mod:`flexmech.reference.banded`.
+
+        Parameters
+        ----------
+        entries : tuple
+            As :meth:`entries` gives it, with those of all links.
+        ties : Ties
+        rigid : ndarray, shape (B, n, n), or None
+            Geometric stiffness of rigid links and sliders.
+        joined : iterable of ndarray, shape (m, m, B)
+            Stiffness of each further energy by its coordinates.
+
+        Returns
+        -------
+        ndarray, shape (size, width + 1, B)
+        """
+        rows, views = entries
+        first = self._first_of_blocks()
+        stiffness = np.zeros((self._rigid_count, self._rigid_count, 1))
+        if rigid is not None:
+            stiffness = np.moveaxis(rigid, 0, -1)
+        blocks = chain(self._turned(views, ties), [stiffness], joined)
+        for columns, place, block in zip(self._blocks, pairwise(first), blocks, strict=True):
+            size = len(columns)
+            rows[slice(*place)].reshape(size, size, rows.shape[1])[:] = block
+        band: FloatArray = self._scatter @ rows
+        return band.reshape(self.frames.size, -1, rows.shape[1])
+
+    def _turned(self, views: Mapping[int, FloatArray], ties: Ties) -> Iterable[FloatArray]:
+        """Tangents (c, c, B) of elements at dependent ends by their columns."""
+        for (link, element), rows in self._dependent.items():
+            own = views[link][element : element + 1]
+            yield rows.turned(np.moveaxis(self.links[link].of_nodes(own)[0], -1, 0), ties)
+
+    def _rows(self, element: int | IntArray) -> IntArray:
+        """Coordinates of elements in their link, (..., 2 p)."""
+        return self._per_node * np.expand_dims(element, -1) + np.arange(2 * self._per_node)
+
+    def _dependent_elements(self, link: int) -> list[int]:
+        """Elements of a link with a dependent coordinate."""
+        last = self._shapes[link][0] - 1
+        first = [int(rows.min()) for rows, _ in self.frames.dependencies(link)]
+        return sorted({min(row // self._per_node, last) for row in first})
+
+    @property
+    def _shapes(self) -> dict[int, tuple[int, int, int]]:
+        """Shape ``(e, r, r)`` of the entries of each link by relative coordinates."""
+        size = 2 * (self._per_node - 1)
+        return {n: (own.elements.length.shape[-1], size, size) for n, own in self.links.items()}
+
+    def _first_of_blocks(self) -> IntArray:
+        """Row of the entries where each block begins, and their number."""
+        inner = sum(int(np.prod(shape)) for shape in self._shapes.values())
+        return np.cumsum([inner, *(len(columns) ** 2 for columns in self._blocks)])
+
+    def _band_scatter(self) -> tuple[IntArray, scipy.sparse.csr_matrix]:
+        """Order of the coordinates in a narrow band, and the sparse map from entries to it.
+
+        The map leads to the lower band, row by row: ``(size (width + 1), R)``.
+        """
+        parts, first = [], 0
+        for link, own in self.links.items():
+            count, relative, _ = self._shapes[link]
+            inner = [n for n in range(count) if (link, n) not in self._dependent]
+            number = np.array(inner, dtype=np.intp)
+            places, signs = own.relative_places, own.node_signs
+            within = (places[:, None] * relative + places).ravel()
+            source = first + relative**2 * number[:, None] + within
+            target = self.frames.targets[link][self._rows(number)]
+            parts.append(_pairs(target, source, np.outer(signs, signs).ravel()))
+            first += count * relative**2
+        for columns, begin in zip(self._blocks, self._first_of_blocks(), strict=False):
+            inside = np.arange(len(columns) ** 2)
+            parts.append(_pairs(columns, begin + inside, np.ones(len(inside))))
+        rows, columns, source, sign = (np.concatenate(x) for x in zip(*parts, strict=True))
+        size = self.frames.size
+        graph = scipy.sparse.csr_matrix((np.ones(len(rows)), (rows, columns)), shape=(size, size))
+        order = scipy.sparse.csgraph.reverse_cuthill_mckee(graph, symmetric_mode=True)
+        place = np.argsort(order)
+        below = place[rows] - place[columns]
+        width, used = int(np.abs(below).max()), below >= 0
+        slot = place[columns[used]] * (width + 1) + below[used]
+        shape = (size * (width + 1), int(self._first_of_blocks()[-1]))
+        scatter = scipy.sparse.csr_matrix((sign[used], (slot, source[used])), shape=shape)
+        return np.asarray(order, dtype=np.intp), scatter
+
+
+def _pairs(own: IntArray, source: IntArray, sign: FloatArray) -> tuple[Any, ...]:
+    """Entries of square matrices by coordinates (..., n) of z; -1 where fixed.
+
+    ``source`` is of shape (..., n^2), ``sign`` of (n^2,). The result are rows and columns in z,
+    sources and signs of all.
+    """
+    count = own.shape[-1]
+    rows, columns = np.repeat(own, count, axis=-1), np.tile(own, count)
+    free = (rows >= 0) & (columns >= 0)
+    return tuple(x[free] for x in (rows, columns, source, np.broadcast_to(sign, free.shape)))
+
+
+def angle_per_unit(frames: LinkFrames, links: Mapping[int, BeamElements]) -> FloatArray:
+    """Rotation in rad equivalent to a unit of each coordinate of z.
+
+    That of a displacement is over the shortest link, that of a curvature over its link.
+
+    Parameters
+    ----------
+    frames : LinkFrames
+    links : mapping of int to BeamElements
+        The flexible ones, by their number.
+
+    Returns
+    -------
+    ndarray, shape (size, 1), or (size, D) of the links of several designs
+    """
+    every = [link.length for link in frames.topology.links]
+    for number, own in links.items():
+        if own.length.ndim > 1:
+            every[number] = own.length.sum(axis=-1)
+    # Of rigid links, of which a stack has none, the length is a number.
+    lengths = np.stack(np.broadcast_arrays(*map(np.atleast_1d, every)))
+    shortest, shapes = 1.0 / lengths.min(axis=0), next(iter(links.values())).shapes
+    scale = np.tile(shortest, (frames.size, 1))
+    for link in frames.rigid.links:
+        turn = frames.targets[link][2]
+        scale[turn[turn >= 0]] = 1.0
+    for link in links:
+        target = frames.targets[link]
+        kind = np.arange(len(target)) % shapes.per_node
+        angle = np.where(np.isin(kind, shapes.angles)[:, None], 1.0, lengths[link])
+        angle[kind < 2] = shortest
+        scale[target[target >= 0]] = angle[target >= 0]
+    return scale
