@@ -159,7 +159,6 @@ __all__ = [
     "condense",
     "connected_matrices",
     "deformations",
-    "diagonal",
     "displacement_row",
     "element_tensions",
     "has_constant_tangents",
