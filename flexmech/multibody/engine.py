@@ -178,13 +178,14 @@ class ExudynEngine(Engine):
                     cosine, sine = np.cos(moved[number][:, 2]), np.sin(moved[number][:, 2])
                     turning = virial[:, number] * cosine + acting[number][:, 2] * sine
                     equilibrium.tangent[number][:, 2, 2] += turning
+            loads = [load + force for load, force in zip(loads, acting, strict=True)]
         topology = self.mechanism.linkage.topology
         refuse_large_displacements(self.clamped_links, motion, equilibrium.displacement)
         return StressedLinks(
             equilibrium.tangent,
             equilibrium.displacement,
             damping=equilibrium.damping,
-            loads=self._with_connectors(loads, motion, equilibrium.displacement),
+            loads=loads,
             guide_stiffness=equilibrium.line_force * [bool(s.guide) for s in topology.sliders],
         )
 
@@ -379,7 +380,7 @@ class ExudynEngine(Engine):
     def _straight(self, motion: RigidMotion) -> StraightForces:
         """Forces in straight links."""
         frames = LinkFrames(self.rigid_joint_topology, self.clamped_links)
-        loads, connectors = self._straight_loads(motion), self.connectors
+        loads, connectors = self._loads(motion), self.connectors
         return straight_forces(self.mechanism, frames, motion, loads, connectors=connectors)
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:

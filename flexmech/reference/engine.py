@@ -27,7 +27,6 @@ from flexmech.linear_system import (
     StressedLinks,
     TheoryComparison,
     chain_matrix,
-    inertia_loads,
     refuse_large_displacements,
     rigid_link,
     straight_forces,
@@ -227,8 +226,7 @@ class ReferenceEngine(Engine):
         of the element length. Their mean is that of the state.
         """
         varying = self._varying(motion)
-        inertia = inertia_loads(self.clamped_links, motion, self.mechanism.gravity)
-        loads = self._with_connectors(inertia, motion, displacement)
+        loads = self._loads(motion, displacement)
         stressed = self._displaced(motion, displacement, varying, loads)
         # What inertia forces do to arms that turn is no internal force of a running link.
         assert stressed.internal_force is not None
@@ -283,7 +281,7 @@ class ReferenceEngine(Engine):
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links with the geometric stiffness of their tension."""
         frames, designs = self._rigid_joint_frames, self.mechanism
-        loads, found = self._straight_loads(motion), None
+        loads, found = self._loads(motion), None
         if not isinstance(designs, MechanismStack):
             straight = straight_forces(
                 designs, frames, motion, loads, self._lumped, self.connectors

@@ -178,31 +178,44 @@ class EngineLinks(ElementKinds):
         bent = self.mechanism.is_free_strained or self.connectors.any
         return "equilibrium" if bent else "none"
 
-    def _straight_loads(self, motion: RigidMotion) -> list[FloatArray]:
-        """Loads (B, n_link) on the clamped links at zero displacement."""
-        loads = inertia_loads(self.clamped_links, motion, self.mechanism.gravity)
-        return self._with_connectors(loads, motion, None)
-
-    def _with_connectors(
-        self,
-        loads: list[FloatArray],
-        motion: RigidMotion,
-        displacement: Sequence[FloatArray] | None,
+    def _loads(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray] | None = None
     ) -> list[FloatArray]:
-        """Loads (B, n_link) with those of connectors at a displacement of the clamped links."""
-        if not self.connectors.any:
-            return loads
-        acting = self.connectors.forces(motion, displacement)
-        return [a + b for a, b in zip(loads, acting, strict=True)]
+        """Inertia forces, weight, loads and springs on the clamped links, (B, n_link)."""
+        return self.connectors.with_inertia(self.clamped_links, motion, displacement)
+
+    def equilibrium_forces(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> list[FloatArray]:
+        """Forces on the links that their internal forces balance, up to joint forces.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link)
+            At quasi-static equilibrium.
+
+        Returns
+        -------
+        list of ndarray, shape (B, n_link)
+            Inertia forces, weight, loads and springs, and :meth:`displaced_inertia`.
+        """
+        forces = self.connectors.with_inertia(self.links, motion, displacement)
+        inertia = self.displaced_inertia(motion)
+        if inertia is None:
+            return forces
+        return [f + more for f, more in zip(forces, inertia.forces(displacement), strict=True)]
 
     def _without_spin_softening(
         self, motion: RigidMotion, stressed: StressedLinks
     ) -> StressedLinks:
         return without_spin_softening(
-            self.clamped_links, motion, stressed, self._displaced_inertia(motion)
+            self.clamped_links, motion, stressed, self.displaced_inertia(motion)
         )
 
-    def _displaced_inertia(self, motion: RigidMotion) -> DisplacedInertia | None:
+    def displaced_inertia(self, motion: RigidMotion) -> DisplacedInertia | None:
+        """Inertia forces by displacements of links that rotate as one body; else None."""
         return DisplacedInertia.of(self.mechanism.linkage.topology, self.clamped_links, motion)
 
     def _dead(
@@ -215,14 +228,14 @@ class EngineLinks(ElementKinds):
         links, gravity, virial, moments = self.clamped_links, self.mechanism.gravity, None, None
         if self.connectors.any and not self.solves_connectors:
             virial = self.connectors.virial(motion, displacement)
-        if displacement is not None and (inertia := self._displaced_inertia(motion)) is not None:
+        if displacement is not None and (inertia := self.displaced_inertia(motion)) is not None:
             moments = inertia.moments(displacement)
         return DeadMoments.of(links, motion, gravity, loads, virial, moments)
 
     def _quasi_static_loads(self, motion: RigidMotion, solve: Solve) -> BalancedLoads:
         """Loads on the clamped links in the equilibrium that ``solve`` finds."""
         loads = inertia_loads(self.clamped_links, motion, self.mechanism.gravity)
-        displaced_inertia = self._displaced_inertia(motion)
+        displaced_inertia = self.displaced_inertia(motion)
         connectors = self.connectors
         if displaced_inertia is None and (self.solves_connectors or not connectors.any):
             return BalancedLoads(loads, None)

@@ -21,6 +21,7 @@ from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.linear_system.joints.displaced_motion import DisplacedMotion
 from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.links.link_inertia import inertia_loads
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linear_system.loads.attached_points import AttachedPoint, PointJacobian
@@ -121,6 +122,32 @@ class Connectors:
             q = None if displacement is None else displacement[link]
             total[link] += push.point.force(motion, push.force, push.torque, q)
         return total
+
+    def with_inertia(
+        self,
+        links: Sequence[LinkModel],
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray] | None = None,
+    ) -> list[FloatArray]:
+        """Inertia forces of the rigid motion and weight, and :meth:`forces` besides.
+
+        Parameters
+        ----------
+        links : sequence of LinkModel
+            With the coordinates of these links; their inertia may be without that of a free shaft.
+        motion : RigidMotion
+        displacement : sequence of ndarray, shape (B, n_link), optional
+            As of :meth:`forces`.
+
+        Returns
+        -------
+        list of ndarray, shape (B, n_link)
+        """
+        inertia = inertia_loads(links, motion, self._mechanism.gravity)
+        if not self.any:
+            return inertia
+        acting = self.forces(motion, displacement)
+        return [load + force for load, force in zip(inertia, acting, strict=True)]
 
     def virial(
         self, motion: RigidMotion, displacement: Sequence[FloatArray] | None = None

@@ -17,12 +17,10 @@ import scipy
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
-    DisplacedInertia,
     Engine,
     LinkModel,
     Prestress,
     StressedLinks,
-    inertia_loads,
 )
 from flexmech.linkages import Drive, RigidMotion
 from flexmech.time_domain.equations_of_motion.link_stress import LinkStress, StressShapes
@@ -199,7 +197,10 @@ class StressHistory:
             if has_arms and not self._with_energy:
                 # They balance the loads on arms that are displaced.
                 stressed = replace(stressed, internal_force=None)
-            stressed = self._with_internal_forces(motion, stressed)
+            displacement, force = stressed.displacement, stressed.internal_force
+            if displacement is not None and force is None and self._engine.connectors.any:
+                force = self._engine.equilibrium_forces(motion, displacement)
+                stressed = replace(stressed, internal_force=force)
             packed.append(self._packed(stressed, motion))
             if stressed.displacement is not None and stressed.internal_force is None:
                 self.has_internal_forces = False
@@ -210,30 +211,6 @@ class StressHistory:
         if forces:
             self._add_bending_work(values, where, np.concatenate(forces), np.concatenate(places))
         return values
-
-    def _with_internal_forces(self, motion: RigidMotion, stressed: StressedLinks) -> StressedLinks:
-        """Stressed links with internal forces, where an engine does not provide them.
-
-        They balance inertia, weight, loads and springs, up to the joint forces.
-        """
-        connectors, place = self._engine.connectors, stressed.displacement
-        if not connectors.any or place is None or stressed.internal_force is not None:
-            return stressed
-        inertia = inertia_loads(self._engine.links, motion, self._engine.mechanism.gravity)
-        acting = connectors.forces(motion, place)
-        forces = [a + b for a, b in zip(inertia, acting, strict=True)]
-        by_displacement = self._displaced_inertia_forces(motion, place)
-        if by_displacement is not None:
-            forces = [a + b for a, b in zip(forces, by_displacement, strict=True)]
-        return replace(stressed, internal_force=forces)
-
-    def _displaced_inertia_forces(
-        self, motion: RigidMotion, place: list[FloatArray]
-    ) -> list[FloatArray] | None:
-        """Inertia forces by displacements of links that rotate as one body."""
-        topology = self._engine.mechanism.linkage.topology
-        inertia = DisplacedInertia.of(topology, self._engine.links, motion)
-        return None if inertia is None else inertia.forces(place)
 
     def _equilibrium_correction(
         self, stressed: StressedLinks, bases: Sequence[FloatArray]
@@ -268,7 +245,8 @@ class StressHistory:
         columns, batch = [], len(motion.crank_angle)
         inertia = None
         if stressed.displacement is not None and stressed.internal_force is None:
-            inertia = self._displaced_inertia_forces(motion, stressed.displacement)
+            displaced = self._engine.displaced_inertia(motion)
+            inertia = None if displaced is None else displaced.forces(stressed.displacement)
         for number, basis in enumerate(self._bases):
             tangent = stressed.tangent[number]
             prestress, offset = np.zeros((batch, basis.shape[1])), np.zeros((batch, 1))

@@ -22,13 +22,7 @@ from flexmech.dynamical_systems import (
     SampledPeriodicSystem,
     transition_matrices,
 )
-from flexmech.linear_system import (
-    DisplacedInertia,
-    Engine,
-    Prestress,
-    StressedLinks,
-    inertia_loads,
-)
+from flexmech.linear_system import Engine, Prestress, StressedLinks
 from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors
 from flexmech.time_domain.periodic_motion.moving_modes import (
     MovingModes,
@@ -285,24 +279,15 @@ def _loads(engine: Engine, turn: SampledTurn, stressed: StressedLinks) -> list[F
     Near a stressed state the internal force is not the tangent times the displacement: the
     difference at that state is part of the load.
     """
-    forces = inertia_loads(engine.links, turn.motion, engine.mechanism.gravity)
-    displacement, inner = stressed.displacement, stressed.internal_force
-    if engine.connectors.any:
-        acting = engine.connectors.forces(turn.motion, displacement)
-        forces = [force + own for force, own in zip(forces, acting, strict=True)]
+    displacement, internal = stressed.displacement, stressed.internal_force
+    forces = engine.connectors.with_inertia(engine.links, turn.motion, displacement)
     if displacement is not None:
-        if inner is None:
-            # Such an engine's links are in balance with the loads, and with what they carry along.
-            topology = engine.mechanism.linkage.topology
-            inertia = DisplacedInertia.of(topology, engine.links, turn.motion)
-            inner = forces
-            if inertia is not None:
-                by_displacement = inertia.forces(displacement)
-                inner = [force + more for force, more in zip(forces, by_displacement, strict=True)]
+        if internal is None:
+            internal = engine.equilibrium_forces(turn.motion, displacement)
         forces = [
-            (tangent @ q[..., None])[..., 0] + (load - own)
-            for tangent, q, load, own in zip(
-                stressed.tangent, displacement, forces, inner, strict=True
+            (tangent @ q[..., None])[..., 0] + (load - force)
+            for tangent, q, load, force in zip(
+                stressed.tangent, displacement, forces, internal, strict=True
             )
         ]
     return [force @ basis for force, basis in zip(forces, turn.bases, strict=True)]

@@ -42,7 +42,6 @@ from flexmech.linear_system import (
     SystemMatrices,
     body_turns,
     connected_matrices,
-    inertia_loads,
     with_rigid_links,
 )
 from flexmech.linkages import RigidMotion
@@ -183,10 +182,7 @@ class OrbitEquations:
         self._undamped = [LinkDamping(zero, zero) for zero in nothing]
         self.mass = self.frames.assemble(self.motion, nothing, FROZEN, self._undamped).mass
         self._inertias = [LinkInertia.of(link, link, np.eye(link.size)) for link in links]
-        loads = inertia_loads(links, self.motion, engine.mechanism.gravity)
-        if engine.connectors.any:
-            acting = engine.connectors.forces(self.motion)
-            loads = [inertia + force for inertia, force in zip(loads, acting, strict=True)]
+        loads = engine.connectors.with_inertia(links, self.motion)
         self.load = self.frames.gather(self.motion, loads)
         still = [np.zeros((samples, link.size)) for link in links]
         frames = self._frames_at(self._ties(np.zeros((samples, self.frames.size))))
