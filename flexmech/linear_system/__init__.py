@@ -71,7 +71,7 @@ from flexmech.linear_system.links.link_stack import MOST_STACKED, among_alike, s
 from flexmech.linear_system.links.link_stretch import LinkStretch
 from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
 from flexmech.linear_system.links.rigid_link import rigid_link
-from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
+from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.loads.attached_points import AttachedPoint, PointJacobian
 from flexmech.linear_system.loads.connector_forces import (
@@ -119,7 +119,6 @@ __all__ = [
     "Engine",
     "EquilibriumError",
     "LinearSystem",
-    "LinkDamping",
     "LinkFrames",
     "LinkInertia",
     "LinkModel",

@@ -11,7 +11,7 @@ from flexmech.linear_system.assembly.system import LinearSystem, condense
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.body_forces import body_turns
 from flexmech.linear_system.links.link_model import LinkModel
-from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
+from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.reduction.component_modes import ComponentModes
 from flexmech.linkages import RigidMotion
@@ -46,9 +46,7 @@ def unreduced_system(
     -------
     LinearSystem
     """
-    damping = None
-    if stressed.damping is not None:
-        damping = [LinkDamping(matrix, matrix) for matrix in stressed.damping]
+    damping = stressed.damping
     motion = frames.displaced(motion, stressed.displacement)
     turns = body_turns(frames.links, stressed.displacement)
     tangent = [link.stiffness for link in frames.links] if stressed.unstressed else stressed.tangent
@@ -101,7 +99,7 @@ def reduced_system(
     condensed = np.zeros(frames.size, dtype=bool)
     for target, link in zip(frames.targets, reduction.links, strict=True):
         condensed[target[link.condensed]] = True
-    damping = _damping(links, reduction, stressed, motion.design)
+    damping, end_damping = _damping(links, reduction, stressed, motion.design)
     turns = body_turns(links, stressed.displacement)
     projected = [
         link.model.stiffness
@@ -109,12 +107,14 @@ def reduced_system(
         else _projected(link.basis_at(motion.design), tangent)
         for full, link, tangent in zip(links, reduction.links, stressed.tangent, strict=True)
     ]
-    matrices = frames.assemble(motion, projected, terms, damping, stressed.guide_stiffness, turns)
+    matrices = frames.assemble(
+        motion, projected, terms, damping, stressed.guide_stiffness, turns, end_damping
+    )
     if connect is not None:
         matrices = connect(frames, motion, matrices)
     expansion = None
     if condensed.any():
-        forces = _damped_ends(frames, reduction, damping, motion)
+        forces = _damped_ends(frames, reduction, end_damping, motion)
         matrices, expansion = condense(matrices, condensed, forces)
     has_unit_mass = reduction.decouples_mass and expansion is None and turns is None
     return LinearSystem(
@@ -141,25 +141,26 @@ def _damping(
     reduction: ComponentModes,
     stressed: StressedLinks,
     design: IntArray | None,
-) -> list[LinkDamping] | None:
-    """Damping of the stressed links in component modes."""
+) -> tuple[list[FloatArray], list[FloatArray]] | tuple[None, None]:
+    """Damping of the stressed links in component modes, and its forces by the ends alone."""
     if stressed.damping is None:
-        return None
-    damping = []
+        return None, None
+    damping, end_damping = [], []
     for full, link, matrix in zip(links, reduction.links, stressed.damping, strict=True):
         names = ("start", "end", "start_rotation", "end_rotation")
         kept = {name: getattr(link.model, name) for name in names}
         basis = link.basis_at(design)
         ends = full.end_basis(link.model.size, kept) if not full.rigid else basis
         forces = np.swapaxes(basis, -1, -2) @ matrix
-        damping.append(LinkDamping(forces @ basis, forces @ ends))
-    return damping
+        damping.append(forces @ basis)
+        end_damping.append(forces @ ends)
+    return damping, end_damping
 
 
 def _damped_ends(
     frames: LinkFrames,
     reduction: ComponentModes,
-    damping: Sequence[LinkDamping] | None,
+    end_damping: Sequence[FloatArray] | None,
     motion: RigidMotion,
 ) -> FloatArray | None:
     """Damping forces of end motions on the condensed coordinates, (B, c, r) or None."""
@@ -172,7 +173,7 @@ def _damped_ends(
     for number, link in enumerate(reduction.links):
         if not ways[number]:
             continue
-        ends = link.model.ends.damping if damping is None else damping[number].ends
+        ends = link.model.ends.damping if end_damping is None else end_damping[number]
         rows = frames.targets[number][link.condensed] - first
         columns = slice(last[number] - ways[number], last[number])
         answer = ends[..., link.condensed, :] @ link.damped_ends

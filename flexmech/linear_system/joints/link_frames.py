@@ -29,7 +29,7 @@ from flexmech.linear_system.joints.link_ties import LinkTies
 from flexmech.linear_system.joints.rigid_coordinates import RigidCoordinates
 from flexmech.linear_system.joints.rigid_pose import DisplacedTies, RigidPose
 from flexmech.linear_system.links.link_model import LinkModel, WholeLink
-from flexmech.linear_system.links.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
+from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linkages import RigidMotion, Topology
 
 
@@ -149,9 +149,10 @@ class LinkFrames:
         motion: RigidMotion,
         stiffness: Sequence[FloatArray],
         terms: RotationTerms,
-        damping: Sequence[LinkDamping] | None = None,
+        damping: Sequence[FloatArray] | None = None,
         guide_stiffness: FloatArray | None = None,
         turns: Sequence[Sequence[FloatArray]] | None = None,
+        end_damping: Sequence[FloatArray] | None = None,
     ) -> SystemMatrices:
         """Assemble mass, damping and stiffness in the independent coordinates.
 
@@ -163,12 +164,15 @@ class LinkFrames:
             Tangent stiffness of each link in its frame, at the chosen prestress. Of straight links
             their own, also where it is that of several designs.
         terms : RotationTerms
-        damping : sequence of LinkDamping, optional
+        damping : sequence of ndarray, shape (n, n) or (B, n, n), optional
             At the chosen prestress; that of the straight links by default.
         guide_stiffness : ndarray, shape (B, n_sliders), optional
             Geometric stiffness between the rotation of a slider's guide and its slide in N/rad.
         turns : sequence of sequence of ndarray, shape (B,), optional
             Of the bodies on each link; see :func:`flexmech.linear_system.body_turns`.
+        end_damping : sequence of ndarray, shape (n, n) or (B, n, n), optional
+            Damping forces from the rate of the joined ends alone, where they are not the columns
+            of ``damping``; see :class:`flexmech.linear_system.links.link_model.EndMatrices`.
 
         Returns
         -------
@@ -178,8 +182,9 @@ class LinkFrames:
         tangents = list(stiffness)
         own_damping = damping is None
         if damping is None:
-            damping = [LinkDamping(link.damping, link.ends.damping) for link in self.links]
-        resisting = [(own.matrix, own.ends) for own in damping]
+            damping = [link.damping for link in self.links]
+            end_damping = [link.ends.damping for link in self.links]
+        resisting = list(zip(damping, end_damping or damping, strict=True))
         if (design := motion.design) is not None:
             straight = [x is link.stiffness for x, link in zip(stiffness, self.links, strict=True)]
             links = [link.at(design) for link in links]

@@ -140,19 +140,3 @@ class SystemMatrices:
     mass: FloatArray
     damping: FloatArray
     stiffness: FloatArray
-
-
-@dataclass(frozen=True)
-class LinkDamping:
-    """Damping of one link in its state of stress.
-
-    Parameters
-    ----------
-    matrix : ndarray, shape (n, n) or (B, n, n)
-    ends : ndarray, shape (n, n) or (B, n, n)
-        Forces from the rate of the joined ends alone; see
-        :class:`flexmech.linear_system.links.link_model.EndMatrices`.
-    """
-
-    matrix: FloatArray
-    ends: FloatArray

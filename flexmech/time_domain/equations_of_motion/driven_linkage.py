@@ -24,7 +24,6 @@ from flexmech.linear_system import (
     COORDINATES,
     CarriedLinkage,
     Engine,
-    LinkDamping,
     LinkFrames,
     Prestress,
     RotationTerms,
@@ -234,7 +233,7 @@ class DrivenLinkage:
         if self._motor is not None:
             force = self._motor.forces(time, force, self.drive.crank_acceleration(time))
         terms = RotationTerms.all_or_none(not frozen)
-        tangents, damping = [s.stiffness for s in stress], [s.damping for s in stress]
+        tangents = [s.stiffness for s in stress]
         if self.shaft is not None and torque is not None:
             link = self.shaft.link
             tangents[link] = tangents[link] + self.shaft.stiffness(torque)
@@ -242,7 +241,7 @@ class DrivenLinkage:
             motion,
             tangents,
             terms,
-            [LinkDamping(own, own) for own in damping],
+            [s.damping for s in stress],
             self.stress.guide_stiffness(time),
         )
         if self.stretch is not None:

@@ -31,7 +31,6 @@ from flexmech.linear_system import (
     DependentRows,
     DisplacedTies,
     Engine,
-    LinkDamping,
     LinkFrames,
     LinkInertia,
     MovingLink,
@@ -178,9 +177,8 @@ class OrbitEquations:
             2 * np.pi / samples * np.arange(samples), np.full(samples, float(crank_speed))
         )
         self.first, self.second = derivatives(samples, crank_speed)
-        nothing = [np.zeros((link.size, link.size)) for link in links]
-        self._undamped = [LinkDamping(zero, zero) for zero in nothing]
-        self.mass = self.frames.assemble(self.motion, nothing, FROZEN, self._undamped).mass
+        self._zero = [np.zeros((link.size, link.size)) for link in links]
+        self.mass = self.frames.assemble(self.motion, self._zero, FROZEN, self._zero).mass
         self._inertias = [LinkInertia.of(link, link, np.eye(link.size)) for link in links]
         loads = engine.connectors.with_inertia(links, self.motion)
         self.load = self.frames.gather(self.motion, loads)
@@ -202,7 +200,7 @@ class OrbitEquations:
         tangent: Sequence[FloatArray],
         connected: ConnectedMatrices | None,
     ) -> FloatArray:
-        total = frames.assemble(self.motion, tangent, FROZEN, self._undamped).stiffness
+        total = frames.assemble(self.motion, tangent, FROZEN, self._zero).stiffness
         return total if connected is None else total + connected.potential
 
     def error(self, residual: FloatArray) -> float:
@@ -284,14 +282,11 @@ class OrbitEquations:
         critical speed, where little else holds the motion.
         """
         stressed, connected = self._with_changing_damping(state), state.connected
-        damping = None
-        if stressed.damping is not None:
-            damping = [LinkDamping(matrix, matrix) for matrix in stressed.damping]
         own = state.frames.assemble(
             self.motion,
             stressed.tangent,
             RotationTerms(),
-            damping,
+            stressed.damping,
             stressed.guide_stiffness,
             body_turns(self.engine.links, state.displacement),
         )
