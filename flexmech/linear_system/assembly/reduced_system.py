@@ -46,11 +46,12 @@ def unreduced_system(
     -------
     LinearSystem
     """
-    damping = stressed.damping
     motion = frames.displaced(motion, stressed.displacement)
     turns = body_turns(frames.links, stressed.displacement)
     tangent = [link.stiffness for link in frames.links] if stressed.unstressed else stressed.tangent
-    matrices = frames.assemble(motion, tangent, terms, damping, stressed.guide_stiffness, turns)
+    matrices = frames.assemble(
+        motion, tangent, terms, stressed.damping, stressed.guide_stiffness, turns
+    )
     if connect is not None:
         matrices = connect(frames, motion, matrices)
     massless = np.all(np.diagonal(matrices.mass, axis1=1, axis2=2) == 0, axis=0)

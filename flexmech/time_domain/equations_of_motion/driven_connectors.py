@@ -9,7 +9,7 @@ are evaluated at every step.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -27,10 +27,12 @@ from flexmech.linear_system import (
     SystemMatrices,
     deformations,
 )
-from flexmech.linkages import Load, RigidMotion, continuous_angles
+from flexmech.linkages import RigidMotion, continuous_angles
+from flexmech.linkages.applied_forces import forces_of_loads
 from flexmech.linkages.motion import cross
 
 LinkMotion = Sequence[tuple[FloatArray, FloatArray, FloatArray]]
+"""Displacement of each link in its frame and its two time derivatives, (m, n_link) each."""
 
 
 @dataclass(frozen=True)
@@ -222,21 +224,14 @@ class DrivenConnectors:
         virtual = np.zeros(len(time))
         for push, in_joint in self._point_forces(time, motion, elastic):
             point, number = push.point, push.point.link
-            moved = _moved(point, unit_motion, unit_elastic)
-            virtual += np.sum(push.force * moved[:, :2], axis=1) + push.torque * moved[:, 2]
+            virtual += _power(push, unit_motion, unit_elastic)
             if in_joint:
                 continue
             shapes[number] += point.force(motion, push.force, push.torque)
             fields[number] += _on_fields(push, motion, elastic[number][0])
-        pushed = [
-            (force, torque, _moved(point, motion, elastic))
-            for point, force, torque in self._loads(time, motion, elastic)
-        ]
-        power = sum(
-            (np.sum(f * moved[:, :2], axis=1) + t * moved[:, 2] for f, t, moved in pushed),
-            np.zeros(len(time)),
-        )
-
+        power = np.zeros(len(time))
+        for push in self._loads(time, motion, elastic):
+            power += _power(push, motion, elastic)
         displacement, rate, _ = zip(*elastic, strict=True)
         displaced = self._all.moved(motion, displacement, rate, finite=False)
         work = ConnectorWork.of(deformations(self._mechanism, motion, displaced), power)
@@ -270,32 +265,28 @@ class DrivenConnectors:
                     found.append((PointForce(point, force, torque), False))
         return found
 
-    def _point(self, load: Load) -> AttachedPoint:
-        return self._all.at(self._frames.topology.index(load.point.link), load.point.x)
-
     def _loads(
         self, time: FloatArray, motion: RigidMotion, elastic: LinkMotion
-    ) -> list[tuple[AttachedPoint, FloatArray, FloatArray]]:
-        """Point, force (m, 2) and torque (m,) of each load; linear in the section's rotation."""
-        found = []
-        for load in self._mechanism.loads:
-            point = self._point(load)
-            values = load.values(motion.crank_angle, time)
-            force = load.in_ground_axes(values, motion.angle[:, point.link])
+    ) -> Iterator[PointForce]:
+        """Force of each load, a follower's to first order in the rotation of its section."""
+        loads, topology = self._mechanism.loads, self._frames.topology
+        straight = forces_of_loads(topology, motion, loads, time)
+        for load, push in zip(loads, straight, strict=True):
+            point, force = self._all.at(push.link, float(push.x)), push.force
             if load.axes == "link":
-                turned = (elastic[point.link][0] @ point.rows[2])[:, None]
-                force = force + turned * np.stack([-force[:, 1], force[:, 0]], axis=1)
-            found.append((point, force, values[:, 2]))
-        return found
+                rotation = (elastic[push.link][0] @ point.rows[2])[:, None]
+                force = force + rotation * np.stack([-force[:, 1], force[:, 0]], axis=1)
+            yield PointForce(point, force, push.torque)
 
 
-def _moved(point: AttachedPoint, motion: RigidMotion, elastic: LinkMotion) -> FloatArray:
-    """Velocity of a displaced point in ground axes and of its rotation, (m, 3)."""
+def _power(push: PointForce, motion: RigidMotion, elastic: LinkMotion) -> FloatArray:
+    """Power of a force on the displaced, moving link, (m,)."""
+    point = push.point
     q, rate, _ = elastic[point.link]
-    moved = point.displacement_rate(motion, q, rate)
-    moved[:, :2] += motion.velocity(point.link, point.x)
-    moved[:, 2] += motion.angular_velocity[:, point.link]
-    return moved
+    velocity = point.displacement_rate(motion, q, rate)
+    velocity[:, :2] += motion.velocity(point.link, point.x)
+    velocity[:, 2] += motion.angular_velocity[:, point.link]
+    return np.asarray(np.sum(push.force * velocity[:, :2], axis=1) + push.torque * velocity[:, 2])
 
 
 def _on_fields(push: PointForce, motion: RigidMotion, displacement: FloatArray) -> FloatArray:

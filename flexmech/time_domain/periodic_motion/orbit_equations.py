@@ -45,10 +45,8 @@ from flexmech.linear_system import (
 )
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction
-from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors
+from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors, LinkMotion
 
-Moving = Sequence[tuple[FloatArray, FloatArray, FloatArray]]
-"""Displacement of each link and its two time derivatives, (N, n_link) each."""
 FROZEN = RotationTerms.all_or_none(False)
 
 
@@ -325,7 +323,7 @@ class OrbitEquations:
             tangents, moved, shape, is_conservative=connectors.is_conservative
         )
 
-    def _pushes(self, moving: Moving) -> list[PointForce]:
+    def _pushes(self, moving: LinkMotion) -> list[PointForce]:
         """Forces of loads and springs on points of the displaced links."""
         if not self.engine.connectors.any:
             return []
@@ -334,7 +332,7 @@ class OrbitEquations:
         return point_forces(self.motion, displacement, rate=rate, radial=True)
 
     def _forces(
-        self, stressed: StressedLinks, moving: Moving, pushes: Sequence[PointForce]
+        self, stressed: StressedLinks, moving: LinkMotion, pushes: Sequence[PointForce]
     ) -> list[FloatArray]:
         """Forces (N, n_link) that are out of balance on each link but for those of its joints."""
         forces, motion, gravity = [], self.motion, self.engine.mechanism.gravity
