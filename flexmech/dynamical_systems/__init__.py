@@ -27,7 +27,7 @@ from flexmech.dynamical_systems.constant_systems import (
     state_modes,
 )
 from flexmech.dynamical_systems.floquet import FloquetModes, floquet_modes, krein_signature
-from flexmech.dynamical_systems.fourier import FourierSeries
+from flexmech.dynamical_systems.fourier import FourierSeries, differentiation_matrices
 from flexmech.dynamical_systems.harmonic_response import (
     ForcedPeriodicSystem,
     balanced_response,
@@ -74,6 +74,7 @@ __all__ = [
     "StepOperators",
     "VibrationState",
     "balanced_response",
+    "differentiation_matrices",
     "direct_receptance",
     "floquet_modes",
     "harmonic_response",

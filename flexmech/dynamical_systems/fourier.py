@@ -29,18 +29,24 @@ class FourierSeries:
     coefficients: NDArray[np.complex128]
 
     @classmethod
-    def through(cls, samples: FloatArray) -> FourierSeries:
+    def through(cls, samples: FloatArray, *, with_last_cosine: bool = False) -> FourierSeries:
         """Series through values (N, ...) at the phases k / N.
 
         Parameters
         ----------
         samples : ndarray, shape (N, ...)
-            An odd number N leaves no harmonic whose phase is unknown; of an even number the
-            highest harmonic is left out.
+            An odd number N leaves no harmonic whose phase is unknown.
+        with_last_cosine : bool
+            Whether the highest harmonic of an even number, of which samples show the cosine alone,
+            is kept as this cosine; it is left out by default.
         """
         count = len(samples)
         coefficients = np.fft.rfft(samples, axis=0) / count
-        return cls(coefficients[: (count + 1) // 2])
+        if count % 2:
+            return cls(coefficients)
+        # The transform has the last cosine's whole amplitude, the others' half.
+        coefficients[-1] /= 2
+        return cls(coefficients if with_last_cosine else coefficients[:-1])
 
     @classmethod
     def constant(cls, value: FloatArray) -> FourierSeries:
@@ -73,6 +79,12 @@ class FourierSeries:
         order = 2j * np.pi * np.arange(len(self.coefficients))
         return FourierSeries(self.coefficients * order.reshape(-1, *[1] * self._rank))
 
+    def at(self, phase: FloatArray) -> FloatArray:
+        """Values at phases (A,), shape (A, ...)."""
+        order = np.arange(len(self.coefficients))
+        waves = np.where(order, 2.0, 1.0) * np.exp(2j * np.pi * np.outer(phase, order))
+        return np.asarray(np.tensordot(waves, self.coefficients, 1).real)
+
     def samples(self, count: int, shift: float = 0.0, part: slice = slice(None)) -> FloatArray:
         """Values at the phases ``(k + shift) / count``, shape (count, ...).
 
@@ -97,6 +109,36 @@ class FourierSeries:
     @property
     def _rank(self) -> int:
         return self.coefficients.ndim - 1
+
+
+def differentiation_matrices(
+    samples: int, angular_frequency: float
+) -> tuple[FloatArray, FloatArray]:
+    """First and second time derivative of a periodic function by its samples.
+
+    They differentiate its Fourier series (Trefethen, *Spectral Methods in MATLAB*, 2000, ch. 3).
+
+    Parameters
+    ----------
+    samples : int
+        Even number N of evenly spaced times of a period.
+    angular_frequency : float
+        Of the period, in rad/s.
+
+    Returns
+    -------
+    ndarray, shape (N, N)
+        First derivative; the highest harmonic, of which samples show the cosine alone, has none.
+    ndarray, shape (N, N)
+        Second derivative.
+    """
+    harmonic = np.arange(samples // 2 + 1)
+    unit = np.fft.rfft(np.eye(samples), axis=0)
+    once = 1j * harmonic[:, None] * unit
+    once[-1] = 0.0
+    first = np.fft.irfft(once, samples, axis=0)
+    second = np.fft.irfft(-(harmonic[:, None] ** 2) * unit, samples, axis=0)
+    return angular_frequency * first, angular_frequency**2 * second
 
 
 @lru_cache(maxsize=2)

@@ -10,11 +10,14 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.response.measurements import peaks_between
 from flexmech.analyses.response.spectra import WHOLE_PERIODS, amplitude_spectrum, spectrogram
-from flexmech.dynamical_systems import LowPass, parabolic_work
+from flexmech.dynamical_systems import (
+    FourierSeries,
+    LowPass,
+    differentiation_matrices,
+    parabolic_work,
+)
 from flexmech.dynamical_systems.lobatto import MARCH_ON, WEIGHTS
 from flexmech.time_domain import step_lag
-from flexmech.time_domain.periodic_motion.nonlinear_orbit import at_angles
-from flexmech.time_domain.periodic_motion.orbit_equations import derivatives
 
 FloatArray = NDArray[np.float64]
 RATE = 2000.0
@@ -82,7 +85,7 @@ def test_a_history_may_be_filtered_in_pieces() -> None:
 
 
 def test_derivatives_of_harmonics_along_a_turn_are_exact() -> None:
-    first, second = derivatives(32, -3.0)
+    first, second = differentiation_matrices(32, -3.0)
     angle = 2 * np.pi / 32 * np.arange(32)
     z = 0.3 + np.cos(5 * angle) - 2 * np.sin(15 * angle)
     exact = -5 * np.sin(5 * angle) - 30 * np.cos(15 * angle)
@@ -91,7 +94,8 @@ def test_derivatives_of_harmonics_along_a_turn_are_exact() -> None:
     assert second @ z == pytest.approx(9.0 * exact, abs=1e-10)
     elsewhere = np.array([0.1, 2.0])
     exact = 0.3 + np.cos(5 * elsewhere) - 2 * np.sin(15 * elsewhere)
-    assert at_angles(z[:, None], elsewhere)[:, 0] == pytest.approx(exact, abs=1e-12)
+    series = FourierSeries.through(z, with_last_cosine=True)
+    assert series.at(elsewhere / (2 * np.pi)) == pytest.approx(exact, abs=1e-12)
 
 
 def test_a_peak_of_a_cosine_between_its_samples_is_found_to_fourth_order() -> None:

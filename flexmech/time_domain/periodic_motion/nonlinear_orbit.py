@@ -17,11 +17,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
+from flexmech.dynamical_systems import FourierSeries, differentiation_matrices
 from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linear_system import Engine, LinkFrames
 from flexmech.linkages import ConstantSpeed, Linkage
 from flexmech.threads import one_thread
-from flexmech.time_domain.periodic_motion.orbit_equations import OrbitEquations, derivatives
+from flexmech.time_domain.periodic_motion.orbit_equations import OrbitEquations
 from flexmech.time_domain.periodic_motion.orbit_newton import NewtonRun, newton
 from flexmech.time_domain.periodic_motion.shooting import CRITICAL
 from flexmech.time_domain.recorded_runs.states import LinkState
@@ -100,10 +101,10 @@ class NonlinearOrbit:
         """
         angle = np.asarray(crank_angle, dtype=float)
         motion = self.linkage.motion(angle, np.full(len(angle), self.crank_speed))
-        first = derivatives(len(self.independent), self.crank_speed)[0]
+        first, _ = differentiation_matrices(len(self.independent), self.crank_speed)
 
         def with_rate(samples: FloatArray) -> tuple[FloatArray, FloatArray]:
-            return at_angles(samples, angle), at_angles(first @ samples, angle)
+            return _at_angles(samples, angle), _at_angles(first @ samples, angle)
 
         z, rate = with_rate(self.independent)
         moving = self.frames.link_motion(motion, z, rate, np.zeros_like(z))
@@ -119,24 +120,9 @@ class NonlinearOrbit:
         return LinkState([q[0] for q in displacement], [v[0] for v in rate])
 
 
-def at_angles(z: FloatArray, crank_angle: FloatArray) -> FloatArray:
-    """Values of a periodic motion at other crank angles, by its Fourier series.
-
-    Parameters
-    ----------
-    z : ndarray, shape (N, n)
-        At an even number of evenly spaced crank angles from zero.
-    crank_angle : ndarray, shape (A,)
-        In rad.
-
-    Returns
-    -------
-    ndarray, shape (A, n)
-    """
-    amplitude = np.fft.rfft(z, axis=0) / len(z)
-    amplitude[1:-1] *= 2
-    waves = np.exp(1j * np.outer(crank_angle, np.arange(len(amplitude))))
-    return np.asarray((waves @ amplitude).real)
+def _at_angles(z: FloatArray, crank_angle: FloatArray) -> FloatArray:
+    """Values (A, n) of a periodic motion at crank angles in rad, by samples (N, n) of a turn."""
+    return FourierSeries.through(z, with_last_cosine=True).at(crank_angle / (2 * np.pi))
 
 
 def nonlinear_orbit(
@@ -196,7 +182,7 @@ def _orbit(engine: Engine, crank_speed: float, near: NonlinearOrbit | None) -> N
         straight = np.zeros((count, equations.frames.size))
         starts = [straight if still is None else _independent(equations, still)]
         if z is not None:
-            starts.insert(0, at_angles(z, equations.motion.crank_angle))
+            starts.insert(0, _at_angles(z, equations.motion.crank_angle))
         run, taken = _found(equations, starts)
         z, passes = run.state.z, passes + taken
         moved = _at_stations(equations, run.state.displacement)
@@ -204,7 +190,7 @@ def _orbit(engine: Engine, crank_speed: float, near: NonlinearOrbit | None) -> N
             break
     if _tail(moved) > TAIL:
         finer = OrbitEquations(engine, crank_speed, FINEST)
-        resolved = newton(finer, at_angles(run.state.z, finer.motion.crank_angle))
+        resolved = newton(finer, _at_angles(run.state.z, finer.motion.crank_angle))
         passes += resolved.passes
         if resolved.converged:
             run, equations, still = resolved, finer, _equilibrium(finer)

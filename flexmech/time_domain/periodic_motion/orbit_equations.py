@@ -25,6 +25,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmech.arrays import FloatArray
+from flexmech.dynamical_systems import differentiation_matrices
 from flexmech.linear_system import (
     AttachedPoint,
     ConnectedMatrices,
@@ -104,32 +105,6 @@ class OrbitState:
     error: float
 
 
-def derivatives(samples: int, crank_speed: float) -> tuple[FloatArray, FloatArray]:
-    """First and second time derivative of a periodic motion from its samples.
-
-    Parameters
-    ----------
-    samples : int
-        Even number N of evenly spaced crank angles of a turn.
-    crank_speed : float
-        In rad/s.
-
-    Returns
-    -------
-    ndarray, shape (N, N)
-        First derivative; the fastest harmonic, of which samples show the cosine alone, has none.
-    ndarray, shape (N, N)
-        Second derivative.
-    """
-    harmonic = np.arange(samples // 2 + 1)
-    unit = np.fft.rfft(np.eye(samples), axis=0)
-    once = 1j * harmonic[:, None] * unit
-    once[-1] = 0.0
-    first = np.fft.irfft(once, samples, axis=0)
-    second = np.fft.irfft(-(harmonic[:, None] ** 2) * unit, samples, axis=0)
-    return crank_speed * first, crank_speed**2 * second
-
-
 def times(matrix: FloatArray, vector: FloatArray) -> FloatArray:
     """Products of matrices (N, m, n) or (m, n) with vectors (N, n)."""
     return np.asarray((matrix @ vector[..., None])[..., 0])
@@ -154,7 +129,7 @@ class OrbitEquations:
     motion : RigidMotion
         Batch of shape (N,).
     first, second : ndarray, shape (N, N)
-        See :func:`derivatives`.
+        See :func:`flexmech.dynamical_systems.differentiation_matrices`.
     load : ndarray, shape (N, n)
         Inertia forces of the rigid motion, weight, and loads and springs on the straight links.
     mass : ndarray, shape (N, n, n)
@@ -174,7 +149,7 @@ class OrbitEquations:
         self.motion: RigidMotion = linkage.motion(
             2 * np.pi / samples * np.arange(samples), np.full(samples, float(crank_speed))
         )
-        self.first, self.second = derivatives(samples, crank_speed)
+        self.first, self.second = differentiation_matrices(samples, crank_speed)
         self._zero = [np.zeros((link.size, link.size)) for link in links]
         self.mass = self.frames.assemble(self.motion, self._zero, FROZEN, self._zero).mass
         self._inertias = [LinkInertia.of(link, link, np.eye(link.size)) for link in links]
