@@ -53,21 +53,22 @@ from flexmech.linear_system.joints.position_errors import (
 )
 from flexmech.linear_system.joints.rigid_coordinates import RigidGeometricStiffness
 from flexmech.linear_system.joints.rigid_pose import DisplacedTies
-from flexmech.linear_system.links.bent_axis import bent_curvature, kinks_of
 from flexmech.linear_system.links.body_forces import (
     DeadMoments,
     DisplacedInertia,
     body_turns,
 )
 from flexmech.linear_system.links.chains import (
+    MOST_STACKED,
+    among_alike,
     chain_matrix,
     in_positions,
+    same_of_all,
     times,
 )
 from flexmech.linear_system.links.link_inertia import LinkInertia, MovingLink, inertia_loads
 from flexmech.linear_system.links.link_model import LinkModel, RigidFields
 from flexmech.linear_system.links.link_readings import LinkReadings
-from flexmech.linear_system.links.link_stack import MOST_STACKED, among_alike, same_of_all
 from flexmech.linear_system.links.link_stretch import LinkStretch
 from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
 from flexmech.linear_system.links.rigid_link import rigid_link
@@ -81,6 +82,7 @@ from flexmech.linear_system.loads.connector_forces import (
     connected_matrices,
     deformations,
     has_dampers,
+    kinks_of,
 )
 from flexmech.linear_system.loads.connectors import Connectors
 from flexmech.linear_system.reduction.component_modes import (
@@ -148,7 +150,6 @@ __all__ = [
     "acts_at_rest",
     "all_constant",
     "among_alike",
-    "bent_curvature",
     "body_nodes",
     "body_turns",
     "chain_matrix",

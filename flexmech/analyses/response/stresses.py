@@ -11,7 +11,7 @@ import numpy as np
 from flexmech.analyses.response.measurements import peaks_between
 from flexmech.analyses.response.sprung_frame import carried_by_frame
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import Engine, LinkModel, bent_curvature, kinks_of
+from flexmech.linear_system import Engine, LinkModel, kinks_of
 from flexmech.linkages import Drive, RigidMotion, continuous_angles, forces_by_joints
 from flexmech.linkages.applied_forces import applied_forces
 from flexmech.linkages.inverse_dynamics import LinkForces
@@ -61,7 +61,9 @@ class StressedLink:
         tension : ndarray, shape (N, p)
             Normal force in N.
         """
-        curvature = bent_curvature(self.link, displacement, self.places, self.kinks)
+        curvature = self.link.readings.bent_curvature(
+            displacement, self.places, self.kinks, self.link.vectors[1]
+        )
         bent = np.abs(curvature) * self.section.in_plane_thickness / 2
         stretched = np.abs(tension) / self.section.axial_stiffness
         return np.asarray(self.material.youngs_modulus * (bent + stretched))

@@ -21,7 +21,7 @@ from flexmech.analyses.strength.sampled_loads import LoadsOfRun
 from flexmech.analyses.strength.sought import LoadsOfEngines, Sought, seek
 from flexmech.analyses.strength.weakest import Name
 from flexmech.arrays import FloatArray, LabelledProgress
-from flexmech.linear_system import Engine, RunningLinks, bent_curvature
+from flexmech.linear_system import Engine, RunningLinks
 from flexmech.threads import one_thread
 
 # Each leaves a few hundredths of what the one before has changed.
@@ -142,7 +142,10 @@ def _moment_gap(
         if section is None or link.rigid:
             continue
         where, loads = cuts[link.name], inside[link.name].loads
-        curvature = bent_curvature(link, running.displacement[number], where.cut, where.kinks)
+        displacement = running.displacement[number]
+        curvature = link.readings.bent_curvature(
+            displacement, where.cut, where.kinks, link.vectors[1]
+        )
         # About the pins' axis, from that about the neutral one.
         moment = section.bending_stiffness * (curvature - section.free_curvature)
         moment -= loads[..., 0] * section.neutral_axis

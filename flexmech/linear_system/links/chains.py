@@ -1,13 +1,22 @@
-"""Matrices of a link of consecutive elements, and their products in many positions."""
+"""Matrices of links of consecutive elements, in many positions and of several designs.
+
+Designs of one mechanism are computed together along a leading dimension, as far as they are alike.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from flexmech.arrays import FloatArray, IntArray
+
+Result = TypeVar("Result")
+
+# Links of more elements are computed design by design: memory, and speed, which is then as great.
+MOST_STACKED = 16
 
 
 def chain_matrix(elements: FloatArray) -> FloatArray:
@@ -98,3 +107,64 @@ def with_entries(
     total = np.array(np.broadcast_to(matrix, (*batch, *matrix.shape[-2:])))
     total[..., rows, columns] += values
     return total
+
+
+class UnlikeDesignsError(Exception):
+    """Designs of a stack that cannot be computed together: their matrices differ in size.
+
+    Parameters
+    ----------
+    kind : ndarray of int, shape (D,)
+        Designs of the same number can be computed together.
+    """
+
+    def __init__(self, kind: IntArray) -> None:
+        super().__init__("designs that differ in more than numbers are not computed together")
+        self.kind = kind
+
+
+def same_of_all(values: ArrayLike) -> int:
+    """The number or truth that all designs have in common.
+
+    Parameters
+    ----------
+    values : array_like, shape () or (D,)
+
+    Returns
+    -------
+    int
+
+    Raises
+    ------
+    UnlikeDesignsError
+        If there is none.
+    """
+    of_designs = np.ravel(values)
+    if (of_designs != of_designs[0]).any():
+        raise UnlikeDesignsError(np.unique(of_designs, return_inverse=True)[1])
+    return int(of_designs[0])
+
+
+def among_alike(numbers: IntArray, compute: Callable[[IntArray], Sequence[Result]]) -> list[Result]:
+    """Compute designs at once, or those that are alike where they are not all.
+
+    Parameters
+    ----------
+    numbers : ndarray of int, shape (D,)
+    compute : callable
+        From the numbers of designs to a result of each.
+
+    Returns
+    -------
+    list
+        The result of each design.
+    """
+    try:
+        return [*compute(numbers)]
+    except UnlikeDesignsError as unlike:
+        kind = unlike.kind
+    results: dict[int, Result] = {}
+    for one in np.unique(kind):
+        alike = numbers[kind == one]
+        results |= dict(zip(alike.tolist(), among_alike(alike, compute), strict=True))
+    return [results[number] for number in numbers.tolist()]

@@ -1,8 +1,13 @@
-"""Displacements, rotations and curvature of a link from its coordinates."""
+"""Displacements, rotations and curvature of a link from its coordinates.
+
+Across the frame of a link that bends by finite angles, its axis of arc length s is displaced by
+v(s), with ``v' = sin(theta)`` where it does not stretch, so that ``kappa = theta' = v'' /
+cos(theta)``; Antman, *Nonlinear Problems of Elasticity*, 2nd ed. 2005, ch. 4.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -14,6 +19,8 @@ from flexmech.mesh import curvature_at, shapes_at, station_shapes
 # Of the shortest element: the slope of a cubic is off by the square of it, the difference of its
 # deflections by round-off over it, both 1e-8 or less.
 SMALL = 1e-4
+# Nodes that determine the curvature at a place.
+CURVATURE_NODES = 3
 
 
 @dataclass(frozen=True)
@@ -84,6 +91,67 @@ class LinkReadings:
         """Bending curvature at places (s,) in m from the link's start, (s, n)."""
         mesh = self._own_nodes, self.per_node, self.slope, self.deflection
         return self._reduced(np.stack([curvature_at(place, *mesh) for place in places.tolist()]))
+
+    def bent_curvature(
+        self,
+        displacement: FloatArray,
+        places: FloatArray,
+        kinks: Sequence[float],
+        slope_vectors: IntArray,
+    ) -> FloatArray:
+        """Bending curvature at finite rotations, where the axis turns in its frame.
+
+        Parameters
+        ----------
+        displacement : ndarray, shape (B, n)
+            Of an elastic link of one design.
+        places : ndarray, shape (s,)
+            From the link's start in m.
+        kinks : sequence of float
+            Places in m at which something acts, and the slope of the curvature jumps: it is read
+            from nodes on one side of them.
+        slope_vectors : ndarray of int, shape (k,)
+            Coordinates across of all vectors; see :class:`flexmech.linear_system.LinkModel`.
+
+        Returns
+        -------
+        ndarray, shape (B, s)
+            In 1/m, positive where it curves the link towards the y axis of its frame.
+        """
+        readings, q = self, displacement
+        if self.basis is not None:
+            readings, q = replace(self, basis=None), q @ self.basis.T
+        q = readings.with_slope_vectors(q)
+        rows = readings._curvatures_between(kinks, places)
+        if self.deflection is None:
+            # Of sections that shear: by their rotations alone, which are angles.
+            return np.asarray(q @ rows.T)
+        slope = q @ readings.rotations_at(places / self.nodes[-1]).T
+        if self.slope in slope_vectors:
+            # Slope vectors have the sine itself, but for the strain.
+            return np.asarray(q @ rows.T / np.sqrt(1.0 - np.clip(slope, -1.0, 1.0) ** 2))
+        q = q.copy()
+        q[:, self.slope :: self.per_node] = np.sin(q[:, self.slope :: self.per_node])
+        return np.asarray(q @ rows.T / np.cos(slope))
+
+    def _curvatures_between(self, kinks: Sequence[float], places: FloatArray) -> FloatArray:
+        """:meth:`curvatures_at` by nodes on one side of kinks, (s, n)."""
+        nodes, per_node = self.nodes, self.per_node
+        near = SAME_PLACE * float(nodes[-1])
+        ends = np.unique([0.0, *kinks, float(nodes[-1])])
+        side = np.clip(np.searchsorted(ends, places, side="right") - 1, 0, len(ends) - 2)
+        rows = np.zeros((len(places), per_node * len(nodes)))
+        for number in np.unique(side):
+            first, last = ends[number] - near, ends[number + 1] + near
+            (span,) = np.nonzero((nodes >= first) & (nodes <= last))
+            here = side == number
+            if len(span) < CURVATURE_NODES:
+                rows[here] = self.curvatures_at(places[here])
+                continue
+            columns, start = slice(per_node * span[0], per_node * (span[-1] + 1)), nodes[span[0]]
+            between = replace(self, nodes=nodes[span] - start)
+            rows[here, columns] = between.curvatures_at(places[here] - start)
+        return rows
 
     def displacement_at(self, fraction: FloatArray) -> FloatArray:
         """Displacement along and across at fractions (s,) of the link's length, (s, 2, n)."""

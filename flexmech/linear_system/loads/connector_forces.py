@@ -27,6 +27,13 @@ def has_dampers(mechanism: Mechanism) -> bool:
     return bool(joints or framed or any(spring.damping for spring in mechanism.springs))
 
 
+def kinks_of(mechanism: Mechanism, link: str) -> list[float]:
+    """Where masses, bodies, loads and springs act on a link, m from its start."""
+    mass = mechanism.link_mass(link)
+    bodies = (body.position for body in mass.bodies)
+    return [*mass.point_positions, *bodies, *mechanism.acting_at(link)]
+
+
 @dataclass(frozen=True)
 class PointForce:
     """Force of a connector on a point in ground axes, (B, 2), and torque (B,)."""

@@ -43,8 +43,8 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.links.chains import same_of_all
 from flexmech.linear_system.links.link_model import LinkModel
-from flexmech.linear_system.links.link_stack import same_of_all
 from flexmech.linear_system.reduction.fixed_interface_modes import (
     FixedInterfaceLink,
     fix_interfaces,
