@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
@@ -99,13 +99,8 @@ def build_chain(
     nodes = node_positions(mass.length, elements, fixed)
     own = _section_of_elements(section, mass.length, shapes)
     beams = BeamElements(shapes, own, np.diff(nodes), _kinked(nodes, section, mass, acting_at))
-    points = zip(mass.point_positions, mass.point_masses, strict=True)
-    lumps = [(int(np.argmin(np.abs(nodes - position))), lump) for position, lump in points]
-    has_line = bool(mass.mass_per_length)
-    model = _straight_link(name, nodes, beams, lumps, has_line=has_line)
-    if not shapes.has_rotary_inertia:
-        model = replace(model, uncounted_rotary_inertia=mass.rotary_inertia)
-    return Chain(model.carrying(mass), nodes, beams, mass.mass_per_length)
+    model = _straight_link(name, nodes, beams, [mass]).carrying(mass)
+    return Chain(model, nodes, beams, mass.mass_per_length)
 
 
 def _section_of_elements(section: BeamSection, length: float, shapes: BeamShapes) -> BeamSection:
@@ -143,30 +138,21 @@ def stack_chains(
     )
     nodes = np.stack([node_positions(m.length, elements, m.point_positions) for m in masses])
     beams = BeamElements(shapes, cast("BeamSection", SectionStack(own)), np.diff(nodes))
-    lumps = []
-    for number in range(len(masses[0].point_masses)):
-        place = np.array([mass.point_positions[number] for mass in masses])
-        node = np.abs(nodes - place[:, None]).argmin(axis=1)
-        lumps.append((node, np.array([mass.point_masses[number] for mass in masses])))
-    model = _straight_link(name, nodes, beams, lumps, has_line=True)
-    if not shapes.has_rotary_inertia:
-        rotary = np.array([mass.rotary_inertia for mass in masses])
-        model = replace(model, uncounted_rotary_inertia=rotary)
+    model = _straight_link(name, nodes, beams, masses)
     return Chain(model, nodes, beams, np.array([mass.mass_per_length for mass in masses]))
 
 
 def _straight_link(
-    name: str,
-    nodes: FloatArray,
-    beams: BeamElements,
-    lumps: Sequence[tuple[int | IntArray, float | FloatArray]],
-    *,
-    has_line: bool,
+    name: str, nodes: FloatArray, beams: BeamElements, masses: Sequence[LinkMass]
 ) -> LinkModel:
-    """Straight link of beam elements between nodes (..., e + 1), with point masses at nodes.
+    """Straight link of beam elements with point masses, without bodies.
 
-    ``has_line`` tells whether mass is distributed along it.
+    Of one design with nodes (e + 1,), or of as many as there are masses with nodes (D, e + 1).
     """
+
+    def by_design(values: Sequence[float]) -> FloatArray:
+        return np.reshape(values, nodes.shape[:-1])
+
     shapes = beams.shapes
     per_node = shapes.per_node
     size = per_node * nodes.shape[-1]
@@ -180,14 +166,19 @@ def _straight_link(
         ]
     )
     first_moment = sum_of_elements(beams.first_moment)
-    if not has_line:
+    if not any(mass.mass_per_length for mass in masses):
         # All of it is in points.
         matrices[:3], first_moment[:] = 0.0, 0.0
-    for node, lump in lumps:
-        _add_point_mass(matrices[:3], node, lump)
+    positions = zip(*(mass.point_positions for mass in masses), strict=True)
+    lumps = zip(*(mass.point_masses for mass in masses), strict=True)
+    for place, lump in zip(positions, lumps, strict=True):
+        node = np.abs(nodes - by_design(place)[..., None]).argmin(axis=-1)
+        _add_point_mass(matrices[:3], node, by_design(lump))
     inertia, centrifugal, gyroscopic, stiffness, damping = map(chain_matrix, matrices)
     last, clamped = size - per_node, np.array(shapes.clamped)
     warping = np.array(shapes.warping, dtype=np.intp)
+    rotary = by_design([mass.rotary_inertia for mass in masses])
+    uncounted = 0.0 if shapes.has_rotary_inertia else rotary
     return LinkModel(
         name=name,
         mass=inertia,
@@ -213,6 +204,7 @@ def _straight_link(
         start_warping=warping,
         end_warping=last + warping,
         vectors=per_node * np.arange(nodes.shape[-1]) + np.array([[0], [1]]),
+        uncounted_rotary_inertia=uncounted,
     )
 
 
@@ -230,13 +222,13 @@ def _kinked(
     return kinked[:-1]
 
 
-def _add_point_mass(matrices: FloatArray, node: int | IntArray, mass: float | FloatArray) -> None:
+def _add_point_mass(matrices: FloatArray, node: IntArray, mass: FloatArray) -> None:
     """Add a point mass to the mass, the centrifugal mass and ``S`` of elements.
 
     Parameters
     ----------
     matrices : ndarray, shape (3, e, 2 p, 2 p) or (3, D, e, 2 p, 2 p)
-    node, mass : int and float, or ndarray, shape (D,)
+    node, mass : ndarray, shape () or (D,)
     """
     count, per_node = matrices.shape[-3], matrices.shape[-1] // 2
     element = np.minimum(node, count - 1)
