@@ -59,9 +59,9 @@ class AttachedPoint:
         """
         rows, end_rows = (
             np.concatenate(
-                [each.displacement_at(np.array([fraction]))[0], each.rotation_at(fraction)[None]]
+                [r.displacement_at(np.array([fraction]))[0], r.rotation_at(fraction)[None]]
             )
-            for each in (links[link].readings, links[link].ends.readings)
+            for r in (links[link].readings, links[link].ends.readings)
         )
         return cls(link, fraction * length, rows, end_rows, links[link].rigid)
 
@@ -175,12 +175,12 @@ class AttachedPoint:
         ndarray, shape (B, 3)
         """
         moved, speed = self._in_frame(q, finite), motion.angular_velocity[:, self.link]
-        own = rate @ self.rows.T
+        velocity = rate @ self.rows.T
         if finite and self.rigid:
-            own = (self.rows_at(q) @ rate[..., None])[..., 0]
-        own[:, 0] -= speed * moved[:, 1]
-        own[:, 1] += speed * moved[:, 0]
-        return _turned(own, motion.angle[:, self.link])
+            velocity = (self.rows_at(q) @ rate[..., None])[..., 0]
+        velocity[:, 0] -= speed * moved[:, 1]
+        velocity[:, 1] += speed * moved[:, 0]
+        return _turned(velocity, motion.angle[:, self.link])
 
     def _in_frame(self, q: FloatArray, finite: bool) -> FloatArray:
         """Displacement and rotation in the link's frame, (B, 3)."""
@@ -196,9 +196,9 @@ def _turned(vectors: FloatArray, angle: FloatArray) -> FloatArray:
     """Vectors and rotations (B, 3, ...) turned by angles (B,)."""
     angle = angle.reshape(-1, *[1] * (vectors.ndim - 2))
     cosine, sine = np.cos(angle), np.sin(angle)
-    found, x, y = vectors.copy(), vectors[:, 0], vectors[:, 1]
-    found[:, 0], found[:, 1] = cosine * x - sine * y, sine * x + cosine * y
-    return found
+    turned, x, y = vectors.copy(), vectors[:, 0], vectors[:, 1]
+    turned[:, 0], turned[:, 1] = cosine * x - sine * y, sine * x + cosine * y
+    return turned
 
 
 @dataclass(frozen=True)
@@ -236,8 +236,8 @@ class PointJacobian:
         """
         batch, link = len(motion.crank_angle), point.link
         value, rate = np.zeros((2, batch, 3, frames.size))
-        own = frames.independent_coordinates(link)
-        value[:, :, frames.targets[link][own]] = point.rows[..., own]
+        independent = frames.independent_coordinates(link)
+        value[:, :, frames.targets[link][independent]] = point.rows[..., independent]
         for tie in dependent:
             value[:, :, tie.columns] += point.rows[..., tie.rows] @ tie.turn
             rate[:, :, tie.columns] += point.end_rows[..., tie.rows] @ tie.rate

@@ -22,7 +22,7 @@ def acts_at_rest(mechanism: Mechanism) -> bool:
 
 def has_dampers(mechanism: Mechanism) -> bool:
     """Whether a spring, one in a joint or one of the frame has a damper."""
-    joints = any(own.torsional_damping or own.radial_damping for own in mechanism.joint_springs)
+    joints = any(s.torsional_damping or s.radial_damping for s in mechanism.joint_springs)
     framed = mechanism.frame is not None and mechanism.frame.damping.any()
     return bool(joints or framed or any(spring.damping for spring in mechanism.springs))
 
@@ -108,7 +108,7 @@ def spring_tangent(
 
 
 def joint_tangent(
-    first: AttachedPoint | None, second: AttachedPoint, own: JointSpring, batch: int
+    first: AttachedPoint | None, second: AttachedPoint, spring: JointSpring, batch: int
 ) -> ConnectorTangent:
     """Stiffness and damping of the springs and dampers in a joint.
 
@@ -116,7 +116,7 @@ def joint_tangent(
     ----------
     first, second : AttachedPoint or None
         Ends of the leading and the following link.
-    own : JointSpring
+    spring : JointSpring
     batch : int
         Number of positions.
 
@@ -125,8 +125,8 @@ def joint_tangent(
     ConnectorTangent
     """
     stiffness, damping = np.zeros((2, batch, 3, 3))
-    stiffness[:] = np.diag([own.radial_stiffness or 0.0] * 2 + [own.torsional_stiffness])
-    damping[:] = np.diag([own.radial_damping] * 2 + [own.torsional_damping])
+    stiffness[:] = np.diag([spring.radial_stiffness or 0.0] * 2 + [spring.torsional_stiffness])
+    damping[:] = np.diag([spring.radial_damping] * 2 + [spring.torsional_damping])
     return ConnectorTangent(first, second, stiffness, damping, in_joint=True)
 
 
@@ -228,10 +228,10 @@ def deformations(
     if not mechanism.joint_springs:
         return
     angles = continuous_angles(mechanism.linkage, motion)
-    for own in mechanism.joint_springs:
-        gap, rate = joint_gap(topology, motion, own, angles, moved)
-        turned = gap[:, 2] - own.free_angle
-        yield own.torsional_stiffness, turned, own.torsional_damping, rate[:, 2]
-        if own.radial_stiffness is not None:
+    for joint in mechanism.joint_springs:
+        gap, rate = joint_gap(topology, motion, joint, angles, moved)
+        turned = gap[:, 2] - joint.free_angle
+        yield joint.torsional_stiffness, turned, joint.torsional_damping, rate[:, 2]
+        if joint.radial_stiffness is not None:
             for way in range(2):
-                yield own.radial_stiffness, gap[:, way], own.radial_damping, rate[:, way]
+                yield joint.radial_stiffness, gap[:, way], joint.radial_damping, rate[:, way]

@@ -73,7 +73,7 @@ class Connectors:
     def restrains_shaft(self) -> bool:
         """Whether springs restrain the rotation of a free shaft."""
         springs = any(spring.stiffness for spring in self._mechanism.springs)
-        return springs or any(own.torsional_stiffness for own in self._mechanism.joint_springs)
+        return springs or any(s.torsional_stiffness for s in self._mechanism.joint_springs)
 
     @property
     def depend_on_displacement(self) -> bool:
@@ -94,8 +94,7 @@ class Connectors:
     def is_conservative(self) -> bool:
         """Whether the forces have a potential at each crank angle."""
         joints = self._mechanism.joint_springs
-        damped = any(own.torsional_damping or own.radial_damping for own in joints)
-        return not (damped or self.circulates)
+        return not (self.circulates or any(s.torsional_damping or s.radial_damping for s in joints))
 
     def forces(
         self,
@@ -137,7 +136,6 @@ class Connectors:
             With the coordinates of these links; their inertia may be without that of a free shaft.
         motion : RigidMotion
         displacement : sequence of ndarray, shape (B, n_link), optional
-            As of :meth:`forces`.
 
         Returns
         -------
@@ -183,9 +181,7 @@ class Connectors:
         matrices : SystemMatrices
             Of the links.
         terms : RotationTerms
-        prestress : {"none", "axial", "equilibrium"}
-        displacement : sequence of ndarray, shape (B, n_link), optional
-        time : ndarray, shape (B,), optional
+        prestress, displacement, time
             As of :meth:`matrices`.
 
         Returns
@@ -194,11 +190,11 @@ class Connectors:
         """
         if not (self.any or self._acting(time)):
             return matrices
-        own = self.matrices(frames, motion, prestress, displacement, time)
-        stiffness = matrices.stiffness + own.stiffness
+        connected = self.matrices(frames, motion, prestress, displacement, time)
+        stiffness = matrices.stiffness + connected.stiffness
         if terms.coriolis:
-            stiffness = stiffness + own.rate_stiffness
-        return SystemMatrices(matrices.mass, matrices.damping + own.damping, stiffness)
+            stiffness = stiffness + connected.rate_stiffness
+        return SystemMatrices(matrices.mass, matrices.damping + connected.damping, stiffness)
 
     def matrices(
         self,
@@ -234,8 +230,8 @@ class Connectors:
 
         def jacobian(point: AttachedPoint) -> PointJacobian:
             length = self._topology.links[point.link].length
-            own = AttachedPoint.of(frames.links, point.link, point.x / length, length)
-            return PointJacobian.of(own, frames, motion, dependent[point.link])
+            same = AttachedPoint.of(frames.links, point.link, point.x / length, length)
+            return PointJacobian.of(same, frames, motion, dependent[point.link])
 
         shape = (len(motion.crank_angle), frames.size, frames.size)
         return connected_matrices(tangents, jacobian, shape, is_conservative=self.is_conservative)
@@ -269,12 +265,12 @@ class Connectors:
         list of PointForce
             First those of loads, then those of springs.
         """
-        found = [
-            PointForce(self.at(own.link, float(own.x)), own.force, own.torque)
-            for own in self.applied(motion, displacement, time, rate)
+        forces = [
+            PointForce(self.at(push.link, float(push.x)), push.force, push.torque)
+            for push in self.applied(motion, displacement, time, rate)
         ]
         if not radial:
-            return found
+            return forces
         moved = None if displacement is None else self.moved(motion, displacement, rate)
         for joint in self._mechanism.joint_springs:
             if joint.radial_stiffness is None:
@@ -283,8 +279,8 @@ class Connectors:
             force = joint.radial_stiffness * gap[:, :2] + joint.radial_damping * opening[:, :2]
             for point, sign in zip(self.joint_points(joint), (-1.0, 1.0), strict=True):
                 if point is not None:
-                    found.append(PointForce(point, sign * force, np.zeros(len(force))))
-        return found
+                    forces.append(PointForce(point, sign * force, np.zeros(len(force))))
+        return forces
 
     def applied(
         self,
@@ -293,24 +289,15 @@ class Connectors:
         time: FloatArray | None = None,
         rate: Sequence[FloatArray] | None = None,
     ) -> Iterator[ForceOnLink]:
-        """Forces on links, one by one, by the number of the link.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-        displacement, rate : sequence of ndarray, shape (B, n_link), optional
-        time : ndarray, shape (B,), optional
-            As of :meth:`point_forces`.
-        """
-        own = self._mechanism
-        springs = own.joint_springs
+        """Forces on links, one by one, by the number of the link; as of :meth:`point_forces`."""
+        mechanism, joints = self._mechanism, self._mechanism.joint_springs
         return applied_forces(
             self._topology,
             motion,
             self._acting(time),
-            own.springs,
-            springs,
-            continuous_angles(own.linkage, motion) if springs else motion.angle,
+            mechanism.springs,
+            joints,
+            continuous_angles(mechanism.linkage, motion) if joints else motion.angle,
             0.0 if time is None else time,
             None if displacement is None else self.moved(motion, displacement, rate),
         )
@@ -337,10 +324,10 @@ class Connectors:
 
         def moved(link: int, x: float) -> tuple[FloatArray, FloatArray]:
             point, q = self.at(link, x), displacement[link]
-            found = point.displacement(motion, q, finite=finite)
+            place = point.displacement(motion, q, finite=finite)
             if rate is None:
-                return found, np.zeros_like(found)
-            return found, point.displacement_rate(motion, q, rate[link], finite=finite)
+                return place, np.zeros_like(place)
+            return place, point.displacement_rate(motion, q, rate[link], finite=finite)
 
         return moved
 
@@ -373,24 +360,24 @@ class Connectors:
         turning = [load for load in self._acting(time) if stressed and load.axes == "link"]
         instant = 0.0 if time is None else time
         tangents = [
-            follower_tangent(self.at(own.link, float(own.x)), own.force)
-            for own in forces_of_loads(topology, motion, turning, instant, moved)
+            follower_tangent(self.at(push.link, float(push.x)), push.force)
+            for push in forces_of_loads(topology, motion, turning, instant, moved)
         ]
         for spring in self._mechanism.springs:
             line = SpringLine.of(spring, topology, motion, moved)
             ends = self.point(spring.first), self.point(spring.second)
             tangents.append(spring_tangent(*ends, spring, line, stressed=stressed))
-        for own in self._mechanism.joint_springs:
-            second, first = self.joint_points(own)
-            tangents.append(joint_tangent(first, second, own, len(motion.crank_angle)))
+        for joint in self._mechanism.joint_springs:
+            second, first = self.joint_points(joint)
+            tangents.append(joint_tangent(first, second, joint, len(motion.crank_angle)))
         return tangents
 
     def _acting(self, time: FloatArray | None) -> tuple[Load, ...]:
         return self.loads if time is None else self._mechanism.loads
 
-    def joint_points(self, own: JointSpring) -> tuple[AttachedPoint, AttachedPoint | None]:
+    def joint_points(self, spring: JointSpring) -> tuple[AttachedPoint, AttachedPoint | None]:
         """Ends of the following and the leading link of a joint; None on the ground."""
-        follower, leader = self._topology.pinned_ends[own.joint]
+        follower, leader = self._topology.pinned_ends[spring.joint]
         first = None if leader is None else self.at(*self._topology.end_place(leader))
         return self.at(*self._topology.end_place(follower)), first
 
@@ -411,17 +398,17 @@ class Connectors:
         On every link k in its coordinates, (n_link, k): of springs and dampers in joints a couple,
         of others a force along and one across.
         """
-        found: list[list[FloatArray]] = [[] for _ in self.links]
-        for own in self._mechanism.joint_springs:
-            if own.torsional_stiffness or own.torsional_damping:
-                for point in self.joint_points(own):
+        forces: list[list[FloatArray]] = [[] for _ in self.links]
+        for joint in self._mechanism.joint_springs:
+            if joint.torsional_stiffness or joint.torsional_damping:
+                for point in self.joint_points(joint):
                     if point is not None and not point.rigid:
-                        found[point.link].append(point.rows[2])
+                        forces[point.link].append(point.rows[2])
         for spring in self._mechanism.springs:
             for point in (self.point(spring.first), self.point(spring.second)):
                 if point is not None and not point.rigid:
-                    found[point.link] += [*point.rows[:2]]
+                    forces[point.link] += [*point.rows[:2]]
         return [
             np.stack(rows, axis=1) if rows else np.zeros((link.size, 0))
-            for link, rows in zip(self.links, found, strict=True)
+            for link, rows in zip(self.links, forces, strict=True)
         ]
