@@ -104,11 +104,13 @@ class DisplacedInertia:
         force = (matrix @ displacement[..., None])[..., 0]
         for body in link.bodies:
             moved, (_, gyroscopic, centrifugal) = displacement @ body.rows.T, body.matrices(STILL)
-            own, by_place = body.displaced_inertia(self.speed[number], self.change[number], moved)
+            force_of_body, by_place = body.displaced_inertia(
+                self.speed[number], self.change[number], moved
+            )
             small = linear(centrifugal, gyroscopic)
-            force += (own - (small @ moved[..., None])[..., 0]) @ body.rows
+            force += (force_of_body - (small @ moved[..., None])[..., 0]) @ body.rows
             matrix += body.rows.T @ (by_place - small) @ body.rows
-            couples.append(own[:, 2])
+            couples.append(force_of_body[:, 2])
         return force, matrix, couples
 
     def forces(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
@@ -134,12 +136,14 @@ class DisplacedInertia:
         list of list of ndarray, shape (2, B)
             Virial and moment of each body of each link.
         """
-        found: list[list[FloatArray]] = []
+        moments: list[list[FloatArray]] = []
         for number, q in enumerate(displacement):
             turns = [q @ body.rows[2] for body in self.links[number].bodies]
             couples = zip(self.of_link(number, q)[2], turns, strict=True)
-            found.append([own * np.stack([-np.sin(turn), np.cos(turn)]) for own, turn in couples])
-        return found
+            moments.append(
+                [couple * np.stack([-np.sin(turn), np.cos(turn)]) for couple, turn in couples]
+            )
+        return moments
 
     def on_undeformed(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
         """Forces (B, n_link) with the couples of bodies referred to the undeformed links."""
@@ -231,25 +235,25 @@ class DeadMoments:
         -------
         DeadMoments
         """
-        found: dict[tuple[int, int], FloatArray] = {}
+        by_point: dict[tuple[int, int], FloatArray] = {}
         for number, link in enumerate(links):
             for place, body in enumerate(link.bodies):
-                own, moment = body.dead_moment(motion, number, gravity)
-                value = np.stack([own, moment])
+                virial_of_body, moment = body.dead_moment(motion, number, gravity)
+                value = np.stack([virial_of_body, moment])
                 if displaced_inertia is not None:
                     value += displaced_inertia[number][place]
                 if link.rigid:
                     value[1] = loads[number][:, 2]
                     value[0] += 0.0 if virial is None else virial[:, number]
                 # Bodies on one section have one rotation.
-                found[number, body.row] = found.get((number, body.row), 0.0) + value
-        places = np.array(list(found), dtype=np.intp).reshape(-1, 2).T
-        shape = (len(found), 2, len(motion.crank_angle))
-        return cls(*places, *np.moveaxis(np.reshape(list(found.values()), shape), 1, 0))
+                by_point[number, body.row] = by_point.get((number, body.row), 0.0) + value
+        places = np.array(list(by_point), dtype=np.intp).reshape(-1, 2).T
+        shape = (len(by_point), 2, len(motion.crank_angle))
+        return cls(*places, *np.moveaxis(np.reshape(list(by_point.values()), shape), 1, 0))
 
-    def scaled(self, part: float) -> Self:
-        """Moments of a part of the forces."""
-        return replace(self, virial=part * self.virial, moment=part * self.moment)
+    def scaled(self, fraction: float) -> Self:
+        """Moments of a fraction of the forces."""
+        return replace(self, virial=fraction * self.virial, moment=fraction * self.moment)
 
     def at(self, which: NDArray[np.bool_] | IntArray) -> Self:
         """Moments in some positions."""
@@ -277,18 +281,18 @@ class DeadMoments:
         ----------
         displacement : sequence of ndarray, shape (n_link, B)
         """
-        found = {}
+        by_link = {}
         for link, points in self._of_links():
             rows = self.rows[points]
             cosine, sine = np.cos(displacement[link][rows]), np.sin(displacement[link][rows])
             stiffness = self.virial[points] * cosine + self.moment[points] * sine
-            found[link] = rows, np.asarray(stiffness)
-        return found
+            by_link[link] = rows, np.asarray(stiffness)
+        return by_link
 
     def by_link(self, displacement: Sequence[FloatArray]) -> dict[int, FloatArray]:
         """Geometric stiffness (B,) of rigid links, which have one point each, by link."""
-        found = self.rotation_stiffness(displacement)
-        return {link: stiffness[0] for link, (_, stiffness) in found.items()}
+        by_link = self.rotation_stiffness(displacement)
+        return {link: stiffness[0] for link, (_, stiffness) in by_link.items()}
 
     def _of_links(self) -> Iterator[tuple[int, IntArray]]:
         """Numbers of the points of each link that has some."""

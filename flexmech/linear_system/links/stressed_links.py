@@ -66,16 +66,16 @@ class StressedLinks:
         if self.unstressed:
             return replace(self, motion=motion)
 
-        def some(values: list[FloatArray] | None) -> list[FloatArray] | None:
+        def chosen(values: list[FloatArray] | None) -> list[FloatArray] | None:
             return None if values is None else [v[which] for v in values]
 
         return replace(
             self,
             tangent=[in_positions(t, which) for t in self.tangent],
-            displacement=some(self.displacement),
-            internal_force=some(self.internal_force),
+            displacement=chosen(self.displacement),
+            internal_force=chosen(self.internal_force),
             damping=self.damping and [d[which] for d in self.damping],
-            loads=some(self.loads),
+            loads=chosen(self.loads),
             guide_stiffness=None if self.guide_stiffness is None else self.guide_stiffness[which],
             motion=motion,
         )

@@ -117,7 +117,7 @@ class DrivenConnectors:
         if tables and self.is_interpolated:
             alone = replace(mechanism, loads=tables, springs=(), joint_springs=())
             smooth = replace(mechanism, loads=constant)
-            self._parts = tuple(Connectors(part, frames.links) for part in (smooth, alone))
+            self._parts = tuple(Connectors(acting, frames.links) for acting in (smooth, alone))
 
     @property
     def has_tables(self) -> bool:
@@ -187,9 +187,9 @@ class DrivenConnectors:
         ndarray, shape (m, size)
         """
         total = np.zeros((len(time), self._frames.size))
-        for counts, part in zip((smooth, tables), self._parts, strict=True):
-            if counts and part is not None:
-                total += self._frames.gather(motion, part.forces(motion, None, time))
+        for counts, connectors in zip((smooth, tables), self._parts, strict=True):
+            if counts and connectors is not None:
+                total += self._frames.gather(motion, connectors.forces(motion, None, time))
         return total
 
     def acting(
@@ -241,7 +241,7 @@ class DrivenConnectors:
         self, time: FloatArray, motion: RigidMotion, elastic: LinkMotion
     ) -> list[tuple[PointForce, bool]]:
         """Forces one by one, and whether each is the radial force of a sprung joint."""
-        found = [(push, False) for push in self._all.point_forces(motion, None, time)]
+        forces = [(push, False) for push in self._all.point_forces(motion, None, time)]
         for tangent in self._all.tangents(motion, None, time):
             ends = ((tangent.second, 1.0), (tangent.first, -1.0))
             deformation, rate_of_deformation = np.zeros((2, len(time), 3, 1))
@@ -259,11 +259,11 @@ class DrivenConnectors:
                     continue
                 force, torque = -sign * back[:, :2], -sign * back[:, 2]
                 if tangent.in_joint:
-                    found.append((PointForce(point, force, nothing[:, 2]), True))
-                    found.append((PointForce(point, nothing[:, :2], torque), False))
+                    forces.append((PointForce(point, force, nothing[:, 2]), True))
+                    forces.append((PointForce(point, nothing[:, :2], torque), False))
                 else:
-                    found.append((PointForce(point, force, torque), False))
-        return found
+                    forces.append((PointForce(point, force, torque), False))
+        return forces
 
     def _loads(
         self, time: FloatArray, motion: RigidMotion, elastic: LinkMotion
@@ -301,10 +301,10 @@ def _on_fields(push: PointForce, motion: RigidMotion, displacement: FloatArray) 
 def _winds(engine: Engine) -> bool:
     """Whether a turn of the crank winds up the torsional spring of a joint."""
     mechanism = engine.mechanism
-    stiff = [own for own in mechanism.joint_springs if own.torsional_stiffness]
+    stiff = [spring for spring in mechanism.joint_springs if spring.torsional_stiffness]
     if not stiff:
         return False
     linkage, topology = mechanism.linkage, mechanism.linkage.topology
     angles = continuous_angles(linkage, linkage.motion(np.array([0.0, 2 * np.pi])))
     gained = angles[1] - angles[0]
-    return any(abs(topology.joint_angle(own.joint, gained)) > 1.0 for own in stiff)
+    return any(abs(topology.joint_angle(spring.joint, gained)) > 1.0 for spring in stiff)

@@ -69,8 +69,8 @@ def forced_linkage(
     # Zero where the moving modes are all coordinates.
     frames, remainder = LinkFrames(turn.frames.topology, turn.unreduced), np.zeros(len(into))
     if size < frames.size:
-        own = np.swapaxes(moving.basis, 1, 2) @ _stiffness(turn) @ moving.basis
-        remainder -= (out * np.linalg.solve(own, into[..., None])[..., 0]).sum(axis=1)
+        modal_stiffness = np.swapaxes(moving.basis, 1, 2) @ _stiffness(turn) @ moving.basis
+        remainder -= (out * np.linalg.solve(modal_stiffness, into[..., None])[..., 0]).sum(axis=1)
         remainder += _flexibility(turn, frames, stressed, (hit, seen), direction, connected)
     return ForcedPeriodicSystem(moving.system(), *map(turn.series, (force, reading, remainder)))
 
@@ -91,16 +91,16 @@ def _flexibility(
     )
     flexibility = np.empty(len(turn.motion.crank_angle))
     for first in range(0, len(flexibility), BATCH):
-        some = slice(first, first + BATCH)
-        motion = turn.displaced.at(some)
-        tangent = [in_positions(t, some) for t in stressed.tangent]
+        batch = slice(first, first + BATCH)
+        motion = turn.displaced.at(batch)
+        tangent = [in_positions(t, batch) for t in stressed.tangent]
         stiffness = frames.assemble(motion, tangent, RotationTerms.all_or_none(False)).stiffness
         if connected is not None:
-            stiffness = stiffness + connected[some]
+            stiffness = stiffness + connected[batch]
         loads = [np.zeros((len(stiffness), link.size)) for link in turn.unreduced]
         loads[places[0]][:] = force
         moved = np.linalg.solve(stiffness, frames.gather(motion, loads)[..., None])
-        flexibility[some] = frames.link_coordinates(motion, moved)[places[1]][..., 0] @ row
+        flexibility[batch] = frames.link_coordinates(motion, moved)[places[1]][..., 0] @ row
     return flexibility
 
 

@@ -156,10 +156,10 @@ class FreeAndForced:
         turn = states[-1]
         # Without damping a critical speed has no periodic motion, and any other motion is as good.
         start = np.linalg.lstsq(np.eye(n) - turn[:n, :n], turn[:n, n], rcond=CRITICAL)[0]
-        own = states[:, :n] @ np.append(start, 1.0)
-        gap = own[-1] - own[0]
+        forced_states = states[:, :n] @ np.append(start, 1.0)
+        gap = forced_states[-1] - forced_states[0]
         free = np.einsum("kn,knj->kj", row, states[:, :n, :n])
-        periodic = np.einsum("kn,kn->k", row, own) + self.offset[order, reading]
+        periodic = np.einsum("kn,kn->k", row, forced_states) + self.offset[order, reading]
         # A phase that round-off puts before its step begins with it.
         along = np.maximum(phase * steps - first, 0.0)
         turns = np.floor(along / steps).astype(int)
@@ -301,8 +301,8 @@ def _of_connectors(turn: SampledTurn, stressed: StressedLinks) -> FloatArray:
     reduced = []
     for link, basis, q in zip(turn.unreduced, turn.bases, place, strict=True):
         weighted = q if link.rigid else (link.mass @ q.T).T @ basis
-        own = np.eye(q.shape[1]) if link.rigid else basis.T @ (link.mass @ basis)
-        reduced.append(np.linalg.solve(own, weighted.T).T[..., None])
+        mass = np.eye(q.shape[1]) if link.rigid else basis.T @ (link.mass @ basis)
+        reduced.append(np.linalg.solve(mass, weighted.T).T[..., None])
     z = turn.frames.independent(turn.displaced, reduced)
     return np.asarray((connected.stiffness @ z)[..., 0])
 
@@ -310,8 +310,8 @@ def _of_connectors(turn: SampledTurn, stressed: StressedLinks) -> FloatArray:
 def _rest(moving: MovingModes, force: FloatArray, modal: FloatArray) -> FloatArray:
     """Static response to the loads beyond the moving modes, (N, n, 1)."""
     stiffness, across = moving.turn.stiffness, np.swapaxes(moving.basis, 1, 2)
-    own = np.linalg.solve(across @ stiffness @ moving.basis, modal[..., None])
-    return np.asarray(np.linalg.solve(stiffness, force[..., None]) - moving.basis @ own)
+    amplitudes = np.linalg.solve(across @ stiffness @ moving.basis, modal[..., None])
+    return np.asarray(np.linalg.solve(stiffness, force[..., None]) - moving.basis @ amplitudes)
 
 
 def _read(turn: SampledTurn, readings: Readings, shapes: FloatArray) -> FloatArray:

@@ -294,8 +294,8 @@ def _turned_bodies(
         if body.is_off_axis:
             for sign, turned in ((1.0, angle), (-1.0, np.zeros_like(angle))):
                 centre = body.centre_map(turned) @ (body.rows @ shapes)
-                own = body.about_centre.matrices(np.zeros(()))
-                yield sign, _inertia(own, speed, centre, turn.rate(centre))
+                about_centre = body.about_centre.matrices(np.zeros(()))
+                yield sign, _inertia(about_centre, speed, centre, turn.rate(centre))
 
 
 def _in_link_frame(

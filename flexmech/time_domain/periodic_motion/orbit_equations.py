@@ -201,9 +201,9 @@ class OrbitEquations:
         moving = self.frames.link_motion(self.motion, z, velocity, acceleration)
         ties, beyond = self._ties(z), [np.zeros_like(q) for q, _, _ in moving]
         for more, (q, rate, change), of_link in zip(beyond, moving, ties.rows, strict=True):
-            for own in of_link:
-                if own.place is not None:
-                    more[:, own.rows] = own.place - q[:, own.rows]
+            for tie in of_link:
+                if tie.place is not None:
+                    more[:, tie.rows] = tie.place - q[:, tie.rows]
             q += more
             rate += self.first @ more
             change += self.second @ more
@@ -234,14 +234,14 @@ class OrbitEquations:
         rows = [
             [
                 DependentRows(
-                    own.rows,
-                    own.columns,
-                    own.turn,
-                    differentiated(self.first, own.turn),
-                    differentiated(self.second, own.turn),
-                    np.zeros_like(own.turn),
+                    tie.rows,
+                    tie.columns,
+                    tie.turn,
+                    differentiated(self.first, tie.turn),
+                    differentiated(self.second, tie.turn),
+                    np.zeros_like(tie.turn),
                 )
-                for own in of_link
+                for tie in of_link
             ]
             for of_link in ties.rows
         ]
@@ -255,7 +255,7 @@ class OrbitEquations:
         critical speed, where little else holds the motion.
         """
         stressed, connected = self._with_changing_damping(state), state.connected
-        own = state.frames.assemble(
+        links = state.frames.assemble(
             self.motion,
             stressed.tangent,
             RotationTerms(),
@@ -263,11 +263,11 @@ class OrbitEquations:
             stressed.guide_stiffness,
             body_turns(self.engine.links, state.displacement),
         )
-        damped, stiffness = own.damping + damping_rate * own.mass, own.stiffness
+        damped, stiffness = links.damping + damping_rate * links.mass, links.stiffness
         if connected is not None:
             damped = damped + connected.damping
             stiffness = stiffness + connected.stiffness + connected.rate_stiffness
-        return SystemMatrices(own.mass, damped, stiffness)
+        return SystemMatrices(links.mass, damped, stiffness)
 
     def _with_changing_damping(self, state: OrbitState) -> StressedLinks:
         """Stressed links whose tangents have the change of the damping forces."""
@@ -275,7 +275,7 @@ class OrbitEquations:
         if more is None:
             return state.stressed
         pairs = zip(state.stressed.tangent, more, strict=True)
-        return replace(state.stressed, tangent=[own + other for own, other in pairs])
+        return replace(state.stressed, tangent=[tangent + change for tangent, change in pairs])
 
     def _connected(
         self, displacement: Sequence[FloatArray], frames: LinkFrames
@@ -315,13 +315,13 @@ class OrbitEquations:
         damping = stressed.damping or [link.damping for link in self.engine.links]
         for number, link in enumerate(self.engine.links):
             elastic = moving[number]
-            own = MovingLink.of(number, elastic, motion, motion, np.asarray(gravity))
-            force = self._inertias[number].shape_forces(own)
+            link_motion = MovingLink.of(number, elastic, motion, motion, np.asarray(gravity))
+            force = self._inertias[number].shape_forces(link_motion)
             if not link.rigid:
                 force += stressed.internal_force[number]
-                force += times(damping[number], own.rate)
+                force += times(damping[number], link_motion.rate)
             for body in link.bodies:
-                moved = (each @ body.rows.T for each in elastic)
+                moved = (x @ body.rows.T for x in elastic)
                 force += body.nonlinear_inertia(motion, number, gravity, *moved) @ body.rows
             forces.append(force)
         for push in pushes:
@@ -348,9 +348,9 @@ class OrbitEquations:
                 turned = self.motion.angle[:, link] + ties.pose.displaced.turn[:, link]
                 along = np.sum(direction(turned) * push.force, axis=1)
                 by_rotation[link] = by_rotation[link] + push.point.x * along
-        found = ties.geometric_stiffness([-force for force in forces], by_rotation)
-        tangent = {n: own for n, own in enumerate(stressed.tangent) if n not in by_rotation}
-        rigid = with_rigid_links(self.frames, tangent, found)
+        geometric = ties.geometric_stiffness([-force for force in forces], by_rotation)
+        tangent = {n: matrix for n, matrix in enumerate(stressed.tangent) if n not in by_rotation}
+        rigid = with_rigid_links(self.frames, tangent, geometric)
         return replace(stressed, tangent=rigid.tangent, guide_stiffness=rigid.guide_stiffness)
 
     def _norm(self, force: FloatArray) -> float:

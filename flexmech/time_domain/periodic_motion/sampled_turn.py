@@ -215,10 +215,10 @@ class SampledTurn:
         """
         if self.connected is None or self.connected.is_conservative:
             return np.asarray(self.frozen_squares[:, self.rigid_modes])
-        modes, own = self.frozen_modes, self.connected.circulatory
-        squares = np.swapaxes(modes, 1, 2) @ (own @ modes)
-        every = np.arange(squares.shape[1])
-        squares[:, every, every] += self.frozen_squares
+        modes, circulatory = self.frozen_modes, self.connected.circulatory
+        squares = np.swapaxes(modes, 1, 2) @ (circulatory @ modes)
+        diagonal = np.arange(squares.shape[1])
+        squares[:, diagonal, diagonal] += self.frozen_squares
         values = np.linalg.eigvals(squares).astype(complex)
         order = np.argsort(np.abs(values), axis=1)[:, self.rigid_modes :]
         values = np.take_along_axis(values, order, axis=1)

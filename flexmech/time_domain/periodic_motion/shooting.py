@@ -98,9 +98,9 @@ def state_under_motor(
     scale = _energy_scale(linkage)
     rows = np.append(scale, scale[shaft])
     columns = np.append(scale, np.linalg.norm(scale * pushed))
-    found = _solved(linkage, bordered, np.append(forced, 0.0), rows, columns)
+    solution = _solved(linkage, bordered, np.append(forced, 0.0), rows, columns)
     equations = linkage.equations(np.zeros(1))
-    return initial_state(equations, found[:n], found[n:count]), float(found[-1])
+    return initial_state(equations, solution[:n], solution[n:count]), float(solution[-1])
 
 
 def periodic_turn(linkage: DrivenLinkage, steps: int) -> list[FloatArray]:
@@ -133,9 +133,9 @@ def periodic_turn(linkage: DrivenLinkage, steps: int) -> list[FloatArray]:
             history.position @ share, history.velocity @ share, history.acceleration @ share
         )
         moving = linkage.frames.link_motion(linkage.motion(time), *expansion.expanded(motion))
-        for part, basis, (q, _, _) in zip(parts, linkage.bases, moving, strict=True):
-            part.append(q[:-1] @ basis.T)
-    return [np.concatenate(part) for part in parts]
+        for states, basis, (q, _, _) in zip(parts, linkage.bases, moving, strict=True):
+            states.append(q[:-1] @ basis.T)
+    return [np.concatenate(states) for states in parts]
 
 
 def _all_motions(
