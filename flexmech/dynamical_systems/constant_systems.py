@@ -259,12 +259,12 @@ class HalfSinePulse:
 
     @property
     def end(self) -> float:
-        """When it is over, in s."""
+        """Time at which the pulse is over, in s."""
         return self.start + self.duration
 
     @property
     def momentum(self) -> float:
-        """Its integral in N s."""
+        """Integral of the force over the pulse in N s."""
         return 2 * self.peak_force * self.duration / np.pi
 
     def force(self, time: ArrayLike) -> FloatArray:

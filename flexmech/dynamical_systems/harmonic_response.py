@@ -174,7 +174,7 @@ class _Pushed:
 
     @property
     def period(self) -> float:
-        """In s."""
+        """Period of the system in s."""
         return self.forced.system.period
 
     @property

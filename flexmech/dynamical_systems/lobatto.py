@@ -68,7 +68,7 @@ class VibrationState:
     acceleration: FloatArray
 
     def __getitem__(self, where: int | slice) -> VibrationState:
-        """The same at some of the instants."""
+        """States at chosen instants."""
         return VibrationState(self.position[where], self.velocity[where], self.acceleration[where])
 
 

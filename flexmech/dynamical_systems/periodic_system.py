@@ -46,7 +46,7 @@ class PeriodicSystem(Protocol):
 
     @property
     def period(self) -> float:
-        """In s."""
+        """Period of the system in s."""
 
     @property
     def size(self) -> int:
@@ -129,7 +129,7 @@ class SampledPeriodicSystem:
 
     @property
     def is_constant(self) -> bool:
-        """Whether the series is of one value."""
+        """Whether the matrix does not change over the period."""
         return not self.matrix.harmonics
 
     def matrices(self, count: int, shift: float, part: slice = slice(None)) -> FloatArray:

@@ -102,7 +102,7 @@ class LowPass:
         return self._filtered()
 
     def finish(self) -> FloatArray:
-        """The last values."""
+        """Filtered values that were left when the history ended."""
         if self._values is None:
             return np.zeros((0, 1))
         self._values = _mirrored(self._values, 0 if self._begun else self.half, self.half)

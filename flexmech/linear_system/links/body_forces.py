@@ -54,7 +54,7 @@ class DisplacedInertia:
 
     @classmethod
     def of(cls, topology: Topology, links: Sequence[LinkModel], motion: RigidMotion) -> Self | None:
-        """Of links in a rigid motion.
+        """Inertia forces by displacements of links in a rigid motion.
 
         Parameters
         ----------
@@ -78,7 +78,7 @@ class DisplacedInertia:
     def of_link(
         self, number: int, displacement: FloatArray
     ) -> tuple[FloatArray, FloatArray, list[FloatArray]]:
-        """Force on a link.
+        """Inertia force on a link by its displacement, with the derivative.
 
         Parameters
         ----------
@@ -252,11 +252,11 @@ class DeadMoments:
         return cls(*places, *np.moveaxis(np.reshape(list(by_point.values()), shape), 1, 0))
 
     def scaled(self, fraction: float) -> Self:
-        """Moments of a fraction of the forces."""
+        """Moments of dead loads that are a fraction of these."""
         return replace(self, virial=fraction * self.virial, moment=fraction * self.moment)
 
     def at(self, which: NDArray[np.bool_] | IntArray) -> Self:
-        """Moments in some positions."""
+        """Moments of dead loads in chosen positions of the batch."""
         return replace(self, virial=self.virial[:, which], moment=self.moment[:, which])
 
     def add_forces(self, force: Sequence[FloatArray], displacement: Sequence[FloatArray]) -> None:

@@ -82,14 +82,14 @@ def as_real(columns: NDArray[Any]) -> FloatArray:
 
 
 def as_given(real: FloatArray, columns: NDArray[Any]) -> NDArray[Any]:
-    """The other way round, as ``columns`` are."""
+    """Columns (B, n, m) of the type of ``columns`` from their real and imaginary parts."""
     return np.ascontiguousarray(real).view(columns.dtype)
 
 
 def with_entries(
     matrix: FloatArray, rows: IntArray, columns: IntArray, values: FloatArray
 ) -> FloatArray:
-    """A link matrix with entries added.
+    """Matrix of a link with values added to some of its entries.
 
     Parameters
     ----------

@@ -197,7 +197,7 @@ class LinkInertia:
 
     @classmethod
     def of(cls, model: LinkModel, full: LinkModel, basis: FloatArray) -> Self:
-        """Inertia integrals of a link.
+        """Inertia integrals of a link by its shapes and rigid fields.
 
         Parameters
         ----------

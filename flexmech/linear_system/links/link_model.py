@@ -256,7 +256,7 @@ class LinkModel:
         return [body for body in self.bodies if body.is_off_axis and not body.of_section]
 
     def whole(self) -> WholeLink:
-        """Its matrices of inertia."""
+        """Full matrices of inertia of the link and of its ends."""
         ends = self.ends
         return WholeLink(
             self.mass, self.gyroscopic, self.centrifugal_mass, ends.mass, ends.gyroscopic

@@ -56,7 +56,7 @@ class StressedLinks:
         return cls([link.stiffness for link in links], unstressed=True)
 
     def at(self, which: slice | IntArray) -> Self:
-        """Links in some positions of a batch, which may be repeated.
+        """Links in chosen positions of the batch, which may be repeated.
 
         Parameters
         ----------

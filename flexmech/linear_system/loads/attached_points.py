@@ -45,7 +45,7 @@ class AttachedPoint:
     def of(
         cls, links: Sequence[LinkModel], link: int, fraction: float, length: float
     ) -> AttachedPoint:
-        """A point of a link.
+        """Point at a fraction of a link's length.
 
         Parameters
         ----------
@@ -222,7 +222,7 @@ class PointJacobian:
         motion: RigidMotion,
         dependent: Sequence[DependentRows],
     ) -> PointJacobian:
-        """Jacobian of a point.
+        """Jacobian of a point of a link in the coordinates of link frames.
 
         Parameters
         ----------

@@ -66,7 +66,7 @@ class DisplacedFrames(LinkFrames):
         self._rows = rows
 
     def dependent_rows(self, motion: RigidMotion) -> list[list[DependentRows]]:
-        """Rows of each link, which were given."""
+        """Dependent rows of each link at the displaced rigid links and sliders."""
         del motion
         return self._rows
 
@@ -185,7 +185,7 @@ class OrbitEquations:
         return self._norm(residual) / self._load_norm
 
     def state(self, z: FloatArray, damping_rate: float = 0.0) -> OrbitState:
-        """Evaluate a periodic motion.
+        """Residual and linearized forces of a periodic motion.
 
         Parameters
         ----------

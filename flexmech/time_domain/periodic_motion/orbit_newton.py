@@ -62,7 +62,7 @@ INVERSE_STEPS = 3
 
 @dataclass(frozen=True)
 class NewtonRun:
-    """Result of an iteration.
+    """Result of Newton's method for a periodic motion.
 
     Parameters
     ----------
