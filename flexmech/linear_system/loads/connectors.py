@@ -106,9 +106,7 @@ class Connectors:
 
         Parameters
         ----------
-        motion : RigidMotion
-        displacement : sequence of ndarray, shape (B, n_link), optional
-        time : ndarray, shape (B,), optional
+        motion, displacement, time
             As of :meth:`point_forces`.
 
         Returns
@@ -134,8 +132,8 @@ class Connectors:
         ----------
         links : sequence of LinkModel
             With the coordinates of these links; their inertia may be without that of a free shaft.
-        motion : RigidMotion
-        displacement : sequence of ndarray, shape (B, n_link), optional
+        motion, displacement
+            As of :meth:`forces`.
 
         Returns
         -------
@@ -227,11 +225,11 @@ class Connectors:
         drawn = motion.undisplaced if isinstance(motion, DisplacedMotion) else motion
         tangents = self.tangents(drawn, displacement, time, stressed=prestress != "none")
         dependent = frames.dependent_rows(motion)
+        of_frames = Connectors(self._mechanism, frames.links)
 
         def jacobian(point: AttachedPoint) -> PointJacobian:
-            length = self._topology.links[point.link].length
-            same = AttachedPoint.of(frames.links, point.link, point.x / length, length)
-            return PointJacobian.of(same, frames, motion, dependent[point.link])
+            place = of_frames.at(point.link, point.x)
+            return PointJacobian.of(place, frames, motion, dependent[point.link])
 
         shape = (len(motion.crank_angle), frames.size, frames.size)
         return connected_matrices(tangents, jacobian, shape, is_conservative=self.is_conservative)
@@ -343,9 +341,7 @@ class Connectors:
 
         Parameters
         ----------
-        motion : RigidMotion
-        displacement : sequence of ndarray, shape (B, n_link), optional
-        time : ndarray, shape (B,), optional
+        motion, displacement, time
             As of :meth:`matrices`.
         stressed : bool
             Whether the geometric stiffness by forces in connectors is included.
