@@ -28,9 +28,9 @@ from flexmech.multibody.running.closure import ClosedJoints
 from flexmech.multibody.running.connectors import RunningConnectors
 from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.joints import (
-    drifting_joints,
-    greatest_closing_gap,
+    drifting,
     greatest_gap,
+    joint_gaps,
     place_at_start,
     place_on_hub,
 )
@@ -87,7 +87,7 @@ class RunningModel:
         Loads and springs.
     sprung : dict of str to ItemNumber
         The spring of each joint that springs alone hold.
-    joints : Joints or ClosedJoints
+    joints : ClosedJoints
         What the integration rule leaves to drift.
     frame : FrameBody or None
         The frame on springs that carries the linkage and the hub.
@@ -151,7 +151,9 @@ class RunningModel:
         }
         add_impacts(assembly, drive, impacts)
         assembly.mbs.Assemble()
-        self.joints = drifting_joints(assembly, self.shaft, self._start, self.frame)
+        self._gaps = joint_gaps(assembly, self._start, self.frame)
+        axis = None if self.frame is None else self.frame.joined(_AXIS)
+        self.joints = ClosedJoints(self.shaft, drifting(self._gaps), axis)
 
     def joint_force(
         self,
@@ -274,15 +276,13 @@ class RunningModel:
         Returns
         -------
         float
-            In m.
+            In m; angles count by the length of the shortest link.
         """
-        if self.frame is None:
-            return greatest_gap(self.assembly, self._start, position)
-        assert moved is not None
-        assert isinstance(self.joints, ClosedJoints)
         nodes = self.assembly.arms.to_nodes(position)
-        every = np.concatenate([nodes, moved.displacement[0], np.zeros(3)])
-        return greatest_closing_gap(self.assembly, self.joints, every)
+        if moved is not None:
+            nodes = np.append(nodes, moved.displacement[0])
+        length = min(link.length for link in self.assembly.topology.links)
+        return greatest_gap(self._gaps, nodes, self.shaft.angle(0.0), length)
 
     def _add_hub(self, fixed: ItemNumber) -> tuple[ItemNumber, ItemNumber | None]:
         """Body that turns with the shaft, and the constraint on its angle, if there is one."""
