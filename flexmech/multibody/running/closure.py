@@ -31,41 +31,15 @@ class JoinedEnd:
         Its reference place in m.
     lever : tuple of float
         The point's place from the node, along and across the link, in m.
-    has_slope : bool
-        Whether its coordinates from the third are a slope vector, not an angle.
     """
 
     first: int
     node: tuple[float, float]
     lever: tuple[float, float]
-    has_slope: bool
 
     def angle(self, position: Any) -> float:
         """Angle of the link's axis there in rad."""
-        turn = self.first + 2
-        if self.has_slope:
-            return math.atan2(position[turn + 1], 1 + position[turn])
-        return float(position[turn])
-
-    def angle_row(self, position: Any, row: Any, factor: float) -> None:
-        """Add the angle's derivative by the coordinates to a row.
-
-        Parameters
-        ----------
-        position : ndarray
-            Coordinates of the system.
-        row : ndarray
-            Added to.
-        factor : float
-            What the derivative is multiplied by.
-        """
-        turn = self.first + 2
-        if self.has_slope:
-            x, y = 1 + position[turn], position[turn + 1]
-            row[turn] -= factor * y / (x * x + y * y)
-            row[turn + 1] += factor * x / (x * x + y * y)
-        else:
-            row[turn] += factor
+        return float(position[self.first + 2])
 
     def arm(self, position: Any) -> tuple[float, float]:
         """From the node to the point, in m."""
@@ -87,8 +61,8 @@ class JoinedEnd:
 
         Parameters
         ----------
-        position : ndarray
-            Coordinates of the system.
+        position : list of float
+            Coordinates of the system, with angles in place of slopes.
         row : ndarray
             Added to.
         x, y : float
@@ -98,7 +72,7 @@ class JoinedEnd:
         row[self.first + 1] += y
         if self.lever[0] or self.lever[1]:
             across, along = self.arm(position)
-            self.angle_row(position, row, y * across - x * along)
+            row[self.first + 2] += y * across - x * along
 
 
 @dataclass(frozen=True)
@@ -125,8 +99,8 @@ class PlaceGap:
 
         Parameters
         ----------
-        position : ndarray
-            Coordinates of the system.
+        position : list of float
+            Coordinates of the system, with angles in place of slopes.
         turn : float
             Angle of the hub in rad.
         """
@@ -146,8 +120,8 @@ class PlaceGap:
 
         Parameters
         ----------
-        position : ndarray
-            Coordinates of the system.
+        position : list of float
+            Coordinates of the system, with angles in place of slopes.
         rows : ndarray
             Added to.
         """
@@ -183,8 +157,8 @@ class AngleGap:
 
         Parameters
         ----------
-        position : ndarray
-            Coordinates of the system.
+        position : list of float
+            Coordinates of the system, with angles in place of slopes.
         turn : float
             Angle of the hub in rad.
         """
@@ -200,14 +174,14 @@ class AngleGap:
 
         Parameters
         ----------
-        position : ndarray
-            Coordinates of the system.
+        position : list of float
+            Coordinates of the system, with angles in place of slopes.
         rows : ndarray
             Added to.
         """
         if self.leader is not None:
-            self.leader.angle_row(position, rows[0], -1.0)
-        self.follower.angle_row(position, rows[0], 1.0)
+            rows[0][self.leader.first + 2] -= 1.0
+        rows[0][self.follower.first + 2] += 1.0
 
 
 @dataclass(frozen=True)
@@ -235,8 +209,8 @@ class LineGap:
 
         Parameters
         ----------
-        position : ndarray
-            Coordinates of the system.
+        position : list of float
+            Coordinates of the system, with angles in place of slopes.
         turn : float
             Angle of the hub in rad.
         """
@@ -248,8 +222,8 @@ class LineGap:
 
         Parameters
         ----------
-        position : ndarray
-            Coordinates of the system.
+        position : list of float
+            Coordinates of the system, with angles in place of slopes.
         rows : ndarray
             Added to.
         """
@@ -257,7 +231,7 @@ class LineGap:
         self.end.place_row(position, rows[0], -sine, cosine)
         if self.guide is not None:
             self.guide.place_row(position, rows[0], sine, -cosine)
-            self.guide.angle_row(position, rows[0], -(cosine * x + sine * y))
+            rows[0][self.guide.first + 2] -= cosine * x + sine * y
 
     def _from_line(self, position: Any) -> tuple[float, float, float, float]:
         """The line's direction, and where the end is from the line's point in m."""
@@ -278,12 +252,15 @@ class ClosedJoints:
     shaft : Shaft
     gaps : list
         Of joints that drift, and of all others of the nodes that closing them moves.
+    slopes : list of int
+        First coordinate of the slope of each of these nodes that has no angle.
     axis : JoinedEnd or None
         The shaft's axis on a frame that moves.
     """
 
     shaft: Shaft
     gaps: list[PlaceGap | AngleGap | LineGap]
+    slopes: list[int]
     axis: JoinedEnd | None = None
 
     def __post_init__(self) -> None:
@@ -295,27 +272,41 @@ class ClosedJoints:
     def correct_coordinates(self, position: Any, t: float) -> None:
         """Correct the system's coordinates, in place; the hub's angle comes last.
 
-        What a correction leaves of a gap in m or rad is a fiftieth or so, by the answer of a
-        hub angle nearby; of gaps below 1e-8 the next step corrects it.
+        What a correction leaves of a gap in m or rad is a thirtieth or so, by the answer of a
+        hub angle nearby; of gaps below 1e-9 the next step corrects it. Slopes keep their length.
         """
         turn = self.shaft.hub_angle(position, t)
         position[-1] = turn
         for _ in range(3):
-            # Floats of Python are twice as fast here as those of an array.
-            values = position.tolist()
+            values = self.angles(position)
             gap = [part for each in self.gaps for part in each.gap(values, turn)]
             greatest = max(max(gap), -min(gap))
             if greatest < 1e-15:
                 break
             # To seek the answer takes longer than to see how far the joints are open.
-            if greatest > 1e-6 or abs(turn - self._answer_turn) > 0.02:
+            if greatest > 1e-8 or abs(turn - self._answer_turn) > 0.03:
                 self._answer, self._answer_turn = self._least_change(values), turn
-            position -= self._answer.dot(gap)
-            if greatest < 1e-8:
+            change = self._answer.dot(gap)
+            for at in self.slopes:
+                length = math.hypot(1 + position[at], position[at + 1])
+                angle = values[at] - float(change[at])
+                change[at] = position[at] - (length * math.cos(angle) - 1)
+                change[at + 1] = position[at + 1] - length * math.sin(angle)
+            position -= change
+            if greatest < 1e-9:
                 break
         if self.axis is not None:
-            position[-3:-1] = self.axis.place(position)
-            position[-1] = turn + self.axis.angle(position)
+            values = position.tolist()
+            position[-3:-1] = self.axis.place(values)
+            position[-1] = turn + self.axis.angle(values)
+
+    def angles(self, position: Any) -> list[float]:
+        """Coordinates of the system with the angle of each slope in place of its first one."""
+        # Floats of Python are twice as fast here as those of an array.
+        values: list[float] = position.tolist()
+        for at in self.slopes:
+            values[at] = math.atan2(values[at + 1], 1 + values[at])
+        return values
 
     def _least_change(self, position: Any) -> Any:
         """Least change of coordinates that makes each gap grow by one, (size, gaps)."""

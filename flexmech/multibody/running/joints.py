@@ -14,8 +14,9 @@ from flexmech.linkages import LinkEnd, RigidMotion
 from flexmech.linkages.topology import leading_end
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.link_parts import RigidPart
-from flexmech.multibody.running.closure import AngleGap, JoinedEnd, LineGap, PlaceGap
+from flexmech.multibody.running.closure import AngleGap, ClosedJoints, JoinedEnd, LineGap, PlaceGap
 from flexmech.multibody.running.frame_body import FrameBody
+from flexmech.multibody.running.user_functions import Shaft
 
 JointGap: TypeAlias = PlaceGap | AngleGap | LineGap
 """What a joint has to close."""
@@ -147,26 +148,33 @@ def _is_linear(gap: JointGap) -> bool:
     return not any(any(end.lever) for end in _joined(gap))
 
 
-def greatest_gap(
-    gaps: Sequence[JointGap], position: FloatArray, turn: float, length: float
-) -> float:
-    """Greatest gap of joints in m.
+def closed_joints(
+    assembly: LinkAssembly, shaft: Shaft, gaps: Sequence[JointGap], frame: FrameBody | None
+) -> ClosedJoints:
+    """Joints that are closed after every step.
 
     Parameters
     ----------
+    assembly : LinkAssembly
+    shaft : Shaft
     gaps : sequence of PlaceGap, AngleGap or LineGap
-    position : ndarray, shape (total_size,)
-        Exudyn's coordinates.
-    turn : float
-        Angle of the hub in rad.
-    length : float
-        By which angles count, in m.
+    frame : FrameBody or None
+        On springs, which carries the linkage.
+
+    Returns
+    -------
+    ClosedJoints
     """
-    return max(
-        float(np.linalg.norm(gap.gap(position, turn)))
-        * (length if isinstance(gap, AngleGap) else 1.0)
-        for gap in gaps
-    )
+    nodes = {end.first for gap in gaps for end in _joined(gap)}
+    slopes = {
+        first + 2
+        for _, part in assembly.beams
+        if len(part.kind.vectors) == 2
+        for first in range(part.coordinates.start, part.coordinates.stop, part.kind.per_node)
+        if first in nodes
+    }
+    axis = None if frame is None else frame.joined((0.0, 0.0))
+    return ClosedJoints(shaft, list(gaps), sorted(slopes), axis)
 
 
 def _attached_nodes(assembly: LinkAssembly) -> Iterator[tuple[JoinedEnd, JoinedEnd]]:
@@ -177,8 +185,8 @@ def _attached_nodes(assembly: LinkAssembly) -> Iterator[tuple[JoinedEnd, JoinedE
             part = assembly.parts[body.link]
             assert not isinstance(part, RigidPart)
             node = (float(part.positions[body.node]), 0.0)
-            own = JoinedEnd(first, node, (0.0, 0.0), has_slope=False)
-            yield own, JoinedEnd(body.place, node, (0.0, 0.0), has_slope=True)
+            own = JoinedEnd(first, node, (0.0, 0.0))
+            yield own, JoinedEnd(body.place, node, (0.0, 0.0))
             first += 3
 
 
@@ -187,9 +195,9 @@ def _joined_end(assembly: LinkAssembly, end: LinkEnd) -> JoinedEnd:
     node = _pair(assembly.reference_place(end))
     if isinstance(part, RigidPart):
         lever = (0.0 if end.end == "start" else part.length, 0.0)
-        return JoinedEnd(first, node, lever, has_slope=False)
+        return JoinedEnd(first, node, lever)
     arm = 0.0 if part.arms is None else float(part.arms.length)
-    return JoinedEnd(first, (node[0], arm), (0.0, -arm), len(part.kind.vectors) == 2)
+    return JoinedEnd(first, (node[0], arm), (0.0, -arm))
 
 
 def _pair(place: FloatArray) -> tuple[float, float]:

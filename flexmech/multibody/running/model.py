@@ -24,12 +24,12 @@ from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.joints import add_sliders, add_ties
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.node_directions import dependent_joints
-from flexmech.multibody.running.closure import ClosedJoints
+from flexmech.multibody.running.closure import AngleGap
 from flexmech.multibody.running.connectors import RunningConnectors
 from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.joints import (
+    closed_joints,
     drifting,
-    greatest_gap,
     joint_gaps,
     place_at_start,
     place_on_hub,
@@ -151,9 +151,9 @@ class RunningModel:
         }
         add_impacts(assembly, drive, impacts)
         assembly.mbs.Assemble()
-        self._gaps = joint_gaps(assembly, self._start, self.frame)
-        axis = None if self.frame is None else self.frame.joined(_AXIS)
-        self.joints = ClosedJoints(self.shaft, drifting(self._gaps), axis)
+        gaps = joint_gaps(assembly, self._start, self.frame)
+        self._all_joints = closed_joints(assembly, self.shaft, gaps, self.frame)
+        self.joints = closed_joints(assembly, self.shaft, drifting(gaps), self.frame)
 
     def joint_force(
         self,
@@ -282,7 +282,12 @@ class RunningModel:
         if moved is not None:
             nodes = np.append(nodes, moved.displacement[0])
         length = min(link.length for link in self.assembly.topology.links)
-        return greatest_gap(self._gaps, nodes, self.shaft.angle(0.0), length)
+        values, turn = self._all_joints.angles(nodes), self.shaft.angle(0.0)
+        return max(
+            float(np.linalg.norm(gap.gap(values, turn)))
+            * (length if isinstance(gap, AngleGap) else 1.0)
+            for gap in self._all_joints.gaps
+        )
 
     def _add_hub(self, fixed: ItemNumber) -> tuple[ItemNumber, ItemNumber | None]:
         """Body that turns with the shaft, and the constraint on its angle, if there is one."""
