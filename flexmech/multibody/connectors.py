@@ -15,37 +15,7 @@ from flexmech.linkages import AttachmentPoint, JointSpring, LinkEnd, Load, Sprin
 from flexmech.linkages.topology import leading_end
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import ItemNumber
-from flexmech.multibody.link_parts import BeamPart, RigidPart
-
-
-def add_point_marker(assembly: LinkAssembly, point: AttachmentPoint, name: str) -> ItemNumber:
-    """Add a marker of a point on a link's axis, which turns with the link there.
-
-    Parameters
-    ----------
-    assembly : LinkAssembly
-    point : AttachmentPoint
-        On a link.
-    name : str
-
-    Returns
-    -------
-    ItemNumber
-    """
-    part = assembly.parts[assembly.topology.index(point.link)]
-    if isinstance(part, RigidPart):
-        return assembly.add_body_frame(part.body, name, point.x)
-    if not assembly.kind.turns_arms:
-        element = int(np.searchsorted(part.positions, point.x, side="right")) - 1
-        element = min(max(element, 0), len(part.elements) - 1)
-        x = float(point.x - part.positions[element])
-        return assembly.items.add(
-            "MarkerBodyRigid", name, bodyNumber=part.elements[element], localPosition=[x, 0.0, 0.0]
-        )
-    number = int(np.argmin(np.abs(part.positions - point.x)))
-    if part.arms is not None:
-        return assembly.add_axis_point(part, number, name)
-    return assembly.items.add("MarkerNodeRigid", name, nodeNumber=part.nodes[number])
+from flexmech.multibody.link_parts import BeamPart
 
 
 def add_angle_marker(assembly: LinkAssembly, end: LinkEnd, name: str) -> ItemNumber:
@@ -183,7 +153,7 @@ class ConnectorItems:
     def _add_load(self, load: Load) -> LoadItem:
         items, name = self.assembly.items, f"load_{load.name}"
         items.begin(f"load {load.name}")
-        marker = add_point_marker(self.assembly, load.point, f"{name}_point")
+        marker = self._add_point(load.point, f"{name}_point")
         force = torque = None
         if np.any(load.force):
             force = items.add(
@@ -202,18 +172,22 @@ class ConnectorItems:
             )
         return LoadItem(load, force, torque)
 
+    def _add_point(self, point: AttachmentPoint, name: str) -> ItemNumber:
+        """Marker of a point on a link's axis, which turns with the link there."""
+        part = self.assembly.parts[self.assembly.topology.index(point.link)]
+        return self.assembly.add_axis_marker(part, point.x, name)
+
     def _add_spring(self, spring: Spring) -> SpringItem:
         items, name = self.assembly.items, f"spring_{spring.name}"
         items.begin(f"spring {spring.name}")
         markers, grounds = [], []
         for end, point in (("first", spring.first), ("second", spring.second)):
             if point.is_ground:
-                place = [point.x, point.y, 0.0]
-                ground = items.add("ObjectGround", f"{name}_ground_{end}", referencePosition=place)
+                ground, marker = self.assembly.add_ground(f"{name}_{end}", (point.x, point.y))
                 grounds.append((point, ground))
-                markers.append(items.add("MarkerBodyPosition", f"{name}_{end}", bodyNumber=ground))
             else:
-                markers.append(add_point_marker(self.assembly, point, f"{name}_{end}"))
+                marker = self._add_point(point, f"{name}_{end}")
+            markers.append(marker)
         number = items.add(
             "SpringDamper",
             name,
@@ -249,8 +223,7 @@ class ConnectorItems:
                 ]
         if own.joint in assembly.topology.sprung_joints:
             if leader is None:
-                ground = items.add("ObjectGround", f"{name}_ground")
-                before = items.add("MarkerBodyPosition", f"{name}_on_ground", bodyNumber=ground)
+                ground, before = assembly.add_ground(name, (0.0, 0.0))
             else:
                 root = leading_end(leader, assembly.topology.rigid_ties)
                 before = assembly.add_end_marker(root, f"{name}_on_{root.link}")

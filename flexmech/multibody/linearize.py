@@ -123,14 +123,14 @@ def static_equilibrium(
         loaded += 0.0 if model.applied is None else model.applied.scale_of_forces
         settings = static_settings.under(loaded)
         start = pose + assembly.turned(deformation, relative[number])
-        if not solve_static(assembly, settings, assembly.arms.to_nodes(start)):
+        if not solve_static(assembly, settings, assembly.nodes.to_nodes(start)):
             _solve_in_steps(model, settings, pose, applied, motion, number)
         for _ in range(DAMPER_TURNS):
             if model.applied is None or not model.applied.converge():
                 break
             solved = np.array(assembly.mbs.systemData.GetODE2Coordinates())
             solve_static(assembly, settings, solved)
-        state = assembly.arms.to_axis(assembly.mbs.systemData.GetODE2Coordinates())
+        state = assembly.nodes.to_axis(assembly.mbs.systemData.GetODE2Coordinates())
         turning = geometric_stiffness(model, state, couples)
         line_force[number] = line_forces(model)
         moved = assembly.deformation(state, pose)
@@ -273,7 +273,7 @@ class _Tangents:
         """
         assembly = self._assembly
         with self._model.links_alone():
-            _, stiffness, damping = linearized(assembly, settings, assembly.arms.to_nodes(state))
+            _, stiffness, damping = linearized(assembly, settings, assembly.nodes.to_nodes(state))
         self._state[number] = state
         if outer is not None:
             self._outer[number] = outer
@@ -319,7 +319,7 @@ def _solve_in_steps(
 ) -> None:
     """Solve from the undeformed links, in load steps if necessary, or raise an error."""
     assembly = model.assembly
-    nodes = assembly.arms.to_nodes(pose)
+    nodes = assembly.nodes.to_nodes(pose)
     for steps in LOAD_STEPS:
         start = nodes
         for part in np.arange(1, steps + 1) / steps:

@@ -121,7 +121,7 @@ class StaticLoads:
         """Forces on points of the pins' axis, off the nodes of an eccentric link."""
         for number, coordinate in enumerate(first):
             name = f"load_{link}_{number}"
-            marker = self._assembly.add_axis_point(part, number, f"{name}_point")
+            marker = self._assembly.add_axis_marker(part, part.positions[number], f"{name}_point")
             self._at_points.append((self._add_load(name, marker), coordinate))
 
     def _turning_bodies(self, link: int, part: BeamPart | RigidPart) -> dict[int, ItemNumber]:

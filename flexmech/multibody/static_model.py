@@ -50,7 +50,7 @@ class StaticModel:
     loads : StaticLoads
         Forces on the links.
     grounds : list of tuple of LinkEnd, ItemNumber and ItemNumber
-        Link ends that are pinned to the ground off their nodes, the ground and the pin of each.
+        Link ends that are pinned to the ground, the ground and the pin of each.
     hubs : list of tuple of ItemNumber, int and float
         What holds each end that is clamped to a hub along the crank's frame, number of the end's
         angle among the coordinates of all links, and distance of the end from the shaft's axis.
@@ -116,7 +116,7 @@ class StaticModel:
             origin = back @ motion.origin[number, link]
             angle = float(motion.angle[number, link] - turn)
             pose[part.coordinates] = part.pose(origin, angle)
-        nodes = assembly.arms.to_nodes(pose)
+        nodes = assembly.nodes.to_nodes(pose)
         set_parameter = assembly.mbs.SetObjectParameter
         for constraint, coordinate in self._offsets:
             set_parameter(constraint, "offset", float(nodes[coordinate]))
@@ -157,7 +157,7 @@ class StaticModel:
                 assembly.kind.swell(assembly.mbs, element, link.section, part)
 
     def _add_supports(self, fixed: ItemNumber, sprung_alone: bool) -> list[tuple[ItemNumber, int]]:
-        """Fix clamped and pivoted coordinates; returns constraints and their coordinates."""
+        """Fix clamped and pivoted ends; returns constraints of clamps and their coordinates."""
         assembly = self.assembly
         fixed_ends: list[tuple[LinkEnd, tuple[int, ...]]] = []
         for number, clamp in enumerate(assembly.topology.clamps):
@@ -172,13 +172,8 @@ class StaticModel:
         for pivot in assembly.topology.pivots:
             if pivot.sprung and sprung_alone:
                 continue
-            if assembly.is_at_node(pivot.link_end):
-                fixed_ends.append((pivot.link_end, (0, 1)))
-            else:
-                ground, pin = assembly.add_ground_pin(
-                    f"pivot_{pivot.joint}", pivot.link_end, [0.0, 0.0, 0.0]
-                )
-                self.grounds.append((pivot.link_end, ground, pin))
+            name, end = f"pivot_{pivot.joint}", pivot.link_end
+            self.grounds.append((end, *assembly.add_ground_pin(name, end, (0.0, 0.0))))
         offsets = []
         radius = {clamp.link_end: clamp.hub for clamp in assembly.topology.clamps if clamp.hub}
         for place, coordinates in fixed_ends:

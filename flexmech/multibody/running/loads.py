@@ -83,22 +83,13 @@ class LinkEnergies:
             if body.link == link:
                 own = self._own(body)
                 added += _kinetic(body.inertia, position[:, own], velocity[:, own])
-        if part.bodies is None:
-            rate = velocity if part.polar is None else part.polar.rate_to_nodes(position, velocity)
-            return np.asarray(added + np.sum(rate @ mass * rate, axis=1) / 2)
-        # By the nodes only the first moments of the bodies there turn with the sections.
         rate = velocity
-        if part.arms is not None:
-            rate = part.arms.rate_to_nodes(position, velocity)
-            mass = part.arms.inverse.matrix(np.zeros(len(mass)), mass)
-        angles = np.arange(2, len(mass), self._assembly.kind.per_node)
-        x, y = rate[:, angles - 2], rate[:, angles - 1]
-        turn, spin = position[:, angles], rate[:, angles]
-        sine, lowered = np.sin(turn), 1 - np.cos(turn)
-        along, across = (part.bodies.centre * part.bodies.mass[:, None]).T
-        turned = across * (lowered * x - sine * y) - along * (sine * x + lowered * y)
-        energy = np.sum(rate @ mass * rate, axis=1) / 2
-        return np.asarray(added + energy + np.sum(spin * turned, axis=1))
+        if part.node_map is not None:
+            rate = part.node_map.rate_to_nodes(position, velocity)
+        if part.bodies is None:
+            return np.asarray(added + np.sum(rate @ mass * rate, axis=1) / 2)
+        nodes = rate.reshape(len(rate), -1, self._assembly.kind.per_node)
+        return added + part.bodies.kinetic_energy(position[:, 2::3], nodes)
 
     def gravity(self, link: int, position: FloatArray) -> FloatArray:
         """Potential of a link's weight but for a constant.
@@ -114,23 +105,16 @@ class LinkEnergies:
         ndarray, shape (m,)
         """
         part, pull = self._assembly.parts[link], np.array(self._assembly.mechanism.gravity)
-        x, y = pull
         if isinstance(part, RigidPart):
             return np.asarray(-_moment(part.inertia, position) @ pull)
         added = np.zeros(len(position))
         for body in self._assembly.attached:
             if body.link == link:
                 added -= _moment(body.inertia, position[:, self._own(body)]) @ pull
+        nodes = position if part.node_map is None else part.node_map.to_nodes(position)
         if part.bodies is None:
-            nodes = position if part.polar is None else part.polar.to_nodes(position)
             return np.asarray(added - nodes @ self.weight(link))
-        nodes = position if part.arms is None else part.arms.to_nodes(position)
-        nodes = nodes.reshape(len(position), -1, self._assembly.kind.per_node)
-        (along, across), turn = part.bodies.centre.T, nodes[..., 2]
-        cosine, sine = np.cos(turn), np.sin(turn)
-        lifted = x * (nodes[..., 0] + along * cosine - across * sine)
-        lifted = lifted + y * (nodes[..., 1] + along * sine + across * cosine)
-        return np.asarray(added - lifted @ part.bodies.mass)
+        return np.asarray(added - part.bodies.moment(nodes.reshape(len(nodes), -1, 3)) @ pull)
 
     def _own(self, body: AttachedPart) -> list[int]:
         """Coordinates of an attached body among those of its link."""
@@ -310,21 +294,12 @@ def _shares(
     element = min(element, len(part.elements) - 1)
     start, end = part.positions[element : element + 2]
     if part.bodies is None:
-        place = [float(x - start), 0.0, 0.0]
-        body = part.elements[element]
-        yield (
-            assembly.items.add("MarkerBodyPosition", name, bodyNumber=body, localPosition=place),
-            1.0,
-        )
+        yield assembly.add_axis_marker(part, float(x), name), 1.0
         return
     inside = float((x - start) / (end - start))
     for number, share in ((element, 1 - inside), (element + 1, inside)):
         node_name = f"{name}_node_{number}"
-        if part.arms is not None:
-            yield assembly.add_axis_point(part, number, node_name), share
-        else:
-            node = part.nodes[number]
-            yield assembly.items.add("MarkerNodePosition", node_name, nodeNumber=node), share
+        yield assembly.add_axis_marker(part, float(part.positions[number]), node_name), share
 
 
 @dataclass(frozen=True)

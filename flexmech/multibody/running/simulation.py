@@ -120,7 +120,7 @@ class Simulation:
         list of ndarray
         """
         assembly = self.model.assembly
-        position = assembly.arms.to_axis(position[:, : assembly.size])
+        position = assembly.nodes.to_axis(position[:, : assembly.size])
         return self._frames.to_frames(self._motion(time), position, np.zeros_like(position))[0]
 
     def block(
@@ -151,8 +151,8 @@ class Simulation:
         links = slice(0, assembly.size)
         position, velocity = position[:, links], velocity[:, links]
         position, velocity = (
-            assembly.arms.to_axis(position),
-            assembly.arms.rate_to_axis(position, velocity),
+            assembly.nodes.to_axis(position),
+            assembly.nodes.rate_to_axis(position, velocity),
         )
         displacement, rate = self._frames.to_frames(carried, position, velocity)
         kinetic, strain, gravity, dissipation = np.zeros((4, len(time)))

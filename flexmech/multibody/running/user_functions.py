@@ -254,7 +254,8 @@ def section_couples(
     pieces = 1440
     at = np.linspace(first, last, pieces + 1)
     across = -inertia * np.stack([-np.sin(series(at)), np.cos(series(at))])
-    table = np.concatenate([across * series.deriv()(at), across * series.deriv(2)(at)]).T
+    first_rate, second_rate = series.deriv()(at), series.deriv(2)(at)
+    table = np.concatenate([across * first_rate, across * second_rate]).T
     turns = last - first > 2 * math.pi - 1e-9
     known: tuple[float, list[float]] = (math.nan, [])
 
@@ -267,10 +268,10 @@ def section_couples(
                 where %= 2 * math.pi
             place = min(max(where / (last - first), 0.0), 1.0) * pieces
             before = min(int(place), pieces - 1)
-            rows = table[before] + (place - before) * (table[before + 1] - table[before])
-            x, y, x_square, y_square = rows.tolist()
+            change = table[before + 1] - table[before]
+            x, y, x2, y2 = (table[before] + (place - before) * change).tolist()
             square = speed**2
-            known = t, [gain * x + square * x_square, gain * y + square * y_square, 0.0]
+            known = t, [gain * x + square * x2, gain * y + square * y2, 0.0]
         return known[1]
 
     return force
