@@ -236,22 +236,26 @@ def simulation_settings(absolute_tolerance: float = 1e-8, *, of_steps: bool = Fa
     return settings
 
 
-class StaticSettings:
-    """Convergence criteria of Exudyn's static solver.
+def static_settings(loaded: float, round_off: float) -> tuple[Any, Any]:
+    """Settings of Exudyn's static solver to try in turn.
 
     Forces out of balance are no measure beside a stiff link: what its round-off hides may bend a
     soft one that is pinned to it. So Newton's method goes on until its step is small, and is
     content with forces that are round-off only where no step ever is.
+
+    Parameters
+    ----------
+    loaded : float
+        Size of the loads in N.
+    round_off : float
+        Of forces between nodes in N.
+
+    Returns
+    -------
+    tuple of exudyn.SimulationSettings
     """
-
-    def __init__(self, round_off: float) -> None:
-        self._by_steps = simulation_settings(LAST_STEP, of_steps=True)
-        self._round_off = round_off
-
-    def under(self, loaded: float) -> tuple[Any, Any]:
-        """Settings to try in turn under loads of a size in N."""
-        by_forces = simulation_settings(max(RELATIVE_RESIDUAL * loaded, self._round_off))
-        return self._by_steps, by_forces
+    by_forces = simulation_settings(max(RELATIVE_RESIDUAL * loaded, round_off))
+    return simulation_settings(LAST_STEP, of_steps=True), by_forces
 
 
 def solve_static(assembly: LinkAssembly, settings: Sequence[Any], start: FloatArray) -> bool:
@@ -270,14 +274,13 @@ def solve_static(assembly: LinkAssembly, settings: Sequence[Any], start: FloatAr
     bool
         Whether Newton's method ended by one of these settings.
     """
-    return any(_ends(assembly, each, start) for each in settings)
-
-
-def _ends(assembly: LinkAssembly, settings: Any, start: FloatArray) -> bool:
-    exudyn = load_exudyn()
-    assembly.mbs.systemData.SetODE2Coordinates(start, exudyn.ConfigurationType.Initial)
-    with contextlib.redirect_stdout(io.StringIO()):
-        try:
-            return bool(assembly.mbs.SolveStatic(settings, updateInitialValues=False))
-        except exudyn.SolverError:
-            return False
+    exudyn, mbs = load_exudyn(), assembly.mbs
+    mbs.systemData.SetODE2Coordinates(start, exudyn.ConfigurationType.Initial)
+    for one in settings:
+        with (
+            contextlib.redirect_stdout(io.StringIO()),
+            contextlib.suppress(exudyn.SolverError),
+        ):
+            if mbs.SolveStatic(one, updateInitialValues=False):
+                return True
+    return False

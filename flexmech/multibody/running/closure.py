@@ -49,12 +49,12 @@ class JoinedEnd:
 
     def place(self, position: Any) -> tuple[float, float]:
         """Where the point is, in m."""
-        x = position[self.first] + self.node[0]
-        y = position[self.first + 1] + self.node[1]
-        if not (self.lever[0] or self.lever[1]):
-            return x, y
-        along, across = self.arm(position)
-        return x + along, y + across
+        at, (x, y) = self.first, self.lever
+        place = position[at] + self.node[0], position[at + 1] + self.node[1]
+        if not (x or y):
+            return place
+        cosine, sine = math.cos(position[at + 2]), math.sin(position[at + 2])
+        return place[0] + cosine * x - sine * y, place[1] + sine * x + cosine * y
 
     def place_row(self, position: Any, row: Any, x: float, y: float) -> None:
         """Add the derivative of the place's part along a vector to a row.
