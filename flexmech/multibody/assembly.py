@@ -256,7 +256,15 @@ class LinkAssembly:
         return self.items.add("MarkerNodePosition", name, nodeNumber=self.end_node(place))
 
     def add_frame_marker(self, place: LinkEnd, name: str, angle: float = 0.0) -> ItemNumber:
-        """Add a marker of that point, which turns with the link; see :meth:`add_axis_marker`."""
+        """Add a marker of that point, which turns with the link; see :meth:`add_axis_marker`.
+
+        Parameters
+        ----------
+        place : LinkEnd
+        name : str
+        angle : float
+            By which the marker is turned against the axis, in rad.
+        """
         part = self.part_of(place)
         return self.add_axis_marker(part, 0.0 if place.end == "start" else part.length, name, angle)
 

@@ -66,7 +66,15 @@ class LinkCoordinates(ABC):
         return rotation
 
     def rigid(self, x: FloatArray, y: FloatArray, angle: FloatArray) -> FloatArray:
-        """Coordinates of a place (m, 1) and an angle (m, 1) of the frame, (m, n)."""
+        """Coordinates of a rigid link displaced and rotated by small values, (m, n).
+
+        Parameters
+        ----------
+        x, y : ndarray, shape (m, 1)
+            Of the start in m.
+        angle : ndarray, shape (m, 1)
+            In rad.
+        """
         return x * self.fields.along + y * self.fields.across + angle * self.rotation
 
     def pose(self, origin: FloatArray, angle: float) -> FloatArray:

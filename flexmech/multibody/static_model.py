@@ -22,11 +22,11 @@ from flexmech.linear_system import LAST_STEP, MAX_ITERATIONS, RELATIVE_RESIDUAL,
 from flexmech.linkages import LinkEnd, RigidMotion, picture_crank_angle
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.connectors import ConnectorItems, angle_of_end
+from flexmech.multibody.connectors import ConnectorItems, StaticConnectors, angle_of_end
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.joints import SliderJoint, TieJoint, add_sliders, add_ties
 from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.static_loads import StaticConnectors, StaticLoads
+from flexmech.multibody.static_loads import StaticLoads
 
 
 class StaticModel:

@@ -272,8 +272,9 @@ class ClosedJoints:
     def correct_coordinates(self, position: Any, t: float) -> None:
         """Correct the system's coordinates, in place; the hub's angle comes last.
 
-        What a correction leaves of a gap in m or rad is a thirtieth or so, by the answer of a
-        hub angle nearby; of gaps below 1e-9 the next step corrects it. Slopes keep their length.
+        What a correction leaves of a gap in m or rad is a thirtieth or so, by the
+        answer of a hub angle nearby; of gaps below 1e-9 the next step corrects it.
+        Slopes keep their length.
         """
         turn = self.shaft.hub_angle(position, t)
         position[-1] = turn
@@ -301,7 +302,7 @@ class ClosedJoints:
             position[-1] = turn + self.axis.angle(values)
 
     def angles(self, position: Any) -> list[float]:
-        """Coordinates of the system with the angle of each slope in place of its first one."""
+        """Coordinates of the system, with angles in place of slopes."""
         # Floats of Python are twice as fast here as those of an array.
         values: list[float] = position.tolist()
         for at in self.slopes:

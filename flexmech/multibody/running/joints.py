@@ -10,7 +10,7 @@ from typing import TypeAlias
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linkages import LinkEnd, RigidMotion
+from flexmech.linkages import LinkEnd, RigidMotion, Topology
 from flexmech.linkages.topology import leading_end
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.link_parts import RigidPart
@@ -202,3 +202,29 @@ def _joined_end(assembly: LinkAssembly, end: LinkEnd) -> JoinedEnd:
 
 def _pair(place: FloatArray) -> tuple[float, float]:
     return float(place[0]), float(place[1])
+
+
+def dependent_joints(topology: Topology, end: LinkEnd) -> list[str]:
+    """Joints whose leader is, through other joints, a given follower.
+
+    Their forces on the end of the leader act on the follower's link.
+
+    Parameters
+    ----------
+    topology : Topology
+    end : LinkEnd
+        Follower of a rigid pin or weld.
+
+    Returns
+    -------
+    list of str
+    """
+    leaders = {tie.follower: tie.leader for tie in topology.rigid_ties}
+    found = []
+    for tie in topology.ties:
+        place: LinkEnd | None = tie.leader
+        while place is not None and place != end:
+            place = leaders.get(place)
+        if place is not None:
+            found.append(tie.joint)
+    return found

@@ -15,7 +15,7 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import LinkModel
-from flexmech.linkages import Clamp, Drive, LinkEnd, Topology
+from flexmech.linkages import Clamp, Drive
 from flexmech.linkages.motion import normal
 from flexmech.mechanism import Mechanism, require_standing_frame
 from flexmech.multibody.assembly import LinkAssembly
@@ -24,10 +24,11 @@ from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.joints import add_sliders, add_ties
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.running.closure import AngleGap
-from flexmech.multibody.running.connectors import RunningConnectors
+from flexmech.multibody.running.connectors import RunningConnectors, SectionCouples
 from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.joints import (
     closed_joints,
+    dependent_joints,
     drifting,
     joint_gaps,
     place_at_start,
@@ -40,7 +41,6 @@ from flexmech.multibody.running.loads import (
     add_running_loads,
 )
 from flexmech.multibody.running.motor import MotorOnHub
-from flexmech.multibody.running.section_couples import SectionCouples
 from flexmech.multibody.running.user_functions import Shaft
 from flexmech.time_domain import FrameMotion, Impact
 
@@ -135,7 +135,7 @@ class RunningModel:
         self.constraints |= self._add_pivots()
         ties = {tie.tie.joint: tie for tie in add_ties(assembly, self._start.angle)}
         self._dependent_joints = {
-            joint: _dependent_joints(assembly.topology, tie.tie.follower)
+            joint: dependent_joints(assembly.topology, tie.tie.follower)
             for joint, tie in ties.items()
         }
         for joint, tie in ties.items():
@@ -391,29 +391,3 @@ def _plain_pieces(drive: Drive) -> tuple[Any, ...]:
     begin = float(drive.crank_angle(0.0))
     moved = (piece.moved(0.0, -begin) for piece in drive.law.pieces)
     return tuple((one.start, one.duration, one.polynomial, one.sines) for one in moved)
-
-
-def _dependent_joints(topology: Topology, end: LinkEnd) -> list[str]:
-    """Joints whose leader is, through other joints, a given follower.
-
-    Their forces on the end of the leader act on the follower's link.
-
-    Parameters
-    ----------
-    topology : Topology
-    end : LinkEnd
-        Follower of a rigid pin or weld.
-
-    Returns
-    -------
-    list of str
-    """
-    leaders = {tie.follower: tie.leader for tie in topology.rigid_ties}
-    found = []
-    for tie in topology.ties:
-        place: LinkEnd | None = tie.leader
-        while place is not None and place != end:
-            place = leaders.get(place)
-        if place is not None:
-            found.append(tie.joint)
-    return found

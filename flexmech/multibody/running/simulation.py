@@ -17,9 +17,9 @@ from flexmech.linkages import MotorRun, RigidMotion, carried_motion
 from flexmech.multibody.items import Setting, applied, solver_settings
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import MovingFrames
+from flexmech.multibody.running.connectors import SectionCouples
 from flexmech.multibody.running.model import RunningModel
 from flexmech.multibody.running.point_recorder import PointRecorder
-from flexmech.multibody.running.section_couples import SectionCouples
 from flexmech.time_domain import (
     FrameMotion,
     LinkState,
