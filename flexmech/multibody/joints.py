@@ -4,13 +4,12 @@ Where it is exact, a joint is a condition whose Jacobian is constant: that on th
 nodes, on the difference of two angles, or on the distance of a node from a line of the ground.
 Then the constraint's force adds nothing to the tangent stiffness. A weld between cables holds
 directions of slopes, a guide turns with its link, and a rigid link's end is off its node: what
-the forces of these add is in the maps of :mod:`flexmech.multibody.node_directions` and in
+the forces of these add is in the maps of :mod:`flexmech.multibody.node_maps` and in
 :mod:`flexmech.multibody.rigid_tangents`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -142,17 +141,12 @@ def _tie(assembly: LinkAssembly, tie: Pin | Weld, angle: FloatArray) -> TieJoint
     return TieJoint(tie, leader, position, constraint)
 
 
-def add_sliders(
-    assembly: LinkAssembly,
-    add_frame_marker: Callable[[tuple[float, float], str], ItemNumber] | None = None,
-) -> list[SliderJoint]:
+def add_sliders(assembly: LinkAssembly) -> list[SliderJoint]:
     """Add the sliders: link ends on lines of the ground or of rigid links.
 
     Parameters
     ----------
     assembly : LinkAssembly
-    add_frame_marker : callable, optional
-        Adds a marker at a place of the frame, by its name, where the frame moves.
 
     Returns
     -------
@@ -171,11 +165,8 @@ def add_sliders(
             guide = assembly.parts[assembly.topology.index(slider.guide)]
             assert isinstance(guide, RigidPart)
             line = assembly.add_body_frame(guide.body, f"{name}_on_{slider.guide}", x, y)
-        elif add_frame_marker is not None:
-            line = add_frame_marker((x, y), f"{name}_on_frame")
         else:
-            ground = items.add("ObjectGround", f"{name}_ground", referencePosition=[x, y, 0.0])
-            line = items.add("MarkerBodyRigid", f"{name}_on_ground", bodyNumber=ground)
+            ground, line = assembly.add_ground(name, (x, y))
         # The normal of this joint is that of the second marker: the line's.
         constraint = items.add(
             "PrismaticJoint2D",

@@ -1,9 +1,10 @@
-"""Joints put in place after every step where that takes more than moving one node.
+"""Joints put in place after every step, where the integration rule leaves them to drift.
 
 As :mod:`flexmech.multibody.running.user_functions`, this is the text of exported scripts too.
 Constraints on velocities leave places and angles to the integration rule, whose errors would add up
-where a joint is not linear in the coordinates: a rigid link turns, a weld holds directions, a
-guide's line turns. The least change of the coordinates of the joined nodes closes all joints
+where a joint is not linear in the coordinates: the hub and a rigid link turn, a weld holds
+directions, a guide's line turns. The clamp alone would be off by ``(speed * step)**3 / 12`` more
+after each step. The least change of the coordinates of the joined nodes closes all joints
 (Gauss-Newton).
 """
 
@@ -30,41 +31,15 @@ class JoinedEnd:
         Its reference place in m.
     lever : tuple of float
         The point's place from the node, along and across the link, in m.
-    has_slope : bool
-        Whether its coordinates from the third are a slope vector, not an angle.
     """
 
     first: int
     node: tuple[float, float]
     lever: tuple[float, float]
-    has_slope: bool
 
     def angle(self, position: Any) -> float:
         """Angle of the link's axis there in rad."""
-        turn = self.first + 2
-        if self.has_slope:
-            return math.atan2(position[turn + 1], 1 + position[turn])
-        return float(position[turn])
-
-    def angle_row(self, position: Any, row: Any, factor: float) -> None:
-        """Add the angle's derivative by the coordinates to a row.
-
-        Parameters
-        ----------
-        position : ndarray
-            Coordinates of the system.
-        row : ndarray
-            Added to.
-        factor : float
-            What the derivative is multiplied by.
-        """
-        turn = self.first + 2
-        if self.has_slope:
-            x, y = 1 + position[turn], position[turn + 1]
-            row[turn] -= factor * y / (x * x + y * y)
-            row[turn + 1] += factor * x / (x * x + y * y)
-        else:
-            row[turn] += factor
+        return float(position[self.first + 2])
 
     def arm(self, position: Any) -> tuple[float, float]:
         """From the node to the point, in m."""
@@ -74,20 +49,20 @@ class JoinedEnd:
 
     def place(self, position: Any) -> tuple[float, float]:
         """Where the point is, in m."""
-        x = position[self.first] + self.node[0]
-        y = position[self.first + 1] + self.node[1]
-        if not (self.lever[0] or self.lever[1]):
-            return x, y
-        along, across = self.arm(position)
-        return x + along, y + across
+        at, (x, y) = self.first, self.lever
+        place = position[at] + self.node[0], position[at + 1] + self.node[1]
+        if not (x or y):
+            return place
+        cosine, sine = math.cos(position[at + 2]), math.sin(position[at + 2])
+        return place[0] + cosine * x - sine * y, place[1] + sine * x + cosine * y
 
     def place_row(self, position: Any, row: Any, x: float, y: float) -> None:
         """Add the derivative of the place's part along a vector to a row.
 
         Parameters
         ----------
-        position : ndarray
-            Coordinates of the system.
+        position : list of float
+            Coordinates of the system, with angles in place of slopes.
         row : ndarray
             Added to.
         x, y : float
@@ -97,7 +72,7 @@ class JoinedEnd:
         row[self.first + 1] += y
         if self.lever[0] or self.lever[1]:
             across, along = self.arm(position)
-            self.angle_row(position, row, y * across - x * along)
+            row[self.first + 2] += y * across - x * along
 
 
 @dataclass(frozen=True)
@@ -124,8 +99,8 @@ class PlaceGap:
 
         Parameters
         ----------
-        position : ndarray
-            Coordinates of the system.
+        position : list of float
+            Coordinates of the system, with angles in place of slopes.
         turn : float
             Angle of the hub in rad.
         """
@@ -145,8 +120,8 @@ class PlaceGap:
 
         Parameters
         ----------
-        position : ndarray
-            Coordinates of the system.
+        position : list of float
+            Coordinates of the system, with angles in place of slopes.
         rows : ndarray
             Added to.
         """
@@ -159,24 +134,39 @@ class PlaceGap:
 
 @dataclass(frozen=True)
 class AngleGap:
-    """An angle in rad that stays between two links, or between a link and the hub."""
+    """An angle in rad that stays between two links, or between a link and the hub.
+
+    Parameters
+    ----------
+    follower : JoinedEnd
+    leader : JoinedEnd or None
+        Of a hub, the frame that it turns against.
+    between : float
+        From the leader, or the hub, to the follower in rad.
+    on_hub : bool
+        Whether it is the hub that leads.
+    """
 
     follower: JoinedEnd
     leader: JoinedEnd | None
     between: float
+    on_hub: bool = False
 
     def gap(self, position: Any, turn: float) -> tuple[float, ...]:
         """How much it has changed in rad.
 
         Parameters
         ----------
-        position : ndarray
-            Coordinates of the system.
+        position : list of float
+            Coordinates of the system, with angles in place of slopes.
         turn : float
             Angle of the hub in rad.
         """
-        before = turn if self.leader is None else self.leader.angle(position)
-        turned = self.follower.angle(position) - before - self.between
+        turned = self.follower.angle(position) - self.between
+        if self.leader is not None:
+            turned -= self.leader.angle(position)
+        if self.on_hub:
+            turned -= turn
         return (math.remainder(turned, 2 * math.pi),)
 
     def add_rows(self, position: Any, rows: Any) -> None:
@@ -184,32 +174,14 @@ class AngleGap:
 
         Parameters
         ----------
-        position : ndarray
-            Coordinates of the system.
+        position : list of float
+            Coordinates of the system, with angles in place of slopes.
         rows : ndarray
             Added to.
         """
         if self.leader is not None:
-            self.leader.angle_row(position, rows[0], -1.0)
-        self.follower.angle_row(position, rows[0], 1.0)
-
-
-@dataclass(frozen=True)
-class ShaftGap(AngleGap):
-    """An angle in rad that stays between a link and the shaft on a frame, which is the leader."""
-
-    def gap(self, position: Any, turn: float) -> tuple[float, ...]:
-        """How much it has changed in rad.
-
-        Parameters
-        ----------
-        position : ndarray
-            Coordinates of the system.
-        turn : float
-            Angle of the shaft against the frame in rad.
-        """
-        (off,) = AngleGap.gap(self, position, turn)
-        return (math.remainder(off - turn, 2 * math.pi),)
+            rows[0][self.leader.first + 2] -= 1.0
+        rows[0][self.follower.first + 2] += 1.0
 
 
 @dataclass(frozen=True)
@@ -237,8 +209,8 @@ class LineGap:
 
         Parameters
         ----------
-        position : ndarray
-            Coordinates of the system.
+        position : list of float
+            Coordinates of the system, with angles in place of slopes.
         turn : float
             Angle of the hub in rad.
         """
@@ -250,8 +222,8 @@ class LineGap:
 
         Parameters
         ----------
-        position : ndarray
-            Coordinates of the system.
+        position : list of float
+            Coordinates of the system, with angles in place of slopes.
         rows : ndarray
             Added to.
         """
@@ -259,7 +231,7 @@ class LineGap:
         self.end.place_row(position, rows[0], -sine, cosine)
         if self.guide is not None:
             self.guide.place_row(position, rows[0], sine, -cosine)
-            self.guide.angle_row(position, rows[0], -(cosine * x + sine * y))
+            rows[0][self.guide.first + 2] -= cosine * x + sine * y
 
     def _from_line(self, position: Any) -> tuple[float, float, float, float]:
         """The line's direction, and where the end is from the line's point in m."""
@@ -273,19 +245,22 @@ class LineGap:
 
 @dataclass
 class ClosedJoints:
-    """All joints of a linkage, closed after every step.
+    """Joints of a linkage that are closed after every step.
 
     Parameters
     ----------
     shaft : Shaft
     gaps : list
-        Of the joints.
+        Of joints that drift, and of all others of the nodes that closing them moves.
+    slopes : list of int
+        First coordinate of the slope of each of these nodes that has no angle.
     axis : JoinedEnd or None
         The shaft's axis on a frame that moves.
     """
 
     shaft: Shaft
     gaps: list[PlaceGap | AngleGap | LineGap]
+    slopes: list[int]
     axis: JoinedEnd | None = None
 
     def __post_init__(self) -> None:
@@ -297,28 +272,42 @@ class ClosedJoints:
     def correct_coordinates(self, position: Any, t: float) -> None:
         """Correct the system's coordinates, in place; the hub's angle comes last.
 
-        What a correction leaves is of the square of the gap, in m and rad; of gaps
-        below 1e-9 it is a hundredth or so, which the next step corrects.
+        What a correction leaves of a gap in m or rad is a thirtieth or so, by the
+        answer of a hub angle nearby; of gaps below 1e-9 the next step corrects it.
+        Slopes keep their length.
         """
         turn = self.shaft.hub_angle(position, t)
         position[-1] = turn
         for _ in range(3):
-            # Floats of Python are twice as fast here as those of an array.
-            values = position.tolist()
+            values = self.angles(position)
             gap = [part for each in self.gaps for part in each.gap(values, turn)]
             greatest = max(max(gap), -min(gap))
             if greatest < 1e-15:
                 break
-            small = greatest < 1e-9
             # To seek the answer takes longer than to see how far the joints are open.
-            if not small or abs(turn - self._answer_turn) > 0.01:
+            if greatest > 1e-8 or abs(turn - self._answer_turn) > 0.03:
                 self._answer, self._answer_turn = self._least_change(values), turn
-            position -= self._answer.dot(gap)
-            if small:
+            change = self._answer.dot(gap)
+            for at in self.slopes:
+                length = math.hypot(1 + position[at], position[at + 1])
+                angle = values[at] - float(change[at])
+                change[at] = position[at] - (length * math.cos(angle) - 1)
+                change[at + 1] = position[at + 1] - length * math.sin(angle)
+            position -= change
+            if greatest < 1e-9:
                 break
         if self.axis is not None:
-            position[-3:-1] = self.axis.place(position)
-            position[-1] = turn + self.axis.angle(position)
+            values = position.tolist()
+            position[-3:-1] = self.axis.place(values)
+            position[-1] = turn + self.axis.angle(values)
+
+    def angles(self, position: Any) -> list[float]:
+        """Coordinates of the system, with angles in place of slopes."""
+        # Floats of Python are twice as fast here as those of an array.
+        values: list[float] = position.tolist()
+        for at in self.slopes:
+            values[at] = math.atan2(values[at + 1], 1 + values[at])
+        return values
 
     def _least_change(self, position: Any) -> Any:
         """Least change of coordinates that makes each gap grow by one, (size, gaps)."""

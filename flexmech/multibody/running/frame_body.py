@@ -106,28 +106,13 @@ class FrameBody:
             "MarkerBodyRigid", name, bodyNumber=self.body, localPosition=[x, y, 0.0]
         )
 
-    def add_pin(self, name: str, marker: ItemNumber, place: FloatArray) -> ItemNumber:
-        """Pin a marker to it.
-
-        Parameters
-        ----------
-        name : str
-            Of the pin.
-        marker : ItemNumber
-        place : ndarray, shape (2,)
-            Of the frame as it is drawn, in ground axes in m.
-        """
-        x, y = map(float, place)
-        markers = [self.add_marker((x, y), f"{name}_on_frame"), marker]
-        return self.items.add("RevoluteJoint2D", name, markerNumbers=markers)
-
     def add_angle_marker(self, name: str) -> ItemNumber:
         """Add a marker of its angle."""
         return self.items.add("MarkerNodeCoordinate", name, nodeNumber=self.node, coordinate=2)
 
     def joined(self, place: tuple[float, float]) -> JoinedEnd:
         """A point of it, by its place in ground axes in m as it is drawn."""
-        return JoinedEnd(self.first, self.frame.centre, self._lever(place), has_slope=False)
+        return JoinedEnd(self.first, self.frame.centre, self._lever(place))
 
     def motion(self, position: FloatArray, velocity: FloatArray) -> FrameMotion:
         """Its motion from coordinates (m, total_size) of the system and their rates."""

@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from itertools import chain
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linkages import LinkEnd, RigidMotion
+from flexmech.linkages import LinkEnd, RigidMotion, Topology
 from flexmech.linkages.topology import leading_end
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.link_parts import RigidPart
-from flexmech.multibody.running.closure import (
-    AngleGap,
-    ClosedJoints,
-    JoinedEnd,
-    LineGap,
-    PlaceGap,
-    ShaftGap,
-)
+from flexmech.multibody.running.closure import AngleGap, ClosedJoints, JoinedEnd, LineGap, PlaceGap
 from flexmech.multibody.running.frame_body import FrameBody
-from flexmech.multibody.running.user_functions import AxisPoint, HubClamp, Joints, Shaft
+from flexmech.multibody.running.user_functions import Shaft
+
+JointGap: TypeAlias = PlaceGap | AngleGap | LineGap
+"""What a joint has to close."""
 
 
 def place_at_start(assembly: LinkAssembly, start: RigidMotion, end: LinkEnd) -> FloatArray:
@@ -62,73 +59,14 @@ def place_on_hub(assembly: LinkAssembly, start: RigidMotion, end: LinkEnd) -> tu
     return cosine * x - sine * y, sine * x + cosine * y
 
 
-def greatest_gap(assembly: LinkAssembly, start: RigidMotion, position: FloatArray) -> float:
-    """Greatest constraint violation of the joints of a start.
+def joint_gaps(
+    assembly: LinkAssembly, start: RigidMotion, frame: FrameBody | None = None
+) -> list[JointGap]:
+    """Gaps of all joints that are not sprung.
 
     Parameters
     ----------
     assembly : LinkAssembly
-    start : RigidMotion
-        At time zero, of shape ().
-    position : ndarray, shape (size,)
-        Coordinates of the links then.
-
-    Returns
-    -------
-    float
-        In m; welds that are turned count by the length of their shorter link.
-    """
-    topology = assembly.topology
-
-    def place(end: LinkEnd) -> FloatArray:
-        return assembly.part_of(end).end_place(end.end, position)
-
-    fixed = [clamp.link_end for clamp in topology.clamps]
-    fixed += [pivot.link_end for pivot in topology.pivots if not pivot.sprung]
-    gaps = [place(end) - place_at_start(assembly, start, end) for end in fixed]
-    gaps += [place(tie.leader) - place(tie.follower) for tie in topology.rigid_ties]
-    closed = drifting_joints(assembly, Shaft(float(start.angle[assembly.base]), 0.0), start)
-    others = 0.0
-    if isinstance(closed, ClosedJoints):
-        nodes = np.append(assembly.arms.to_nodes(position), [0.0, 0.0, 0.0])
-        others = greatest_closing_gap(assembly, closed, nodes)
-    return float(max(np.max(np.linalg.norm(gaps, axis=1)), others))
-
-
-def greatest_closing_gap(
-    assembly: LinkAssembly, closed: ClosedJoints, position: FloatArray
-) -> float:
-    """Greatest gap of joints that are closed after every step, at time zero.
-
-    Parameters
-    ----------
-    assembly : LinkAssembly
-    closed : ClosedJoints
-    position : ndarray, shape (total_size,)
-        Exudyn's coordinates.
-
-    Returns
-    -------
-    float
-        In m; angles count by the length of the shortest link.
-    """
-    length = min(link.length for link in assembly.topology.links)
-    others = [0.0]
-    for gap in closed.gaps:
-        value = np.linalg.norm(gap.gap(position, closed.shaft.angle(0.0)))
-        others.append(float(value) * (length if isinstance(gap, AngleGap) else 1.0))
-    return max(others)
-
-
-def drifting_joints(
-    assembly: LinkAssembly, shaft: Shaft, start: RigidMotion, frame: FrameBody | None = None
-) -> Joints | ClosedJoints:
-    """Joints whose constraints drift, to be closed after every step.
-
-    Parameters
-    ----------
-    assembly : LinkAssembly
-    shaft : Shaft
     start : RigidMotion
         At time zero, of shape ().
     frame : FrameBody, optional
@@ -136,40 +74,9 @@ def drifting_joints(
 
     Returns
     -------
-    Joints or ClosedJoints
-        The latter where putting nodes in place one by one does not do.
+    list of PlaceGap, AngleGap or LineGap
     """
     topology = assembly.topology
-    rigid = any(isinstance(part, RigidPart) for part in assembly.parts)
-    own_nodes = any(body.own_node is not None for body in assembly.attached)
-    if rigid or own_nodes or topology.welds or topology.sliders or topology.clamps[1:] or frame:
-        return _closed_joints(assembly, shaft, start, frame)
-    eccentric = {part.name for _, part in assembly.beams if part.arms is not None}
-    ties = topology.rigid_ties
-    pins = [(leading_end(tie.leader, ties), tie.follower) for tie in ties]
-    clamped = topology.clamps[0].link_end
-    lever = place_on_hub(assembly, start, clamped)
-    return Joints(
-        shaft,
-        HubClamp(_axis_point(assembly, clamped), lever, len(assembly.kind.vectors) == 2),
-        [
-            (_axis_point(assembly, end), _pair(place_at_start(assembly, start, end)))
-            for end in (pivot.link_end for pivot in topology.pivots if not pivot.sprung)
-            if end.link in eccentric
-        ],
-        [
-            (_axis_point(assembly, leader), _axis_point(assembly, follower))
-            for leader, follower in pins
-            if eccentric & {leader.link, follower.link}
-        ],
-    )
-
-
-def _closed_joints(
-    assembly: LinkAssembly, shaft: Shaft, start: RigidMotion, frame: FrameBody | None
-) -> ClosedJoints:
-    topology = assembly.topology
-    ties = topology.rigid_ties
 
     def joined(end: LinkEnd) -> JoinedEnd:
         return _joined_end(assembly, end)
@@ -179,49 +86,95 @@ def _closed_joints(
 
     def on_ground(end: LinkEnd) -> PlaceGap:
         place = _pair(place_at_start(assembly, start, end))
-        leader = None if frame is None else frame.joined(place)
-        return PlaceGap(joined(end), leader, place, False)
+        return PlaceGap(joined(end), None if frame is None else frame.joined(place), place, False)
 
-    clamped = [clamp.link_end for clamp in topology.clamps]
-    places = [
-        PlaceGap(joined(end), None, place_on_hub(assembly, start, end), True)
-        if frame is None
-        else on_ground(end)
-        for end in clamped
-    ]
-    places += [on_ground(pivot.link_end) for pivot in topology.pivots if not pivot.sprung]
-    places += [
-        PlaceGap(joined(tie.follower), joined(leading_end(tie.leader, ties)), (0.0, 0.0), False)
-        for tie in ties
-    ]
-    fixed = list(_attached_nodes(assembly))
-    places += [PlaceGap(body, node, (0.0, 0.0), False) for body, node in fixed]
-    shaft_angle = float(start.angle[assembly.base])
-    axis = None if frame is None else frame.joined((0.0, 0.0))
-    angles = [
-        AngleGap(joined(end), None, angle(end) - shaft_angle)
-        if axis is None
-        else ShaftGap(joined(end), axis, angle(end) - shaft_angle)
-        for end in clamped
-    ]
-    angles += [
-        AngleGap(
-            joined(weld.follower), joined(weld.leader), angle(weld.follower) - angle(weld.leader)
-        )
-        for weld in topology.welds
-    ]
-    angles += [AngleGap(body, node, 0.0) for body, node in fixed]
-    lines = []
+    gaps: list[JointGap] = []
+    for clamp in topology.clamps:
+        end, place = clamp.link_end, place_on_hub(assembly, start, clamp.link_end)
+        gaps.append(PlaceGap(joined(end), None, place, True) if frame is None else on_ground(end))
+        axis = None if frame is None else frame.joined((0.0, 0.0))
+        between = angle(end) - float(start.angle[assembly.base])
+        gaps.append(AngleGap(joined(end), axis, between, True))
+    gaps += [on_ground(pivot.link_end) for pivot in topology.pivots if not pivot.sprung]
+    for tie in topology.rigid_ties:
+        leader = leading_end(tie.leader, topology.rigid_ties)
+        gaps.append(PlaceGap(joined(tie.follower), joined(leader), (0.0, 0.0), False))
+    for weld in topology.welds:
+        between = angle(weld.follower) - angle(weld.leader)
+        gaps.append(AngleGap(joined(weld.follower), joined(weld.leader), between))
+    for body, node in _attached_nodes(assembly):
+        gaps += [PlaceGap(body, node, (0.0, 0.0), False), AngleGap(body, node, 0.0)]
     for slider in topology.sliders:
-        x = -slider.offset * math.sin(slider.direction)
-        place, guide = (x, slider.offset * math.cos(slider.direction)), None
+        x, y = slider.offset * np.array([-np.sin(slider.direction), np.cos(slider.direction)])
+        place, guide = (float(x), float(y)), None
         if slider.guide:
-            own = joined(LinkEnd(slider.guide, "start"))
-            guide = JoinedEnd(own.first, own.node, place, own.has_slope)
+            guide = replace(joined(LinkEnd(slider.guide, "start")), lever=place)
         elif frame is not None:
             guide = frame.joined(place)
-        lines.append(LineGap(joined(slider.link_end), guide, place, slider.direction))
-    return ClosedJoints(shaft, list(chain(places, angles, lines)), axis)
+        gaps.append(LineGap(joined(slider.link_end), guide, place, slider.direction))
+    return gaps
+
+
+def drifting(gaps: Sequence[JointGap]) -> list[JointGap]:
+    """Gaps that constraints on velocities leave to drift, and all at the nodes of these.
+
+    A pin between nodes, or of a node on the ground, is linear in their coordinates: it stays
+    closed unless another joint of its nodes has to be closed.
+
+    Parameters
+    ----------
+    gaps : sequence of PlaceGap, AngleGap or LineGap
+
+    Returns
+    -------
+    list of PlaceGap, AngleGap or LineGap
+    """
+    kept = [gap for gap in gaps if not _is_linear(gap)]
+    while True:
+        moved = {end.first for gap in kept for end in _joined(gap)}
+        more = [gap for gap in gaps if any(end.first in moved for end in _joined(gap))]
+        if len(more) == len(kept):
+            return more
+        kept = more
+
+
+def _joined(gap: JointGap) -> list[JoinedEnd]:
+    return [value for value in vars(gap).values() if isinstance(value, JoinedEnd)]
+
+
+def _is_linear(gap: JointGap) -> bool:
+    if not isinstance(gap, PlaceGap) or gap.on_hub:
+        return False
+    return not any(any(end.lever) for end in _joined(gap))
+
+
+def closed_joints(
+    assembly: LinkAssembly, shaft: Shaft, gaps: Sequence[JointGap], frame: FrameBody | None
+) -> ClosedJoints:
+    """Joints that are closed after every step.
+
+    Parameters
+    ----------
+    assembly : LinkAssembly
+    shaft : Shaft
+    gaps : sequence of PlaceGap, AngleGap or LineGap
+    frame : FrameBody or None
+        On springs, which carries the linkage.
+
+    Returns
+    -------
+    ClosedJoints
+    """
+    nodes = {end.first for gap in gaps for end in _joined(gap)}
+    slopes = {
+        first + 2
+        for _, part in assembly.beams
+        if len(part.kind.vectors) == 2
+        for first in range(part.coordinates.start, part.coordinates.stop, part.kind.per_node)
+        if first in nodes
+    }
+    axis = None if frame is None else frame.joined((0.0, 0.0))
+    return ClosedJoints(shaft, list(gaps), sorted(slopes), axis)
 
 
 def _attached_nodes(assembly: LinkAssembly) -> Iterator[tuple[JoinedEnd, JoinedEnd]]:
@@ -232,8 +185,8 @@ def _attached_nodes(assembly: LinkAssembly) -> Iterator[tuple[JoinedEnd, JoinedE
             part = assembly.parts[body.link]
             assert not isinstance(part, RigidPart)
             node = (float(part.positions[body.node]), 0.0)
-            own = JoinedEnd(first, node, (0.0, 0.0), has_slope=False)
-            yield own, JoinedEnd(body.place, node, (0.0, 0.0), has_slope=True)
+            own = JoinedEnd(first, node, (0.0, 0.0))
+            yield own, JoinedEnd(body.place, node, (0.0, 0.0))
             first += 3
 
 
@@ -242,21 +195,36 @@ def _joined_end(assembly: LinkAssembly, end: LinkEnd) -> JoinedEnd:
     node = _pair(assembly.reference_place(end))
     if isinstance(part, RigidPart):
         lever = (0.0 if end.end == "start" else part.length, 0.0)
-        return JoinedEnd(first, node, lever, has_slope=False)
+        return JoinedEnd(first, node, lever)
     arm = 0.0 if part.arms is None else float(part.arms.length)
-    return JoinedEnd(first, (node[0], arm), (0.0, -arm), len(part.kind.vectors) == 2)
-
-
-def _axis_point(assembly: LinkAssembly, end: LinkEnd) -> AxisPoint:
-    """The point on the pins' axis at an end of a beam, by Exudyn's coordinates."""
-    part = assembly.part_of(end)
-    assert not isinstance(part, RigidPart)
-    return AxisPoint(
-        first=assembly.first_coordinate(end),
-        x=float(assembly.reference_place(end)[0]),
-        arm=0.0 if part.arms is None else float(part.arms.length),
-    )
+    return JoinedEnd(first, (node[0], arm), (0.0, -arm))
 
 
 def _pair(place: FloatArray) -> tuple[float, float]:
     return float(place[0]), float(place[1])
+
+
+def dependent_joints(topology: Topology, end: LinkEnd) -> list[str]:
+    """Joints whose leader is, through other joints, a given follower.
+
+    Their forces on the end of the leader act on the follower's link.
+
+    Parameters
+    ----------
+    topology : Topology
+    end : LinkEnd
+        Follower of a rigid pin or weld.
+
+    Returns
+    -------
+    list of str
+    """
+    leaders = {tie.follower: tie.leader for tie in topology.rigid_ties}
+    found = []
+    for tie in topology.ties:
+        place: LinkEnd | None = tie.leader
+        while place is not None and place != end:
+            place = leaders.get(place)
+        if place is not None:
+            found.append(tie.joint)
+    return found

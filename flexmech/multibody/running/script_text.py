@@ -17,12 +17,8 @@ from flexmech.multibody.running.closure import (
     JoinedEnd,
     LineGap,
     PlaceGap,
-    ShaftGap,
 )
 from flexmech.multibody.running.user_functions import (
-    AxisPoint,
-    HubClamp,
-    Joints,
     Shaft,
     constraint_force,
     difference_mass,
@@ -37,13 +33,9 @@ from flexmech.multibody.running.user_functions import (
 # In the order in which they need each other.
 SHARED = (
     Shaft,
-    AxisPoint,
-    HubClamp,
-    Joints,
     JoinedEnd,
     PlaceGap,
     AngleGap,
-    ShaftGap,
     LineGap,
     ClosedJoints,
     difference_mass,

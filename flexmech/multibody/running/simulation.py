@@ -17,9 +17,9 @@ from flexmech.linkages import MotorRun, RigidMotion, carried_motion
 from flexmech.multibody.items import Setting, applied, solver_settings
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import MovingFrames
+from flexmech.multibody.running.connectors import SectionCouples
 from flexmech.multibody.running.model import RunningModel
 from flexmech.multibody.running.point_recorder import PointRecorder
-from flexmech.multibody.running.section_couples import SectionCouples
 from flexmech.time_domain import (
     FrameMotion,
     LinkState,
@@ -120,7 +120,7 @@ class Simulation:
         list of ndarray
         """
         assembly = self.model.assembly
-        position = assembly.arms.to_axis(position[:, : assembly.size])
+        position = assembly.nodes.to_axis(position[:, : assembly.size])
         return self._frames.to_frames(self._motion(time), position, np.zeros_like(position))[0]
 
     def block(
@@ -151,8 +151,8 @@ class Simulation:
         links = slice(0, assembly.size)
         position, velocity = position[:, links], velocity[:, links]
         position, velocity = (
-            assembly.arms.to_axis(position),
-            assembly.arms.rate_to_axis(position, velocity),
+            assembly.nodes.to_axis(position),
+            assembly.nodes.rate_to_axis(position, velocity),
         )
         displacement, rate = self._frames.to_frames(carried, position, velocity)
         kinetic, strain, gravity, dissipation = np.zeros((4, len(time)))
