@@ -2,10 +2,9 @@
 
 As :mod:`flexmech.multibody.running.user_functions`, this is the text of exported scripts too.
 Constraints on velocities leave places and angles to the integration rule, whose errors would add up
-where a joint is not linear in the coordinates: the hub and a rigid link turn, a weld holds
-directions, a guide's line turns. The clamp alone would be off by ``(speed * step)**3 / 12`` more
-after each step. The least change of the coordinates of the joined nodes closes all joints
-(Gauss-Newton).
+where a joint is not linear in the coordinates: the hub and a rigid link turn, arms turn with the
+sections that they are on, a weld holds directions, a guide's line turns. The clamp alone would be
+off by ``(speed * step)**3 / 12`` more after each step.
 """
 
 from __future__ import annotations
@@ -31,15 +30,41 @@ class JoinedEnd:
         Its reference place in m.
     lever : tuple of float
         The point's place from the node, along and across the link, in m.
+    has_slope : bool
+        Whether its coordinates from the third are a slope vector, not an angle.
     """
 
     first: int
     node: tuple[float, float]
     lever: tuple[float, float]
+    has_slope: bool
 
     def angle(self, position: Any) -> float:
         """Angle of the link's axis there in rad."""
-        return float(position[self.first + 2])
+        turn = self.first + 2
+        if self.has_slope:
+            return math.atan2(position[turn + 1], 1 + position[turn])
+        return float(position[turn])
+
+    def angle_row(self, position: Any, row: Any, factor: float) -> None:
+        """Add the angle's derivative by the coordinates to a row.
+
+        Parameters
+        ----------
+        position : ndarray
+            Coordinates of the system.
+        row : ndarray
+            Added to.
+        factor : float
+            What the derivative is multiplied by.
+        """
+        turn = self.first + 2
+        if self.has_slope:
+            x, y = 1 + position[turn], position[turn + 1]
+            row[turn] -= factor * y / (x * x + y * y)
+            row[turn + 1] += factor * x / (x * x + y * y)
+        else:
+            row[turn] += factor
 
     def arm(self, position: Any) -> tuple[float, float]:
         """From the node to the point, in m."""
@@ -49,20 +74,31 @@ class JoinedEnd:
 
     def place(self, position: Any) -> tuple[float, float]:
         """Where the point is, in m."""
-        at, (x, y) = self.first, self.lever
-        place = position[at] + self.node[0], position[at + 1] + self.node[1]
-        if not (x or y):
-            return place
-        cosine, sine = math.cos(position[at + 2]), math.sin(position[at + 2])
-        return place[0] + cosine * x - sine * y, place[1] + sine * x + cosine * y
+        x = position[self.first] + self.node[0]
+        y = position[self.first + 1] + self.node[1]
+        if not (self.lever[0] or self.lever[1]):
+            return x, y
+        along, across = self.arm(position)
+        return x + along, y + across
+
+    def turn_by(self, position: Any, angle: float) -> None:
+        """Turn the node, in place, by an angle in rad; a slope keeps its length."""
+        turn = self.first + 2
+        if self.has_slope:
+            length = math.hypot(1 + position[turn], position[turn + 1])
+            angle += self.angle(position)
+            position[turn] = length * math.cos(angle) - 1
+            position[turn + 1] = length * math.sin(angle)
+        else:
+            position[turn] += angle
 
     def place_row(self, position: Any, row: Any, x: float, y: float) -> None:
         """Add the derivative of the place's part along a vector to a row.
 
         Parameters
         ----------
-        position : list of float
-            Coordinates of the system, with angles in place of slopes.
+        position : ndarray
+            Coordinates of the system.
         row : ndarray
             Added to.
         x, y : float
@@ -72,7 +108,7 @@ class JoinedEnd:
         row[self.first + 1] += y
         if self.lever[0] or self.lever[1]:
             across, along = self.arm(position)
-            row[self.first + 2] += y * across - x * along
+            self.angle_row(position, row, y * across - x * along)
 
 
 @dataclass(frozen=True)
@@ -99,8 +135,8 @@ class PlaceGap:
 
         Parameters
         ----------
-        position : list of float
-            Coordinates of the system, with angles in place of slopes.
+        position : ndarray
+            Coordinates of the system.
         turn : float
             Angle of the hub in rad.
         """
@@ -115,13 +151,19 @@ class PlaceGap:
         own = self.follower.place(position)
         return own[0] - x, own[1] - y
 
+    def close(self, position: Any, turn: float) -> None:
+        """Move the follower's node, in place, to close it; see :meth:`gap`."""
+        x, y = self.gap(position, turn)
+        position[self.follower.first] -= x
+        position[self.follower.first + 1] -= y
+
     def add_rows(self, position: Any, rows: Any) -> None:
         """Add the derivatives of the gap by the coordinates.
 
         Parameters
         ----------
-        position : list of float
-            Coordinates of the system, with angles in place of slopes.
+        position : ndarray
+            Coordinates of the system.
         rows : ndarray
             Added to.
         """
@@ -157,8 +199,8 @@ class AngleGap:
 
         Parameters
         ----------
-        position : list of float
-            Coordinates of the system, with angles in place of slopes.
+        position : ndarray
+            Coordinates of the system.
         turn : float
             Angle of the hub in rad.
         """
@@ -169,19 +211,23 @@ class AngleGap:
             turned -= turn
         return (math.remainder(turned, 2 * math.pi),)
 
+    def close(self, position: Any, turn: float) -> None:
+        """Turn the follower's node, in place, to close it; see :meth:`gap`."""
+        self.follower.turn_by(position, -self.gap(position, turn)[0])
+
     def add_rows(self, position: Any, rows: Any) -> None:
         """Add the derivatives of the gap by the coordinates.
 
         Parameters
         ----------
-        position : list of float
-            Coordinates of the system, with angles in place of slopes.
+        position : ndarray
+            Coordinates of the system.
         rows : ndarray
             Added to.
         """
         if self.leader is not None:
-            rows[0][self.leader.first + 2] -= 1.0
-        rows[0][self.follower.first + 2] += 1.0
+            self.leader.angle_row(position, rows[0], -1.0)
+        self.follower.angle_row(position, rows[0], 1.0)
 
 
 @dataclass(frozen=True)
@@ -209,8 +255,8 @@ class LineGap:
 
         Parameters
         ----------
-        position : list of float
-            Coordinates of the system, with angles in place of slopes.
+        position : ndarray
+            Coordinates of the system.
         turn : float
             Angle of the hub in rad.
         """
@@ -222,8 +268,8 @@ class LineGap:
 
         Parameters
         ----------
-        position : list of float
-            Coordinates of the system, with angles in place of slopes.
+        position : ndarray
+            Coordinates of the system.
         rows : ndarray
             Added to.
         """
@@ -231,7 +277,7 @@ class LineGap:
         self.end.place_row(position, rows[0], -sine, cosine)
         if self.guide is not None:
             self.guide.place_row(position, rows[0], sine, -cosine)
-            rows[0][self.guide.first + 2] -= cosine * x + sine * y
+            self.guide.angle_row(position, rows[0], -(cosine * x + sine * y))
 
     def _from_line(self, position: Any) -> tuple[float, float, float, float]:
         """The line's direction, and where the end is from the line's point in m."""
@@ -243,24 +289,51 @@ class LineGap:
         return math.cos(angle), math.sin(angle), own[0] - x, own[1] - y
 
 
-@dataclass
-class ClosedJoints:
-    """Joints of a linkage that are closed after every step.
+@dataclass(frozen=True)
+class JointsClosedInTurn:
+    """Joints of beams that are closed after every step, one after the other.
+
+    With one clamp and pins alone it is enough to move the nodes of followers.
 
     Parameters
     ----------
     shaft : Shaft
     gaps : list
-        Of joints that drift, and of all others of the nodes that closing them moves.
-    slopes : list of int
-        First coordinate of the slope of each of these nodes that has no angle.
+        Of joints that drift, a leader's before its followers'.
+    """
+
+    shaft: Shaft
+    gaps: list[PlaceGap | AngleGap]
+
+    def correct_coordinates(self, position: Any, t: float) -> None:
+        """Correct the system's coordinates, in place; the hub's angle comes last."""
+        position[-1] = turn = self.shaft.hub_angle(position, t)
+        for each in self.gaps:
+            each.close(position, turn)
+
+    def after_step(self, mbs: Any, t: float) -> bool:
+        """User function of the system after every step."""
+        position = mbs.systemData.GetODE2Coordinates()
+        self.correct_coordinates(position, t)
+        mbs.systemData.SetODE2Coordinates(position)
+        return True
+
+
+@dataclass
+class ClosedJoints:
+    """All joints of a linkage, closed after every step by the least change of coordinates.
+
+    Parameters
+    ----------
+    shaft : Shaft
+    gaps : list
+        Of the joints.
     axis : JoinedEnd or None
         The shaft's axis on a frame that moves.
     """
 
     shaft: Shaft
     gaps: list[PlaceGap | AngleGap | LineGap]
-    slopes: list[int]
     axis: JoinedEnd | None = None
 
     def __post_init__(self) -> None:
@@ -270,44 +343,30 @@ class ClosedJoints:
         self._answer_turn = math.inf
 
     def correct_coordinates(self, position: Any, t: float) -> None:
-        """Correct the system's coordinates, in place; the hub's angle comes last.
+        """Correct the system's coordinates, in place, by Gauss-Newton steps.
 
-        What a correction leaves of a gap in m or rad is a thirtieth or so, by the
-        answer of a hub angle nearby; of gaps below 1e-9 the next step corrects it.
-        Slopes keep their length.
+        What a correction leaves is of the square of the gap, in m and rad; of gaps
+        below 1e-9 it is a hundredth or so, which the next step corrects.
         """
         turn = self.shaft.hub_angle(position, t)
         position[-1] = turn
         for _ in range(3):
-            values = self.angles(position)
+            # Floats of Python are twice as fast here as those of an array.
+            values = position.tolist()
             gap = [part for each in self.gaps for part in each.gap(values, turn)]
             greatest = max(max(gap), -min(gap))
             if greatest < 1e-15:
                 break
+            small = greatest < 1e-9
             # To seek the answer takes longer than to see how far the joints are open.
-            if greatest > 1e-8 or abs(turn - self._answer_turn) > 0.03:
+            if not small or abs(turn - self._answer_turn) > 0.01:
                 self._answer, self._answer_turn = self._least_change(values), turn
-            change = self._answer.dot(gap)
-            for at in self.slopes:
-                length = math.hypot(1 + position[at], position[at + 1])
-                angle = values[at] - float(change[at])
-                change[at] = position[at] - (length * math.cos(angle) - 1)
-                change[at + 1] = position[at + 1] - length * math.sin(angle)
-            position -= change
-            if greatest < 1e-9:
+            position -= self._answer.dot(gap)
+            if small:
                 break
         if self.axis is not None:
-            values = position.tolist()
-            position[-3:-1] = self.axis.place(values)
-            position[-1] = turn + self.axis.angle(values)
-
-    def angles(self, position: Any) -> list[float]:
-        """Coordinates of the system, with angles in place of slopes."""
-        # Floats of Python are twice as fast here as those of an array.
-        values: list[float] = position.tolist()
-        for at in self.slopes:
-            values[at] = math.atan2(values[at + 1], 1 + values[at])
-        return values
+            position[-3:-1] = self.axis.place(position)
+            position[-1] = turn + self.axis.angle(position)
 
     def _least_change(self, position: Any) -> Any:
         """Least change of coordinates that makes each gap grow by one, (size, gaps)."""

@@ -112,7 +112,7 @@ class FrameBody:
 
     def joined(self, place: tuple[float, float]) -> JoinedEnd:
         """A point of it, by its place in ground axes in m as it is drawn."""
-        return JoinedEnd(self.first, self.frame.centre, self._lever(place))
+        return JoinedEnd(self.first, self.frame.centre, self._lever(place), has_slope=False)
 
     def motion(self, position: FloatArray, velocity: FloatArray) -> FrameMotion:
         """Its motion from coordinates (m, total_size) of the system and their rates."""

@@ -14,7 +14,14 @@ from flexmech.linkages import LinkEnd, RigidMotion, Topology
 from flexmech.linkages.topology import leading_end
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.link_parts import RigidPart
-from flexmech.multibody.running.closure import AngleGap, ClosedJoints, JoinedEnd, LineGap, PlaceGap
+from flexmech.multibody.running.closure import (
+    AngleGap,
+    ClosedJoints,
+    JoinedEnd,
+    JointsClosedInTurn,
+    LineGap,
+    PlaceGap,
+)
 from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.user_functions import Shaft
 
@@ -91,10 +98,10 @@ def joint_gaps(
     gaps: list[JointGap] = []
     for clamp in topology.clamps:
         end, place = clamp.link_end, place_on_hub(assembly, start, clamp.link_end)
-        gaps.append(PlaceGap(joined(end), None, place, True) if frame is None else on_ground(end))
         axis = None if frame is None else frame.joined((0.0, 0.0))
         between = angle(end) - float(start.angle[assembly.base])
         gaps.append(AngleGap(joined(end), axis, between, True))
+        gaps.append(PlaceGap(joined(end), None, place, True) if frame is None else on_ground(end))
     gaps += [on_ground(pivot.link_end) for pivot in topology.pivots if not pivot.sprung]
     for tie in topology.rigid_ties:
         leader = leading_end(tie.leader, topology.rigid_ties)
@@ -115,66 +122,41 @@ def joint_gaps(
     return gaps
 
 
-def drifting(gaps: Sequence[JointGap]) -> list[JointGap]:
-    """Gaps that constraints on velocities leave to drift, and all at the nodes of these.
-
-    A pin between nodes, or of a node on the ground, is linear in their coordinates: it stays
-    closed unless another joint of its nodes has to be closed.
-
-    Parameters
-    ----------
-    gaps : sequence of PlaceGap, AngleGap or LineGap
-
-    Returns
-    -------
-    list of PlaceGap, AngleGap or LineGap
-    """
-    kept = [gap for gap in gaps if not _is_linear(gap)]
-    while True:
-        moved = {end.first for gap in kept for end in _joined(gap)}
-        more = [gap for gap in gaps if any(end.first in moved for end in _joined(gap))]
-        if len(more) == len(kept):
-            return more
-        kept = more
-
-
-def _joined(gap: JointGap) -> list[JoinedEnd]:
-    return [value for value in vars(gap).values() if isinstance(value, JoinedEnd)]
-
-
-def _is_linear(gap: JointGap) -> bool:
-    if not isinstance(gap, PlaceGap) or gap.on_hub:
-        return False
-    return not any(any(end.lever) for end in _joined(gap))
-
-
 def closed_joints(
     assembly: LinkAssembly, shaft: Shaft, gaps: Sequence[JointGap], frame: FrameBody | None
-) -> ClosedJoints:
+) -> JointsClosedInTurn | ClosedJoints:
     """Joints that are closed after every step.
+
+    A pin between nodes, or of a node on the ground, is linear in their coordinates: it stays
+    closed unless another joint of its nodes has to be closed with it.
 
     Parameters
     ----------
     assembly : LinkAssembly
     shaft : Shaft
     gaps : sequence of PlaceGap, AngleGap or LineGap
+        Of all joints.
     frame : FrameBody or None
         On springs, which carries the linkage.
 
     Returns
     -------
-    ClosedJoints
+    JointsClosedInTurn or ClosedJoints
+        The latter where moving nodes one by one does not do.
     """
-    nodes = {end.first for gap in gaps for end in _joined(gap)}
-    slopes = {
-        first + 2
-        for _, part in assembly.beams
-        if len(part.kind.vectors) == 2
-        for first in range(part.coordinates.start, part.coordinates.stop, part.kind.per_node)
-        if first in nodes
-    }
-    axis = None if frame is None else frame.joined((0.0, 0.0))
-    return ClosedJoints(shaft, list(gaps), sorted(slopes), axis)
+    turns = sum(isinstance(gap, AngleGap) for gap in gaps)
+    rigid = any(isinstance(part, RigidPart) for part in assembly.parts)
+    if rigid or frame is not None or turns > 1 or assembly.topology.sliders:
+        axis = None if frame is None else frame.joined((0.0, 0.0))
+        return ClosedJoints(shaft, list(gaps), axis)
+    in_turn = [gap for gap in gaps if not isinstance(gap, LineGap) and not _stays_closed(gap)]
+    return JointsClosedInTurn(shaft, in_turn)
+
+
+def _stays_closed(gap: PlaceGap | AngleGap) -> bool:
+    if isinstance(gap, AngleGap) or gap.on_hub:
+        return False
+    return not any(gap.follower.lever) and (gap.leader is None or not any(gap.leader.lever))
 
 
 def _attached_nodes(assembly: LinkAssembly) -> Iterator[tuple[JoinedEnd, JoinedEnd]]:
@@ -185,8 +167,8 @@ def _attached_nodes(assembly: LinkAssembly) -> Iterator[tuple[JoinedEnd, JoinedE
             part = assembly.parts[body.link]
             assert not isinstance(part, RigidPart)
             node = (float(part.positions[body.node]), 0.0)
-            own = JoinedEnd(first, node, (0.0, 0.0))
-            yield own, JoinedEnd(body.place, node, (0.0, 0.0))
+            on_body = JoinedEnd(first, node, (0.0, 0.0), has_slope=False)
+            yield on_body, JoinedEnd(body.place, node, (0.0, 0.0), has_slope=True)
             first += 3
 
 
@@ -195,9 +177,9 @@ def _joined_end(assembly: LinkAssembly, end: LinkEnd) -> JoinedEnd:
     node = _pair(assembly.reference_place(end))
     if isinstance(part, RigidPart):
         lever = (0.0 if end.end == "start" else part.length, 0.0)
-        return JoinedEnd(first, node, lever)
+        return JoinedEnd(first, node, lever, has_slope=False)
     arm = 0.0 if part.arms is None else float(part.arms.length)
-    return JoinedEnd(first, (node[0], arm), (0.0, -arm))
+    return JoinedEnd(first, (node[0], arm), (0.0, -arm), len(part.kind.vectors) == 2)
 
 
 def _pair(place: FloatArray) -> tuple[float, float]:

@@ -29,7 +29,6 @@ from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.joints import (
     closed_joints,
     dependent_joints,
-    drifting,
     joint_gaps,
     place_at_start,
     place_on_hub,
@@ -86,7 +85,7 @@ class RunningModel:
         Loads and springs.
     sprung : dict of str to ItemNumber
         The spring of each joint that springs alone hold.
-    joints : ClosedJoints
+    joints : JointsClosedInTurn or ClosedJoints
         What the integration rule leaves to drift.
     frame : FrameBody or None
         The frame on springs that carries the linkage and the hub.
@@ -151,9 +150,8 @@ class RunningModel:
         }
         add_impacts(assembly, drive, impacts)
         assembly.mbs.Assemble()
-        gaps = joint_gaps(assembly, self._start, self.frame)
-        self._all_joints = closed_joints(assembly, self.shaft, gaps, self.frame)
-        self.joints = closed_joints(assembly, self.shaft, drifting(gaps), self.frame)
+        self._gaps = joint_gaps(assembly, self._start, self.frame)
+        self.joints = closed_joints(assembly, self.shaft, self._gaps, self.frame)
 
     def joint_force(
         self,
@@ -282,11 +280,11 @@ class RunningModel:
         if moved is not None:
             nodes = np.append(nodes, moved.displacement[0])
         length = min(link.length for link in self.assembly.topology.links)
-        values, turn = self._all_joints.angles(nodes), self.shaft.angle(0.0)
+        turn = self.shaft.angle(0.0)
         return max(
-            float(np.linalg.norm(gap.gap(values, turn)))
+            float(np.linalg.norm(gap.gap(nodes, turn)))
             * (length if isinstance(gap, AngleGap) else 1.0)
-            for gap in self._all_joints.gaps
+            for gap in self._gaps
         )
 
     def _add_hub(self, fixed: ItemNumber) -> tuple[ItemNumber, ItemNumber | None]:

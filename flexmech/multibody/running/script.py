@@ -17,7 +17,7 @@ from flexmech.errors import one_line
 from flexmech.linkages import Drive
 from flexmech.mechanism import Provenance
 from flexmech.multibody.items import Item, Setting
-from flexmech.multibody.running.closure import ClosedJoints
+from flexmech.multibody.running.closure import ClosedJoints, JointsClosedInTurn
 from flexmech.multibody.running.script_text import (
     SHARED,
     WIDTH,
@@ -112,7 +112,7 @@ class ScriptSource:
         Of the mechanism.
     drive : Drive
     items : sequence of Item
-    joints : ClosedJoints
+    joints : JointsClosedInTurn or ClosedJoints
     drifts : bool
         Whether these need to be put in place after every step.
     coordinates, rates : ndarray, shape (n,)
@@ -127,7 +127,7 @@ class ScriptSource:
     provenance: Provenance
     drive: Drive
     items: Sequence[Item]
-    joints: ClosedJoints
+    joints: JointsClosedInTurn | ClosedJoints
     drifts: bool
     coordinates: FloatArray
     rates: FloatArray

@@ -15,6 +15,7 @@ from flexmech.multibody.running.closure import (
     AngleGap,
     ClosedJoints,
     JoinedEnd,
+    JointsClosedInTurn,
     LineGap,
     PlaceGap,
 )
@@ -37,6 +38,7 @@ SHARED = (
     PlaceGap,
     AngleGap,
     LineGap,
+    JointsClosedInTurn,
     ClosedJoints,
     difference_mass,
     turned_frame,
