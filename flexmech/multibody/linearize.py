@@ -24,6 +24,7 @@ from flexmech.multibody.link_parts import BeamPart, RigidPart, turn_vectors
 from flexmech.multibody.rigid_tangents import geometric_stiffness, line_forces
 from flexmech.multibody.static_model import (
     StaticModel,
+    set_tolerance,
     simulation_settings,
     solve_static,
     static_settings,
@@ -110,7 +111,7 @@ def static_equilibrium(
     assembly, batch = model.assembly, len(motion.crank_angle)
     tangents = _Tangents(model, batch)
     relative = motion.angle - motion.angle[:, assembly.base, None]
-    applied = _applied(model, motion, loads, dead)
+    applied, settings = _applied(model, motion, loads, dead), static_settings()
     round_off = ROUND_OFF * assembly.nodal_force_scale
     deformation = np.zeros(assembly.size)
     displacement = np.empty((batch, assembly.size))
@@ -121,7 +122,7 @@ def static_equilibrium(
         model.loads.set(forces, couples)
         loaded = float(np.abs(forces).sum()) + model.swelling_force
         loaded += 0.0 if model.applied is None else model.applied.scale_of_forces
-        settings = static_settings(loaded, round_off)
+        set_tolerance(settings, loaded, round_off)
         start = pose + assembly.turned(deformation, relative[number])
         if not solve_static(assembly, settings, assembly.nodes.to_nodes(start)):
             _solve_in_steps(model, settings, pose, forces, couples, motion, number)

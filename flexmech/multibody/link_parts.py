@@ -79,9 +79,18 @@ class LinkCoordinates(ABC):
 
     def pose(self, origin: FloatArray, angle: float) -> FloatArray:
         """Coordinates, less the reference ones, of the undeformed link at a place and angle."""
-        turned = self.straight.copy()
-        turn_vectors(turned[None], self.vectors, np.array([angle]))
-        return turned - self.straight + self.rigid(origin[0], origin[1], np.array(angle))
+        motion = [-2 * np.sin(angle / 2) ** 2, np.sin(angle), origin[0], origin[1], angle]
+        return np.asarray(motion @ self._motions)
+
+    @cached_property
+    def _motions(self) -> FloatArray:
+        """Vectors of the straight link and the same turned by 90 deg, and rigid motions, (5, n)."""
+        (x, y), straight = self.vectors, self.straight
+        vectors, across = np.zeros((2, len(straight)))
+        vectors[x], vectors[y] = straight[x], straight[y]
+        across[x], across[y] = -straight[y], straight[x]
+        fields = self.fields
+        return np.stack([vectors, across, fields.along, fields.across, self.rotation])
 
 
 @dataclass(frozen=True)

@@ -229,13 +229,16 @@ class PolarSlopes(NodeMap):
         """See :class:`NodeMap`."""
         stretch, angle = q[..., 0], q[..., 1]
         # (1 + e) cos(phi) - 1, whose digits a difference of ones would lose.
-        x = stretch * np.cos(angle) - 2 * np.sin(angle / 2) ** 2
-        return np.stack([x, (1 + stretch) * np.sin(angle)], axis=-1)
+        nodes = np.empty_like(q)
+        nodes[..., 0] = stretch * np.cos(angle) - 2 * np.sin(angle / 2) ** 2
+        nodes[..., 1] = (1 + stretch) * np.sin(angle)
+        return nodes
 
     def of_axis(self, nodes: FloatArray) -> FloatArray:
         """See :class:`NodeMap`."""
-        x, y = 1 + nodes[..., 0], nodes[..., 1]
-        return np.stack([np.hypot(x, y) - 1, np.arctan2(y, x)], axis=-1)
+        x, y, axis = 1 + nodes[..., 0], nodes[..., 1], np.empty_like(nodes)
+        axis[..., 0], axis[..., 1] = np.hypot(x, y) - 1, np.arctan2(y, x)
+        return axis
 
     def gradient(self, q: FloatArray) -> FloatArray:
         """See :class:`NodeMap`."""
@@ -276,7 +279,7 @@ class LinkNodes:
     def to_nodes(self, axis: FloatArray) -> FloatArray:
         """Exudyn's coordinates (..., system_size) of links (..., size)."""
         nodes = self._mapped(axis, lambda one, own: one.to_nodes(axis[..., own]))
-        return np.concatenate([nodes, axis[..., self._body_coordinates]], axis=-1)
+        return self._with_bodies(nodes, axis)
 
     def to_axis(self, nodes: FloatArray) -> FloatArray:
         """Inverse of :meth:`to_nodes`, (..., size)."""
@@ -288,7 +291,7 @@ class LinkNodes:
         moved = self._mapped(
             rate, lambda one, own: one.rate_to_nodes(axis[..., own], rate[..., own])
         )
-        return np.concatenate([moved, rate[..., self._body_coordinates]], axis=-1)
+        return self._with_bodies(moved, rate)
 
     def rate_to_axis(self, nodes: FloatArray, rate: FloatArray) -> FloatArray:
         """Inverse of :meth:`rate_to_nodes`, (..., size)."""
@@ -300,7 +303,12 @@ class LinkNodes:
     def _mapped(
         self, values: FloatArray, mapped: Callable[[NodeMap, slice], FloatArray]
     ) -> FloatArray:
-        result = values.copy()
+        result = values.copy() if self._maps else values
         for one, own in self._maps:
             result[..., own] = mapped(one, own)
         return result
+
+    def _with_bodies(self, nodes: FloatArray, links: FloatArray) -> FloatArray:
+        if not self._body_coordinates:
+            return nodes
+        return np.concatenate([nodes, links[..., self._body_coordinates]], axis=-1)

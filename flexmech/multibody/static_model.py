@@ -236,26 +236,33 @@ def simulation_settings(absolute_tolerance: float = 1e-8, *, of_steps: bool = Fa
     return settings
 
 
-def static_settings(loaded: float, round_off: float) -> tuple[Any, Any]:
-    """Settings of Exudyn's static solver to try in turn.
+def static_settings() -> tuple[Any, Any]:
+    """Settings of Exudyn's static solver to try in turn, until steps or forces are small.
 
     Forces out of balance are no measure beside a stiff link: what its round-off hides may bend a
     soft one that is pinned to it. So Newton's method goes on until its step is small, and is
-    content with forces that are round-off only where no step ever is.
-
-    Parameters
-    ----------
-    loaded : float
-        Size of the loads in N.
-    round_off : float
-        Of forces between nodes in N.
+    content with forces that are round-off only where no step ever is; see :func:`set_tolerance`.
 
     Returns
     -------
     tuple of exudyn.SimulationSettings
     """
-    by_forces = simulation_settings(max(RELATIVE_RESIDUAL * loaded, round_off))
-    return simulation_settings(LAST_STEP, of_steps=True), by_forces
+    return simulation_settings(LAST_STEP, of_steps=True), simulation_settings()
+
+
+def set_tolerance(settings: tuple[Any, Any], loaded: float, round_off: float) -> None:
+    """Set which forces out of balance :func:`static_settings` are content with.
+
+    Parameters
+    ----------
+    settings : tuple of exudyn.SimulationSettings
+    loaded : float
+        Size of the loads in N.
+    round_off : float
+        Of forces between nodes in N.
+    """
+    allowed = max(RELATIVE_RESIDUAL * loaded, round_off)
+    settings[1].staticSolver.newton.absoluteTolerance = allowed
 
 
 def solve_static(assembly: LinkAssembly, settings: Sequence[Any], start: FloatArray) -> bool:
