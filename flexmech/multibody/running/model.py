@@ -21,18 +21,19 @@ from flexmech.mechanism import Mechanism, require_standing_frame
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.connectors import ConnectorItems
 from flexmech.multibody.items import ItemNumber
-from flexmech.multibody.joints import add_sliders, add_ties
-from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.running.closure import AngleGap
-from flexmech.multibody.running.connectors import RunningConnectors, SectionCouples
-from flexmech.multibody.running.frame_body import FrameBody
-from flexmech.multibody.running.joints import (
+from flexmech.multibody.joints import (
+    add_sliders,
+    add_ties,
     closed_joints,
     dependent_joints,
     joint_gaps,
     place_at_start,
     place_on_hub,
 )
+from flexmech.multibody.library import load_exudyn
+from flexmech.multibody.running.closure import AngleGap
+from flexmech.multibody.running.connectors import RunningConnectors, SectionCouples
+from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.loads import (
     LinkEnergies,
     TorqueTable,
