@@ -8,22 +8,22 @@ the body has a node of its own, pinned to the cable's and kept from turning agai
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import RigidBody, body_nodes
-from flexmech.linkages import LinkBody
+from flexmech.linkages import LinkBody, LinkEnd, LinkMass, Load
+from flexmech.linkages.link_mass import LEAST_DISTANCE
 from flexmech.mechanism import Mechanism
 from flexmech.mesh import node_positions
-from flexmech.multibody.arms import Arms
-from flexmech.multibody.beam_kind import BeamKind
+from flexmech.multibody.beams import BeamKind
 from flexmech.multibody.items import ItemNumber, SystemItems
 from flexmech.multibody.link_parts import RIGID_SIZE, BeamPart, LinkPart, RigidPart
 from flexmech.multibody.node_bodies import NodeBodies, point_masses_at
-from flexmech.multibody.node_directions import PolarSlopes, places_with_angles, required_nodes
+from flexmech.multibody.node_maps import Arms, PolarSlopes
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,12 @@ def _fix(items: SystemItems, part: BeamPart, attached: AttachedPart, name: str) 
     items.add("RevoluteJoint2D", f"{name}_pin", markerNumbers=places)
     element = max(attached.node - 1, 0)
     x = float(part.positions[attached.node] - part.positions[element])
-    axis = part.kind.add_axis_marker(items, f"{name}_axis", node, part.elements[element], x)
+    axis = items.add(
+        "MarkerBodyRigid",
+        f"{name}_axis",
+        bodyNumber=part.elements[element],
+        localPosition=[x, 0.0, 0.0],
+    )
     items.add(
         "GenericJoint",
         f"{name}_rotation",
@@ -192,7 +197,7 @@ def _add_beam(
         nodes=nodes,
         elements=beams,
         coordinates=slice(start, stop),
-        arms=Arms(section.neutral_axis) if section.is_eccentric else None,
+        arms=Arms(section.neutral_axis, len(nodes)) if section.is_eccentric else None,
         bodies=bodies,
         polar=_polar_slopes(kind, positions, places_with_angles(mechanism, mass, name)),
     )
@@ -221,3 +226,81 @@ def _polar_slopes(kind: BeamKind, positions: FloatArray, places: list[float]) ->
         return None
     nodes = np.unique(np.abs(positions - np.array(places)[:, None]).argmin(axis=1))
     return PolarSlopes(kind.per_node * nodes + 2)
+
+
+def required_nodes(mechanism: Mechanism, mass: LinkMass, link: str, exact: bool) -> list[float]:
+    """Places along a link that need a node.
+
+    Point masses and bodies, and on exact beams points at which loads or springs act: a cable
+    takes forces anywhere, but a torque and what turns with the link at nodes alone.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    mass : LinkMass
+        Of the link.
+    link : str
+    exact : bool
+        Whether it is of exact beams.
+
+    Returns
+    -------
+    list of float
+        In m.
+    """
+    places = [*mass.point_positions, *(body.position for body in mass.bodies)]
+    points = [load.point.x for load in _turned_loads(mechanism, link)]
+    if exact:
+        points += [load.point.x for load in mechanism.loads if load.point.link == link]
+        for spring in mechanism.springs:
+            points += [end.x for end in (spring.first, spring.second) if end.link == link]
+    least = LEAST_DISTANCE * mass.length
+    for point in points:
+        if all(abs(point - place) >= least for place in (0.0, mass.length, *places)):
+            places.append(point)
+    return places
+
+
+def places_with_angles(mechanism: Mechanism, mass: LinkMass, link: str) -> list[float]:
+    """Places along a link of cables in m at which the angle is a coordinate.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    mass : LinkMass
+        Of the link.
+    link : str
+    """
+    topology = mechanism.linkage.topology
+    ends = [end for weld in topology.welds for end in (weld.leader, weld.follower)]
+    ends += [clamp.link_end for clamp in topology.clamps[1:]]
+    places = [0.0 if end.end == "start" else mass.length for end in ends if end.link == link]
+    places += [load.point.x for load in _turned_loads(mechanism, link)]
+    bodies = [*mass.bodies, *turned_bodies(mechanism, mass, link)]
+    return [*places, *(body.position for body in bodies)]
+
+
+def turned_bodies(mechanism: Mechanism, mass: LinkMass, link: str) -> list[LinkBody]:
+    """Massless bodies at ends of a link of cables on which torsional springs act.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    mass : LinkMass
+        Of the link.
+    link : str
+    """
+    ends: set[LinkEnd] = set()
+    for own in mechanism.joint_springs:
+        if own.torsional_stiffness or own.torsional_damping:
+            pair = mechanism.linkage.topology.pinned_ends[own.joint]
+            ends |= {end for end in pair if end is not None and end.link == link}
+    places = sorted(0.0 if end.end == "start" else mass.length for end in ends)
+    return [LinkBody(place, 0.0) for place in places]
+
+
+def _turned_loads(mechanism: Mechanism, link: str) -> Iterator[Load]:
+    """Follower forces on a link, and loads with a torque."""
+    for load in mechanism.loads:
+        if load.point.link == link and (load.axes == "link" or any(load.torque)):
+            yield load

@@ -6,7 +6,7 @@ assembly, add these to it in their own order, and assemble the system.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -14,14 +14,13 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.linkages import LinkBody, LinkEnd
 from flexmech.mechanism import Mechanism
-from flexmech.multibody.added_links import add_attached_bodies, add_links
-from flexmech.multibody.arms import LinkArms
-from flexmech.multibody.beam_kind import BeamKind
-from flexmech.multibody.beams import BEAM_KINDS
+from flexmech.multibody.added_links import add_attached_bodies, add_links, turned_bodies
+from flexmech.multibody.beams import BEAM_KINDS, BeamKind
 from flexmech.multibody.items import ItemNumber, Made, SystemItems
 from flexmech.multibody.link_parts import RIGID_SIZE, BeamPart, LinkPart, RigidPart, turn_vectors
 from flexmech.multibody.node_bodies import point_masses_at
-from flexmech.multibody.node_directions import turned_bodies
+from flexmech.multibody.node_maps import LinkNodes
+from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.user_functions import turned_frame
 
 
@@ -29,7 +28,7 @@ class LinkAssembly:
     """Links in an Exudyn system, in the reference configuration along the global x axis.
 
     Coordinates are those of the pins' axis, less the reference ones, unless Exudyn's own are
-    spoken of: these are the nodes', and :attr:`arms` leads from the one to the other.
+    spoken of: these are the nodes', and :attr:`nodes` leads from the one to the other.
 
     Parameters
     ----------
@@ -54,9 +53,11 @@ class LinkAssembly:
         Number of coordinates of all links.
     system_size : int
         Number of Exudyn's coordinates of links and attached bodies.
-    arms : LinkArms
+    nodes : LinkNodes
     base : int
         The clamped link.
+    frame : FrameBody or None
+        The frame on springs of a running system, which carries what stands on the ground.
     """
 
     def __init__(
@@ -66,6 +67,7 @@ class LinkAssembly:
         self.topology = mechanism.linkage.topology
         self.kind: BeamKind = BEAM_KINDS[kind]
         self.items = SystemItems()
+        self.frame: FrameBody | None = None
         self.mbs = self.items.mbs
         self.base = self.topology.index(self.topology.clamps[0].link_end.link)
         self.parts = add_links(self.items, mechanism, self.kind, elements)
@@ -84,12 +86,10 @@ class LinkAssembly:
             if body.own_node is not None
         ]
         self.system_size = self.size + len(body_coordinates)
-        self.arms = LinkArms(
-            [part.node_map for _, part in self.beams],
-            [part.coordinates for _, part in self.beams],
-            self.size,
-            body_coordinates,
-        )
+        maps = [
+            (part.node_map, part.coordinates) for _, part in self.beams if part.node_map is not None
+        ]
+        self.nodes = LinkNodes(maps, self.size, body_coordinates)
 
     @property
     def beams(self) -> Iterator[tuple[int, BeamPart]]:
@@ -209,33 +209,45 @@ class LinkAssembly:
         )
         return self.items.add("CoordinateConstraint", name, markerNumbers=[fixed, marker], **offset)
 
+    def add_ground(self, name: str, place: Sequence[float]) -> tuple[ItemNumber, ItemNumber]:
+        """Add a place of the ground, or of a frame on springs.
+
+        Parameters
+        ----------
+        name : str
+            Of what stands on it.
+        place : sequence of float
+            X and y in ground axes in m; of a frame as it is drawn.
+
+        Returns
+        -------
+        ItemNumber
+            Of the ground or the frame.
+        ItemNumber
+            Of a marker there.
+        """
+        x, y = map(float, place)
+        if self.frame is not None:
+            return self.frame.body, self.frame.add_marker((x, y), f"{name}_on_frame")
+        ground = self.items.add("ObjectGround", f"{name}_ground", referencePosition=[x, y, 0.0])
+        return ground, self.items.add("MarkerBodyRigid", f"{name}_on_ground", bodyNumber=ground)
+
     def add_ground_pin(
-        self, name: str, end: LinkEnd, place: list[float]
+        self, name: str, end: LinkEnd, place: Sequence[float]
     ) -> tuple[ItemNumber, ItemNumber]:
-        """Pin a link end to a point of the ground.
+        """Pin a link end to a place of the ground; returns the ground and the pin.
 
         Parameters
         ----------
         name : str
             Of the pin.
         end : LinkEnd
-        place : list of float
-            In m.
-
-        Returns
-        -------
-        ItemNumber
-            Of the ground.
-        ItemNumber
-            Of the pin.
+        place : sequence of float
+            See :meth:`add_ground`.
         """
-        items = self.items
-        ground = items.add("ObjectGround", f"{name}_ground", referencePosition=place)
-        markers = [
-            items.add("MarkerBodyPosition", f"{name}_on_ground", bodyNumber=ground),
-            self.add_end_marker(end, f"{name}_on_{end.link}"),
-        ]
-        return ground, items.add("RevoluteJoint2D", name, markerNumbers=markers)
+        ground, before = self.add_ground(name, place)
+        markers = [before, self.add_end_marker(end, f"{name}_on_{end.link}")]
+        return ground, self.items.add("RevoluteJoint2D", name, markerNumbers=markers)
 
     def add_end_marker(self, place: LinkEnd, name: str) -> ItemNumber:
         """Add a marker of the point on the pins' axis at a link end."""
@@ -244,11 +256,28 @@ class LinkAssembly:
         return self.items.add("MarkerNodePosition", name, nodeNumber=self.end_node(place))
 
     def add_frame_marker(self, place: LinkEnd, name: str, angle: float = 0.0) -> ItemNumber:
-        """Add a marker of that point, which turns with the link's axis there.
+        """Add a marker of that point, which turns with the link; see :meth:`add_axis_marker`.
 
         Parameters
         ----------
         place : LinkEnd
+        name : str
+        angle : float
+            By which the marker is turned against the axis, in rad.
+        """
+        part = self.part_of(place)
+        return self.add_axis_marker(part, 0.0 if place.end == "start" else part.length, name, angle)
+
+    def add_axis_marker(
+        self, part: LinkPart, x: float, name: str, angle: float = 0.0
+    ) -> ItemNumber:
+        """Add a marker of a point on the pins' axis, which turns with the link there.
+
+        Parameters
+        ----------
+        part : LinkPart
+        x : float
+            Distance of the point from the link's start in m; of exact beams that of a node.
         name : str
         angle : float
             By which the marker is turned against the axis, in rad.
@@ -257,35 +286,18 @@ class LinkAssembly:
         -------
         ItemNumber
         """
-        part, at_start = self.part_of(place), place.end == "start"
         if isinstance(part, RigidPart):
-            x = 0.0 if at_start else part.length
             return self.add_body_frame(part.body, name, x, 0.0, angle)
-        if part.arms is not None:
-            return self.add_axis_point(part, 0 if at_start else -1, name)
-        return self.add_section_marker(place, name, angle)
-
-    def add_section_marker(self, place: LinkEnd, name: str, angle: float = 0.0) -> ItemNumber:
-        """Add a marker that turns with a link's axis at an end, at the node of a beam.
-
-        Parameters
-        ----------
-        place : LinkEnd
-        name : str
-        angle : float
-            By which the marker is turned against the axis, in rad.
-
-        Returns
-        -------
-        ItemNumber
-        """
-        part, at_start = self.part_of(place), place.end == "start"
-        if isinstance(part, RigidPart):
-            return self.add_frame_marker(place, name, angle)
-        end = 0 if at_start else -1
-        x = 0.0 if at_start else float(part.positions[-1] - part.positions[-2])
-        node, element = part.nodes[end], part.elements[end]
-        return self.kind.add_axis_marker(self.items, name, node, element, x, angle)
+        if part.bodies is None:
+            element = int(np.searchsorted(part.positions, x, side="right")) - 1
+            element = min(max(element, 0), len(part.elements) - 1)
+            place = float(x - part.positions[element])
+            return self.add_body_frame(part.elements[element], name, place, 0.0, angle)
+        number = int(np.argmin(np.abs(part.positions - x)))
+        if part.arms is None and not angle:
+            return self.items.add("MarkerNodeRigid", name, nodeNumber=part.nodes[number])
+        below = 0.0 if part.arms is None else part.arms.length
+        return self.add_body_frame(part.bodies.numbers[number], name, 0.0, -below, angle)
 
     def add_body_frame(
         self, body: ItemNumber, name: str, x: float, y: float = 0.0, angle: float = 0.0
@@ -311,27 +323,3 @@ class LinkAssembly:
             )
         frame = Made(turned_frame, (x, y, angle))
         return self.items.add("MarkerBodyRigid", name, bodyNumber=body, localHT=frame)
-
-    def add_axis_point(self, part: BeamPart, number: int, name: str) -> ItemNumber:
-        """Add a marker of the point on the pins' axis at a node of an eccentric link.
-
-        Parameters
-        ----------
-        part : BeamPart
-        number : int
-            Of the node in the link.
-        name : str
-            Of the marker.
-
-        Returns
-        -------
-        ItemNumber
-        """
-        assert part.arms is not None
-        assert part.bodies is not None
-        return self.items.add(
-            "MarkerBodyRigid",
-            name,
-            bodyNumber=part.bodies.numbers[number],
-            localPosition=[0.0, -part.arms.length, 0.0],
-        )

@@ -47,8 +47,7 @@ from flexmech.multibody.linearize import internal_forces, running_tangents, stat
 from flexmech.multibody.running.loads import TorqueTable
 from flexmech.multibody.running.model import RunningModel
 from flexmech.multibody.running.motor import MotorOnHub
-from flexmech.multibody.running.point_recorder import PointRecorder
-from flexmech.multibody.running.simulation import Simulation
+from flexmech.multibody.running.simulation import PointRecorder, Simulation
 from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
 from flexmech.time_domain import Impact, LinkState, Recorder, Trajectory

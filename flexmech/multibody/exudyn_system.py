@@ -32,9 +32,6 @@ from flexmech.time_domain import LinkState
 
 # Kept in memory, at every step.
 _KEPT = {"writeToFile": False, "storeInternal": True}
-_POSITION = Choice("OutputVariableType", "Position")
-_FORCE = Choice("OutputVariableType", "Force")
-_ROTATION = Choice("OutputVariableType", "Rotation")
 
 
 def add_sensors(model: RunningModel) -> None:
@@ -56,42 +53,33 @@ def add_sensors(model: RunningModel) -> None:
             continue
         points = _LinkPoints(assembly, part, link)
         items.begin(f"{link.name}: sensors of its deflection")
-        if link.name in clamped:
-            items.add(
-                "SensorUserFunction",
-                f"{link.name}_deflection",
-                sensorNumbers=[points.at_node(0), points.at_node(len(part.nodes) - 1)],
-                sensorUserFunction=model.shaft.tip_deflection,
-                **_KEPT,
-            )
-        else:
+        around: list[ItemNumber] = []
+        given: dict[str, Any] = {"sensorUserFunction": model.shaft.tip_deflection}
+        if link.name not in clamped:
             around, fraction = points.around_middle()
-            items.add(
-                "SensorUserFunction",
-                f"{link.name}_deflection",
-                sensorNumbers=[points.at_node(0), *around, points.at_node(len(part.nodes) - 1)],
-                factors=[fraction],
-                sensorUserFunction=middle_deflection,
-                **_KEPT,
-            )
+            given = {"factors": [fraction], "sensorUserFunction": middle_deflection}
+        ends = points.at_node(0), points.at_node(len(part.nodes) - 1)
+        numbers = [ends[0], *around, ends[1]]
+        name = f"{link.name}_deflection"
+        items.add("SensorUserFunction", name, sensorNumbers=numbers, **given, **_KEPT)
     items.begin("sensors of forces and torque")
     kinds = dict(zip(topology.joint_names, topology.joint_kinds, strict=True))
     for joint in topology.joint_names:
         name = f"{kinds[joint]}_{joint}_force"
         if joint in model.sprung:
-            items.add(
-                "SensorObject",
-                name,
-                objectNumber=model.sprung[joint],
-                outputVariableType=_FORCE,
-                **_KEPT,
-            )
+            _add(items, "SensorObject", name, "Force", objectNumber=model.sprung[joint])
         elif joint in model.sliders:
             _add_line_force(assembly, name, model.sliders[joint])
         else:
             _add_force(items, name, model.constraints[joint])
     if model.drive_constraint is not None:
         _add_force(items, "driving_torque", [model.drive_constraint])
+
+
+def _add(items: SystemItems, type_: str, name: str, output: str, **values: Any) -> ItemNumber:
+    """Sensor of an output variable."""
+    variable = Choice("OutputVariableType", output)
+    return items.add(type_, name, **values, outputVariableType=variable, **_KEPT)
 
 
 class _LinkPoints:
@@ -119,14 +107,8 @@ class _LinkPoints:
         before = int(np.searchsorted(positions, middle)) - 1
         x = float(middle - positions[before])
         if self._is_curved:
-            inside = self._items.add(
-                "SensorBody",
-                f"{self._link.name}_middle",
-                bodyNumber=self._part.elements[before],
-                localPosition=[x, 0.0, 0.0],
-                outputVariableType=_POSITION,
-                **_KEPT,
-            )
+            name, body = f"{self._link.name}_middle", self._part.elements[before]
+            inside = self._of_body(name, body, x, 0.0)
             return [inside, inside], 0.0
         # Between its nodes an exact beam is straight, and so is the pins' axis.
         around = [self.at_node(before), self.at_node(before + 1)]
@@ -135,22 +117,14 @@ class _LinkPoints:
     def _added(self, number: int) -> ItemNumber:
         name, part = f"{self._link.name}_place_{number}", self._part
         if part.arms is None:
-            return self._items.add(
-                "SensorNode",
-                name,
-                nodeNumber=part.nodes[number],
-                outputVariableType=_POSITION,
-                **_KEPT,
-            )
+            number = part.nodes[number]
+            return _add(self._items, "SensorNode", name, "Position", nodeNumber=number)
         assert part.bodies is not None
-        return self._items.add(
-            "SensorBody",
-            name,
-            bodyNumber=part.bodies.numbers[number],
-            localPosition=[0.0, -part.arms.length, 0.0],
-            outputVariableType=_POSITION,
-            **_KEPT,
-        )
+        return self._of_body(name, part.bodies.numbers[number], 0.0, -part.arms.length)
+
+    def _of_body(self, name: str, body: ItemNumber, x: float, y: float) -> ItemNumber:
+        where = {"bodyNumber": body, "localPosition": [x, y, 0.0]}
+        return _add(self._items, "SensorBody", name, "Position", **where)
 
 
 def _add_force(items: SystemItems, name: str, constraints: list[ItemNumber]) -> None:
@@ -168,15 +142,8 @@ def _add_line_force(assembly: LinkAssembly, name: str, line: SliderJoint) -> Non
     turning = []
     if line.slider.guide:
         guide = assembly.parts[assembly.topology.index(line.slider.guide)]
-        turning = [
-            assembly.items.add(
-                "SensorNode",
-                f"{name}_guide",
-                nodeNumber=guide.nodes[0],
-                outputVariableType=_ROTATION,
-                **_KEPT,
-            )
-        ]
+        node = guide.nodes[0]
+        turning = [_add(assembly.items, "SensorNode", f"{name}_guide", "Rotation", nodeNumber=node)]
     assembly.items.add(
         "SensorUserFunction",
         name,

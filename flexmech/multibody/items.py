@@ -18,12 +18,7 @@ from flexmech.linear_system import ROUND_OFF
 from flexmech.multibody.library import load_exudyn
 
 ItemKind = Literal["node", "object", "marker", "load", "sensor"]
-_KINDS: dict[str, ItemKind] = {
-    "Node": "node",
-    "Marker": "marker",
-    "Load": "load",
-    "Sensor": "sensor",
-}
+_KINDS: tuple[ItemKind, ...] = ("node", "marker", "load", "sensor")
 
 
 class ItemNumber(int):
@@ -181,14 +176,10 @@ class SystemItems:
             place for place, item in enumerate(self.listed) if (item.kind, item.number) == wanted
         )
 
-    def numbers(self, kind: ItemKind) -> dict[str, int]:
-        """Exudyn's numbers of all items of a kind, by their names."""
-        return {item.name: item.number for item in self.listed if item.kind == kind}
-
 
 def _kind_of(type_: str) -> ItemKind:
     """Kind of an item by the name of its class; joints and constraints are objects."""
-    return next((kind for prefix, kind in _KINDS.items() if type_.startswith(prefix)), "object")
+    return next((kind for kind in _KINDS if type_.lower().startswith(kind)), "object")
 
 
 def _plain(value: Any) -> Any:

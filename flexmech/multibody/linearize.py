@@ -24,9 +24,10 @@ from flexmech.multibody.link_parts import BeamPart, RigidPart, turn_vectors
 from flexmech.multibody.rigid_tangents import geometric_stiffness, line_forces
 from flexmech.multibody.static_model import (
     StaticModel,
-    StaticSettings,
+    set_tolerance,
     simulation_settings,
     solve_static,
+    static_settings,
 )
 
 # How often dampers are turned into their lines. Each time leaves less than a hundredth of the
@@ -110,27 +111,27 @@ def static_equilibrium(
     assembly, batch = model.assembly, len(motion.crank_angle)
     tangents = _Tangents(model, batch)
     relative = motion.angle - motion.angle[:, assembly.base, None]
-    applied = _Applied.of(model, motion, loads, dead)
-    static_settings = StaticSettings(ROUND_OFF * assembly.nodal_force_scale)
+    applied, settings = _applied(model, motion, loads, dead), static_settings()
+    round_off = ROUND_OFF * assembly.nodal_force_scale
     deformation = np.zeros(assembly.size)
     displacement = np.empty((batch, assembly.size))
     line_force = np.zeros((batch, len(model.sliders)))
     for number in range(batch):
         pose = model.move_to(motion, number)
-        forces, couples = applied.forces[number], applied.couples[number]
+        forces, couples = (values[number] for values in applied)
         model.loads.set(forces, couples)
         loaded = float(np.abs(forces).sum()) + model.swelling_force
         loaded += 0.0 if model.applied is None else model.applied.scale_of_forces
-        settings = static_settings.under(loaded)
+        set_tolerance(settings, loaded, round_off)
         start = pose + assembly.turned(deformation, relative[number])
-        if not solve_static(assembly, settings, assembly.arms.to_nodes(start)):
-            _solve_in_steps(model, settings, pose, applied, motion, number)
+        if not solve_static(assembly, settings, assembly.nodes.to_nodes(start)):
+            _solve_in_steps(model, settings, pose, forces, couples, motion, number)
         for _ in range(DAMPER_TURNS):
             if model.applied is None or not model.applied.converge():
                 break
             solved = np.array(assembly.mbs.systemData.GetODE2Coordinates())
             solve_static(assembly, settings, solved)
-        state = assembly.arms.to_axis(assembly.mbs.systemData.GetODE2Coordinates())
+        state = assembly.nodes.to_axis(assembly.mbs.systemData.GetODE2Coordinates())
         turning = geometric_stiffness(model, state, couples)
         line_force[number] = line_forces(model)
         moved = assembly.deformation(state, pose)
@@ -145,40 +146,31 @@ def static_equilibrium(
     )
 
 
-@dataclass(frozen=True)
-class _Applied:
-    """Arguments of :meth:`flexmech.multibody.static_loads.StaticLoads.set` over a batch."""
+def _applied(
+    model: StaticModel, motion: RigidMotion, loads: list[FloatArray], dead: DeadMoments
+) -> tuple[FloatArray, FloatArray]:
+    """Arguments over a batch of :meth:`flexmech.multibody.static_loads.StaticLoads.set`.
 
-    forces: FloatArray
-    couples: FloatArray
-
-    @classmethod
-    def of(
-        cls,
-        model: StaticModel,
-        motion: RigidMotion,
-        loads: list[FloatArray],
-        dead: DeadMoments,
-    ) -> _Applied:
-        """Forces (B, n_link) transformed from link frames to the crank's frame."""
-        assembly = model.assembly
-        relative = motion.angle - motion.angle[:, assembly.base, None]
-        forces = np.concatenate(loads, axis=1)
-        places = {turned.angle: number for number, turned in enumerate(model.loads.turning)}
-        couples = np.zeros((len(forces), len(places), 2))
-        for number, (link, row) in enumerate(zip(dead.links.tolist(), dead.rows, strict=True)):
-            part = assembly.parts[link]
-            angle = part.coordinates.start + row
-            if not isinstance(part, RigidPart):
-                # What turns with the body is not on the node as well.
-                forces[:, angle] -= dead.moment[number]
-            couple = couples[:, places[angle]]
-            couple[:] = np.transpose([dead.virial[number], dead.moment[number]]) / part.length
-            turn_vectors(couple, (np.array([0]), np.array([1])), relative[:, link])
-        for link, part in enumerate(assembly.parts):
-            own, angle = forces[:, part.coordinates], relative[:, link]
-            turn_vectors(own, part.force_vectors, angle)
-        return cls(forces, couples)
+    Forces (B, n_link) transformed from link frames to the crank's frame, and couples.
+    """
+    assembly = model.assembly
+    relative = motion.angle - motion.angle[:, assembly.base, None]
+    forces = np.concatenate(loads, axis=1)
+    places = {turned.angle: number for number, turned in enumerate(model.loads.turning)}
+    couples = np.zeros((len(forces), len(places), 2))
+    for number, (link, row) in enumerate(zip(dead.links.tolist(), dead.rows, strict=True)):
+        part = assembly.parts[link]
+        angle = part.coordinates.start + row
+        if not isinstance(part, RigidPart):
+            # What turns with the body is not on the node as well.
+            forces[:, angle] -= dead.moment[number]
+        couple = couples[:, places[angle]]
+        couple[:] = np.transpose([dead.virial[number], dead.moment[number]]) / part.length
+        turn_vectors(couple, (np.array([0]), np.array([1])), relative[:, link])
+    for link, part in enumerate(assembly.parts):
+        own, angle = forces[:, part.coordinates], relative[:, link]
+        turn_vectors(own, part.force_vectors, angle)
+    return forces, couples
 
 
 def running_tangents(
@@ -242,21 +234,18 @@ class _Tangents:
     def __init__(self, model: StaticModel, batch: int) -> None:
         self._assembly = assembly = model.assembly
         self._model = model
-        sizes = [part.coordinates.stop - part.coordinates.start for part in assembly.parts]
-        self._stiffness, self._damping = (
-            [np.empty((batch, size, size)) for size in sizes] for _ in range(2)
-        )
-        self._state: FloatArray = np.empty((batch, assembly.size))
-        self._outer: FloatArray = np.zeros((batch, assembly.size))
-        self._turning: FloatArray = np.zeros((batch, assembly.size))
+        self._matrices = [
+            np.empty((2, batch, len(part.straight), len(part.straight))) for part in assembly.parts
+        ]
+        self._state, self._outer, self._turning = np.zeros((3, batch, assembly.size))
 
     def linearize_at(
         self,
         number: int,
         settings: Any,
         state: FloatArray,
-        outer: FloatArray | None = None,
-        turning: FloatArray | None = None,
+        outer: FloatArray | float = 0.0,
+        turning: FloatArray | float = 0.0,
     ) -> None:
         """Linearize about a state.
 
@@ -273,57 +262,48 @@ class _Tangents:
         """
         assembly = self._assembly
         with self._model.links_alone():
-            _, stiffness, damping = linearized(assembly, settings, assembly.arms.to_nodes(state))
-        self._state[number] = state
-        if outer is not None:
-            self._outer[number] = outer
-        if turning is not None:
-            self._turning[number] = turning
-        for link, part in enumerate(assembly.parts):
-            own = (part.coordinates, part.coordinates)
-            self._stiffness[link][number] = stiffness[own]
-            self._damping[link][number] = damping[own]
+            _, stiffness, damping = linearized(assembly, settings, assembly.nodes.to_nodes(state))
+        self._state[number], self._outer[number], self._turning[number] = state, outer, turning
+        for matrices, part in zip(self._matrices, assembly.parts, strict=True):
+            for matrix, whole in zip(matrices, (stiffness, damping), strict=True):
+                matrix[number] = whole[part.coordinates, part.coordinates]
 
     def in_link_frames(self, angle: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
         """Both in frames rotated by ``angle`` (B, n_links) against the model's."""
-        assembly = self._assembly
-        for link, part in assembly.beams:
-            if (mapped := part.node_map) is not None:
-                state = self._state[:, part.coordinates]
+        result: tuple[list[FloatArray], list[FloatArray]] = [], []
+        for link, part in enumerate(self._assembly.parts):
+            own = part.coordinates
+            stiffness, damping = self._matrices[link]
+            if isinstance(part, BeamPart) and (mapped := part.node_map) is not None:
+                state = self._state[:, own]
                 force = _internal_force(part, mapped.to_nodes(state))
                 if part.polar is not None:
-                    force -= self._outer[:, part.coordinates]
-                stiff, damped = self._stiffness[link], self._damping[link]
-                self._stiffness[link] = mapped.tangent(state, stiff, force)
-                self._damping[link] = mapped.matrix(state, damped)
-        stiffness, damping = (
-            [
-                _to_link_frame(matrix, angle[:, link], *assembly.parts[link].vectors)
-                for link, matrix in enumerate(matrices)
-            ]
-            for matrices in (self._stiffness, self._damping)
-        )
-        for matrix, each in zip(stiffness, assembly.parts, strict=True):
-            every = np.arange(matrix.shape[1])
-            matrix[:, every, every] += self._turning[:, each.coordinates]
-        return stiffness, damping
+                    force -= self._outer[:, own]
+                stiffness = mapped.tangent(state, stiffness, force)
+                damping = mapped.matrix(state, damping)
+            for matrices, matrix in zip(result, (stiffness, damping), strict=True):
+                matrices.append(_to_link_frame(matrix, angle[:, link], *part.vectors))
+            every = np.arange(len(part.straight))
+            result[0][link][:, every, every] += self._turning[:, own]
+        return result
 
 
 def _solve_in_steps(
     model: StaticModel,
     settings: Sequence[Any],
     pose: FloatArray,
-    applied: _Applied,
+    forces: FloatArray,
+    couples: FloatArray,
     motion: RigidMotion,
     number: int,
 ) -> None:
     """Solve from the undeformed links, in load steps if necessary, or raise an error."""
     assembly = model.assembly
-    nodes = assembly.arms.to_nodes(pose)
+    nodes = assembly.nodes.to_nodes(pose)
     for steps in LOAD_STEPS:
         start = nodes
         for part in np.arange(1, steps + 1) / steps:
-            model.loads.set(part * applied.forces[number], part * applied.couples[number])
+            model.loads.set(part * forces, part * couples)
             if model.applied is not None:
                 model.applied.scale(float(part))
             model.swell(float(part))

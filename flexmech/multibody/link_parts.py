@@ -1,39 +1,100 @@
 """Parts of an Exudyn system for each link: items and coordinates.
 
 Coordinates of a beam are those of points on the pins' axis, less the reference ones; see
-:mod:`flexmech.multibody.arms` and :mod:`flexmech.multibody.node_directions` for what leads from
-them to Exudyn's. Those of a rigid link are the place of its start and its angle, as in Exudyn.
+:mod:`flexmech.multibody.node_maps` for what leads from them to Exudyn's. Those of a rigid link are
+the place of its start and its angle, as in Exudyn.
 
 Between absolute coordinates of links in motion and the frames of the rigid links.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system import RigidBody
+from flexmech.linear_system import RigidBody, RigidFields
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.topology import End
-from flexmech.multibody.arms import Arms
-from flexmech.multibody.beam_kind import BeamKind
+from flexmech.multibody.beams import BeamKind
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.node_bodies import NodeBodies
-from flexmech.multibody.node_directions import PolarSlopes
+from flexmech.multibody.node_maps import Arms, PolarSlopes
 from flexmech.sections import BeamSection
 
 # Coordinates of a rigid link.
 RIGID_SIZE = 3
 
 
+class LinkCoordinates(ABC):
+    """Coordinates of a link as those of a rigid one.
+
+    Attributes
+    ----------
+    fields : RigidFields
+        Rigid fields in the link's frame.
+    vectors : tuple of ndarray of int, shape (k,)
+        X and y coordinates of all vectors in the link frame.
+    """
+
+    @property
+    @abstractmethod
+    def fields(self) -> RigidFields:
+        """Rigid fields in the link's frame."""
+
+    @property
+    @abstractmethod
+    def vectors(self) -> tuple[IntArray, IntArray]:
+        """X and y coordinates of all vectors in the link frame, (k,) each."""
+
+    @property
+    def straight(self) -> FloatArray:
+        """Coordinates of the undeformed link in its own frame, with the reference ones, (n,)."""
+        return self.fields.centripetal
+
+    @cached_property
+    def rotation(self) -> FloatArray:
+        """1 for coordinates that are angles, 0 for all others, (n,)."""
+        # Where the link has rotations, they are all of the tangential field but its vectors.
+        rotation = self.fields.tangential.copy()
+        rotation[np.concatenate(self.vectors)] = 0.0
+        return rotation
+
+    def rigid(self, x: FloatArray, y: FloatArray, angle: FloatArray) -> FloatArray:
+        """Coordinates of a rigid link displaced and rotated by small values, (m, n).
+
+        Parameters
+        ----------
+        x, y : ndarray, shape (m, 1)
+            Of the start in m.
+        angle : ndarray, shape (m, 1)
+            In rad.
+        """
+        return x * self.fields.along + y * self.fields.across + angle * self.rotation
+
+    def pose(self, origin: FloatArray, angle: float) -> FloatArray:
+        """Coordinates, less the reference ones, of the undeformed link at a place and angle."""
+        motion = [-2 * np.sin(angle / 2) ** 2, np.sin(angle), origin[0], origin[1], angle]
+        return np.asarray(motion @ self._motions)
+
+    @cached_property
+    def _motions(self) -> FloatArray:
+        """Vectors of the straight link and the same turned by 90 deg, and rigid motions, (5, n)."""
+        (x, y), straight = self.vectors, self.straight
+        vectors, across = np.zeros((2, len(straight)))
+        vectors[x], vectors[y] = straight[x], straight[y]
+        across[x], across[y] = -straight[y], straight[x]
+        fields = self.fields
+        return np.stack([vectors, across, fields.along, fields.across, self.rotation])
+
+
 @dataclass(frozen=True)
-class BeamPart:
+class BeamPart(LinkCoordinates):
     """A link of beam elements.
 
     Parameters
@@ -78,26 +139,9 @@ class BeamPart:
         return self.arms or self.polar
 
     @cached_property
-    def straight(self) -> FloatArray:
-        """Coordinates of the undeformed link in its own frame, with the reference ones, (n,)."""
-        return self.kind.rigid_fields(self.positions).centripetal
-
-    @cached_property
-    def along(self) -> FloatArray:
-        """Rigid field of a unit translation along x, (n,)."""
-        return self.kind.rigid_fields(self.positions).along
-
-    @cached_property
-    def across(self) -> FloatArray:
-        """Rigid field of a unit translation along y, (n,)."""
-        return self.kind.rigid_fields(self.positions).across
-
-    @cached_property
-    def rotation(self) -> FloatArray:
-        """1 for coordinates that are angles, 0 for all others, (n,)."""
-        # Where the beam has rotations, they are all of the tangential field but its vectors.
-        fields = self.kind.rigid_fields(self.positions)
-        return np.where(self._is_vector, 0.0, fields.tangential)
+    def fields(self) -> RigidFields:
+        """See :class:`LinkCoordinates`."""
+        return self.kind.rigid_fields(self.positions)
 
     @cached_property
     def vectors(self) -> tuple[IntArray, IntArray]:
@@ -113,13 +157,6 @@ class BeamPart:
         """X and y coordinates of all vectors among the forces on Exudyn's coordinates."""
         return self.kind.vector_pairs(len(self.nodes))
 
-    def pose(self, origin: FloatArray, angle: float) -> FloatArray:
-        """Coordinates, less the reference ones, of the undeformed link at a place and angle."""
-        pose = self.kind.pose(self.positions, origin, angle)
-        if self.polar is not None:
-            pose[self.polar.first], pose[self.polar.first + 1] = 0.0, angle
-        return pose
-
     def end_place(self, end: End, position: FloatArray) -> FloatArray:
         """Position of an end from the coordinates of all links (size,), shape (2,)."""
         own = position[self.coordinates]
@@ -128,13 +165,9 @@ class BeamPart:
         first = len(own) - self.kind.per_node
         return np.asarray(own[first : first + 2] + np.array([self.length, 0.0]))
 
-    @property
-    def _is_vector(self) -> NDArray[np.bool_]:
-        return np.isin(np.arange(len(self.straight)), np.concatenate(self.vectors))
-
 
 @dataclass(frozen=True)
-class RigidPart:
+class RigidPart(LinkCoordinates):
     """A rigid link: a body with its node at the start of the link.
 
     Parameters
@@ -163,25 +196,11 @@ class RigidPart:
         mass, (along, across) = self.inertia.mass, self.inertia.first_moment
         return (along / mass, across / mass) if mass else (0.0, 0.0)
 
-    @property
-    def straight(self) -> FloatArray:
-        """Coordinates of the undeformed link in its own frame, with the reference ones, (n,)."""
-        return np.zeros(RIGID_SIZE)
-
-    @property
-    def along(self) -> FloatArray:
-        """Rigid field of a unit translation along x, (n,)."""
-        return np.array([1.0, 0.0, 0.0])
-
-    @property
-    def across(self) -> FloatArray:
-        """Rigid field of a unit translation along y, (n,)."""
-        return np.array([0.0, 1.0, 0.0])
-
-    @property
-    def rotation(self) -> FloatArray:
-        """1 for coordinates that are angles, 0 for all others, (n,)."""
-        return np.array([0.0, 0.0, 1.0])
+    @cached_property
+    def fields(self) -> RigidFields:
+        """See :class:`LinkCoordinates`."""
+        along, across, turning = np.eye(RIGID_SIZE)
+        return RigidFields(along, across, np.zeros(RIGID_SIZE), turning)
 
     @property
     def vectors(self) -> tuple[IntArray, IntArray]:
@@ -192,10 +211,6 @@ class RigidPart:
     def force_vectors(self) -> tuple[IntArray, IntArray]:
         """X and y coordinates of all vectors among the forces on Exudyn's coordinates."""
         return self.vectors
-
-    def pose(self, origin: FloatArray, angle: float) -> FloatArray:
-        """Coordinates, less the reference ones, of the undeformed link at a place and angle."""
-        return np.array([origin[0], origin[1], angle])
 
     def end_place(self, end: End, position: FloatArray) -> FloatArray:
         """Position of an end from the coordinates of all links (size,), shape (2,)."""
@@ -245,7 +260,7 @@ class MovingFrames:
         """Coordinates in ground axes and velocities of links displaced in their frames.
 
         They are Exudyn's where the nodes are on the pins' axis, and lead to them by
-        :class:`flexmech.multibody.arms.LinkArms` where not.
+        :class:`flexmech.multibody.node_maps.LinkNodes` where not.
 
         Parameters
         ----------
@@ -305,7 +320,7 @@ def _rigid(part: LinkPart, motion: RigidMotion, link: int) -> tuple[FloatArray, 
         (motion.origin_velocity, motion.angular_velocity),
     ):
         x, y = point[:, link, 0, None], point[:, link, 1, None]
-        added.append(x * part.along + y * part.across + angle[:, link, None] * part.rotation)
+        added.append(part.rigid(x, y, angle[:, link, None]))
     return added[0], added[1]
 
 

@@ -27,6 +27,7 @@ from itertools import pairwise
 import numpy as np
 
 from flexmech.arrays import SAME_PLACE, FloatArray
+from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.items import ItemNumber, Made, SystemItems
 from flexmech.multibody.running.user_functions import difference_mass
@@ -107,14 +108,49 @@ class NodeBodies:
         In kg.
     centre : ndarray, shape (e + 1, 2)
         Their centres of mass from the nodes, along and across the link, in m.
-    segment : ndarray, shape (e + 1,)
-        See :class:`NodalMass`.
+    inertia : ndarray, shape (e + 1,)
+        About the nodes in kg m^2.
+    link : NodalMass
     """
 
     numbers: list[ItemNumber]
     mass: FloatArray
     centre: FloatArray
-    segment: FloatArray
+    inertia: FloatArray
+    link: NodalMass
+
+    def moment(self, nodes: FloatArray) -> FloatArray:
+        """Mass times the place of their centre but for a constant, (m, 2).
+
+        Parameters
+        ----------
+        nodes : ndarray, shape (m, e + 1, 3)
+            Displacement and angle of the nodes.
+        """
+        (along, across), angle = self.centre.T[..., None], nodes[..., 2]
+        places = nodes[..., :2] + along * direction(angle) + across * normal(angle)
+        return np.asarray(np.einsum("mek,e->mk", places, self.mass))
+
+    def kinetic_energy(self, angle: FloatArray, rate: FloatArray) -> FloatArray:
+        """Kinetic energy with that of the differences between the nodes, (m,).
+
+        Parameters
+        ----------
+        angle : ndarray, shape (m, e + 1)
+            Of the nodes in rad.
+        rate : ndarray, shape (m, e + 1, 3)
+            Their velocities and spins.
+        """
+        (along, across), spin = self.centre.T[..., None], rate[..., 2]
+        lever = along * normal(angle) - across * direction(angle)
+        velocity = np.sum(rate[..., :2] * (rate[..., :2] + 2 * spin[..., None] * lever), axis=-1)
+        change = np.diff(rate, axis=1) ** 2
+        return np.asarray(
+            velocity @ self.mass / 2
+            + spin**2 @ self.inertia / 2
+            - change[..., :2].sum(axis=-1) @ self.link.velocity / 2
+            + change[..., 2] @ self.link.spin / 2
+        )
 
     @classmethod
     def added(
@@ -174,7 +210,7 @@ class NodeBodies:
                 nodeNumbers=list(pair),
                 massMatrix=matrix,
             )
-        return cls(numbers, mass, centre, own.segment)
+        return cls(numbers, mass, centre, inertia, own)
 
 
 def point_masses_at(mechanism: Mechanism, link: str, positions: FloatArray) -> FloatArray:

@@ -3,8 +3,6 @@
 A rigid link may rotate under them. The effect of distributed dead loads is given by their
 resultant, their moment and their virial about the link's start, the sum of force times place: the
 resultant acts at the start, and a couple of forces at start and end has the moment and the virial.
-
-Loads and springs of a static model, moved through the crank angles.
 """
 
 from __future__ import annotations
@@ -14,14 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from flexmech.arrays import ROUND_OFF, FloatArray
-from flexmech.linkages import RigidMotion, continuous_angles
-from flexmech.linkages.applied_forces import SpringLine, joint_gap
-from flexmech.linkages.motion import direction, normal
+from flexmech.arrays import FloatArray
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.connectors import ConnectorItems, JointSpringItem, SpringItem, angle_of_end
 from flexmech.multibody.items import ItemNumber
-from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import BeamPart, RigidPart
 
 
@@ -121,7 +114,7 @@ class StaticLoads:
         """Forces on points of the pins' axis, off the nodes of an eccentric link."""
         for number, coordinate in enumerate(first):
             name = f"load_{link}_{number}"
-            marker = self._assembly.add_axis_point(part, number, f"{name}_point")
+            marker = self._assembly.add_axis_marker(part, part.positions[number], f"{name}_point")
             self._at_points.append((self._add_load(name, marker), coordinate))
 
     def _turning_bodies(self, link: int, part: BeamPart | RigidPart) -> dict[int, ItemNumber]:
@@ -157,130 +150,3 @@ class StaticLoads:
 
 def _set_load(mbs: Any, load: ItemNumber, force: FloatArray) -> None:
     mbs.SetLoadParameter(load, "loadVector", [float(force[0]), float(force[1]), 0.0])
-
-
-class StaticConnectors:
-    """Connectors with the forces of a chosen position.
-
-    Dampers carry what the rigid motion puts on them. Loads over time are not among them.
-
-    Parameters
-    ----------
-    connectors : ConnectorItems
-        Of the model.
-    """
-
-    def __init__(self, connectors: ConnectorItems) -> None:
-        self._all = connectors
-        self._motion: RigidMotion | None = None
-        self._angles: FloatArray = np.zeros((0, 0))
-        self._part = 1.0
-        self._values: list[FloatArray] = []
-        self._approach: dict[str, FloatArray] = {}
-
-    def move_to(self, motion: RigidMotion, number: int, pose: FloatArray) -> None:
-        """Set forces, free lengths and places of the ground.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-        number : int
-            Of the position.
-        pose : ndarray, shape (size,)
-            Coordinates of the undeformed links in the model's axes.
-        """
-        assembly = self._all.assembly
-        self._turn = float(motion.angle[number, assembly.base])
-        angle = motion.crank_angle[number]
-        self._values = [item.load.values(angle) for item in self._all.loads]
-        self.scale(1.0)
-        for item in self._all.springs:
-            self._set_spring(item, motion, number)
-        for joint in self._all.joints:
-            self._set_joint(joint, motion, number, pose)
-
-    def scale(self, part: float) -> None:
-        """Apply a part of the loads."""
-        mbs, base = self._all.assembly.mbs, self._turn
-        for item, (x, y, torque) in zip(self._all.loads, self._values, strict=True):
-            if item.load.axes == "ground":
-                x, y = _turned(np.array([x, y]), -base)
-            if item.force is not None:
-                mbs.SetLoadParameter(item.force, "loadVector", [part * x, part * y, 0.0])
-            if item.torque is not None:
-                mbs.SetLoadParameter(item.torque, "loadVector", [0.0, 0.0, part * torque])
-
-    def converge(self) -> bool:
-        """Update the directions of damper forces; returns whether the forces change."""
-        mbs, changed = self._all.assembly.mbs, False
-        for item in self._all.springs:
-            if item.spring.damping:
-                along = self._along(item)
-                before = mbs.GetObjectParameter(item.number, "force")
-                force = item.spring.damping * float(along @ self._approach[item.spring.name])
-                mbs.SetObjectParameter(item.number, "force", force)
-                changed = changed or abs(force - before) > ROUND_OFF * (abs(force) + abs(before))
-        return changed
-
-    def _along(self, item: SpringItem) -> FloatArray:
-        """Direction from the first to the second end in the model's axes."""
-        kind = load_exudyn().OutputVariableType.Position
-        first, second = (
-            np.array(self._all.assembly.mbs.GetMarkerOutput(int(marker), kind))[:2]
-            for marker in item.markers
-        )
-        return np.asarray((second - first) / np.linalg.norm(second - first))
-
-    @property
-    def scale_of_forces(self) -> float:
-        """Sum of the absolute loads, in N and N m."""
-        return float(sum(np.abs(value).sum() for value in self._values))
-
-    def _set_spring(self, item: SpringItem, motion: RigidMotion, number: int) -> None:
-        mbs, spring = self._all.assembly.mbs, item.spring
-        for point, ground in item.grounds:
-            self._put(ground, np.array([point.x, point.y]))
-        if spring.damping:
-            there = motion.at(slice(number, number + 1))
-            line = SpringLine.of(spring, self._all.assembly.topology, there)
-            mbs.SetObjectParameter(item.number, "force", spring.damping * float(line.rate[0]))
-            self._approach[spring.name] = _turned(line.relative_velocity[0], -self._turn)
-
-    def _set_joint(
-        self, item: JointSpringItem, motion: RigidMotion, number: int, pose: FloatArray
-    ) -> None:
-        assembly, own = self._all.assembly, item.spring
-        ends = [(1.0, item.follower)]
-        if item.leader is not None:
-            ends.append((-1.0, item.leader))
-        if item.turning is not None:
-            there = motion.at(slice(number, number + 1))
-            angles = self._continuous(motion)[number : number + 1]
-            joint_angle, rate = (x[0, 2] for x in joint_gap(assembly.topology, there, own, angles))
-            model_angle = sum(sign * pose[angle_of_end(assembly, end)] for sign, end in ends)
-            offset = model_angle - joint_angle + own.free_angle
-            for load, sign in zip(item.drag, (-1.0, 1.0), strict=False):
-                torque = float(sign * own.torsional_damping * rate)
-                assembly.mbs.SetLoadParameter(load, "load", torque)
-            assembly.mbs.SetObjectParameter(item.turning, "offset", float(offset))
-        if item.ground is not None:
-            place = assembly.topology.end_place(item.follower)
-            self._put(item.ground, motion.position(*place)[number])
-
-    def _continuous(self, motion: RigidMotion) -> FloatArray:
-        if self._motion is not motion:
-            linkage = self._all.assembly.mechanism.linkage
-            self._motion, self._angles = motion, continuous_angles(linkage, motion)
-        return self._angles
-
-    def _put(self, ground: ItemNumber, place: FloatArray) -> None:
-        """Set a ground point in the model's axes."""
-        x, y = _turned(place, -self._turn)
-        position = [float(x), float(y), 0.0]
-        self._all.assembly.mbs.SetObjectParameter(ground, "referencePosition", position)
-
-
-def _turned(vector: FloatArray, angle: float) -> FloatArray:
-    turn = np.array(angle)
-    return np.asarray(vector[0] * direction(turn) + vector[1] * normal(turn))

@@ -22,11 +22,11 @@ from flexmech.linear_system import LAST_STEP, MAX_ITERATIONS, RELATIVE_RESIDUAL,
 from flexmech.linkages import LinkEnd, RigidMotion, picture_crank_angle
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.connectors import ConnectorItems, angle_of_end
+from flexmech.multibody.connectors import ConnectorItems, StaticConnectors, angle_of_end
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.joints import SliderJoint, TieJoint, add_sliders, add_ties
 from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.static_loads import StaticConnectors, StaticLoads
+from flexmech.multibody.static_loads import StaticLoads
 
 
 class StaticModel:
@@ -50,7 +50,7 @@ class StaticModel:
     loads : StaticLoads
         Forces on the links.
     grounds : list of tuple of LinkEnd, ItemNumber and ItemNumber
-        Link ends that are pinned to the ground off their nodes, the ground and the pin of each.
+        Link ends that are pinned to the ground, the ground and the pin of each.
     hubs : list of tuple of ItemNumber, int and float
         What holds each end that is clamped to a hub along the crank's frame, number of the end's
         angle among the coordinates of all links, and distance of the end from the shaft's axis.
@@ -116,7 +116,7 @@ class StaticModel:
             origin = back @ motion.origin[number, link]
             angle = float(motion.angle[number, link] - turn)
             pose[part.coordinates] = part.pose(origin, angle)
-        nodes = assembly.arms.to_nodes(pose)
+        nodes = assembly.nodes.to_nodes(pose)
         set_parameter = assembly.mbs.SetObjectParameter
         for constraint, coordinate in self._offsets:
             set_parameter(constraint, "offset", float(nodes[coordinate]))
@@ -157,7 +157,7 @@ class StaticModel:
                 assembly.kind.swell(assembly.mbs, element, link.section, part)
 
     def _add_supports(self, fixed: ItemNumber, sprung_alone: bool) -> list[tuple[ItemNumber, int]]:
-        """Fix clamped and pivoted coordinates; returns constraints and their coordinates."""
+        """Fix clamped and pivoted ends; returns constraints of clamps and their coordinates."""
         assembly = self.assembly
         fixed_ends: list[tuple[LinkEnd, tuple[int, ...]]] = []
         for number, clamp in enumerate(assembly.topology.clamps):
@@ -172,13 +172,8 @@ class StaticModel:
         for pivot in assembly.topology.pivots:
             if pivot.sprung and sprung_alone:
                 continue
-            if assembly.is_at_node(pivot.link_end):
-                fixed_ends.append((pivot.link_end, (0, 1)))
-            else:
-                ground, pin = assembly.add_ground_pin(
-                    f"pivot_{pivot.joint}", pivot.link_end, [0.0, 0.0, 0.0]
-                )
-                self.grounds.append((pivot.link_end, ground, pin))
+            name, end = f"pivot_{pivot.joint}", pivot.link_end
+            self.grounds.append((end, *assembly.add_ground_pin(name, end, (0.0, 0.0))))
         offsets = []
         radius = {clamp.link_end: clamp.hub for clamp in assembly.topology.clamps if clamp.hub}
         for place, coordinates in fixed_ends:
@@ -241,22 +236,33 @@ def simulation_settings(absolute_tolerance: float = 1e-8, *, of_steps: bool = Fa
     return settings
 
 
-class StaticSettings:
-    """Convergence criteria of Exudyn's static solver.
+def static_settings() -> tuple[Any, Any]:
+    """Settings of Exudyn's static solver to try in turn, until steps or forces are small.
 
     Forces out of balance are no measure beside a stiff link: what its round-off hides may bend a
     soft one that is pinned to it. So Newton's method goes on until its step is small, and is
-    content with forces that are round-off only where no step ever is.
+    content with forces that are round-off only where no step ever is; see :func:`set_tolerance`.
+
+    Returns
+    -------
+    tuple of exudyn.SimulationSettings
     """
+    return simulation_settings(LAST_STEP, of_steps=True), simulation_settings()
 
-    def __init__(self, round_off: float) -> None:
-        self._by_steps = simulation_settings(LAST_STEP, of_steps=True)
-        self._round_off = round_off
 
-    def under(self, loaded: float) -> tuple[Any, Any]:
-        """Settings to try in turn under loads of a size in N."""
-        by_forces = simulation_settings(max(RELATIVE_RESIDUAL * loaded, self._round_off))
-        return self._by_steps, by_forces
+def set_tolerance(settings: tuple[Any, Any], loaded: float, round_off: float) -> None:
+    """Set which forces out of balance :func:`static_settings` are content with.
+
+    Parameters
+    ----------
+    settings : tuple of exudyn.SimulationSettings
+    loaded : float
+        Size of the loads in N.
+    round_off : float
+        Of forces between nodes in N.
+    """
+    allowed = max(RELATIVE_RESIDUAL * loaded, round_off)
+    settings[1].staticSolver.newton.absoluteTolerance = allowed
 
 
 def solve_static(assembly: LinkAssembly, settings: Sequence[Any], start: FloatArray) -> bool:
@@ -275,14 +281,13 @@ def solve_static(assembly: LinkAssembly, settings: Sequence[Any], start: FloatAr
     bool
         Whether Newton's method ended by one of these settings.
     """
-    return any(_ends(assembly, each, start) for each in settings)
-
-
-def _ends(assembly: LinkAssembly, settings: Any, start: FloatArray) -> bool:
-    exudyn = load_exudyn()
-    assembly.mbs.systemData.SetODE2Coordinates(start, exudyn.ConfigurationType.Initial)
-    with contextlib.redirect_stdout(io.StringIO()):
-        try:
-            return bool(assembly.mbs.SolveStatic(settings, updateInitialValues=False))
-        except exudyn.SolverError:
-            return False
+    exudyn, mbs = load_exudyn(), assembly.mbs
+    mbs.systemData.SetODE2Coordinates(start, exudyn.ConfigurationType.Initial)
+    for one in settings:
+        with (
+            contextlib.redirect_stdout(io.StringIO()),
+            contextlib.suppress(exudyn.SolverError),
+        ):
+            if mbs.SolveStatic(one, updateInitialValues=False):
+                return True
+    return False

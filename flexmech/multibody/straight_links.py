@@ -43,7 +43,7 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
         if part.bodies is not None:
             # Mass along a rigid segment is mass of displacements, no rotary inertia.
             turns = np.arange(2, size, kind.per_node)
-            inertia.centrifugal_mass[turns, turns] += part.bodies.segment
+            inertia.centrifugal_mass[turns, turns] += part.bodies.link.segment
         last = size - kind.per_node
         link_mass = assembly.mechanism.link_mass(name)
         rotary = 0.0 if kind.has_rotary_inertia else link_mass.rotary_inertia
@@ -68,7 +68,7 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
                 deflection=kind.deflection,
                 polar=NONE if part.polar is None else part.polar.first,
             ),
-            fields=kind.rigid_fields(part.positions),
+            fields=part.fields,
             vectors=np.stack([x, y]),
             uncounted_rotary_inertia=rotary,
         )

@@ -157,7 +157,7 @@ def test_items_have_the_names_of_links_and_joints(tmp_path: Path) -> None:
     links = ("crank", "coupler", "rocker")
     assert {f"{link}_node_{i}" for link in links for i in range(4)} < set(made.nodes)
     assert {f"{link}_element_{i}" for link in links for i in range(3)} < set(made.objects)
-    assert {"clamp_O2", "pin_A", "pin_B", "pivot_O4_x", "hub", "crank_drive"} < set(made.objects)
+    assert {"clamp_O2", "pin_A", "pin_B", "pivot_O4", "hub", "crank_drive"} < set(made.objects)
     forces = {"clamp_O2_force", "pin_A_force", "pin_B_force", "pivot_O4_force"}
     assert {*forces, "driving_torque", *(f"{link}_deflection" for link in links)} < set(
         made.sensors

@@ -1,10 +1,10 @@
-"""Joints put in place after every step where that takes more than moving one node.
+"""Joints put in place after every step, where the integration rule leaves them to drift.
 
 As :mod:`flexmech.multibody.running.user_functions`, this is the text of exported scripts too.
 Constraints on velocities leave places and angles to the integration rule, whose errors would add up
-where a joint is not linear in the coordinates: a rigid link turns, a weld holds directions, a
-guide's line turns. The least change of the coordinates of the joined nodes closes all joints
-(Gauss-Newton).
+where a joint is not linear in the coordinates: the hub and a rigid link turn, arms turn with the
+sections that they are on, a weld holds directions, a guide's line turns. The clamp alone would be
+off by ``(speed * step)**3 / 12`` more after each step.
 """
 
 from __future__ import annotations
@@ -81,6 +81,17 @@ class JoinedEnd:
         along, across = self.arm(position)
         return x + along, y + across
 
+    def turn_by(self, position: Any, angle: float) -> None:
+        """Turn the node, in place, by an angle in rad; a slope keeps its length."""
+        turn = self.first + 2
+        if self.has_slope:
+            length = math.hypot(1 + position[turn], position[turn + 1])
+            angle += self.angle(position)
+            position[turn] = length * math.cos(angle) - 1
+            position[turn + 1] = length * math.sin(angle)
+        else:
+            position[turn] += angle
+
     def place_row(self, position: Any, row: Any, x: float, y: float) -> None:
         """Add the derivative of the place's part along a vector to a row.
 
@@ -140,6 +151,12 @@ class PlaceGap:
         own = self.follower.place(position)
         return own[0] - x, own[1] - y
 
+    def close(self, position: Any, turn: float) -> None:
+        """Move the follower's node, in place, to close it; see :meth:`gap`."""
+        x, y = self.gap(position, turn)
+        position[self.follower.first] -= x
+        position[self.follower.first + 1] -= y
+
     def add_rows(self, position: Any, rows: Any) -> None:
         """Add the derivatives of the gap by the coordinates.
 
@@ -159,11 +176,23 @@ class PlaceGap:
 
 @dataclass(frozen=True)
 class AngleGap:
-    """An angle in rad that stays between two links, or between a link and the hub."""
+    """An angle in rad that stays between two links, or between a link and the hub.
+
+    Parameters
+    ----------
+    follower : JoinedEnd
+    leader : JoinedEnd or None
+        Of a hub, the frame that it turns against.
+    between : float
+        From the leader, or the hub, to the follower in rad.
+    on_hub : bool
+        Whether it is the hub that leads.
+    """
 
     follower: JoinedEnd
     leader: JoinedEnd | None
     between: float
+    on_hub: bool = False
 
     def gap(self, position: Any, turn: float) -> tuple[float, ...]:
         """How much it has changed in rad.
@@ -175,9 +204,16 @@ class AngleGap:
         turn : float
             Angle of the hub in rad.
         """
-        before = turn if self.leader is None else self.leader.angle(position)
-        turned = self.follower.angle(position) - before - self.between
+        turned = self.follower.angle(position) - self.between
+        if self.leader is not None:
+            turned -= self.leader.angle(position)
+        if self.on_hub:
+            turned -= turn
         return (math.remainder(turned, 2 * math.pi),)
+
+    def close(self, position: Any, turn: float) -> None:
+        """Turn the follower's node, in place, to close it; see :meth:`gap`."""
+        self.follower.turn_by(position, -self.gap(position, turn)[0])
 
     def add_rows(self, position: Any, rows: Any) -> None:
         """Add the derivatives of the gap by the coordinates.
@@ -192,24 +228,6 @@ class AngleGap:
         if self.leader is not None:
             self.leader.angle_row(position, rows[0], -1.0)
         self.follower.angle_row(position, rows[0], 1.0)
-
-
-@dataclass(frozen=True)
-class ShaftGap(AngleGap):
-    """An angle in rad that stays between a link and the shaft on a frame, which is the leader."""
-
-    def gap(self, position: Any, turn: float) -> tuple[float, ...]:
-        """How much it has changed in rad.
-
-        Parameters
-        ----------
-        position : ndarray
-            Coordinates of the system.
-        turn : float
-            Angle of the shaft against the frame in rad.
-        """
-        (off,) = AngleGap.gap(self, position, turn)
-        return (math.remainder(off - turn, 2 * math.pi),)
 
 
 @dataclass(frozen=True)
@@ -271,9 +289,39 @@ class LineGap:
         return math.cos(angle), math.sin(angle), own[0] - x, own[1] - y
 
 
+@dataclass(frozen=True)
+class JointsClosedInTurn:
+    """Joints of beams that are closed after every step, one after the other.
+
+    With one clamp and pins alone it is enough to move the nodes of followers.
+
+    Parameters
+    ----------
+    shaft : Shaft
+    gaps : list
+        Of joints that drift, a leader's before its followers'.
+    """
+
+    shaft: Shaft
+    gaps: list[PlaceGap | AngleGap]
+
+    def correct_coordinates(self, position: Any, t: float) -> None:
+        """Correct the system's coordinates, in place; the hub's angle comes last."""
+        position[-1] = turn = self.shaft.hub_angle(position, t)
+        for each in self.gaps:
+            each.close(position, turn)
+
+    def after_step(self, mbs: Any, t: float) -> bool:
+        """User function of the system after every step."""
+        position = mbs.systemData.GetODE2Coordinates()
+        self.correct_coordinates(position, t)
+        mbs.systemData.SetODE2Coordinates(position)
+        return True
+
+
 @dataclass
 class ClosedJoints:
-    """All joints of a linkage, closed after every step.
+    """All joints of a linkage, closed after every step by the least change of coordinates.
 
     Parameters
     ----------
@@ -295,7 +343,7 @@ class ClosedJoints:
         self._answer_turn = math.inf
 
     def correct_coordinates(self, position: Any, t: float) -> None:
-        """Correct the system's coordinates, in place; the hub's angle comes last.
+        """Correct the system's coordinates, in place, by Gauss-Newton steps.
 
         What a correction leaves is of the square of the gap, in m and rad; of gaps
         below 1e-9 it is a hundredth or so, which the next step corrects.

@@ -106,21 +106,6 @@ class FrameBody:
             "MarkerBodyRigid", name, bodyNumber=self.body, localPosition=[x, y, 0.0]
         )
 
-    def add_pin(self, name: str, marker: ItemNumber, place: FloatArray) -> ItemNumber:
-        """Pin a marker to it.
-
-        Parameters
-        ----------
-        name : str
-            Of the pin.
-        marker : ItemNumber
-        place : ndarray, shape (2,)
-            Of the frame as it is drawn, in ground axes in m.
-        """
-        x, y = map(float, place)
-        markers = [self.add_marker((x, y), f"{name}_on_frame"), marker]
-        return self.items.add("RevoluteJoint2D", name, markerNumbers=markers)
-
     def add_angle_marker(self, name: str) -> ItemNumber:
         """Add a marker of its angle."""
         return self.items.add("MarkerNodeCoordinate", name, nodeNumber=self.node, coordinate=2)

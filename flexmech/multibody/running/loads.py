@@ -27,11 +27,9 @@ from flexmech.linear_system import LinkModel, RigidBody
 from flexmech.linkages import Drive, Linkage
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
-from flexmech.multibody.added_links import AttachedPart
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import ItemNumber, Made
 from flexmech.multibody.link_parts import BeamPart, RigidPart
-from flexmech.multibody.node_bodies import NodeBodies
 from flexmech.multibody.running.user_functions import torque_history
 from flexmech.time_domain import Impact, rigid_torque
 
@@ -75,30 +73,18 @@ class LinkEnergies:
         -------
         ndarray, shape (m,)
         """
-        mass, part = self._mass[link], self._assembly.parts[link]
+        part, energy = self._assembly.parts[link], np.zeros(len(position))
+        for body, own in self._bodies(link):
+            energy += _kinetic(body, position[:, own], velocity[:, own])
         if isinstance(part, RigidPart):
-            return _kinetic(part.inertia, position, velocity)
-        added = np.zeros(len(position))
-        for body in self._assembly.attached:
-            if body.link == link:
-                own = self._own(body)
-                added += _kinetic(body.inertia, position[:, own], velocity[:, own])
-        if part.bodies is None:
-            rate = velocity if part.polar is None else part.polar.rate_to_nodes(position, velocity)
-            return np.asarray(added + np.sum(rate @ mass * rate, axis=1) / 2)
-        # By the nodes only the first moments of the bodies there turn with the sections.
+            return energy
         rate = velocity
-        if part.arms is not None:
-            rate = part.arms.rate_to_nodes(position, velocity)
-            mass = part.arms.inverse.matrix(np.zeros(len(mass)), mass)
-        angles = np.arange(2, len(mass), self._assembly.kind.per_node)
-        x, y = rate[:, angles - 2], rate[:, angles - 1]
-        turn, spin = position[:, angles], rate[:, angles]
-        sine, lowered = np.sin(turn), 1 - np.cos(turn)
-        along, across = (part.bodies.centre * part.bodies.mass[:, None]).T
-        turned = across * (lowered * x - sine * y) - along * (sine * x + lowered * y)
-        energy = np.sum(rate @ mass * rate, axis=1) / 2
-        return np.asarray(added + energy + np.sum(spin * turned, axis=1))
+        if part.node_map is not None:
+            rate = part.node_map.rate_to_nodes(position, velocity)
+        if part.bodies is None:
+            return np.asarray(energy + np.sum(rate @ self._mass[link] * rate, axis=1) / 2)
+        nodes = rate.reshape(len(rate), -1, 3)
+        return energy + part.bodies.kinetic_energy(position[:, 2::3], nodes)
 
     def gravity(self, link: int, position: FloatArray) -> FloatArray:
         """Potential of a link's weight but for a constant.
@@ -114,28 +100,26 @@ class LinkEnergies:
         ndarray, shape (m,)
         """
         part, pull = self._assembly.parts[link], np.array(self._assembly.mechanism.gravity)
-        x, y = pull
+        energy = np.zeros(len(position))
+        for body, own in self._bodies(link):
+            energy -= _moment(body, position[:, own]) @ pull
         if isinstance(part, RigidPart):
-            return np.asarray(-_moment(part.inertia, position) @ pull)
-        added = np.zeros(len(position))
+            return energy
+        nodes = position if part.node_map is None else part.node_map.to_nodes(position)
+        if part.bodies is None:
+            return np.asarray(energy - nodes @ self.weight(link))
+        lifted = part.bodies.moment(nodes.reshape(len(nodes), -1, 3))
+        return np.asarray(energy - lifted @ pull)
+
+    def _bodies(self, link: int) -> Iterator[tuple[RigidBody, list[int]]]:
+        """A rigid link or the bodies on an elastic one, and their coordinates among the link's."""
+        part = self._assembly.parts[link]
+        if isinstance(part, RigidPart):
+            yield part.inertia, [0, 1, 2]
+        start = part.coordinates.start
         for body in self._assembly.attached:
             if body.link == link:
-                added -= _moment(body.inertia, position[:, self._own(body)]) @ pull
-        if part.bodies is None:
-            nodes = position if part.polar is None else part.polar.to_nodes(position)
-            return np.asarray(added - nodes @ self.weight(link))
-        nodes = position if part.arms is None else part.arms.to_nodes(position)
-        nodes = nodes.reshape(len(position), -1, self._assembly.kind.per_node)
-        (along, across), turn = part.bodies.centre.T, nodes[..., 2]
-        cosine, sine = np.cos(turn), np.sin(turn)
-        lifted = x * (nodes[..., 0] + along * cosine - across * sine)
-        lifted = lifted + y * (nodes[..., 1] + along * sine + across * cosine)
-        return np.asarray(added - lifted @ part.bodies.mass)
-
-    def _own(self, body: AttachedPart) -> list[int]:
-        """Coordinates of an attached body among those of its link."""
-        start = self._assembly.parts[body.link].coordinates.start
-        return [body.place - start, body.place - start + 1, body.angle - start]
+                yield body.inertia, [body.place - start, body.place - start + 1, body.angle - start]
 
 
 def _kinetic(body: RigidBody, position: FloatArray, velocity: FloatArray) -> FloatArray:
@@ -208,17 +192,20 @@ def add_running_loads(assembly: LinkAssembly, energies: LinkEnergies) -> None:
         Of its links, for their weight.
     """
     for count, body in enumerate(assembly.attached):
-        if body.body.mass and any(assembly.mechanism.gravity):
-            name = f"{assembly.parts[body.link].name}_attached_weight_{count}"
-            _add_weight(assembly, name, body.number, body.body.mass, body.centre)
+        name = f"{assembly.parts[body.link].name}_attached_weight_{count}"
+        _add_weight(assembly, name, body.number, body.body.mass, body.centre)
     for link, part in enumerate(assembly.parts):
+        assembly.items.begin(f"{part.name}: point masses and weight")
         if isinstance(part, RigidPart):
-            _add_body_weight(assembly, part)
+            mass = part.inertia.mass
+            _add_weight(assembly, f"{part.name}_weight", part.body, mass, part.centre)
             continue
         if part.bodies is not None:
-            _add_node_weights(assembly, part.name, part.bodies)
+            bodies = zip(part.bodies.numbers, part.bodies.mass, part.bodies.centre, strict=True)
+            for number, (node_body, mass, (x, y)) in enumerate(bodies):
+                name = f"{part.name}_weight_{number}"
+                _add_weight(assembly, name, node_body, float(mass), (float(x), float(y)))
             continue
-        assembly.items.begin(f"{part.name}: point masses and weight")
         masses = assembly.point_masses(part)
         weights = energies.weight(link).reshape(len(part.nodes), -1)
         for number, (node, mass, weight) in enumerate(
@@ -235,22 +222,6 @@ def add_running_loads(assembly: LinkAssembly, energies: LinkEnergies) -> None:
                 )
 
 
-def _add_body_weight(assembly: LinkAssembly, part: RigidPart) -> None:
-    if any(assembly.mechanism.gravity) and part.inertia.mass:
-        assembly.items.begin(f"{part.name}: weight")
-        _add_weight(assembly, f"{part.name}_weight", part.body, part.inertia.mass, part.centre)
-
-
-def _add_node_weights(assembly: LinkAssembly, link: str, bodies: NodeBodies) -> None:
-    """Weight of a link at the centres of mass of the bodies at its nodes."""
-    if not any(assembly.mechanism.gravity):
-        return
-    assembly.items.begin(f"{link}: weight")
-    pairs = zip(bodies.numbers, bodies.mass, bodies.centre, strict=True)
-    for number, (body, mass, (x, y)) in enumerate(pairs):
-        _add_weight(assembly, f"{link}_weight_{number}", body, float(mass), (float(x), float(y)))
-
-
 def _add_weight(
     assembly: LinkAssembly,
     name: str,
@@ -258,10 +229,10 @@ def _add_weight(
     mass: float,
     centre: tuple[float, float],
 ) -> None:
-    marker = assembly.items.add(
-        "MarkerBodyRigid", f"{name}_centre", bodyNumber=body, localPosition=[*centre, 0.0]
-    )
     x, y = assembly.mechanism.gravity
+    if not (mass and (x or y)):
+        return
+    marker = assembly.add_body_frame(body, f"{name}_centre", *centre)
     force = [float(mass * x), float(mass * y), 0.0]
     assembly.items.add("LoadForceVector", name, markerNumber=marker, loadVector=force)
 
@@ -310,21 +281,12 @@ def _shares(
     element = min(element, len(part.elements) - 1)
     start, end = part.positions[element : element + 2]
     if part.bodies is None:
-        place = [float(x - start), 0.0, 0.0]
-        body = part.elements[element]
-        yield (
-            assembly.items.add("MarkerBodyPosition", name, bodyNumber=body, localPosition=place),
-            1.0,
-        )
+        yield assembly.add_axis_marker(part, float(x), name), 1.0
         return
     inside = float((x - start) / (end - start))
     for number, share in ((element, 1 - inside), (element + 1, inside)):
         node_name = f"{name}_node_{number}"
-        if part.arms is not None:
-            yield assembly.add_axis_point(part, number, node_name), share
-        else:
-            node = part.nodes[number]
-            yield assembly.items.add("MarkerNodePosition", node_name, nodeNumber=node), share
+        yield assembly.add_axis_marker(part, float(part.positions[number]), node_name), share
 
 
 @dataclass(frozen=True)

@@ -21,19 +21,19 @@ from flexmech.mechanism import Mechanism, require_standing_frame
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.connectors import ConnectorItems
 from flexmech.multibody.items import ItemNumber
-from flexmech.multibody.joints import add_sliders, add_ties
-from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.node_directions import dependent_joints
-from flexmech.multibody.running.closure import ClosedJoints
-from flexmech.multibody.running.connectors import RunningConnectors
-from flexmech.multibody.running.frame_body import FrameBody
-from flexmech.multibody.running.joints import (
-    drifting_joints,
-    greatest_closing_gap,
-    greatest_gap,
+from flexmech.multibody.joints import (
+    add_sliders,
+    add_ties,
+    closed_joints,
+    dependent_joints,
+    joint_gaps,
     place_at_start,
     place_on_hub,
 )
+from flexmech.multibody.library import load_exudyn
+from flexmech.multibody.running.closure import AngleGap
+from flexmech.multibody.running.connectors import RunningConnectors, SectionCouples
+from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.loads import (
     LinkEnergies,
     TorqueTable,
@@ -41,7 +41,6 @@ from flexmech.multibody.running.loads import (
     add_running_loads,
 )
 from flexmech.multibody.running.motor import MotorOnHub
-from flexmech.multibody.running.section_couples import SectionCouples
 from flexmech.multibody.running.user_functions import Shaft
 from flexmech.time_domain import FrameMotion, Impact
 
@@ -87,7 +86,7 @@ class RunningModel:
         Loads and springs.
     sprung : dict of str to ItemNumber
         The spring of each joint that springs alone hold.
-    joints : Joints or ClosedJoints
+    joints : JointsClosedInTurn or ClosedJoints
         What the integration rule leaves to drift.
     frame : FrameBody or None
         The frame on springs that carries the linkage and the hub.
@@ -115,6 +114,7 @@ class RunningModel:
         if self._motor is not None:
             self.total_size += self._motor.count
         self.frame = FrameBody.of(mechanism, assembly.items, assembly.system_size)
+        assembly.frame = self.frame
         if self.frame is not None:
             if torque is not None:
                 require_standing_frame(mechanism.frame, "a run with a free shaft")
@@ -132,7 +132,7 @@ class RunningModel:
         hub, self.drive_constraint = self._add_hub(fixed)
         clamps = assembly.topology.clamps
         self.constraints = {clamp.joint: [self._add_clamp(hub, clamp)] for clamp in clamps}
-        self.constraints |= self._add_pivots(fixed)
+        self.constraints |= self._add_pivots()
         ties = {tie.tie.joint: tie for tie in add_ties(assembly, self._start.angle)}
         self._dependent_joints = {
             joint: dependent_joints(assembly.topology, tie.tie.follower)
@@ -141,7 +141,7 @@ class RunningModel:
         for joint, tie in ties.items():
             others = [ties[name].position for name in self._dependent_joints[joint] if name in ties]
             self.constraints[joint] = [tie.position, *others]
-        lines = add_sliders(assembly, None if self.frame is None else self.frame.add_marker)
+        lines = add_sliders(assembly)
         self.sliders = {line.slider.joint: line for line in lines}
         self.constraints |= {joint: [line.constraint] for joint, line in self.sliders.items()}
         connectors = ConnectorItems(assembly, fixed, runs=True)
@@ -151,7 +151,8 @@ class RunningModel:
         }
         add_impacts(assembly, drive, impacts)
         assembly.mbs.Assemble()
-        self.joints = drifting_joints(assembly, self.shaft, self._start, self.frame)
+        self._gaps = joint_gaps(assembly, self._start, self.frame)
+        self.joints = closed_joints(assembly, self.shaft, self._gaps, self.frame)
 
     def joint_force(
         self,
@@ -241,8 +242,8 @@ class RunningModel:
         ndarray, shape (total_size,)
             Their rates.
         """
-        nodes = self.assembly.arms.to_nodes(position)
-        velocity = self.assembly.arms.rate_to_nodes(position, velocity)
+        nodes = self.assembly.nodes.to_nodes(position)
+        velocity = self.assembly.nodes.rate_to_nodes(position, velocity)
         hub, turning, own = np.zeros(3), np.zeros(3), (np.zeros(0), np.zeros(0))
         if self._motor is not None:
             own = self._motor.start(self.shaft.angle(0.0))
@@ -274,42 +275,47 @@ class RunningModel:
         Returns
         -------
         float
-            In m.
+            In m; angles count by the length of the shortest link.
         """
-        if self.frame is None:
-            return greatest_gap(self.assembly, self._start, position)
-        assert moved is not None
-        assert isinstance(self.joints, ClosedJoints)
-        nodes = self.assembly.arms.to_nodes(position)
-        every = np.concatenate([nodes, moved.displacement[0], np.zeros(3)])
-        return greatest_closing_gap(self.assembly, self.joints, every)
+        nodes = self.assembly.nodes.to_nodes(position)
+        if moved is not None:
+            nodes = np.append(nodes, moved.displacement[0])
+        length = min(link.length for link in self.assembly.topology.links)
+        turn = self.shaft.angle(0.0)
+        return max(
+            float(np.linalg.norm(gap.gap(nodes, turn)))
+            * (length if isinstance(gap, AngleGap) else 1.0)
+            for gap in self._gaps
+        )
 
     def _add_hub(self, fixed: ItemNumber) -> tuple[ItemNumber, ItemNumber | None]:
         """Body that turns with the shaft, and the constraint on its angle, if there is one."""
         assembly, items = self.assembly, self.assembly.items
         if self.torque is not None:
-            return self._add_free_hub(fixed, self.torque), None
+            return self._add_free_hub(self.torque), None
         items.begin("crank drive: a hub without mass, turned by the shaft")
-        node = items.add("NodeRigidBody2D", "hub_node")
-        if self.frame is None:
-            for coordinate, axis in enumerate("xy"):
-                assembly.add_constraint(f"hub_{axis}", fixed, node, coordinate)
-        else:
-            on_hub = items.add("MarkerNodeRigid", "hub_axis", nodeNumber=node)
-            self.frame.add_pin("hub_bearing", on_hub, np.array(_AXIS))
+        node = self._add_hub_node()
+        if self.frame is not None:
             # The drive stands on the frame: what it prescribes is the angle against that.
             fixed = self.frame.add_angle_marker("frame_angle")
         drive = assembly.add_constraint("crank_drive", fixed, node, 2, **self._turning())
         return items.add("ObjectRigidBody2D", "hub", nodeNumber=node, mass=0.0, inertia=0.0), drive
 
-    def _add_free_hub(self, fixed: ItemNumber, torque: TorqueTable | MotorOnHub) -> ItemNumber:
+    def _add_hub_node(self) -> ItemNumber:
+        """Node of the hub, pinned to the shaft's axis."""
+        assembly, items = self.assembly, self.assembly.items
+        node = items.add("NodeRigidBody2D", "hub_node")
+        on_hub = items.add("MarkerNodeRigid", "hub_axis", nodeNumber=node)
+        markers = [assembly.add_ground("hub_bearing", _AXIS)[1], on_hub]
+        items.add("RevoluteJoint2D", "hub_bearing", markerNumbers=markers)
+        return node
+
+    def _add_free_hub(self, torque: TorqueTable | MotorOnHub) -> ItemNumber:
         """Body with the shaft's inertia, turned by a torque over time or a motor."""
         assembly, items = self.assembly, self.assembly.items
         items.begin("crank drive: a free hub with the shaft's inertia, turned by a torque")
         of_motor = torque.add_node(items) if isinstance(torque, MotorOnHub) else []
-        node = items.add("NodeRigidBody2D", "hub_node")
-        for coordinate, axis in enumerate("xy"):
-            assembly.add_constraint(f"hub_{axis}", fixed, node, coordinate)
+        node = self._add_hub_node()
         inertia = float(assembly.mechanism.shaft_inertia)
         hub = items.add("ObjectRigidBody2D", "hub", nodeNumber=node, mass=0.0, inertia=inertia)
         if isinstance(torque, MotorOnHub):
@@ -355,7 +361,7 @@ class RunningModel:
         turn = float(self._start.angle[link] - self._start.angle[assembly.base])
         if turn:
             on_hub = assembly.add_body_frame(hub, f"{name}_direction", 0.0, 0.0, turn)
-        axis = assembly.add_section_marker(clamp.link_end, f"{name}_axis")
+        axis = assembly.add_frame_marker(clamp.link_end, f"{name}_axis")
         items.add(
             "GenericJoint",
             f"{name}_rotation",
@@ -364,29 +370,15 @@ class RunningModel:
         )
         return pin
 
-    def _add_pivots(self, fixed: ItemNumber) -> dict[str, list[ItemNumber]]:
-        """Pin links to the ground; returns the constraints of each pivot."""
+    def _add_pivots(self) -> dict[str, list[ItemNumber]]:
+        """Pin links to the ground; returns the constraint of each pivot."""
         assembly, constraints = self.assembly, {}
         for pivot in assembly.topology.pivots:
-            if pivot.sprung:
-                continue
-            name = f"pivot_{pivot.joint}"
-            place = place_at_start(assembly, self._start, pivot.link_end)
-            assembly.items.begin(f"pivot {pivot.joint}")
-            if self.frame is not None:
-                end = assembly.add_end_marker(pivot.link_end, f"{name}_on_{pivot.link_end.link}")
-                constraints[pivot.joint] = [self.frame.add_pin(name, end, place)]
-                continue
-            if not assembly.is_at_node(pivot.link_end):
-                pin = assembly.add_ground_pin(name, pivot.link_end, [*map(float, place), 0.0])[1]
+            if not pivot.sprung:
+                place = place_at_start(assembly, self._start, pivot.link_end).tolist()
+                assembly.items.begin(f"pivot {pivot.joint}")
+                pin = assembly.add_ground_pin(f"pivot_{pivot.joint}", pivot.link_end, place)[1]
                 constraints[pivot.joint] = [pin]
-                continue
-            node = assembly.end_node(pivot.link_end)
-            offset = place - assembly.reference_place(pivot.link_end)
-            constraints[pivot.joint] = [
-                assembly.add_constraint(f"{name}_{axis}", fixed, node, i, offset=float(offset[i]))
-                for i, axis in enumerate("xy")
-            ]
         return constraints
 
     def _multipliers(self, constraint: ItemNumber) -> list[int]:

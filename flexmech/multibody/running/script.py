@@ -17,7 +17,7 @@ from flexmech.errors import one_line
 from flexmech.linkages import Drive
 from flexmech.mechanism import Provenance
 from flexmech.multibody.items import Item, Setting
-from flexmech.multibody.running.closure import ClosedJoints
+from flexmech.multibody.running.closure import ClosedJoints, JointsClosedInTurn
 from flexmech.multibody.running.script_text import (
     SHARED,
     WIDTH,
@@ -30,7 +30,6 @@ from flexmech.multibody.running.script_text import (
     quoted,
     statement,
 )
-from flexmech.multibody.running.user_functions import Joints
 
 # Coordinates of each kind of node.
 _COORDINATES = {"NodePoint2DSlope1": 4, "NodeRigidBody2D": 3, "NodePointGround": 0}
@@ -113,7 +112,7 @@ class ScriptSource:
         Of the mechanism.
     drive : Drive
     items : sequence of Item
-    joints : Joints or ClosedJoints
+    joints : JointsClosedInTurn or ClosedJoints
     drifts : bool
         Whether these need to be put in place after every step.
     coordinates, rates : ndarray, shape (n,)
@@ -128,7 +127,7 @@ class ScriptSource:
     provenance: Provenance
     drive: Drive
     items: Sequence[Item]
-    joints: Joints | ClosedJoints
+    joints: JointsClosedInTurn | ClosedJoints
     drifts: bool
     coordinates: FloatArray
     rates: FloatArray

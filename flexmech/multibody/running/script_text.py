@@ -15,14 +15,11 @@ from flexmech.multibody.running.closure import (
     AngleGap,
     ClosedJoints,
     JoinedEnd,
+    JointsClosedInTurn,
     LineGap,
     PlaceGap,
-    ShaftGap,
 )
 from flexmech.multibody.running.user_functions import (
-    AxisPoint,
-    HubClamp,
-    Joints,
     Shaft,
     constraint_force,
     difference_mass,
@@ -37,14 +34,11 @@ from flexmech.multibody.running.user_functions import (
 # In the order in which they need each other.
 SHARED = (
     Shaft,
-    AxisPoint,
-    HubClamp,
-    Joints,
     JoinedEnd,
     PlaceGap,
     AngleGap,
-    ShaftGap,
     LineGap,
+    JointsClosedInTurn,
     ClosedJoints,
     difference_mass,
     turned_frame,

@@ -5,21 +5,21 @@ from __future__ import annotations
 import contextlib
 import io
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.choices import Integrator
+from flexmech.choices import Integrator, LinkDirection
 from flexmech.errors import InputError
-from flexmech.linkages import MotorRun, RigidMotion, carried_motion
+from flexmech.linear_system import LinkModel, LinkPoint, displacement_row
+from flexmech.linkages import MotorRun, RigidMotion, Topology, carried_motion
 from flexmech.multibody.items import Setting, applied, solver_settings
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import MovingFrames
+from flexmech.multibody.running.connectors import SectionCouples
 from flexmech.multibody.running.model import RunningModel
-from flexmech.multibody.running.point_recorder import PointRecorder
-from flexmech.multibody.running.section_couples import SectionCouples
 from flexmech.time_domain import (
     FrameMotion,
     LinkState,
@@ -39,6 +39,47 @@ BLOCK_STEPS = 2000
 PROGRESS_STEPS = 100
 
 
+class PointRecorder:
+    """Displacements of points of links at every step, without energies and forces.
+
+    Parameters
+    ----------
+    topology : Topology
+    links : sequence of LinkModel
+        Unreduced.
+    points : sequence of (LinkPoint, {"transverse", "axial"})
+
+    Raises
+    ------
+    InputError
+        If a point is on no link.
+    """
+
+    def __init__(
+        self,
+        topology: Topology,
+        links: Sequence[LinkModel],
+        points: Sequence[tuple[LinkPoint, LinkDirection]],
+    ) -> None:
+        self._rows = []
+        for point, direction in points:
+            link = point.index(topology)
+            self._rows.append((link, displacement_row(links[link], point.fraction, direction)))
+        self._parts: list[FloatArray] = []
+
+    def add(self, displacement: Sequence[FloatArray]) -> None:
+        """Take the links' displacements (m, n_link) of the next steps.
+
+        The first one repeats the last step of the block before.
+        """
+        moved = np.stack([displacement[link] @ row for link, row in self._rows], axis=1)
+        self._parts.append(moved[1:] if self._parts else moved)
+
+    def finish(self) -> FloatArray:
+        """Displacements at all steps in m, shape (steps + 1, n_points)."""
+        return np.concatenate(self._parts)
+
+
 class Simulation:
     """One run of a mechanism from time zero.
 
@@ -55,10 +96,8 @@ class Simulation:
     def __init__(
         self, model: RunningModel, step: float, steps: int, integrator: Integrator
     ) -> None:
-        self.model = model
-        self.step = step
-        self.steps = steps
-        self.integrator = integrator
+        self.model, self.integrator = model, integrator
+        self.step, self.steps = step, steps
         self._frames = MovingFrames(model.assembly.parts)
         self._couples = SectionCouples(model.assembly, model.links)
 
@@ -120,7 +159,7 @@ class Simulation:
         list of ndarray
         """
         assembly = self.model.assembly
-        position = assembly.arms.to_axis(position[:, : assembly.size])
+        position = assembly.nodes.to_axis(position[:, : assembly.size])
         return self._frames.to_frames(self._motion(time), position, np.zeros_like(position))[0]
 
     def block(
@@ -151,8 +190,8 @@ class Simulation:
         links = slice(0, assembly.size)
         position, velocity = position[:, links], velocity[:, links]
         position, velocity = (
-            assembly.arms.to_axis(position),
-            assembly.arms.rate_to_axis(position, velocity),
+            assembly.nodes.to_axis(position),
+            assembly.nodes.rate_to_axis(position, velocity),
         )
         displacement, rate = self._frames.to_frames(carried, position, velocity)
         kinetic, strain, gravity, dissipation = np.zeros((4, len(time)))

@@ -114,99 +114,6 @@ class Shaft:
         return [math.cos(angle) * (y1 - y0) - math.sin(angle) * (x1 - x0)]
 
 
-@dataclass(frozen=True)
-class AxisPoint:
-    """Point on the pins' axis at a node of a link.
-
-    ``first`` is the node's first coordinate in the system, ``x`` its reference place
-    along the link, and ``arm`` the distance of the node from the pins' axis, in m.
-    """
-
-    first: int
-    x: float
-    arm: float
-
-    def place(self, position: Any) -> tuple[float, float]:
-        """Where the point is, by the coordinates of the system."""
-        u, v, turn = position[self.first : self.first + 3]
-        if not self.arm:
-            return u + self.x, v
-        lowered = 2 * math.sin(turn / 2) ** 2
-        return u + self.x + self.arm * math.sin(turn), v + self.arm * lowered
-
-    def move_to(self, position: Any, place: tuple[float, float]) -> None:
-        """Move the node, in place, so that the point is there."""
-        x, y = self.place(position)
-        position[self.first] += place[0] - x
-        position[self.first + 1] += place[1] - y
-
-
-@dataclass(frozen=True)
-class HubClamp:
-    """Clamped end of a link; ``lever`` is where it is on the hub, in m.
-
-    A node has a slope vector as its third and fourth coordinate, or a rotation.
-    """
-
-    end: AxisPoint
-    lever: tuple[float, float]
-    has_slope: bool
-
-    def turn_to(self, position: Any, angle: float) -> None:
-        """Put the node, in place, where the hub has it at an angle in rad."""
-        turn = self.end.first + 2
-        cosine, sine = math.cos(angle), math.sin(angle)
-        if self.has_slope:
-            stretch = math.hypot(1 + position[turn], position[turn + 1])
-            position[turn : turn + 2] = stretch * cosine - 1, stretch * sine
-        else:
-            position[turn] = angle
-        x, y = self.lever
-        place = cosine * x - sine * y, sine * x + cosine * y
-        self.end.move_to(position, place)
-
-
-@dataclass(frozen=True)
-class Joints:
-    """What the integration rule leaves to drift: put in place after every step.
-
-    Constraints on velocities leave the place of the clamp to the integration rule,
-    whose error of ``(speed * step)**3 / 12`` a step would add up; so would that of pins
-    on arms off the nodes. Pins between nodes are linear in their coordinates.
-
-    Parameters
-    ----------
-    shaft : Shaft
-    clamp : HubClamp
-    pivots : list
-        Points on the pins' axis and where they are held, in m.
-    pins : list
-        Points on the pins' axis, of the leading and of the following link.
-    """
-
-    shaft: Shaft
-    clamp: HubClamp
-    pivots: list[tuple[AxisPoint, tuple[float, float]]]
-    pins: list[tuple[AxisPoint, AxisPoint]]
-
-    def correct_coordinates(self, position: Any, t: float) -> None:
-        """Correct the system's coordinates, in place; those of the hub come last."""
-        angle = self.shaft.hub_angle(position, t)
-        self.clamp.turn_to(position, angle)
-        position[-1] = angle
-        for end, place in self.pivots:
-            end.move_to(position, place)
-        for leader, follower in self.pins:
-            follower.move_to(position, leader.place(position))
-
-    def after_step(self, mbs: Any, t: float) -> bool:
-        """User function of the system after every step."""
-        position = mbs.systemData.GetODE2Coordinates()
-        self.correct_coordinates(position, t)
-        mbs.systemData.SetODE2Coordinates(position)
-        return True
-
-
 def middle_deflection(
     mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any
 ) -> list[float]:
@@ -344,9 +251,11 @@ def section_couples(
     """
     series = np.polynomial.Chebyshev(angle, crank_angles)
     first, last = crank_angles
-    at = np.linspace(first, last, 1441)
-    across = -inertia * np.array([-np.sin(series(at)), np.cos(series(at))])
-    by_gain, by_square = across * series.deriv()(at), across * series.deriv(2)(at)
+    pieces = 1440
+    at = np.linspace(first, last, pieces + 1)
+    across = -inertia * np.stack([-np.sin(series(at)), np.cos(series(at))])
+    first_rate, second_rate = series.deriv()(at), series.deriv(2)(at)
+    table = np.concatenate([across * first_rate, across * second_rate]).T
     turns = last - first > 2 * math.pi - 1e-9
     known: tuple[float, list[float]] = (math.nan, [])
 
@@ -354,12 +263,15 @@ def section_couples(
         nonlocal known
         if t != known[0]:
             crank, speed, gain = shaft.motion(t)
-            crank -= crank_lead
-            where = first + (crank - first) % (2 * math.pi) if turns else crank
-            x, y = (gain * np.interp(where, at, own) for own in by_gain)
-            x += speed**2 * np.interp(where, at, by_square[0])
-            y += speed**2 * np.interp(where, at, by_square[1])
-            known = t, [float(x), float(y), 0.0]
+            where = crank - crank_lead - first
+            if turns:
+                where %= 2 * math.pi
+            place = min(max(where / (last - first), 0.0), 1.0) * pieces
+            before = min(int(place), pieces - 1)
+            change = table[before + 1] - table[before]
+            x, y, x2, y2 = (table[before] + (place - before) * change).tolist()
+            square = speed**2
+            known = t, [gain * x + square * x2, gain * y + square * y2, 0.0]
         return known[1]
 
     return force

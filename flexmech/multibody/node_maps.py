@@ -1,0 +1,314 @@
+"""Maps from the coordinates of links to those of Exudyn's nodes, where these are not the same.
+
+A beam stretches and bends without coupling about its neutral axis, so its nodes are there, and all
+other parts use displacements of the pins' axis. With the neutral axis at the distance n and the
+section rotated by phi, a node is at ``u - n sin(phi)``, ``v + n (cos(phi) - 1)``.
+
+A cable's node has a slope vector ``(1 + s_x, s_y)``. A weld keeps the angle between two such
+vectors, and a body on a node turns with one; the stretch of each is the link's own. By stretch e
+and angle phi,
+
+    s_x = (1 + e) cos(phi) - 1,    s_y = (1 + e) sin(phi),
+
+such a condition is linear: two angles differ by a constant. Its forces then add nothing to the
+tangent stiffness but what this map adds, second derivatives of the slope times the forces on it.
+To first order about the straight link both pairs of coordinates are the same.
+
+Both maps hold in every frame if phi is the angle against that frame.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from flexmech.arrays import FloatArray, IntArray
+
+
+class NodeMap(ABC):
+    """Map of one link, block by block of its coordinates, less the reference ones.
+
+    Attributes
+    ----------
+    at : ndarray of int, shape (k, b)
+        Coordinates of each block; all others are the nodes' own.
+    """
+
+    at: IntArray
+
+    @abstractmethod
+    def of_nodes(self, q: FloatArray) -> FloatArray:
+        """Nodes' coordinates of blocks q, (..., k, b)."""
+
+    @abstractmethod
+    def of_axis(self, nodes: FloatArray) -> FloatArray:
+        """Inverse of :meth:`of_nodes`."""
+
+    @abstractmethod
+    def gradient(self, q: FloatArray) -> FloatArray:
+        """Derivative of the nodes' coordinates by those of blocks q, (..., k, b, b)."""
+
+    @abstractmethod
+    def curvature(self, q: FloatArray, force: FloatArray) -> FloatArray:
+        """Second derivative of the work of constant forces (..., k, b), (..., k, b, b)."""
+
+    def to_nodes(self, axis: FloatArray) -> FloatArray:
+        """Coordinates of the nodes.
+
+        Parameters
+        ----------
+        axis : ndarray, shape (..., n)
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+        """
+        nodes = axis.copy()
+        nodes[..., self.at] = self.of_nodes(axis[..., self.at])
+        return nodes
+
+    def to_axis(self, nodes: FloatArray) -> FloatArray:
+        """Inverse of :meth:`to_nodes`; angles are within half a turn.
+
+        Parameters
+        ----------
+        nodes : ndarray, shape (..., n)
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+        """
+        axis = nodes.copy()
+        axis[..., self.at] = self.of_axis(nodes[..., self.at])
+        return axis
+
+    def rate_to_nodes(self, axis: FloatArray, rate: FloatArray) -> FloatArray:
+        """Velocities of the nodes.
+
+        Parameters
+        ----------
+        axis, rate : ndarray, shape (..., n)
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+        """
+        return self._rates(self.gradient(axis[..., self.at]), rate)
+
+    def rate_to_axis(self, nodes: FloatArray, rate: FloatArray) -> FloatArray:
+        """Inverse of :meth:`rate_to_nodes` by the coordinates and velocities of the nodes.
+
+        Parameters
+        ----------
+        nodes, rate : ndarray, shape (..., n)
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+        """
+        gradient = self.gradient(self.of_axis(nodes[..., self.at]))
+        return self._rates(np.asarray(np.linalg.inv(gradient), dtype=float), rate)
+
+    def force(self, axis: FloatArray, force: FloatArray) -> FloatArray:
+        """Forces on the nodes' coordinates as those on the link's, ``J' f``.
+
+        Parameters
+        ----------
+        axis, force : ndarray, shape (..., n)
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+        """
+        return self._rates(np.swapaxes(self.gradient(axis[..., self.at]), -1, -2), force)
+
+    def matrix(self, axis: FloatArray, matrix: FloatArray) -> FloatArray:
+        """A matrix of the nodes' coordinates in those of the link, ``J' X J``.
+
+        Parameters
+        ----------
+        axis : ndarray, shape (..., n)
+        matrix : ndarray, shape (..., n, n)
+
+        Returns
+        -------
+        ndarray, shape (..., n, n)
+        """
+        whole = np.zeros((*axis.shape, axis.shape[-1]))
+        whole[..., :, :] = np.eye(axis.shape[-1])
+        whole[..., self.at[:, :, None], self.at[:, None]] = self.gradient(axis[..., self.at])
+        return np.asarray(np.swapaxes(whole, -1, -2) @ matrix @ whole)
+
+    def tangent(self, axis: FloatArray, stiffness: FloatArray, force: FloatArray) -> FloatArray:
+        """Tangent stiffness in the link's coordinates.
+
+        Parameters
+        ----------
+        axis : ndarray, shape (..., n)
+        stiffness : ndarray, shape (..., n, n)
+            Of the nodes.
+        force : ndarray, shape (..., n)
+            Internal forces on the nodes, less outer ones that keep their direction.
+
+        Returns
+        -------
+        ndarray, shape (..., n, n)
+        """
+        tangent, at = self.matrix(axis, stiffness), self.at
+        tangent[..., at[:, :, None], at[:, None]] += self.curvature(axis[..., at], force[..., at])
+        return tangent
+
+    def _rates(self, matrices: FloatArray, values: FloatArray) -> FloatArray:
+        mapped = values.copy()
+        mapped[..., self.at] = (matrices @ values[..., self.at, None])[..., 0]
+        return mapped
+
+
+class Arms(NodeMap):
+    """Rigid arms from points on the pins' axis to the nodes, which turn with the sections.
+
+    Parameters
+    ----------
+    length : float
+        Distance of the nodes from the axis along the link frame's y in m.
+    count : int
+        Number of nodes.
+    """
+
+    def __init__(self, length: float, count: int) -> None:
+        self.length = length
+        self.at = np.arange(3 * count).reshape(count, 3)
+
+    def of_nodes(self, q: FloatArray) -> FloatArray:
+        """See :class:`NodeMap`."""
+        return self._moved(q, self.length)
+
+    def of_axis(self, nodes: FloatArray) -> FloatArray:
+        """See :class:`NodeMap`."""
+        return self._moved(nodes, -self.length)
+
+    def gradient(self, q: FloatArray) -> FloatArray:
+        """See :class:`NodeMap`."""
+        gradient = np.zeros((*q.shape, 3))
+        gradient[..., :, :] = np.eye(3)
+        gradient[..., 0, 2] = -self.length * np.cos(q[..., 2])
+        gradient[..., 1, 2] = -self.length * np.sin(q[..., 2])
+        return gradient
+
+    def curvature(self, q: FloatArray, force: FloatArray) -> FloatArray:
+        """See :class:`NodeMap`."""
+        curvature, angle = np.zeros((*q.shape, 3)), q[..., 2]
+        turned = force[..., 0] * np.sin(angle) - force[..., 1] * np.cos(angle)
+        curvature[..., 2, 2] = self.length * turned
+        return curvature
+
+    @staticmethod
+    def _moved(q: FloatArray, length: float) -> FloatArray:
+        moved = q.copy()
+        moved[..., 0] -= length * np.sin(q[..., 2])
+        moved[..., 1] -= 2 * length * np.sin(q[..., 2] / 2) ** 2
+        return moved
+
+
+class PolarSlopes(NodeMap):
+    """Stretch and angle of the slope as coordinates of nodes of cables.
+
+    Parameters
+    ----------
+    first : ndarray of int, shape (k,)
+        Coordinate of the link that is the stretch of each; the angle comes next to it.
+    """
+
+    def __init__(self, first: IntArray) -> None:
+        self.first = first
+        self.at = np.stack([first, first + 1], axis=1)
+
+    def of_nodes(self, q: FloatArray) -> FloatArray:
+        """See :class:`NodeMap`."""
+        stretch, angle = q[..., 0], q[..., 1]
+        # (1 + e) cos(phi) - 1, whose digits a difference of ones would lose.
+        nodes = np.empty_like(q)
+        nodes[..., 0] = stretch * np.cos(angle) - 2 * np.sin(angle / 2) ** 2
+        nodes[..., 1] = (1 + stretch) * np.sin(angle)
+        return nodes
+
+    def of_axis(self, nodes: FloatArray) -> FloatArray:
+        """See :class:`NodeMap`."""
+        x, y, axis = 1 + nodes[..., 0], nodes[..., 1], np.empty_like(nodes)
+        axis[..., 0], axis[..., 1] = np.hypot(x, y) - 1, np.arctan2(y, x)
+        return axis
+
+    def gradient(self, q: FloatArray) -> FloatArray:
+        """See :class:`NodeMap`."""
+        length, cosine, sine = 1 + q[..., 0], np.cos(q[..., 1]), np.sin(q[..., 1])
+        rows = [[cosine, -length * sine], [sine, length * cosine]]
+        return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+    def curvature(self, q: FloatArray, force: FloatArray) -> FloatArray:
+        """See :class:`NodeMap`."""
+        cosine, sine = np.cos(q[..., 1]), np.sin(q[..., 1])
+        x, y = force[..., 0], force[..., 1]
+        along, across = x * cosine + y * sine, y * cosine - x * sine
+        rows = [[np.zeros_like(along), across], [across, -(1 + q[..., 0]) * along]]
+        return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
+
+
+class LinkNodes:
+    """Map from coordinates of all links together to Exudyn's, less the reference ones.
+
+    Parameters
+    ----------
+    maps : sequence of tuple of NodeMap and slice
+        Of links whose coordinates are not those of their nodes, and where theirs are.
+    size : int
+        Number of coordinates of all links.
+    body_coordinates : sequence of int
+        Coordinates of links that those of attached bodies are, in order: they come after those
+        of all links among Exudyn's.
+    """
+
+    def __init__(
+        self, maps: Sequence[tuple[NodeMap, slice]], size: int, body_coordinates: Sequence[int]
+    ) -> None:
+        self._maps = maps
+        self._size = size
+        self._body_coordinates = list(body_coordinates)
+
+    def to_nodes(self, axis: FloatArray) -> FloatArray:
+        """Exudyn's coordinates (..., system_size) of links (..., size)."""
+        nodes = self._mapped(axis, lambda one, own: one.to_nodes(axis[..., own]))
+        return self._with_bodies(nodes, axis)
+
+    def to_axis(self, nodes: FloatArray) -> FloatArray:
+        """Inverse of :meth:`to_nodes`, (..., size)."""
+        nodes = nodes[..., : self._size]
+        return self._mapped(nodes, lambda one, own: one.to_axis(nodes[..., own]))
+
+    def rate_to_nodes(self, axis: FloatArray, rate: FloatArray) -> FloatArray:
+        """Exudyn's velocities (..., system_size) of links (..., size)."""
+        moved = self._mapped(
+            rate, lambda one, own: one.rate_to_nodes(axis[..., own], rate[..., own])
+        )
+        return self._with_bodies(moved, rate)
+
+    def rate_to_axis(self, nodes: FloatArray, rate: FloatArray) -> FloatArray:
+        """Inverse of :meth:`rate_to_nodes`, (..., size)."""
+        rate = rate[..., : self._size]
+        return self._mapped(
+            rate, lambda one, own: one.rate_to_axis(nodes[..., own], rate[..., own])
+        )
+
+    def _mapped(
+        self, values: FloatArray, mapped: Callable[[NodeMap, slice], FloatArray]
+    ) -> FloatArray:
+        result = values.copy() if self._maps else values
+        for one, own in self._maps:
+            result[..., own] = mapped(one, own)
+        return result
+
+    def _with_bodies(self, nodes: FloatArray, links: FloatArray) -> FloatArray:
+        if not self._body_coordinates:
+            return nodes
+        return np.concatenate([nodes, links[..., self._body_coordinates]], axis=-1)
