@@ -90,7 +90,9 @@ class LinkRows:
         """Derivative of the rows by the columns, (r, c, B)."""
         if self._of_rigid is not None:
             assert ties.displaced is not None
-            return np.moveaxis(ties.displaced.pose.coordinates[:, self._of_rigid], 0, -1)
+            return np.moveaxis(
+                ties.displaced.pose.coordinates[:, self._of_rigid, : len(self.columns)], 0, -1
+            )
         turns = [ties.turns[self.link][number] for number, _, _ in self._ties]
         batch = turns[0].shape[2] if turns else 1
         derivative = np.zeros((self._count, len(self.columns), batch))
@@ -150,7 +152,7 @@ class LinkageAssembly:
     @property
     def ties_move(self) -> bool:
         """Whether constraints depend on the displacement: there are rigid links or lines."""
-        return bool(self.frames.rigid.size)
+        return self.frames.rigid.are_finite
 
     def ties(self, motion: RigidMotion, z: FloatArray) -> Ties:
         """Constraints of the links in each position.

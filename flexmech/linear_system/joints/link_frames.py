@@ -4,7 +4,7 @@ Each link's displacement is written in the frame of its rigid motion. The displa
 coordinate in the leader's frame; that of the follower's end is
 ``R(theta_follower)^T R(theta_leader)`` times it. At a weld the angle between the frames is constant
 and the rotations are equal; an end on a line depends on the slide, and ends on rigid links on these
-(:mod:`flexmech.linear_system.joints.rigid_coordinates`). With ``q = N(t) z``::
+(:mod:`flexmech.linear_system.joints.joint_coordinates`). With ``q = N(t) z``::
 
     M_r = N'MN
     C_r = N'(2 M Ndot + 2 omega S N) + N'DN
@@ -23,17 +23,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system.joints.link_place import DependentRows, LinkPlace
+from flexmech.arrays import FloatArray
+from flexmech.linear_system.joints.link_place import LinkPlace
 from flexmech.linear_system.joints.link_ties import LinkTies
-from flexmech.linear_system.joints.rigid_coordinates import RigidCoordinates
-from flexmech.linear_system.joints.rigid_pose import DisplacedTies, RigidPose
-from flexmech.linear_system.links.link_model import LinkModel, WholeLink
+from flexmech.linear_system.links.link_model import WholeLink
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
-from flexmech.linkages import RigidMotion, Topology
+from flexmech.linkages import RigidMotion
 
 
-class LinkFrames:
+class LinkFrames(LinkTies):
     """The map from independent coordinates z to the coordinates of all links.
 
     Parameters
@@ -43,106 +41,7 @@ class LinkFrames:
         In the topology's order; full or reduced.
     last : sequence of ndarray of bool, shape (n_link,), optional
         Coordinates of each link to number after all others.
-
-    Attributes
-    ----------
-    targets : list of ndarray of int, shape (n_link,)
-        For each link coordinate its coordinate of z: its own, or that of another link to which it
-        is equal or, rotated, related. -1 where it is fixed, and where it depends on several.
-    size : int
-        Number of independent coordinates.
-    end_count : int
-        How many of them, the first ones, others may depend on: those of rigid links and of sliders,
-        displacements of link ends, rotations of welded ends and of a free shaft.
     """
-
-    def __init__(
-        self,
-        topology: Topology,
-        links: Sequence[LinkModel],
-        last: Sequence[NDArray[np.bool_]] | None = None,
-    ) -> None:
-        self.topology = topology
-        self.links = tuple(links)
-        if last is None:
-            last = [np.zeros(link.size, dtype=bool) for link in self.links]
-        self._ties = LinkTies(topology, self.links, last)
-        self.targets = self._ties.targets
-        self.size, self.end_count = self._ties.size, self._ties.end_count
-
-    def dependent_coordinates(self, link: int) -> IntArray:
-        """Dependent coordinates of a link, (k,)."""
-        rows = [rows for rows, _ in self._ties.dependencies(link)]
-        return np.concatenate([np.zeros(0, dtype=np.intp), *rows])
-
-    def dependencies(self, link: int) -> list[tuple[IntArray, IntArray]]:
-        """Dependent coordinates of a link and the coordinates of z that determine them, by tie."""
-        return self._ties.dependencies(link)
-
-    def independent_coordinates(self, link: int) -> IntArray:
-        """Coordinates of a link that are independent coordinates of the linkage, (k,)."""
-        return self._ties.independent_coordinates(link)
-
-    def dependent_rows(self, motion: RigidMotion) -> list[list[DependentRows]]:
-        """Dependent coordinates of each link by the independent ones, with time derivatives.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-
-        Returns
-        -------
-        list of list of DependentRows
-            A list for each link.
-        """
-        return self._ties.dependent_rows(motion)
-
-    @property
-    def rigid(self) -> RigidCoordinates:
-        """Coordinates of rigid links and sliders."""
-        return self._ties.rigid
-
-    @property
-    def has_arms(self) -> bool:
-        """Whether forces act on arms that turn: there are rigid links, sliders or a hub."""
-        return bool(self.rigid.size or self._ties.hubs)
-
-    def displaced_ties(self, motion: RigidMotion, w: FloatArray) -> DisplacedTies:
-        """Constraints at finite displacements of the rigid links.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-        w : ndarray, shape (B, n)
-            Independent coordinates of rigid links and sliders, the first ones of z, in the
-            frames of the rigid motion.
-
-        Returns
-        -------
-        DisplacedTies
-        """
-        return self._ties.displaced_ties(
-            motion, RigidPose.solve_position_constraints(self.rigid, motion, w)
-        )
-
-    def displaced_ties_by(
-        self, motion: RigidMotion, displacement: Sequence[FloatArray]
-    ) -> DisplacedTies:
-        """Constraints at displacements (B, n_link) of the links in the rigid motion's frames."""
-        return self._ties.displaced_ties(motion, self._ties.pose_of(motion, displacement))
-
-    def displaced(
-        self, motion: RigidMotion, displacement: Sequence[FloatArray] | None
-    ) -> RigidMotion:
-        """Motion of the link frames with rigid links displaced by (B, n_link).
-
-        Coordinates of rigid links are then those in their displaced frames.
-        """
-        if displacement is None or not self.rigid.size:
-            return motion
-        return self._ties.pose_of(motion, displacement).displaced
 
     def assemble(
         self,
@@ -225,25 +124,10 @@ class LinkFrames:
             total += self.guide_matrix(motion, guide_stiffness)
         return SystemMatrices(mass, rates, total)
 
-    def guide_matrix(self, motion: RigidMotion, guide_stiffness: FloatArray) -> FloatArray:
-        """Geometric stiffness between rotations of guides and slides on them, (B, size, size).
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-        guide_stiffness : ndarray, shape (B, n_sliders)
-            In N/rad; see :class:`flexmech.linear_system.StressedLinks`.
-        """
-        first = len(self.rigid.independent_coordinates)
-        total = np.zeros((len(guide_stiffness), self.size, self.size))
-        total[:, :first, :first] = self._ties.guide_matrix(motion, guide_stiffness)
-        return total
-
     @cached_property
     def _places(self) -> list[LinkPlace]:
         numbered = enumerate(self.targets)
-        return [LinkPlace.of(target, self._ties.dependencies(n)) for n, target in numbered]
+        return [LinkPlace.of(target, self.dependencies(n)) for n, target in numbered]
 
     def link_coordinates(self, motion: RigidMotion, vectors: NDArray[Any]) -> list[NDArray[Any]]:
         """Coordinates of each link from independent ones.
@@ -289,7 +173,7 @@ class LinkFrames:
                 z[:, independent] = q[:, own]
         if self.topology.sliders:
             first = len(self.rigid.independent_coordinates)
-            z[:, :first] += self._ties.slides(motion, displacement)
+            z[:, :first] += self._slides(motion, displacement)
         return z
 
     def link_motion(

@@ -2,45 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system.joints.joint_points import (
-    JointPoint,
-    JointRotation,
-    joint_points,
-    joint_rotations,
-)
-from flexmech.linear_system.joints.link_place import DependentRows
-from flexmech.linear_system.joints.rigid_coordinates import (
+from flexmech.linear_system.joints.joint_coordinates import (
+    JointCoordinates,
     RigidGeometricStiffness,
 )
-from flexmech.linear_system.joints.rigid_pose import (
-    CoordinateRows,
-    DisplacedRows,
-    DisplacedTies,
-    HubRow,
-    PointRows,
-    RigidPose,
-)
-from flexmech.linear_system.joints.ties import (
-    HubEnd,
-    MovingFrames,
-    PointEnd,
-    RigidRows,
-    RotatedEnd,
-    Tie,
-    general_frames,
-)
+from flexmech.linear_system.joints.link_place import DependentRows
+from flexmech.linear_system.joints.rigid_pose import DisplacedRows, DisplacedTies, RigidPose
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import LinkEnd, RigidMotion, Topology
+from flexmech.linkages.body_motion import BodyPoint
 from flexmech.linkages.connection_forces import RANK_TOLERANCE, end_point
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
 from flexmech.linkages.motion import direction, normal
+
+
+@dataclass(frozen=True)
+class Tie:
+    """Rows of a link that depend on independent coordinates.
+
+    Parameters
+    ----------
+    rows : ndarray of int, shape (r,)
+        Coordinates of the link.
+    source : BodyPoint, or ndarray of int, shape (r,)
+        The point whose displacement they are in the link's frame, or the joint coordinates that
+        they are.
+    which : ndarray of int, shape (c,)
+        Columns of the dependence of the joint coordinates.
+    columns : ndarray of int, shape (c,)
+        The same independent coordinates by their numbers in the linkage.
+    leader : LinkEnd, optional
+        The leading end that the point is.
+    """
+
+    rows: IntArray
+    source: BodyPoint | IntArray
+    which: IntArray
+    columns: IntArray
+    leader: LinkEnd | None
+
+
+# Speed and memory alone: an engine numbers the coordinates of its linkage several times.
+@lru_cache(maxsize=16)
+def _joint_coordinates(topology: Topology) -> JointCoordinates:
+    return JointCoordinates(topology)
 
 
 class LinkTies:
@@ -50,205 +64,253 @@ class LinkTies:
     ----------
     topology : Topology
     links : sequence of LinkModel
-    last : sequence of ndarray of bool, shape (n_link,)
+        In the topology's order; full or reduced.
+    last : sequence of ndarray of bool, shape (n_link,), optional
         Coordinates of each link to number after all others.
 
     Attributes
     ----------
     targets : list of ndarray of int, shape (n_link,)
-        See :class:`flexmech.linear_system.LinkFrames`.
-    size, end_count : int
-        Likewise.
-    rigid : RigidCoordinates
-        Of the rigid links and sliders.
-    hubs : list of HubRow
-        Of elastic links that are clamped to a hub.
+        For each link coordinate its coordinate of z: its own, or that of another link to which it
+        is equal. -1 where it is fixed, and where it depends on several.
+    size : int
+        Number of independent coordinates.
+    end_count : int
+        How many of them, the first ones, others may depend on: those of rigid links and of sliders,
+        displacements of link ends, rotations of welded ends and of a free shaft.
+    rigid : JointCoordinates
+        Of rigid links, sliders and leading ends.
     """
 
     def __init__(
         self,
         topology: Topology,
         links: Sequence[LinkModel],
-        last: Sequence[NDArray[np.bool_]],
+        last: Sequence[NDArray[np.bool_]] | None = None,
     ) -> None:
-        self.topology = topology
-        self._general = general_frames(topology)
-        self.rigid = self._general.rigid
-        self._links = links
-        self._ties: list[list[Tie]] = [[] for _ in links]
-        self._at_rest: list[PointRows] = []  # ends on rigid links that do not move
-        self.hubs = list(self._flexible_hubs())
+        self.topology, self.links = topology, tuple(links)
+        self.rigid = _joint_coordinates(topology)
         self.targets = [np.full(link.size, -2, dtype=np.intp) for link in links]
-        self._points, self._turns = joint_points(topology), joint_rotations(topology)
-        self._number_rigid()
-        self._mark()
-        self.size = self._number(last)
+        # Rows whose forces act on joint coordinates and on points, by their links.
+        self._at_coordinates = [
+            (link, np.arange(3), self.rigid.of_link(link)) for link in self.rigid.links
+        ]
+        self._at_points: list[tuple[int, IntArray, BodyPoint]] = []
+        self._connect_ends()
+        self._number(last or [np.zeros(link.size, dtype=bool) for link in links])
+        self._ties: list[list[Tie]] = [[] for _ in links]
         self._add_ties()
 
     def dependencies(self, link: int) -> list[tuple[IntArray, IntArray]]:
-        """Dependent rows of a link and the columns that determine them, tie by tie."""
+        """Dependent coordinates of a link and the coordinates of z that determine them, by tie."""
         return [(tie.rows, tie.columns) for tie in self._ties[link]]
+
+    def dependent_coordinates(self, link: int) -> IntArray:
+        """Dependent coordinates of a link, (k,)."""
+        rows = [tie.rows for tie in self._ties[link]]
+        return np.concatenate([np.zeros(0, dtype=np.intp), *rows])
 
     def independent_coordinates(self, link: int) -> IntArray:
         """Coordinates of a link that are independent coordinates of the linkage, (k,)."""
         own = self.targets[link] >= 0
-        for rows, _ in self.dependencies(link):
-            own[rows] = False
+        own[self.dependent_coordinates(link)] = False
         return np.flatnonzero(own)
 
     def dependent_rows(self, motion: RigidMotion) -> list[list[DependentRows]]:
-        """Dependent rows of each link over a batch of shape (B,)."""
-        moving = MovingFrames(self.rigid, motion)
-        return [
-            [self._tie_rows(moving, link, tie) for tie in ties]
-            for link, ties in enumerate(self._ties)
-        ]
+        """Dependent coordinates of each link by the independent ones, with time derivatives.
 
-    def displaced_ties(self, motion: RigidMotion, pose: RigidPose) -> DisplacedTies:
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+
+        Returns
+        -------
+        list of list of DependentRows
+            A list for each link.
+        """
+        y = self.rigid.dependence(motion)
+        moved: dict[BodyPoint, MatrixWithRates] = {}
+        rows: list[list[DependentRows]] = []
+        for link, ties in enumerate(self._ties):
+            rows.append([])
+            for tie in ties:
+                source, leader = tie.source, tie.leader
+                if not isinstance(source, BodyPoint):
+                    matrix = y.rows(source).columns(tie.which)
+                elif leader is None:
+                    if source not in moved:
+                        moved[source] = self.rigid.displacement_rows(motion, [source]) @ y
+                    matrix = _to_frame(motion, link) @ moved[source].columns(tie.which)
+                else:
+                    matrix = _to_frame(motion, link, self.topology.index(leader.link))
+                    if len(self.rigid.dependent_coordinates):
+                        own = self.rigid.of_end(leader)[:2]
+                        matrix = matrix @ y.rows(own).columns(tie.which)
+                rows[-1].append(DependentRows.of(tie.rows, tie.columns, matrix))
+        return rows
+
+    @property
+    def has_arms(self) -> bool:
+        """Whether forces act on arms that turn: there are rigid links, sliders or a hub."""
+        return self.rigid.are_finite or bool(self.rigid.constraints.count)
+
+    def displaced_ties(self, motion: RigidMotion, w: FloatArray) -> DisplacedTies:
         """Constraints at finite displacements of the rigid links.
 
         Parameters
         ----------
         motion : RigidMotion
-            Batch of shape (B,), not displaced.
-        pose : RigidPose
+            Batch of shape (B,).
+        w : ndarray, shape (B, n)
+            Independent coordinates of rigid links and sliders, the first ones of z, in the
+            frames of the rigid motion.
 
         Returns
         -------
         DisplacedTies
         """
-        moving = MovingFrames(self.rigid, motion)
-        rows: list[list[DisplacedRows]] = []
-        at_points, at_coordinates = list(self._at_rest), []
-        for link, ties in enumerate(self._ties):
-            rows.append([])
-            for tie in ties:
-                place = None
-                if isinstance(tie, PointEnd):
-                    back = moving.rotation(link).value
-                    turn = (back @ pose.rows([tie.point]) @ pose.coordinates)[:, :, tie.columns]
-                    place = (back @ pose.displacement([tie.point])[:, 0, :, None])[..., 0]
-                    at_points.append(PointRows(link, tie.rows, tie.point))
-                elif isinstance(tie, RigidRows):
-                    turn = pose.coordinates[:, tie.among][:, :, tie.columns]
-                    place = pose.y[:, tie.among]
-                    if link not in self.rigid.links:
-                        at_coordinates.append(CoordinateRows(link, tie.rows, tie.among))
-                else:
-                    turn = self._tie_rows(moving, link, tie).turn
-                rows[-1].append(DisplacedRows(tie.rows, tie.columns, turn, place))
-            if link in self.rigid.links:
-                among = self.rigid.of_link(link)
-                at_coordinates.append(CoordinateRows(link, np.arange(3), among))
-                continue
-            free = self.independent_coordinates(link)
-            chosen = free[self.targets[link][free] < len(self.rigid.independent_coordinates)]
-            among = self.rigid.independent_coordinates[self.targets[link][chosen]]
-            at_coordinates.append(CoordinateRows(link, chosen, among))
-        return DisplacedTies(pose, rows, at_points, at_coordinates, self.hubs)
+        return self._displaced_ties(RigidPose.solve_position_constraints(self.rigid, motion, w))
+
+    def displaced_ties_by(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> DisplacedTies:
+        """Constraints at displacements (B, n_link) of the links in the rigid motion's frames."""
+        return self._displaced_ties(self._pose_of(motion, displacement))
+
+    def displaced(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray] | None
+    ) -> RigidMotion:
+        """Motion of the link frames with rigid links displaced by (B, n_link).
+
+        Coordinates of rigid links are then those in their displaced frames.
+        """
+        if displacement is None or not self.rigid.are_finite:
+            return motion
+        return self._pose_of(motion, displacement).displaced
 
     def guide_matrix(self, motion: RigidMotion, guide_stiffness: FloatArray) -> FloatArray:
-        """Geometric stiffness between guides' rotations and slides, by independent coordinates."""
+        """Geometric stiffness between rotations of guides and slides on them, (B, size, size).
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        guide_stiffness : ndarray, shape (B, n_sliders)
+            In N/rad; see :class:`flexmech.linear_system.StressedLinks`.
+        """
+        first = len(self.rigid.independent_coordinates)
+        total = np.zeros((len(guide_stiffness), self.size, self.size))
         zero = np.zeros((len(guide_stiffness), len(self.topology.links)))
         dependence = self.rigid.dependence(motion).value
-        return self.rigid.projected(RigidGeometricStiffness(zero, guide_stiffness), dependence)
+        stiffness = RigidGeometricStiffness(zero, guide_stiffness)
+        total[:, :first, :first] = self.rigid.projected(stiffness, dependence)
+        return total
 
-    def slides(self, motion: RigidMotion, displacement: Sequence[NDArray[Any]]) -> NDArray[Any]:
-        """Slide coordinates of displacements (B, n_link, m) of all links, at their places in w."""
+    def _slides(self, motion: RigidMotion, displacement: Sequence[NDArray[Any]]) -> NDArray[Any]:
+        """Slides of displacements (B, n_link, m) of all links, at their places in z."""
         rigid = self.rigid
         shape = (len(displacement[0]), rigid.size, displacement[0].shape[2])
         y = np.zeros(shape, dtype=displacement[0].dtype)
         for link in rigid.links:
             y[:, rigid.of_link(link)] = displacement[link]
-        found = np.zeros_like(y)
-        for point in self._points:
-            if point.slider is None:
-                continue
-            line, end = rigid.point_on_line(point.slider), point.ends[0]
+        slid = np.zeros_like(y)
+        for slide, (number, slider) in zip(
+            rigid.slides, enumerate(self.topology.sliders), strict=True
+        ):
+            end, link = slider.link_end, self.topology.index(slider.link_end.link)
+            line = rigid.point_on_line(number)
             rows = rigid.displacement_rows(motion, [line, end_point(self.topology, end)]).value
-            slide, link = 3 * len(rigid.links) + point.slider, self.topology.index(end.link)
             if rigid.is_rigid(end):
                 moved = rows[:, 2:] @ y
             else:
-                to_ground = np.swapaxes(MovingFrames(rigid, motion).rotation(link).value, 1, 2)
-                moved = to_ground @ displacement[link][:, self._rows(end)]
+                to_ground = np.swapaxes(_to_frame(motion, link).value, 1, 2)
+                moved = to_ground @ displacement[link][:, self._displacement_of(end)]
             along = rows[:, :2, slide]
-            found[:, slide] = np.einsum("bc,bcm->bm", along, moved - rows[:, :2] @ y)
-        return found[:, rigid.independent_coordinates]
+            slid[:, slide] = np.einsum("bc,bcm->bm", along, moved - rows[:, :2] @ y)
+        return slid[:, rigid.independent_coordinates]
 
-    def pose_of(self, motion: RigidMotion, displacement: Sequence[FloatArray]) -> RigidPose:
+    def _pose_of(self, motion: RigidMotion, displacement: Sequence[FloatArray]) -> RigidPose:
         """Finite displacements of rigid links and sliders at displacements (B, n_link) of links."""
         sliding = {}
         for number, slider in enumerate(self.topology.sliders):
             if not self.rigid.is_rigid(slider.link_end):
                 link = self.topology.index(slider.link_end.link)
-                q = displacement[link][:, self._rows(slider.link_end)]
+                q = displacement[link][:, self._displacement_of(slider.link_end)]
                 angle = motion.angle[:, link]
                 sliding[number] = q[:, :1] * direction(angle) + q[:, 1:] * normal(angle)
         return RigidPose.displaced_by(self.rigid, motion, displacement, sliding)
 
-    def _tie_rows(self, moving: MovingFrames, link: int, tie: Tie) -> DependentRows:
-        return DependentRows.of(tie.rows, tie.columns, tie.matrix(moving, link))
+    def _displaced_ties(self, pose: RigidPose) -> DisplacedTies:
+        first = len(self.rigid.independent_coordinates)
+        rows: list[list[DisplacedRows]] = []
+        for link, ties in enumerate(self._ties):
+            rows.append([])
+            for tie in ties:
+                if isinstance(tie.source, BodyPoint):
+                    back = _to_frame(pose.motion, link).value
+                    turn = back @ (pose.rows([tie.source]) @ pose.coordinates)[:, :, tie.which]
+                    place = (back @ pose.displacement([tie.source])[:, 0, :, None])[..., 0]
+                else:
+                    turn = pose.coordinates[:, tie.source][:, :, tie.which]
+                    place = pose.y[:, tie.source]
+                finite = bool((tie.which < first).all())
+                rows[-1].append(
+                    DisplacedRows(tie.rows, tie.columns, turn, place if finite else None)
+                )
+        return DisplacedTies(pose, rows, self._at_points, self._at_coordinates)
 
-    def _rows(self, end: LinkEnd) -> IntArray:
-        return self._links[self.topology.index(end.link)].end_displacement(end.end)
+    def _displacement_of(self, end: LinkEnd) -> IntArray:
+        return self.links[self.topology.index(end.link)].end_displacement(end.end)
 
-    def _rotations(self, end: LinkEnd) -> IntArray:
-        return self._links[self.topology.index(end.link)].end_rotation_of(end.end)
+    def _rotations_of(self, end: LinkEnd) -> IntArray:
+        return self.links[self.topology.index(end.link)].end_rotation_of(end.end)
 
-    def _flexible_hubs(self) -> Iterator[HubRow]:
-        for clamp in self.topology.clamps:
-            end = clamp.link_end
-            if clamp.hub and not self.rigid.is_rigid(end) and len(rows := self._rows(end)):
-                yield HubRow(self.topology.index(end.link), int(rows[0]), clamp.hub)
-
-    def _number_rigid(self) -> None:
-        """Number the independent coordinates of rigid links; the others depend on them."""
-        own, place = self.rigid.independent_coordinates, np.full(self.rigid.size, -1, dtype=np.intp)
-        place[own] = np.arange(len(own))
-        for link in self.rigid.links:
-            among = self.rigid.of_link(link)
-            self.targets[link][:] = place[among]
-            self._add_rigid(link, np.arange(3), among)
-
-    def _add_rigid(self, link: int, rows: IntArray, among: IntArray) -> None:
-        """Add the dependence of rows of a link that are not in w."""
-        chosen = self.targets[link][rows] < 0
-        if not chosen.any():
-            return
-        rows, among = rows[chosen], among[chosen]
-        columns = _depends_on(self._general.coordinates.rows(among))
-        if len(columns):
-            self._ties[link].append(RigidRows(rows, columns, among))
-
-    def _mark(self) -> None:
-        """Mark fixed and dependent coordinates, which are not independent."""
+    def _connect_ends(self) -> None:
+        """Find what the ends of elastic links depend on; mark fixed and dependent coordinates."""
+        rigid = self.rigid
         for end in self.topology.joined_ends:
             link = self.topology.index(end.link)
-            self.targets[link][self._links[link].end_warping_of(end.end)] = -1
-        for point in self._points:
-            elsewhere = point.fixed or point.hub or self._is_on_rigid_link_or_line(point)
-            for end in point.ends if elsewhere else point.ends[1:]:
-                if not self.rigid.is_rigid(end):
-                    self.targets[self.topology.index(end.link)][self._rows(end)] = -1
-        for turn in self._turns:
-            on_rigid = turn.fixed or any(map(self.rigid.is_rigid, turn.ends))
-            for number, end in enumerate(turn.ends):
-                if not self.rigid.is_rigid(end):
-                    dependent = self._rotations(end)[0 if on_rigid or number else 1 :]
-                    self.targets[self.topology.index(end.link)][dependent] = -1
+            self.targets[link][self.links[link].end_warping_of(end.end)] = -1
+        for point in rigid.points:
+            leader = rigid.leader(point)
+            for end in point.ends:
+                link, rows = self.topology.index(end.link), self._displacement_of(end)
+                if rigid.is_rigid(end) or not len(rows):
+                    continue
+                body = rigid.ends.get(end)
+                if leader is not None and leader.body != body:
+                    self._at_points.append((link, rows, leader))
+                elif body is not None:
+                    self._at_coordinates.append((link, rows, rigid.of_end(end)[:2]))
+                if leader is None or leader.body != body or point.hub:
+                    self.targets[link][rows] = -1
+        for turn in rigid.turns:
+            for end in turn.ends:
+                link, rows = self.topology.index(end.link), self._rotations_of(end)
+                if rigid.is_rigid(end):
+                    continue
+                leads = not turn.fixed and end in rigid.ends and end == turn.ends[0]
+                self.targets[link][rows[1:] if leads else rows] = -1
+                if not turn.fixed:
+                    among = np.full(len(rows), rigid.rotation(turn))
+                    self._at_coordinates.append((link, rows, among))
 
-    def _is_on_rigid_link_or_line(self, point: JointPoint) -> bool:
-        return point.slider is not None or any(map(self.rigid.is_rigid, point.ends))
-
-    def _number(self, last: Sequence[NDArray[np.bool_]]) -> int:
-        """Number the free coordinates, those of the links' ends and of a free shaft first."""
-        count = len(self.rigid.independent_coordinates)
+    def _number(self, last: Sequence[NDArray[np.bool_]]) -> None:
+        """Number the free coordinates: of rigid links, of ends and of a free shaft, and others."""
+        rigid, count = self.rigid, len(self.rigid.independent_coordinates)
+        place = np.full(rigid.size, -1, dtype=np.intp)
+        place[rigid.independent_coordinates] = np.arange(count)
+        for link in rigid.links:
+            self.targets[link][:] = place[rigid.of_link(link)]
         ends = [~late for late in last]
-        for number, (link, end) in enumerate(zip(self._links, ends, strict=True)):
-            elsewhere = np.ones(link.size, dtype=bool)
-            elsewhere[link.start] = elsewhere[link.end] = elsewhere[link.receding] = False
-            elsewhere[self._leading_rotations(number)] = False
+        leading = {turn.ends[0] for turn in rigid.turns}
+        for own, model, end in zip(self.topology.links, self.links, ends, strict=True):
+            elsewhere = np.ones(model.size, dtype=bool)
+            elsewhere[model.start] = elsewhere[model.end] = elsewhere[model.receding] = False
+            for side in ("start", "end"):
+                if LinkEnd(own.name, side) in leading:
+                    elsewhere[model.end_rotation_of(side)[:1]] = False
             end[elsewhere] = False
         inner = [~(end | late) for end, late in zip(ends, last, strict=True)]
         for group in (ends, inner, last):
@@ -258,77 +320,44 @@ class LinkTies:
                 count += int(free.sum())
             if group is ends:
                 self.end_count = count
-        return count
-
-    def _leading_rotations(self, link: int) -> list[int]:
-        """Rotations of a link's ends on which others depend, or that are a free shaft's."""
-        name = self.topology.links[link].name
-        return [
-            int(self._rotations(turn.ends[0])[0])
-            for turn in self._turns
-            if turn.ends[0].link == name and len(self._rotations(turn.ends[0]))
-        ]
+        self.size = count
 
     def _add_ties(self) -> None:
-        """Add the constraints of the marked ends of flexible links."""
-        for point in self._points:
-            if point.fixed:
-                continue
-            by_rigid = self._is_on_rigid_link_or_line(point)
-            for end in point.ends if by_rigid or point.hub else point.ends[1:]:
-                rows, link = self._rows(end), self.topology.index(end.link)
-                if self.rigid.is_rigid(end) or not len(rows):
-                    continue
-                if by_rigid:
-                    leader = self.rigid.leader(point)
-                    assert leader is not None
-                    columns = _depends_on(self._general.point(leader))
-                    if len(columns):
-                        self._ties[link].append(PointEnd(rows, columns, leader))
-                    else:
-                        self._at_rest.append(PointRows(link, rows, leader))
-                elif point.hub:
-                    self._add_hub(link, rows, point)
-                else:
-                    self._add_pinned_end(link, rows, point.ends[0])
-        for turn in self._turns:
-            if not turn.fixed:
-                self._add_rotation(turn)
+        """Add the dependence of marked coordinates on the numbered ones."""
+        rigid = self.rigid
+        place = np.full(rigid.size, -1, dtype=np.intp)
+        place[rigid.independent_coordinates] = np.arange(len(rigid.independent_coordinates))
+        for link, rows, among in self._at_coordinates:
+            own = self.targets[link][rows]
+            place[among[own >= 0]] = own[own >= 0]
+        receding = [-1] * len(rigid.receding)
+        for number, end in enumerate(rigid.receding):
+            link = self.topology.index(end.link)
+            for coordinate in self.links[link].receding:
+                receding[number] = int(self.targets[link][coordinate])
+        z = np.array([*place[rigid.independent_coordinates], *place[rigid.of_ends], *receding])
+        y = rigid.dependence(rigid.general_position).value
+        of_ends = 3 * len(rigid.links)
 
-    def _add_pinned_end(self, link: int, rows: IntArray, leading: LinkEnd) -> None:
-        leader = self.topology.index(leading.link)
-        columns = self.targets[leader][self._rows(leading)]
-        self.targets[link][rows] = columns
-        if (columns >= 0).any():
-            self._ties[link].append(RotatedEnd(rows, columns, leader))
+        def add(link: int, rows: IntArray, source: BodyPoint | IntArray, by: FloatArray) -> None:
+            size = np.abs(by[0]).max(axis=0, initial=0.0)
+            which = np.flatnonzero((size > RANK_TOLERANCE) & (z >= 0))
+            if len(which):
+                leader = rigid.leading_end(source) if isinstance(source, BodyPoint) else None
+                self._ties[link].append(Tie(rows, source, which, z[which], leader))
 
-    def _add_hub(self, link: int, rows: IntArray, point: JointPoint) -> None:
-        """Displacement of a hub's end: across by its rotation, along in natural coordinates."""
-        clamped = self.topology.index(point.ends[0].link)
-        own = [*self._links[clamped].receding, *self._rotations(point.ends[0])[:1]]
-        arm = point.hub * np.eye(2)[:, 2 - len(own) :]
-        self._ties[link].append(HubEnd(rows, self.targets[clamped][own], clamped, arm))
-
-    def _add_rotation(self, turn: JointRotation) -> None:
-        rigid = [end for end in turn.ends if self.rigid.is_rigid(end)]
-        if rigid:
-            among = self.rigid.of_link(self.topology.index(rigid[0].link))[2]
-            for end in turn.ends:
-                if not self.rigid.is_rigid(end):
-                    rows = self._rotations(end)
-                    link = self.topology.index(end.link)
-                    self._add_rigid(link, rows, np.full(len(rows), among))
-            return
-        root = self.topology.index(turn.ends[0].link)
-        column = self.targets[root][self._rotations(turn.ends[0])[:1]]
-        for number, end in enumerate(turn.ends):
-            link, rows = self.topology.index(end.link), self._rotations(end)
-            if number:
-                self.targets[link][rows[:1]] = column
-            if len(rows) > 1:
-                self._ties[link].append(Tie(rows[1:], column))
+        for link, rows, among in self._at_coordinates:
+            if len(rows) and of_ends <= among[-1] == among[0] < of_ends + 3 * len(rigid.ends):
+                self.targets[link][rows[0]] = place[among[0]]
+            chosen = self.targets[link][rows] < 0
+            add(link, rows[chosen], among[chosen], y[:, among[chosen]])
+        for link, rows, point in self._at_points:
+            moved = rigid.displacement_rows(rigid.general_position, [point]).value
+            add(link, rows, point, moved @ y)
 
 
-def _depends_on(matrix: MatrixWithRates) -> IntArray:
-    """Independent coordinates with a column in a matrix (1, r, n) in a general position."""
-    return np.flatnonzero(np.abs(matrix.value[0]).max(axis=0, initial=0.0) > RANK_TOLERANCE)
+def _to_frame(motion: RigidMotion, link: int, leader: int | None = None) -> MatrixWithRates:
+    """Rotation to the frame of a link from that of another, or from ground axes, (B, 2, 2)."""
+    turn = np.stack([motion.angle, motion.angular_velocity, motion.angular_acceleration])
+    others = 0.0 if leader is None else turn[..., leader]
+    return MatrixWithRates.rotation(*(others - turn[..., link]))

@@ -16,9 +16,9 @@ from typing import Self
 import numpy as np
 
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
-from flexmech.linear_system.joints.displaced_motion import DisplacedMotion, link_bodies
-from flexmech.linear_system.joints.rigid_coordinates import (
-    RigidCoordinates,
+from flexmech.linear_system.joints.displaced_motion import DisplacedMotion
+from flexmech.linear_system.joints.joint_coordinates import (
+    JointCoordinates,
     RigidGeometricStiffness,
 )
 from flexmech.linkages import RigidMotion
@@ -37,7 +37,7 @@ class RigidPose:
 
     Parameters
     ----------
-    rigid : RigidCoordinates
+    rigid : JointCoordinates
     motion : RigidMotion
         Batch of shape (B,), not displaced.
     y : ndarray, shape (B, size)
@@ -45,22 +45,21 @@ class RigidPose:
         rotations, slides.
     """
 
-    def __init__(self, rigid: RigidCoordinates, motion: RigidMotion, y: FloatArray) -> None:
+    def __init__(self, rigid: JointCoordinates, motion: RigidMotion, y: FloatArray) -> None:
         self.rigid, self.motion, self.y = rigid, motion, y
-        count = len(rigid.links)
         turn = np.zeros((len(y), len(rigid.topology.links)))
-        turn[:, list(rigid.links)] = y[:, 2 : 3 * count : 3]
-        self.displaced = DisplacedMotion.of(motion, turn, y[:, 3 * count :])
+        turn[:, list(rigid.links)] = y[:, 2 : 3 * len(rigid.links) : 3]
+        self.displaced = DisplacedMotion.of(motion, turn, y[:, rigid.slides])
 
     @classmethod
     def solve_position_constraints(
-        cls, rigid: RigidCoordinates, motion: RigidMotion, w: FloatArray
+        cls, rigid: JointCoordinates, motion: RigidMotion, w: FloatArray
     ) -> Self:
         """Rigid links and sliders at given independent coordinates, by Newton's method.
 
         Parameters
         ----------
-        rigid : RigidCoordinates
+        rigid : JointCoordinates
         motion : RigidMotion
             Batch of shape (B,).
         w : ndarray, shape (B, n)
@@ -88,7 +87,7 @@ class RigidPose:
     @classmethod
     def displaced_by(
         cls,
-        rigid: RigidCoordinates,
+        rigid: JointCoordinates,
         motion: RigidMotion,
         displacement: Sequence[FloatArray],
         sliding: Mapping[int, FloatArray],
@@ -97,7 +96,7 @@ class RigidPose:
 
         Parameters
         ----------
-        rigid : RigidCoordinates
+        rigid : JointCoordinates
         motion : RigidMotion
             Batch of shape (B,).
         displacement : sequence of ndarray, shape (B, n_link)
@@ -119,7 +118,7 @@ class RigidPose:
             )
             moved = moved - pose.displacement([line])[:, 0]  # whose slide is not there yet
             along = line.along * pose._after[0].turn[:, line.body]
-            y[:, 3 * len(rigid.links) + number] = dot(along, moved[:, 0] + 1j * moved[:, 1])
+            y[:, rigid.slides[number]] = dot(along, moved[:, 0] + 1j * moved[:, 1])
         return cls(rigid, motion, y)
 
     def displacement(self, points: Sequence[BodyPoint]) -> FloatArray:
@@ -136,17 +135,8 @@ class RigidPose:
 
     @cached_property
     def coordinates(self) -> FloatArray:
-        """Derivative of all coordinates y by the independent ones, (B, size, n)."""
-        rigid = self.rigid
-        moved = np.zeros((len(self.y), rigid.size, len(rigid.independent_coordinates)))
-        moved[:, rigid.independent_coordinates, np.arange(len(rigid.independent_coordinates))] = 1.0
-        if len(rigid.dependent_coordinates):
-            across, along = (
-                self._jacobian[:, :, w]
-                for w in (rigid.dependent_coordinates, rigid.independent_coordinates)
-            )
-            moved[:, rigid.dependent_coordinates] = -np.linalg.solve(across, along)
-        return moved
+        """Derivative of all coordinates y by w, (B, size, n)."""
+        return self.rigid.finite_dependence(self._jacobian)
 
     def geometric_stiffness(
         self,
@@ -189,7 +179,7 @@ class RigidPose:
             )[..., 0]
             found.append(rigid.constraints.geometric_stiffness(bodies, slid, ties))
         for by_arm, by_line in found:
-            rotation_stiffness += by_arm[:, :-1]
+            rotation_stiffness += rigid.by_links(by_arm)
             guide_stiffness += by_line
         return RigidGeometricStiffness(rotation_stiffness, guide_stiffness)
 
@@ -209,13 +199,13 @@ class RigidPose:
     @cached_property
     def _before(self) -> tuple[BodyMotion, ComplexArray]:
         """Undisplaced bodies about their reference points, and slider positions on them."""
-        bodies, slid = link_bodies(self.motion, self.rigid.topology)
-        return replace(bodies, place=np.zeros_like(bodies.place)), slid[0]
+        bodies, slid = self.rigid.bodies(self.motion)
+        return bodies, slid[0]
 
     @cached_property
     def _after(self) -> tuple[BodyMotion, ComplexArray]:
         """Displaced bodies about their former reference points, and slider positions on them."""
-        bodies, slid = link_bodies(self.displaced, self.rigid.topology)
+        bodies, slid = self.rigid.bodies(self.displaced)
         place, links = np.zeros_like(bodies.place), list(self.rigid.links)
         u, v = (self.y[:, first : 3 * len(links) : 3] for first in (0, 1))
         place[:, links] = self._before[0].turn[:, links] * (u + 1j * v)
@@ -242,41 +232,6 @@ class DisplacedRows:
     place: FloatArray | None
 
 
-@dataclass(frozen=True)
-class PointRows:
-    """Rows (r,) of a link: the displacement of a point in the link's frame."""
-
-    link: int
-    rows: IntArray
-    point: BodyPoint
-
-
-@dataclass(frozen=True)
-class CoordinateRows:
-    """Rows (r,) of a link that are coordinates ``among`` those of rigid links."""
-
-    link: int
-    rows: IntArray
-    among: IntArray
-
-
-@dataclass(frozen=True)
-class HubRow:
-    """Displacement of a link along its frame at the end that is clamped to a hub.
-
-    Parameters
-    ----------
-    link, row : int
-        Number of the link, and which of its coordinates that is.
-    radius : float
-        Distance of the end from the shaft's axis in m.
-    """
-
-    link: int
-    row: int
-    radius: float
-
-
 class DisplacedTies:
     """Constraints over a batch of positions at finite displacements of the rigid links.
 
@@ -285,20 +240,19 @@ class DisplacedTies:
     pose : RigidPose
     rows : list of list of DisplacedRows
         For each link.
-    at_points, at_coordinates : list
-        Rows of flexible links whose forces act on rigid links and lines.
-    hubs : list of HubRow
+    at_points, at_coordinates : list of tuple
+        Number of a link, rows (r,) of it, and the point on which forces on them act, or the
+        coordinates (r,) of rigid links and ends that the rows are.
     """
 
     def __init__(
         self,
         pose: RigidPose,
         rows: list[list[DisplacedRows]],
-        at_points: list[PointRows],
-        at_coordinates: list[CoordinateRows],
-        hubs: list[HubRow],
+        at_points: Sequence[tuple[int, IntArray, BodyPoint]],
+        at_coordinates: Sequence[tuple[int, IntArray, IntArray]],
     ) -> None:
-        self.pose, self.rows, self._hubs = pose, rows, hubs
+        self.pose, self.rows = pose, rows
         self._at_points, self._at_coordinates = at_points, at_coordinates
 
     def geometric_stiffness(
@@ -321,22 +275,18 @@ class DisplacedTies:
         pose = self.pose
         motion, rigid = pose.motion, pose.rigid
         at_points: dict[BodyPoint, FloatArray] = {}
-        for point_rows in self._at_points:
-            force = forces[point_rows.link][:, point_rows.rows]
-            angle = motion.angle[:, point_rows.link, None]
-            cosine, sine = np.cos(angle), np.sin(angle)
-            x, y = force[:, :1], force[:, 1:]
+        for link, rows, point in self._at_points:
+            x, y = forces[link][:, rows[:1]], forces[link][:, rows[1:]]
+            cosine, sine = np.cos(motion.angle[:, [link]]), np.sin(motion.angle[:, [link]])
             ground = np.concatenate([cosine * x - sine * y, sine * x + cosine * y], axis=1)
-            at_points[point_rows.point] = at_points.get(point_rows.point, 0.0) + ground
+            at_points[point] = at_points.get(point, 0.0) + ground
         by_y = np.zeros_like(pose.y)
-        for own in self._at_coordinates:
-            for row, coordinate in zip(own.rows, own.among, strict=True):
-                by_y[:, coordinate] += forces[own.link][:, row]
+        for link, rows, among in self._at_coordinates:
+            for row, coordinate in zip(rows, among, strict=True):
+                by_y[:, coordinate] += forces[link][:, row]
         by_link = np.zeros(motion.angle.shape)
         for link in rigid.links:
             by_link[:, link] = rotation_stiffness[link]
-        for hub in self._hubs:
-            by_link[:, hub.link] += hub.radius * forces[hub.link][:, hub.row]
         return pose.geometric_stiffness(at_points, by_y, by_link)
 
     def matrix(self, stiffness: RigidGeometricStiffness) -> FloatArray:

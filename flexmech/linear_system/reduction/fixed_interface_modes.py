@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system.joints.joint_points import joint_points
+from flexmech.linear_system.joints.joint_coordinates import joint_points
 from flexmech.linear_system.links.chains import same_of_all
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import LinkEnd, Topology

@@ -212,7 +212,7 @@ class OrbitEquations:
         pushes, connected = self._pushes(moving), self._connected(displacement, frames)
         forces = self._forces(stressed, moving, pushes)
         residual = times(self.mass, damping_rate * velocity) + frames.gather(self.motion, forces)
-        if self.frames.rigid.size:
+        if self.frames.rigid.are_finite:
             stressed = self._with_rigid_links(stressed, ties, forces, pushes)
         rates = [rate for _, rate, _ in moving]
         error = self.error(residual)

@@ -1,0 +1,465 @@
+"""Coordinates of rigid links, sliders and leading ends of elastic links: coordinate partitioning.
+
+A rigid link is a body with three coordinates in its link frame: the displacement of its start along
+and across, and its rotation. The end of an elastic link on which others depend is one as well, in
+the same frame. A slider has one: the displacement along its line. Pins, welds, pivots, clamps and
+lines are constraints ``G(t) y = 0``. Some coordinates are independent, and ``y = Y(t) w``; the
+derivatives of Y come from implicit differentiation (Shabana, *Computational Dynamics*, coordinate
+partitioning). Ends of elastic links depend on rigid ones, never these on them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from flexmech.arrays import ComplexArray, FloatArray, IntArray
+from flexmech.linear_system.joints.displaced_motion import general_position, link_bodies
+from flexmech.linear_system.joints.position_errors import refuse_positions
+from flexmech.linkages import LinkEnd, Pin, RigidMotion, Topology, Weld
+from flexmech.linkages.body_motion import GROUND_AFTER_LINKS, BodyMotion, BodyPoint
+from flexmech.linkages.connection_forces import RANK_TOLERANCE, end_point, slider_line
+from flexmech.linkages.constraints import Coincidence, Condition, Constraints, EqualAngle
+from flexmech.linkages.matrix_with_rates import MatrixWithRates
+from flexmech.linkages.topology import leading_end
+
+
+@dataclass(frozen=True)
+class JointPoint:
+    """Link ends that coincide at a pin or a weld.
+
+    Parameters
+    ----------
+    ends : tuple of LinkEnd
+        The leader, by the topology, comes first.
+    fixed : bool
+        Whether the point is fixed to the ground or to the shaft.
+    slider : int, optional
+        Number of the slider on whose line the point is.
+    hub : float
+        Distance in m from the axis of a free shaft at which the point is on its hub, along the
+        frame of the first end's link; zero of others.
+    """
+
+    ends: tuple[LinkEnd, ...]
+    fixed: bool
+    slider: int | None
+    hub: float = 0.0
+
+
+@dataclass(frozen=True)
+class JointRotation:
+    """Link ends that welds give equal rotations.
+
+    Parameters
+    ----------
+    ends : tuple of LinkEnd
+        The leader, by the topology, comes first.
+    fixed : bool
+        Whether their rotation is fixed to the prescribed shaft; one that is free rotates with them.
+    """
+
+    ends: tuple[LinkEnd, ...]
+    fixed: bool
+
+
+@dataclass(frozen=True)
+class RigidGeometricStiffness:
+    """Geometric stiffness of rigid links and sliders under dead loads and joint forces.
+
+    Parameters
+    ----------
+    rotation_stiffness : ndarray, shape (B, n_links)
+        Of each rigid link by its rotation in N m/rad; of a flexible one that of its hub.
+    guide_stiffness : ndarray, shape (B, n_sliders)
+        Between the rotation of a slider's guide and its slide in N/rad; zero on the ground.
+    """
+
+    rotation_stiffness: FloatArray
+    guide_stiffness: FloatArray
+
+
+class JointCoordinates:
+    """Coordinates ``y`` of rigid links, leading ends and sliders of a topology.
+
+    Parameters
+    ----------
+    topology : Topology
+
+    Attributes
+    ----------
+    points, turns : list of JointPoint, list of JointRotation
+        Of the topology.
+    links : tuple of int
+        Numbers of the rigid links; link ``links[k]`` has the coordinates ``3 k`` to ``3 k + 2``.
+    ends : dict of LinkEnd to int
+        Leading ends of elastic links by their numbers as bodies, which come after all links; their
+        coordinates come after those of the rigid links.
+    slides : ndarray of int, shape (n_sliders,)
+        Coordinate of each slider; they come last.
+    size : int
+        Number of all coordinates y.
+    independent_coordinates, of_ends : ndarray of int
+        Independent ones of rigid links and sliders, the first of w, and of the ends.
+    dependent_coordinates : ndarray of int, shape (d,)
+        Those that depend on these.
+    w : ndarray of int, shape (n,)
+        Both.
+    receding : list of LinkEnd
+        Leading ends on a hub. A last coordinate of w of each moves it along by the hub's radius:
+        ``cos(phi) - 1`` in natural coordinates.
+    constraints : Constraints
+        All constraints, redundant ones included.
+    rows : ndarray of int, shape (d,)
+        Constraint equations that determine the dependent coordinates.
+    """
+
+    def __init__(self, topology: Topology) -> None:
+        self.topology = topology
+        self.points, self.turns = joint_points(topology), joint_rotations(topology)
+        self.links = tuple(n for n, link in enumerate(topology.links) if link.rigid)
+        self._hubs = {clamp.link_end: clamp.hub for clamp in topology.clamps if clamp.hub}
+        ends = dict.fromkeys(self._leading_ends())
+        self.ends = {end: len(topology.links) + n for n, end in enumerate(ends)}
+        self._link_of = [topology.index(end.link) for end in self.ends]
+        bodies = (*self.links, *self.ends.values())
+        count = 3 * len(bodies)
+        self.slides = np.arange(count, count + len(topology.sliders))
+        self.size = count + len(self.slides)
+        conditions: list[Condition] = [*self._coincidences(), *self._equal_angles()]
+        self.constraints = Constraints(conditions, bodies, len(self.slides))
+        independent, self.dependent_coordinates, self.rows = self._choose()
+        of_ends = (independent >= 3 * len(self.links)) & (independent < count)
+        self.of_ends, self.independent_coordinates = independent[of_ends], independent[~of_ends]
+        self.w = np.concatenate([self.independent_coordinates, self.of_ends])
+        self.receding = [end for end in self.ends if end in self._hubs]
+        self.chosen = np.zeros((self.size, len(self.w) + len(self.receding)))
+        self.chosen[self.w, np.arange(len(self.w))] = 1.0
+        for number, end in enumerate(self.receding):
+            self.chosen[self.of_end(end)[0], len(self.w) + number] = self._hubs[end]
+
+    @property
+    def are_finite(self) -> bool:
+        """Whether some may be large, on which constraints then depend: of rigid links and lines."""
+        return bool(self.links or len(self.slides))
+
+    def is_rigid(self, end: LinkEnd) -> bool:
+        """Whether an end is that of a rigid link."""
+        return self.topology.index(end.link) in self.links
+
+    def of_link(self, link: int) -> IntArray:
+        """The three coordinates of a rigid link among y."""
+        return 3 * self.links.index(link) + np.arange(3)
+
+    def of_end(self, end: LinkEnd) -> IntArray:
+        """The three coordinates of a leading end among y."""
+        number = self.ends[end] - len(self.topology.links)
+        return 3 * (len(self.links) + number) + np.arange(3)
+
+    def leading_end(self, point: BodyPoint) -> LinkEnd | None:
+        """The end that a point is; None of one of a rigid link or a line."""
+        number = point.body - len(self.topology.links)
+        return None if number < 0 else list(self.ends)[number]
+
+    def rotation(self, turn: JointRotation) -> int:
+        """The coordinate among y that is the rotation of ends which are not fixed."""
+        rigid = [end for end in turn.ends if self.is_rigid(end)]
+        if rigid:
+            return int(self.of_link(self.topology.index(rigid[0].link))[2])
+        return int(self.of_end(turn.ends[0])[2])
+
+    def bodies(self, motion: RigidMotion) -> tuple[BodyMotion, ComplexArray]:
+        """All links, leading ends and the ground about their reference points, and what slides.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+
+        Returns
+        -------
+        bodies : BodyMotion
+            Of shape (B, n); their reference points are at zero.
+        slid : ndarray of complex, shape (3, B, n_sliders)
+            See :func:`link_bodies`.
+        """
+        links, slid = link_bodies(motion, self.topology)
+        which = [*range(len(self.topology.links)), *self._link_of, GROUND_AFTER_LINKS]
+        turn = links.turn[:, which]
+        nowhere = np.zeros_like(turn)
+        turning = links.turn_1[:, which], links.turn_2[:, which]
+        return BodyMotion(nowhere[0], nowhere, turn, nowhere, nowhere, *turning), slid
+
+    def by_links(self, of_bodies: FloatArray) -> FloatArray:
+        """Sums (B, n_links) over each link and its leading ends of values of bodies (B, n)."""
+        count = len(self.topology.links)
+        total = of_bodies[:, :count].copy()
+        for link, values in zip(self._link_of, of_bodies[:, count:-1].T, strict=True):
+            total[:, link] += values
+        return total
+
+    def dependence(self, motion: RigidMotion) -> MatrixWithRates:
+        """``Y``: derivative of all coordinates by w, (B, size, n).
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+
+        Returns
+        -------
+        MatrixWithRates
+
+        Raises
+        ------
+        ComputationError
+            Where the independent ones do not determine the others; names the crank angle.
+        """
+        batch, dependent = len(motion.crank_angle), self.dependent_coordinates
+        if not len(dependent):
+            zero = np.broadcast_to(0.0, (batch, *self.chosen.shape))
+            return MatrixWithRates(np.broadcast_to(self.chosen, zero.shape), zero, zero, zero)
+        jacobian = self.constraints.jacobian_with_rates(*self.bodies(motion)).rows(self.rows)
+        across = jacobian.columns(dependent)
+        self.refuse_locked(motion, across.value)
+        parts = np.zeros((4, batch, *self.chosen.shape))
+        parts[0] = self.chosen
+        parts[:, :, dependent, : len(self.w)] = across.solve(-jacobian.columns(self.w)).parts
+        return MatrixWithRates(*parts)
+
+    def finite_dependence(self, jacobian: FloatArray) -> FloatArray:
+        """Derivative of all coordinates by w, (B, size, n), by a Jacobian (B, d, size)."""
+        dependent = self.dependent_coordinates
+        moved = np.tile(self.chosen, (len(jacobian), 1, 1))
+        if len(dependent):
+            solved = np.linalg.solve(jacobian[:, :, dependent], jacobian[:, :, self.w])
+            moved[:, dependent, : len(self.w)] = -solved
+        return moved
+
+    def leader(self, point: JointPoint) -> BodyPoint | None:
+        """Point of a line, of a rigid link or of an end on which other ends at a joint depend.
+
+        Parameters
+        ----------
+        point : JointPoint
+
+        Returns
+        -------
+        BodyPoint or None
+            None of a fixed point.
+        """
+        if point.fixed:
+            return None
+        if point.slider is not None:
+            return self.point_on_line(point.slider)
+        rigid = [end for end in point.ends if self.is_rigid(end)]
+        if rigid:
+            return end_point(self.topology, rigid[0])
+        return BodyPoint(self.ends[point.ends[0]])
+
+    def point_on_line(self, number: int) -> BodyPoint:
+        """Point of a slider on its line."""
+        line = slider_line(self.topology, self.topology.sliders[number])
+        return BodyPoint(line.second.body, slide=number, along=line.along)
+
+    def displacement_rows(
+        self, motion: RigidMotion, points: Sequence[BodyPoint]
+    ) -> MatrixWithRates:
+        """Jacobian of points in ground axes by y, (B, 2 P, size).
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        points : sequence of BodyPoint
+        """
+        return self.constraints.points(points).jacobian_with_rates(*self.bodies(motion))
+
+    @cached_property
+    def general_position(self) -> RigidMotion:
+        """One generic position for rank decisions; the links need not meet in it."""
+        return general_position(self.topology)
+
+    def projected(self, stiffness: RigidGeometricStiffness, dependence: FloatArray) -> FloatArray:
+        """Geometric stiffness by the independent coordinates of rigid links and sliders, (B, n, n).
+
+        Parameters
+        ----------
+        stiffness : RigidGeometricStiffness
+        dependence : ndarray, shape (B, size, m)
+            Derivative of y by w.
+        """
+        dependence = dependence[:, :, : len(self.independent_coordinates)]
+        total = np.zeros((len(dependence), self.size, self.size))
+        for link in self.links:
+            turn = self.of_link(link)[2]
+            total[:, turn, turn] = stiffness.rotation_stiffness[:, link]
+        for number, (slide, slider) in enumerate(
+            zip(self.slides, self.topology.sliders, strict=True)
+        ):
+            if slider.guide:
+                turn = self.of_link(self.topology.index(slider.guide))[2]
+                total[:, turn, slide] = total[:, slide, turn] = stiffness.guide_stiffness[:, number]
+        return np.asarray(np.swapaxes(dependence, 1, 2) @ total @ dependence)
+
+    def _leading_ends(self) -> Iterator[LinkEnd]:
+        """Ends of elastic links that others depend on, that a free shaft turns, or on a hub."""
+        joined = [point.ends for point in self.points if not point.fixed and point.slider is None]
+        joined += [turn.ends for turn in self.turns if not turn.fixed]
+        yield from (ends[0] for ends in joined if not any(map(self.is_rigid, ends)))
+        yield from (end for end in self._hubs if not self.is_rigid(end))
+
+    def _coincidences(self) -> Iterator[Coincidence]:
+        """Ends of rigid links that coincide with the leader or a fixed point, and ends on hubs."""
+        ground = BodyPoint(GROUND_AFTER_LINKS)
+        for point in self.points:
+            rigid = [end for end in point.ends if self.is_rigid(end)]
+            leader = self.leader(point)
+            for end in rigid[1 if leader and leader.slide is None else 0 :]:
+                yield Coincidence(self._pinned(end), leader or ground)
+            if point.hub and self.is_rigid(point.ends[0]):
+                yield Coincidence(self._pinned(point.ends[0]), ground)
+        for end in self._hubs:
+            if end in self.ends:
+                yield Coincidence(self._pinned(end), ground)
+
+    def _pinned(self, end: LinkEnd) -> BodyPoint:
+        """Point of a body that is pinned for an end: of a clamped one that on the axis."""
+        point = BodyPoint(self.ends[end]) if end in self.ends else end_point(self.topology, end)
+        return replace(point, place=point.place - self._hubs.get(end, 0.0))
+
+    def _equal_angles(self) -> Iterator[EqualAngle]:
+        """Rigid links whose rotation equals that of others or of the shaft."""
+        for turn in self.turns:
+            rigid = [self.topology.index(end.link) for end in turn.ends if self.is_rigid(end)]
+            others = rigid if turn.fixed else rigid[1:]
+            leader = GROUND_AFTER_LINKS if turn.fixed else rigid[0] if rigid else 0
+            yield from (EqualAngle(other, leader) for other in others)
+
+    def _choose(self) -> tuple[IntArray, IntArray, IntArray]:
+        """Independent and dependent coordinates, and the constraints that determine the latter.
+
+        Chosen once, in a general position: the first columns that add to the rank are dependent.
+        """
+        none = np.zeros(0, dtype=np.intp)
+        if not self.constraints.count:
+            return np.arange(self.size), none, none
+        bodies, slid = self.bodies(self.general_position)
+        conditions = self.constraints.jacobian_with_rates(bodies, slid).value[0]
+        order = self._order()
+        dependent = np.sort(order[_independent_columns(conditions[:, order])])
+        rows = _independent_columns(conditions[:, dependent].T)
+        independent = np.setdiff1d(np.arange(self.size), dependent)
+        return independent, dependent, rows
+
+    def _order(self) -> IntArray:
+        """All coordinates; those that should be independent come last.
+
+        Rotations, of the first links most of all, are preferred to slides, and these to
+        displacements: the rotation of a crank determines the position, a coordinate that is
+        stationary in a dead point does not. Of ends displacements depend on rotations, too.
+        """
+        links, ends = np.split(
+            np.arange(self.size - len(self.slides)).reshape(-1, 3), [len(self.links)]
+        )
+        of_ends = [ends[:, :2].ravel(), ends[:, 2]]
+        rotations = links[::-1, 2]
+        return np.concatenate([*of_ends, links[:, :2].ravel(), self.slides, rotations])
+
+    def refuse_locked(self, motion: RigidMotion, across: FloatArray) -> None:
+        """Refuse positions in which the constraints do not determine the dependent coordinates.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        across : ndarray, shape (B, n, n)
+            Jacobian of the constraints by these.
+
+        Raises
+        ------
+        ComputationError
+            Names the crank angle.
+        """
+        size = np.linalg.svd(across, compute_uv=False)
+        names = ", ".join(self.topology.links[n].name for n in self.links)
+        refuse_positions(
+            motion,
+            size[:, -1] <= RANK_TOLERANCE * size[:, 0],
+            f"the rigid links ({names}) and lines lock or come loose",
+            ": their constraints do not determine their motion; leave that crank angle out, or "
+            "make one of the links elastic",
+        )
+
+
+def _independent_columns(matrix: FloatArray) -> IntArray:
+    """Numbers of the columns that are linearly independent of those before them."""
+    basis = np.zeros((len(matrix), 0))
+    chosen = []
+    for number, column in enumerate(matrix.T):
+        rest = column
+        for _ in range(2):  # twice is enough against round-off
+            rest = rest - basis @ (basis.T @ rest)
+        size = float(np.linalg.norm(rest))
+        if size > RANK_TOLERANCE * float(np.linalg.norm(column)):
+            chosen.append(number)
+            basis = np.column_stack([basis, rest / size])
+    return np.array(chosen, dtype=np.intp)
+
+
+def joint_points(topology: Topology) -> list[JointPoint]:
+    """Points at which link ends coincide; joints of springs alone are not among them.
+
+    Parameters
+    ----------
+    topology : Topology
+
+    Returns
+    -------
+    list of JointPoint
+        Of ends that are joined, fixed or on a slider's line; free tips are not among them.
+    """
+    dependent = _ends_by_leader(topology.rigid_ties)
+    hubs = {clamp.link_end: clamp.hub for clamp in topology.clamps if clamp.free and clamp.hub}
+    fixed = {clamp.link_end for clamp in topology.clamps} - set(hubs)
+    fixed |= {pivot.link_end for pivot in topology.pivots if not pivot.sprung}
+    sliders = {slider.link_end: number for number, slider in enumerate(topology.sliders)}
+    roots = dict.fromkeys([*fixed, *hubs, *sliders, *dependent])
+    return [
+        JointPoint(
+            (root, *dependent.get(root, ())), root in fixed, sliders.get(root), hubs.get(root, 0.0)
+        )
+        for root in sorted(roots, key=lambda end: (topology.index(end.link), end.end == "end"))
+    ]
+
+
+def joint_rotations(topology: Topology) -> list[JointRotation]:
+    """Link ends whose rotations are equal, fixed, or that of a free shaft.
+
+    Parameters
+    ----------
+    topology : Topology
+
+    Returns
+    -------
+    list of JointRotation
+    """
+    dependent = _ends_by_leader(topology.welds)
+    fixed = {clamp.link_end: not clamp.free for clamp in topology.clamps}
+    roots = dict.fromkeys([*fixed, *dependent])
+    return [
+        JointRotation((root, *dependent.get(root, ())), fixed.get(root, False))
+        for root in sorted(roots, key=lambda end: (topology.index(end.link), end.end == "end"))
+    ]
+
+
+def _ends_by_leader(ties: Sequence[Pin | Weld]) -> dict[LinkEnd, tuple[LinkEnd, ...]]:
+    """Ends that depend on each leader, directly or through others."""
+    dependent: dict[LinkEnd, tuple[LinkEnd, ...]] = {}
+    for tie in ties:
+        root = leading_end(tie.follower, ties)
+        dependent[root] = (*dependent.get(root, ()), tie.follower)
+    return dependent
