@@ -145,7 +145,7 @@ class LinkTies:
                     matrix = _to_frame(motion, link) @ moved[source].columns(tie.which)
                 else:
                     matrix = _to_frame(motion, link, self.topology.index(leader.link))
-                    if len(self.rigid.dependent_coordinates):
+                    if leader in self.rigid.receding:  # whose displacement depends on others
                         own = self.rigid.of_end(leader)[:2]
                         matrix = matrix @ y.rows(own).columns(tie.which)
                 rows[-1].append(DependentRows.of(tie.rows, tie.columns, matrix))
