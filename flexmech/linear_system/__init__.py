@@ -40,7 +40,6 @@ from flexmech.linear_system.assembly.straight_links import (
 )
 from flexmech.linear_system.assembly.system import LinearSystem, condense
 from flexmech.linear_system.joints.carried_linkage import COORDINATES, CarriedLinkage
-from flexmech.linear_system.joints.joint_coordinates import RigidGeometricStiffness
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.link_place import DependentRows
 from flexmech.linear_system.joints.position_errors import (
@@ -52,7 +51,7 @@ from flexmech.linear_system.joints.position_errors import (
     TooManyModesError,
     refuse_positions,
 )
-from flexmech.linear_system.joints.rigid_pose import DisplacedTies
+from flexmech.linear_system.joints.rigid_pose import DisplacedTies, RigidGeometricStiffness
 from flexmech.linear_system.links.body_forces import (
     DeadMoments,
     DisplacedInertia,

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmech.arrays import SAME_PLACE, FloatArray
-from flexmech.linear_system.joints.joint_coordinates import RigidGeometricStiffness
 from flexmech.linear_system.joints.link_frames import LinkFrames
+from flexmech.linear_system.joints.rigid_pose import RigidGeometricStiffness
 from flexmech.linear_system.links.body_forces import DeadMoments
 from flexmech.linear_system.links.chains import with_entries
 from flexmech.linear_system.links.rotation_terms import RotationTerms

@@ -28,58 +28,23 @@ from flexmech.linkages.topology import leading_end
 
 
 @dataclass(frozen=True)
-class JointPoint:
-    """Link ends that coincide at a pin or a weld.
+class JoinedEnds:
+    """Link ends that coincide at a pin or a weld, or whose rotations are equal at a weld.
 
     Parameters
     ----------
     ends : tuple of LinkEnd
         The leader, by the topology, comes first.
     fixed : bool
-        Whether the point is fixed to the ground or to the shaft.
+        Whether they are fixed to the ground or to the prescribed shaft; ends on the hub of a free
+        shaft, and rotations of one, are not.
     slider : int, optional
-        Number of the slider on whose line the point is.
-    hub : float
-        Distance in m from the axis of a free shaft at which the point is on its hub, along the
-        frame of the first end's link; zero of others.
+        Number of the slider on whose line they are.
     """
 
     ends: tuple[LinkEnd, ...]
     fixed: bool
-    slider: int | None
-    hub: float = 0.0
-
-
-@dataclass(frozen=True)
-class JointRotation:
-    """Link ends that welds give equal rotations.
-
-    Parameters
-    ----------
-    ends : tuple of LinkEnd
-        The leader, by the topology, comes first.
-    fixed : bool
-        Whether their rotation is fixed to the prescribed shaft; one that is free rotates with them.
-    """
-
-    ends: tuple[LinkEnd, ...]
-    fixed: bool
-
-
-@dataclass(frozen=True)
-class RigidGeometricStiffness:
-    """Geometric stiffness of rigid links and sliders under dead loads and joint forces.
-
-    Parameters
-    ----------
-    rotation_stiffness : ndarray, shape (B, n_links)
-        Of each rigid link by its rotation in N m/rad; of a flexible one that of its hub.
-    guide_stiffness : ndarray, shape (B, n_sliders)
-        Between the rotation of a slider's guide and its slide in N/rad; zero on the ground.
-    """
-
-    rotation_stiffness: FloatArray
-    guide_stiffness: FloatArray
+    slider: int | None = None
 
 
 class JointCoordinates:
@@ -91,8 +56,8 @@ class JointCoordinates:
 
     Attributes
     ----------
-    points, turns : list of JointPoint, list of JointRotation
-        Of the topology.
+    points, turns : list of JoinedEnds
+        Ends that coincide, and ends whose rotations are equal or that a shaft turns.
     links : tuple of int
         Numbers of the rigid links; link ``links[k]`` has the coordinates ``3 k`` to ``3 k + 2``.
     ends : dict of LinkEnd to int
@@ -119,7 +84,7 @@ class JointCoordinates:
 
     def __init__(self, topology: Topology) -> None:
         self.topology = topology
-        self.points, self.turns = joint_points(topology), joint_rotations(topology)
+        self.points, self.turns = joint_points(topology), _joint_rotations(topology)
         self.links = tuple(n for n, link in enumerate(topology.links) if link.rigid)
         self._hubs = {clamp.link_end: clamp.hub for clamp in topology.clamps if clamp.hub}
         ends = dict.fromkeys(self._leading_ends())
@@ -164,7 +129,7 @@ class JointCoordinates:
         number = point.body - len(self.topology.links)
         return None if number < 0 else list(self.ends)[number]
 
-    def rotation(self, turn: JointRotation) -> int:
+    def rotation(self, turn: JoinedEnds) -> int:
         """The coordinate among y that is the rotation of ends which are not fixed."""
         rigid = [end for end in turn.ends if self.is_rigid(end)]
         if rigid:
@@ -239,12 +204,12 @@ class JointCoordinates:
             moved[:, dependent, : len(self.w)] = -solved
         return moved
 
-    def leader(self, point: JointPoint) -> BodyPoint | None:
+    def leader(self, point: JoinedEnds) -> BodyPoint | None:
         """Point of a line, of a rigid link or of an end on which other ends at a joint depend.
 
         Parameters
         ----------
-        point : JointPoint
+        point : JoinedEnds
 
         Returns
         -------
@@ -283,28 +248,6 @@ class JointCoordinates:
         """One generic position for rank decisions; the links need not meet in it."""
         return general_position(self.topology)
 
-    def projected(self, stiffness: RigidGeometricStiffness, dependence: FloatArray) -> FloatArray:
-        """Geometric stiffness by the independent coordinates of rigid links and sliders, (B, n, n).
-
-        Parameters
-        ----------
-        stiffness : RigidGeometricStiffness
-        dependence : ndarray, shape (B, size, m)
-            Derivative of y by w.
-        """
-        dependence = dependence[:, :, : len(self.independent_coordinates)]
-        total = np.zeros((len(dependence), self.size, self.size))
-        for link in self.links:
-            turn = self.of_link(link)[2]
-            total[:, turn, turn] = stiffness.rotation_stiffness[:, link]
-        for number, (slide, slider) in enumerate(
-            zip(self.slides, self.topology.sliders, strict=True)
-        ):
-            if slider.guide:
-                turn = self.of_link(self.topology.index(slider.guide))[2]
-                total[:, turn, slide] = total[:, slide, turn] = stiffness.guide_stiffness[:, number]
-        return np.asarray(np.swapaxes(dependence, 1, 2) @ total @ dependence)
-
     def _leading_ends(self) -> Iterator[LinkEnd]:
         """Ends of elastic links that others depend on, that a free shaft turns, or on a hub."""
         joined = [point.ends for point in self.points if not point.fixed and point.slider is None]
@@ -320,11 +263,7 @@ class JointCoordinates:
             leader = self.leader(point)
             for end in rigid[1 if leader and leader.slide is None else 0 :]:
                 yield Coincidence(self._pinned(end), leader or ground)
-            if point.hub and self.is_rigid(point.ends[0]):
-                yield Coincidence(self._pinned(point.ends[0]), ground)
-        for end in self._hubs:
-            if end in self.ends:
-                yield Coincidence(self._pinned(end), ground)
+        yield from (Coincidence(self._pinned(end), ground) for end in self._hubs)
 
     def _pinned(self, end: LinkEnd) -> BodyPoint:
         """Point of a body that is pinned for an end: of a clamped one that on the axis."""
@@ -410,8 +349,8 @@ def _independent_columns(matrix: FloatArray) -> IntArray:
     return np.array(chosen, dtype=np.intp)
 
 
-def joint_points(topology: Topology) -> list[JointPoint]:
-    """Points at which link ends coincide; joints of springs alone are not among them.
+def joint_points(topology: Topology) -> list[JoinedEnds]:
+    """Ends that are joined, fixed or on a slider's line; free tips are not among them.
 
     Parameters
     ----------
@@ -419,47 +358,30 @@ def joint_points(topology: Topology) -> list[JointPoint]:
 
     Returns
     -------
-    list of JointPoint
-        Of ends that are joined, fixed or on a slider's line; free tips are not among them.
+    list of JoinedEnds
     """
-    dependent = _ends_by_leader(topology.rigid_ties)
-    hubs = {clamp.link_end: clamp.hub for clamp in topology.clamps if clamp.free and clamp.hub}
-    fixed = {clamp.link_end for clamp in topology.clamps} - set(hubs)
+    on_hubs = {clamp.link_end for clamp in topology.clamps if clamp.free and clamp.hub}
+    fixed = {clamp.link_end for clamp in topology.clamps} - on_hubs
     fixed |= {pivot.link_end for pivot in topology.pivots if not pivot.sprung}
     sliders = {slider.link_end: number for number, slider in enumerate(topology.sliders)}
-    roots = dict.fromkeys([*fixed, *hubs, *sliders, *dependent])
-    return [
-        JointPoint(
-            (root, *dependent.get(root, ())), root in fixed, sliders.get(root), hubs.get(root, 0.0)
-        )
-        for root in sorted(roots, key=lambda end: (topology.index(end.link), end.end == "end"))
-    ]
+    joined = _joined(topology, topology.rigid_ties, [*fixed, *on_hubs, *sliders])
+    return [JoinedEnds(ends, ends[0] in fixed, sliders.get(ends[0])) for ends in joined]
 
 
-def joint_rotations(topology: Topology) -> list[JointRotation]:
-    """Link ends whose rotations are equal, fixed, or that of a free shaft.
-
-    Parameters
-    ----------
-    topology : Topology
-
-    Returns
-    -------
-    list of JointRotation
-    """
-    dependent = _ends_by_leader(topology.welds)
+def _joint_rotations(topology: Topology) -> list[JoinedEnds]:
+    """Ends whose rotations are equal, fixed, or that of a free shaft."""
     fixed = {clamp.link_end: not clamp.free for clamp in topology.clamps}
-    roots = dict.fromkeys([*fixed, *dependent])
-    return [
-        JointRotation((root, *dependent.get(root, ())), fixed.get(root, False))
-        for root in sorted(roots, key=lambda end: (topology.index(end.link), end.end == "end"))
-    ]
+    joined = _joined(topology, topology.welds, [*fixed])
+    return [JoinedEnds(ends, fixed.get(ends[0], False)) for ends in joined]
 
 
-def _ends_by_leader(ties: Sequence[Pin | Weld]) -> dict[LinkEnd, tuple[LinkEnd, ...]]:
-    """Ends that depend on each leader, directly or through others."""
-    dependent: dict[LinkEnd, tuple[LinkEnd, ...]] = {}
+def _joined(
+    topology: Topology, ties: Sequence[Pin | Weld], leaders: Sequence[LinkEnd]
+) -> list[tuple[LinkEnd, ...]]:
+    """Some leaders and those of ties, with the ends that follow directly or through others."""
+    joined = {leader: [leader] for leader in leaders}
     for tie in ties:
-        root = leading_end(tie.follower, ties)
-        dependent[root] = (*dependent.get(root, ()), tie.follower)
-    return dependent
+        leader = leading_end(tie.follower, ties)
+        joined.setdefault(leader, [leader]).append(tie.follower)
+    ordered = sorted(joined, key=lambda end: (topology.index(end.link), end.end == "end"))
+    return [tuple(joined[leader]) for leader in ordered]

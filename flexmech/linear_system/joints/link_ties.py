@@ -11,12 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system.joints.joint_coordinates import (
-    JointCoordinates,
-    RigidGeometricStiffness,
-)
+from flexmech.linear_system.joints.joint_coordinates import JointCoordinates
 from flexmech.linear_system.joints.link_place import DependentRows
-from flexmech.linear_system.joints.rigid_pose import DisplacedRows, DisplacedTies, RigidPose
+from flexmech.linear_system.joints.rigid_pose import (
+    DisplacedRows,
+    DisplacedTies,
+    RigidGeometricStiffness,
+    RigidPose,
+)
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linkages import LinkEnd, RigidMotion, Topology
 from flexmech.linkages.body_motion import BodyPoint
@@ -97,9 +99,8 @@ class LinkTies:
         ]
         self._at_points: list[tuple[int, IntArray, BodyPoint]] = []
         self._connect_ends()
-        self._number(last or [np.zeros(link.size, dtype=bool) for link in links])
         self._ties: list[list[Tie]] = [[] for _ in links]
-        self._add_ties()
+        self._add_ties(self._number(last or [np.zeros(link.size, dtype=bool) for link in links]))
 
     def dependencies(self, link: int) -> list[tuple[IntArray, IntArray]]:
         """Dependent coordinates of a link and the coordinates of z that determine them, by tie."""
@@ -144,7 +145,7 @@ class LinkTies:
                     matrix = _to_frame(motion, link) @ moved[source].columns(tie.which)
                 else:
                     matrix = _to_frame(motion, link, self.topology.index(leader.link))
-                    if len(self.rigid.dependent_coordinates):
+                    if leader in self.rigid.receding:  # whose displacement depends on others
                         own = self.rigid.of_end(leader)[:2]
                         matrix = matrix @ y.rows(own).columns(tie.which)
                 rows[-1].append(DependentRows.of(tie.rows, tie.columns, matrix))
@@ -204,7 +205,7 @@ class LinkTies:
         zero = np.zeros((len(guide_stiffness), len(self.topology.links)))
         dependence = self.rigid.dependence(motion).value
         stiffness = RigidGeometricStiffness(zero, guide_stiffness)
-        total[:, :first, :first] = self.rigid.projected(stiffness, dependence)
+        total[:, :first, :first] = stiffness.projected(self.rigid, dependence)
         return total
 
     def _slides(self, motion: RigidMotion, displacement: Sequence[NDArray[Any]]) -> NDArray[Any]:
@@ -283,7 +284,8 @@ class LinkTies:
                     self._at_points.append((link, rows, leader))
                 elif body is not None:
                     self._at_coordinates.append((link, rows, rigid.of_end(end)[:2]))
-                if leader is None or leader.body != body or point.hub:
+                leads = leader is not None and leader.body == body
+                if not (leads and np.isin(rigid.of_end(end)[:2], rigid.of_ends).all()):
                     self.targets[link][rows] = -1
         for turn in rigid.turns:
             for end in turn.ends:
@@ -296,20 +298,23 @@ class LinkTies:
                     among = np.full(len(rows), rigid.rotation(turn))
                     self._at_coordinates.append((link, rows, among))
 
-    def _number(self, last: Sequence[NDArray[np.bool_]]) -> None:
-        """Number the free coordinates: of rigid links, of ends and of a free shaft, and others."""
+    def _number(self, last: Sequence[NDArray[np.bool_]]) -> IntArray:
+        """Number the free coordinates: of rigid links, of ends and of a free shaft, and others.
+
+        Returns the numbers of the joint coordinates, (size,); -1 of those that are none.
+        """
         rigid, count = self.rigid, len(self.rigid.independent_coordinates)
         place = np.full(rigid.size, -1, dtype=np.intp)
         place[rigid.independent_coordinates] = np.arange(count)
-        for link in rigid.links:
-            self.targets[link][:] = place[rigid.of_link(link)]
+        for number in rigid.links:
+            self.targets[number][:] = place[rigid.of_link(number)]
         ends = [~late for late in last]
         leading = {turn.ends[0] for turn in rigid.turns}
-        for own, model, end in zip(self.topology.links, self.links, ends, strict=True):
+        for link, model, end in zip(self.topology.links, self.links, ends, strict=True):
             elsewhere = np.ones(model.size, dtype=bool)
             elsewhere[model.start] = elsewhere[model.end] = elsewhere[model.receding] = False
             for side in ("start", "end"):
-                if LinkEnd(own.name, side) in leading:
+                if LinkEnd(link.name, side) in leading:
                     elsewhere[model.end_rotation_of(side)[:1]] = False
             end[elsewhere] = False
         inner = [~(end | late) for end, late in zip(ends, last, strict=True)]
@@ -321,15 +326,14 @@ class LinkTies:
             if group is ends:
                 self.end_count = count
         self.size = count
+        for number, rows, among in self._at_coordinates:
+            numbered = self.targets[number][rows]
+            place[among[numbered >= 0]] = numbered[numbered >= 0]
+        return place
 
-    def _add_ties(self) -> None:
-        """Add the dependence of marked coordinates on the numbered ones."""
+    def _add_ties(self, place: IntArray) -> None:
+        """Add the dependence of marked coordinates on the joint coordinates that are numbered."""
         rigid = self.rigid
-        place = np.full(rigid.size, -1, dtype=np.intp)
-        place[rigid.independent_coordinates] = np.arange(len(rigid.independent_coordinates))
-        for link, rows, among in self._at_coordinates:
-            own = self.targets[link][rows]
-            place[among[own >= 0]] = own[own >= 0]
         receding = [-1] * len(rigid.receding)
         for number, end in enumerate(rigid.receding):
             link = self.topology.index(end.link)

@@ -17,10 +17,7 @@ import numpy as np
 
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.linear_system.joints.displaced_motion import DisplacedMotion
-from flexmech.linear_system.joints.joint_coordinates import (
-    JointCoordinates,
-    RigidGeometricStiffness,
-)
+from flexmech.linear_system.joints.joint_coordinates import JointCoordinates
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.body_motion import BodyMotion, BodyPoint, dot
 from flexmech.linkages.connection_forces import end_point
@@ -30,6 +27,44 @@ ITERATIONS = 30
 # Of conditions in m, to the size of the longest link, and of angles in rad: fifty times the unit
 # round-off. Where it stays above that, as far as it comes is enough if it closes to the second.
 CLOSED, NEARLY_CLOSED = 1e-14, 1e-9
+
+
+@dataclass(frozen=True)
+class RigidGeometricStiffness:
+    """Geometric stiffness of rigid links and sliders under dead loads and joint forces.
+
+    Parameters
+    ----------
+    rotation_stiffness : ndarray, shape (B, n_links)
+        Of each rigid link by its rotation in N m/rad; of a flexible one that of its hub.
+    guide_stiffness : ndarray, shape (B, n_sliders)
+        Between the rotation of a slider's guide and its slide in N/rad; zero on the ground.
+    """
+
+    rotation_stiffness: FloatArray
+    guide_stiffness: FloatArray
+
+    def projected(self, joints: JointCoordinates, dependence: FloatArray) -> FloatArray:
+        """Geometric stiffness by the independent coordinates of rigid links and sliders, (B, n, n).
+
+        Parameters
+        ----------
+        joints : JointCoordinates
+        dependence : ndarray, shape (B, size, m)
+            Derivative of y by w.
+        """
+        dependence = dependence[:, :, : len(joints.independent_coordinates)]
+        total = np.zeros((len(dependence), joints.size, joints.size))
+        for link in joints.links:
+            turn = joints.of_link(link)[2]
+            total[:, turn, turn] = self.rotation_stiffness[:, link]
+        for number, (slide, slider) in enumerate(
+            zip(joints.slides, joints.topology.sliders, strict=True)
+        ):
+            if slider.guide:
+                turn = joints.of_link(joints.topology.index(slider.guide))[2]
+                total[:, turn, slide] = total[:, slide, turn] = self.guide_stiffness[:, number]
+        return np.asarray(np.swapaxes(dependence, 1, 2) @ total @ dependence)
 
 
 class RigidPose:
@@ -42,7 +77,7 @@ class RigidPose:
         Batch of shape (B,), not displaced.
     y : ndarray, shape (B, size)
         Coordinates of ``rigid``: displacements in the frames of the rigid motion, finite
-        rotations, slides.
+        rotations, slides; zero of ends of elastic links.
     """
 
     def __init__(self, rigid: JointCoordinates, motion: RigidMotion, y: FloatArray) -> None:
@@ -70,13 +105,13 @@ class RigidPose:
         pose = cls(rigid, motion, y)
         if not len(rigid.dependent_coordinates):
             return pose
-        rigid.refuse_locked(motion, pose._jacobian[:, :, rigid.dependent_coordinates])
+        rigid.refuse_locked(motion, pose.jacobian[:, :, rigid.dependent_coordinates])
         length = max(link.length for link in rigid.topology.links)
         for _ in range(ITERATIONS):
             gap = pose._gap()
             if np.nanmax(np.abs(gap), initial=0.0) <= CLOSED * max(1.0, length):
                 return pose
-            across = pose._jacobian[:, :, rigid.dependent_coordinates]
+            across = pose.jacobian[:, :, rigid.dependent_coordinates]
             y = y.copy()
             y[:, rigid.dependent_coordinates] -= np.linalg.solve(across, gap[..., None])[..., 0]
             pose = cls(rigid, motion, y)
@@ -117,98 +152,53 @@ class RigidPose:
                 else pose.displacement([end_point(rigid.topology, slider.link_end)])[:, 0]
             )
             moved = moved - pose.displacement([line])[:, 0]  # whose slide is not there yet
-            along = line.along * pose._after[0].turn[:, line.body]
+            along = line.along * pose.after[0].turn[:, line.body]
             y[:, rigid.slides[number]] = dot(along, moved[:, 0] + 1j * moved[:, 1])
         return cls(rigid, motion, y)
 
     def displacement(self, points: Sequence[BodyPoint]) -> FloatArray:
         """Displacement of points of rigid links or of lines in ground axes, (B, P, 2)."""
         own = self.rigid.constraints.points(points)
-        moved = own.places(*self._after) - own.places(*self._before)
+        moved = own.places(*self.after) - own.places(*self.before)
         return np.stack([moved.real, moved.imag], axis=-1)
 
     def rows(self, points: Sequence[BodyPoint]) -> FloatArray:
         """Jacobian of the displacement of points by y, (B, 2 P, size)."""
-        bodies, slid = self._after
+        bodies, slid = self.after
         own = self.rigid.constraints.points(points)
-        return own.jacobian(bodies, self._before[0].turn, slid)
+        return own.jacobian(bodies, self.before[0].turn, slid)
 
     @cached_property
     def coordinates(self) -> FloatArray:
         """Derivative of all coordinates y by w, (B, size, n)."""
-        return self.rigid.finite_dependence(self._jacobian)
-
-    def geometric_stiffness(
-        self,
-        at_points: Mapping[BodyPoint, FloatArray],
-        forces: FloatArray,
-        virial: FloatArray,
-    ) -> RigidGeometricStiffness:
-        """Geometric stiffness by dead loads and by the forces of the joints.
-
-        Parameters
-        ----------
-        at_points : mapping of BodyPoint to ndarray, shape (B, 2)
-            Forces of flexible links on the points they are joined to, in ground axes in N.
-        forces : ndarray, shape (B, size)
-            All other forces, by y.
-        virial : ndarray, shape (B, n_links)
-            Of the forces on each rigid link but those of its joints, at its displaced place, in
-            N m.
-
-        Returns
-        -------
-        RigidGeometricStiffness
-        """
-        rigid, (bodies, slid) = self.rigid, self._after
-        rotation_stiffness, guide_stiffness = virial.copy(), np.zeros(slid.shape)
-        total, found = forces, []
-        if at_points:
-            points = list(at_points)
-            given = np.concatenate(list(at_points.values()), axis=1)
-            total = total + np.einsum("bci,bc->bi", self.rows(points), given)
-            point_rows = rigid.constraints.points(points)
-            found.append(
-                point_rows.geometric_stiffness(bodies, slid, given[:, ::2] + 1j * given[:, 1::2])
-            )
-        if len(rigid.dependent_coordinates):
-            across = np.swapaxes(self._jacobian[:, :, rigid.dependent_coordinates], 1, 2)
-            ties = np.zeros((len(total), rigid.constraints.count))
-            ties[:, rigid.rows] = -np.linalg.solve(
-                across, total[:, rigid.dependent_coordinates, None]
-            )[..., 0]
-            found.append(rigid.constraints.geometric_stiffness(bodies, slid, ties))
-        for by_arm, by_line in found:
-            rotation_stiffness += rigid.by_links(by_arm)
-            guide_stiffness += by_line
-        return RigidGeometricStiffness(rotation_stiffness, guide_stiffness)
+        return self.rigid.finite_dependence(self.jacobian)
 
     def _gap(self) -> FloatArray:
         """Violation of the constraints that determine the dependent coordinates."""
         constraints = self.rigid.constraints
-        gap = constraints.gap(*self._after) - constraints.gap(*self._before)
+        gap = constraints.gap(*self.after) - constraints.gap(*self.before)
         return (gap + constraints.angle_gaps(self.y))[:, self.rigid.rows]
 
     @cached_property
-    def _jacobian(self) -> FloatArray:
+    def jacobian(self) -> FloatArray:
         """Constraint Jacobian by y, (B, conditions, size)."""
-        bodies, slid = self._after
-        jacobian = self.rigid.constraints.jacobian(bodies, self._before[0].turn, slid)
+        bodies, slid = self.after
+        jacobian = self.rigid.constraints.jacobian(bodies, self.before[0].turn, slid)
         return jacobian[:, self.rigid.rows]
 
     @cached_property
-    def _before(self) -> tuple[BodyMotion, ComplexArray]:
+    def before(self) -> tuple[BodyMotion, ComplexArray]:
         """Undisplaced bodies about their reference points, and slider positions on them."""
         bodies, slid = self.rigid.bodies(self.motion)
         return bodies, slid[0]
 
     @cached_property
-    def _after(self) -> tuple[BodyMotion, ComplexArray]:
+    def after(self) -> tuple[BodyMotion, ComplexArray]:
         """Displaced bodies about their former reference points, and slider positions on them."""
         bodies, slid = self.rigid.bodies(self.displaced)
         place, links = np.zeros_like(bodies.place), list(self.rigid.links)
         u, v = (self.y[:, first : 3 * len(links) : 3] for first in (0, 1))
-        place[:, links] = self._before[0].turn[:, links] * (u + 1j * v)
+        place[:, links] = self.before[0].turn[:, links] * (u + 1j * v)
         return replace(bodies, place=place), slid[0]
 
 
@@ -272,23 +262,37 @@ class DisplacedTies:
         -------
         RigidGeometricStiffness
         """
-        pose = self.pose
-        motion, rigid = pose.motion, pose.rigid
-        at_points: dict[BodyPoint, FloatArray] = {}
-        for link, rows, point in self._at_points:
-            x, y = forces[link][:, rows[:1]], forces[link][:, rows[1:]]
-            cosine, sine = np.cos(motion.angle[:, [link]]), np.sin(motion.angle[:, [link]])
-            ground = np.concatenate([cosine * x - sine * y, sine * x + cosine * y], axis=1)
-            at_points[point] = at_points.get(point, 0.0) + ground
-        by_y = np.zeros_like(pose.y)
+        pose, total = self.pose, np.zeros_like(self.pose.y)
+        motion, rigid, (bodies, slid) = pose.motion, pose.rigid, pose.after
         for link, rows, among in self._at_coordinates:
             for row, coordinate in zip(rows, among, strict=True):
-                by_y[:, coordinate] += forces[link][:, row]
-        by_link = np.zeros(motion.angle.shape)
+                total[:, coordinate] += forces[link][:, row]
+        by_rotation, guide_stiffness = np.zeros(motion.angle.shape), np.zeros(slid.shape)
         for link in rigid.links:
-            by_link[:, link] = rotation_stiffness[link]
-        return pose.geometric_stiffness(at_points, by_y, by_link)
+            by_rotation[:, link] = rotation_stiffness[link]
+        stiffnesses = []
+        if self._at_points:
+            vectors = [
+                (forces[link][:, rows[0]] + 1j * forces[link][:, rows[1]])
+                * np.exp(1j * motion.angle[:, link])
+                for link, rows, _ in self._at_points
+            ]
+            given = np.stack(vectors, axis=1)
+            points = rigid.constraints.points([point for _, _, point in self._at_points])
+            jacobian = points.jacobian(bodies, pose.before[0].turn, slid)
+            total += np.einsum("bpi,bp->bi", jacobian[:, ::2], given.real)
+            total += np.einsum("bpi,bp->bi", jacobian[:, 1::2], given.imag)
+            stiffnesses.append(points.geometric_stiffness(bodies, slid, given))
+        if len(dependent := rigid.dependent_coordinates):
+            across = np.swapaxes(pose.jacobian[:, :, dependent], 1, 2)
+            joints = np.zeros((len(total), rigid.constraints.count))
+            joints[:, rigid.rows] = -np.linalg.solve(across, total[:, dependent, None])[..., 0]
+            stiffnesses.append(rigid.constraints.geometric_stiffness(bodies, slid, joints))
+        for by_arm, by_line in stiffnesses:
+            by_rotation += rigid.by_links(by_arm)
+            guide_stiffness += by_line
+        return RigidGeometricStiffness(by_rotation, guide_stiffness)
 
     def matrix(self, stiffness: RigidGeometricStiffness) -> FloatArray:
         """Geometric stiffness by the independent coordinates, (B, n, n)."""
-        return self.pose.rigid.projected(stiffness, self.pose.coordinates)
+        return stiffness.projected(self.pose.rigid, self.pose.coordinates)
