@@ -287,7 +287,13 @@ class Connectors:
         time: FloatArray | None = None,
         rate: Sequence[FloatArray] | None = None,
     ) -> Iterator[ForceOnLink]:
-        """Forces on links, one by one, by the number of the link; as of :meth:`point_forces`."""
+        """Forces on links, one by one, by the number of the link.
+
+        Parameters
+        ----------
+        motion, displacement, time, rate
+            As of :meth:`point_forces`.
+        """
         mechanism, joints = self._mechanism, self._mechanism.joint_springs
         return applied_forces(
             self._topology,
