@@ -29,7 +29,6 @@ from flexmech.linear_system.assembly.element_kinds import (
 from flexmech.linear_system.assembly.engine import Engine
 from flexmech.linear_system.assembly.engine_stack import MechanismStack, likeness, stack_engines
 from flexmech.linear_system.assembly.link_points import LinkPoint, displacement_row, point_rows
-from flexmech.linear_system.assembly.running_links import RunningLinks
 from flexmech.linear_system.assembly.section_forces import DisplacedLinks
 from flexmech.linear_system.assembly.straight_links import (
     StraightForces,
@@ -138,7 +137,6 @@ __all__ = [
     "RigidFields",
     "RigidGeometricStiffness",
     "RotationTerms",
-    "RunningLinks",
     "StaticResponse",
     "StraightForces",
     "StressedLinks",
