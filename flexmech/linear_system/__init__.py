@@ -5,11 +5,8 @@ from flexmech.linear_system.assembly.balanced_loads import (
     LAST_STEP,
     LOAD_STEPS,
     MAX_ITERATIONS,
-    RELATIVE_RESIDUAL,
-    ROUND_OFF,
     BalancedLoads,
     refuse_large_displacements,
-    swelling_force,
 )
 from flexmech.linear_system.assembly.batches import check_elastic, checked_mechanism, stack_batches
 from flexmech.linear_system.assembly.constant_turn import (
@@ -100,9 +97,7 @@ __all__ = [
     "MOST_STACKED",
     "NEGLIGIBLE",
     "PRESTRESS_LEVELS",
-    "RELATIVE_RESIDUAL",
     "RESTRAINED_ENDS",
-    "ROUND_OFF",
     "AttachedPoint",
     "BalancedLoads",
     "BucklingError",
@@ -176,7 +171,6 @@ __all__ = [
     "stack_engines",
     "straight_forces",
     "stressed_along_turn",
-    "swelling_force",
     "ties_beyond_pins",
     "times",
     "with_rigid_links",

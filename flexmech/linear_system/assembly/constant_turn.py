@@ -10,7 +10,6 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.linear_system.assembly.engine import Engine
-from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.link_inertia import inertia_loads
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
@@ -93,16 +92,12 @@ def is_constant_turn(engine: Engine, motion: RigidMotion) -> bool:
     if has_relative_motion(engine.topology):
         return False
     links, connectors = engine.clamped_links, engine.connectors
-    loads = inertia_loads(links, motion, engine.mechanism.gravity)
-    if connectors.any:
-        # Together: a spring without tension pulls by round-off, which differs at all positions.
-        loads = [a + b for a, b in zip(loads, connectors.forces(motion), strict=True)]
+    inertia = inertia_loads(links, motion, engine.mechanism.gravity)
+    # Together: a spring without tension pulls by round-off, which differs at all positions.
+    loads = [a + b for a, b in zip(inertia, connectors.forces(motion), strict=True)]
     if not all_constant((motion.angular_velocity, motion.angular_acceleration, *loads)):
         return False
-    if not connectors.depend_on_displacement:
-        return True
-    frames = LinkFrames(engine.rigid_joint_topology, links)
-    tangents = connectors.matrices(frames, motion, "equilibrium")
+    tangents = connectors.matrices(engine.rigid_joint_frames, motion, "equilibrium")
     return has_constant_tangents(tangents, motion)
 
 
