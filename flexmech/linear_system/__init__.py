@@ -5,11 +5,8 @@ from flexmech.linear_system.assembly.balanced_loads import (
     LAST_STEP,
     LOAD_STEPS,
     MAX_ITERATIONS,
-    RELATIVE_RESIDUAL,
-    ROUND_OFF,
     BalancedLoads,
     refuse_large_displacements,
-    swelling_force,
 )
 from flexmech.linear_system.assembly.batches import check_elastic, checked_mechanism, stack_batches
 from flexmech.linear_system.assembly.constant_turn import (
@@ -29,7 +26,6 @@ from flexmech.linear_system.assembly.element_kinds import (
 from flexmech.linear_system.assembly.engine import Engine
 from flexmech.linear_system.assembly.engine_stack import MechanismStack, likeness, stack_engines
 from flexmech.linear_system.assembly.link_points import LinkPoint, displacement_row, point_rows
-from flexmech.linear_system.assembly.running_links import RunningLinks
 from flexmech.linear_system.assembly.section_forces import DisplacedLinks
 from flexmech.linear_system.assembly.straight_links import (
     StraightForces,
@@ -102,9 +98,7 @@ __all__ = [
     "MOST_STACKED",
     "NEGLIGIBLE",
     "PRESTRESS_LEVELS",
-    "RELATIVE_RESIDUAL",
     "RESTRAINED_ENDS",
-    "ROUND_OFF",
     "AttachedPoint",
     "BalancedLoads",
     "BucklingError",
@@ -138,7 +132,6 @@ __all__ = [
     "RigidFields",
     "RigidGeometricStiffness",
     "RotationTerms",
-    "RunningLinks",
     "StaticResponse",
     "StraightForces",
     "StressedLinks",
@@ -177,7 +170,6 @@ __all__ = [
     "stack_engines",
     "straight_forces",
     "stressed_along_turn",
-    "swelling_force",
     "ties_beyond_pins",
     "times",
     "with_rigid_links",

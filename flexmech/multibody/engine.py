@@ -24,7 +24,6 @@ from flexmech.errors import InputError
 from flexmech.linear_system import (
     BalancedLoads,
     Engine,
-    LinkFrames,
     LinkModel,
     LinkPoint,
     Prestress,
@@ -378,9 +377,8 @@ class ExudynEngine(Engine):
 
     def _straight(self, motion: RigidMotion) -> StraightForces:
         """Forces in straight links."""
-        frames = LinkFrames(self.rigid_joint_topology, self.clamped_links)
-        loads, connectors = self._loads(motion), self.connectors
-        return straight_forces(self.mechanism, frames, motion, loads, connectors=connectors)
+        frames, loads = self.rigid_joint_frames, self._loads(motion)
+        return straight_forces(self.mechanism, frames, motion, loads, connectors=self.connectors)
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links with the geometric stiffness of their tension."""

@@ -14,8 +14,13 @@ from typing import Any, Literal, Self
 import numpy as np
 
 from flexmech.choices import Integrator
-from flexmech.linear_system import ROUND_OFF
 from flexmech.multibody.library import load_exudyn
+
+ROUND_OFF = 8 * float(np.finfo(float).eps)
+"""Round-off of a sum of cancelling forces between nodes, relative to these forces.
+
+Four forces meet at a node, each of a product and a sum.
+"""
 
 ItemKind = Literal["node", "object", "marker", "load", "sensor"]
 _KINDS: tuple[ItemKind, ...] = ("node", "marker", "load", "sensor")

@@ -12,13 +12,13 @@ from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import (
     LESS_LOADED,
     LOAD_STEPS,
-    ROUND_OFF,
     DeadMoments,
     EquilibriumError,
     refuse_positions,
 )
 from flexmech.linkages import RigidMotion
 from flexmech.multibody.assembly import LinkAssembly
+from flexmech.multibody.items import ROUND_OFF
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import BeamPart, RigidPart, turn_vectors
 from flexmech.multibody.rigid_tangents import geometric_stiffness, line_forces

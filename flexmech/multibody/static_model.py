@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linear_system import LAST_STEP, MAX_ITERATIONS, RELATIVE_RESIDUAL, swelling_force
+from flexmech.linear_system import LAST_STEP, MAX_ITERATIONS
 from flexmech.linkages import LinkEnd, RigidMotion, picture_crank_angle
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
@@ -27,6 +27,13 @@ from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.joints import SliderJoint, TieJoint, add_sliders, add_ties
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.static_loads import StaticLoads
+
+RELATIVE_RESIDUAL = 1e-10
+"""Part of the load that may be out of balance where Exudyn's static solver takes no small step.
+
+Its second criterion, beside the round-off of the model. Convergence is quadratic: the last
+iteration brings far more than that.
+"""
 
 
 class StaticModel:
@@ -87,11 +94,12 @@ class StaticModel:
     @property
     def swelling_force(self) -> float:
         """Greatest force of an element whose free strain and curvature are restrained."""
-        loads = (
-            swelling_force(part.section, np.diff(part.positions).min())
-            for _, part in self.assembly.beams
-        )
-        return max(loads, default=0.0)
+        forces = [0.0]
+        for _, part in self.assembly.beams:
+            section, length = part.section, float(np.diff(part.positions).min())
+            bending = abs(section.free_curvature) * section.bending_stiffness / length
+            forces.append(bending + abs(section.free_strain) * section.axial_stiffness)
+        return max(forces)
 
     def move_to(self, motion: RigidMotion, number: int) -> FloatArray:
         """Move the supports to position ``number`` of a batch.

@@ -19,7 +19,6 @@ from flexmech.linear_system import (
     MOST_STACKED,
     BalancedLoads,
     Engine,
-    LinkFrames,
     LinkModel,
     LinkStretch,
     MechanismStack,
@@ -166,23 +165,9 @@ class ReferenceEngine(Engine):
         return [link.readings.nodes for link in self.clamped_links]
 
     @cached_property
-    def _clamped_frames(self) -> LinkFrames:
-        """Link frames with the shaft's rotation at zero."""
-        if self.free_shaft is None:
-            return self.frames
-        return LinkFrames(self.mechanism.linkage.topology, self.clamped_links)
-
-    @cached_property
-    def _rigid_joint_frames(self) -> LinkFrames:
-        """Link frames with rigid joints in place of springs."""
-        if self.rigid_joint_topology == self.mechanism.linkage.topology:
-            return self._clamped_frames
-        return LinkFrames(self.rigid_joint_topology, self.clamped_links)
-
-    @cached_property
     def balance(self) -> ForceBalance:
         """Forces and tangents of displaced links."""
-        return ForceBalance(self._clamped_frames, self.chains, self.mechanism.joint_springs)
+        return ForceBalance(self.clamped_frames, self.chains, self.mechanism.joint_springs)
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
@@ -247,7 +232,7 @@ class ReferenceEngine(Engine):
         loads: list[FloatArray],
     ) -> StressedLinks:
         force, of_chains = self.balance.response(displacement, varying, motion.design)
-        frames, links = self._clamped_frames, self.clamped_links
+        frames, links = self.clamped_frames, self.clamped_links
         found, dead = None, self._dead(motion, loads, displacement)
         columns = [q.T for q in displacement]
         of_chains = dead.add_stiffness(of_chains, columns)
@@ -280,7 +265,7 @@ class ReferenceEngine(Engine):
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links with the geometric stiffness of their tension."""
-        frames, designs = self._rigid_joint_frames, self.mechanism
+        frames, designs = self.rigid_joint_frames, self.mechanism
         loads, found = self._loads(motion), None
         if not isinstance(designs, MechanismStack):
             straight = straight_forces(

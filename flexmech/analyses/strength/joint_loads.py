@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from flexmech.analyses.strength.forces import BESIDE, InternalForces
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system import DisplacedLinks, RunningLinks
+from flexmech.linear_system import DisplacedLinks
 from flexmech.linkages import InverseDynamics, LinkEnd, Topology
 from flexmech.linkages.inverse_dynamics import LinkForces
 from flexmech.linkages.motion import direction, normal
@@ -40,10 +40,8 @@ class JointLoads:
     of_blocks: Mapping[str, FloatArray]
 
     @classmethod
-    def of_steady_links(
-        cls, found: InverseDynamics | DisplacedLinks, topology: Topology
-    ) -> JointLoads:
-        """Forces of links at rest in their frames: rigid ones, or bent ones in equilibrium.
+    def of_links(cls, found: InverseDynamics | DisplacedLinks, topology: Topology) -> JointLoads:
+        """Forces of rigid links, or of displaced ones, whose ends turn in a run by vibration too.
 
         Parameters
         ----------
@@ -57,26 +55,10 @@ class JointLoads:
         """
         force = np.stack([found.joint_force[name] for name in topology.joint_names], axis=1)
         rate = np.repeat(found.motion.angular_velocity[..., None], 2, axis=-1)
+        if isinstance(found, DisplacedLinks) and found.rate is not None:
+            for number, (link, own) in enumerate(zip(found.links, found.rate, strict=True)):
+                rate[:, number] += own @ link.readings.rotations_at(np.array([0.0, 1.0])).T
         return cls(topology, force, found.motion.angle, rate, _of_blocks(found, topology))
-
-    @classmethod
-    def of_running_links(cls, found: RunningLinks) -> JointLoads:
-        """Forces of a run, in which the ends of links turn by their vibration too.
-
-        Parameters
-        ----------
-        found : RunningLinks
-            At A samples.
-
-        Returns
-        -------
-        JointLoads
-        """
-        steady = cls.of_steady_links(found, found.mechanism.linkage.topology)
-        rate = steady.rate.copy()
-        for number, (link, own) in enumerate(zip(found.links, found.rate, strict=True)):
-            rate[:, number] += own @ link.readings.rotations_at(np.array([0.0, 1.0])).T
-        return replace(steady, rate=rate)
 
     def mapped(self, change: Callable[[FloatArray], FloatArray]) -> JointLoads:
         """With every history (A, ...) changed alike."""

@@ -21,7 +21,7 @@ from flexmech.analyses.strength.sampled_loads import LoadsOfRun
 from flexmech.analyses.strength.sought import LoadsOfEngines, Sought, seek
 from flexmech.analyses.strength.weakest import Name
 from flexmech.arrays import FloatArray, LabelledProgress
-from flexmech.linear_system import Engine, RunningLinks
+from flexmech.linear_system import DisplacedLinks, Engine
 from flexmech.threads import one_thread
 
 # Each leaves a few hundredths of what the one before has changed.
@@ -103,7 +103,7 @@ class Runs(LoadsOfEngines):
             for batch in engine.batches(len(trajectory.time)):
                 part = trajectory[batch]
                 running.append(
-                    RunningLinks.of_run(
+                    DisplacedLinks.of_run(
                         engine,
                         carried(engine, part, self.request.drive),
                         part.time,
@@ -112,7 +112,7 @@ class Runs(LoadsOfEngines):
                         [own[batch] for own in gained],
                     )
                 )
-        names = engine.mechanism.linkage.topology.link_names
+        topology = engine.mechanism.linkage.topology
 
         def at_samples(cuts: Mapping[str, Cuts]) -> LoadsOfTurn:
             found = []
@@ -120,17 +120,17 @@ class Runs(LoadsOfEngines):
                 for own in running:
                     inside = {
                         name: internal_forces(own, number, cuts[name])
-                        for number, name in enumerate(names)
+                        for number, name in enumerate(topology.link_names)
                     }
                     gap = _moment_gap(own, inside, cuts)
-                    found.append(LoadsOfTurn(inside, JointLoads.of_running_links(own), gap))
+                    found.append(LoadsOfTurn(inside, JointLoads.of_links(own, topology), gap))
             return LoadsOfTurn.joined(found)
 
         return LoadsOfRun(self.crank_angles, at_samples)
 
 
 def _moment_gap(
-    running: RunningLinks, inside: Mapping[str, InternalForces], cuts: Mapping[str, Cuts]
+    running: DisplacedLinks, inside: Mapping[str, InternalForces], cuts: Mapping[str, Cuts]
 ) -> FloatArray:
     """Greatest difference of bending moments from those of the curvature, and greatest moment.
 

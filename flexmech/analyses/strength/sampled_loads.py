@@ -111,7 +111,7 @@ class LoadsAtAngles:
                 name: internal_forces(found, number, cuts[name])
                 for number, name in enumerate(topology.link_names)
             }
-            parts.append(LoadsOfTurn(inside, JointLoads.of_steady_links(found, topology)))
+            parts.append(LoadsOfTurn(inside, JointLoads.of_links(found, topology)))
         return LoadsOfTurn.joined(parts).at(np.argsort(self._order))
 
 

@@ -9,7 +9,7 @@ next load.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +27,6 @@ from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.loads.connectors import Connectors
 from flexmech.linkages import RigidMotion
-from flexmech.sections import BeamSection
 
 # Passes of Newton's method: linkages with springs take four or five; one that takes ten times as
 # many oscillates.
@@ -99,30 +98,44 @@ def balanced_loads(
         Where no such forces are found, or inertia forces grow faster with the displacement than
         the links' forces; names the crank angle.
     """
-    acting = _DisplacementForces(connectors, displaced_inertia, motion, connects=not solve_connects)
-    force = acting.forces(None)
-    if displaced_inertia is None and not connectors.depend_on_displacement:
+    undisplaced = [np.zeros_like(load) for load in loads]
+
+    def forces(displacement: Sequence[FloatArray] | None) -> list[FloatArray]:
+        total = undisplaced if solve_connects else connectors.forces(motion, displacement)
+        if displaced_inertia is None or displacement is None:
+            return total
+        return _sum(total, displaced_inertia.on_undeformed(displacement))
+
+    def residual() -> FloatArray:
+        """Forces at the displacement less those under which it was found."""
+        excess = [b - a for a, b in zip(force, forces(displacement), strict=True)]
+        return frames.gather(motion, excess)
+
+    force = forces(None)
+    if displaced_inertia is None and (solve_connects or not connectors.depend_on_displacement):
         return BalancedLoads(_sum(loads, force), None)
     stiffness: Sequence[FloatArray] = [link.stiffness for link in frames.links]
-    displacement = [np.zeros_like(load) for load in loads]
-    residual = frames.gather(motion, _sum(loads, force))
+    displacement = undisplaced
+    unbalanced = frames.gather(motion, _sum(loads, force))
     if displaced_inertia is not None:
         # Near its first frequency a body is stiff by its tension alone, which it has then.
         displacement = solve(BalancedLoads(_sum(loads, force), None))
-        stiffness = tangents(displacement)
-        residual = frames.gather(motion, acting.excess(force, displacement))
+        stiffness, unbalanced = tangents(displacement), residual()
     load_change = np.full(len(motion.crank_angle), np.inf)
     converged = np.zeros(len(load_change), dtype=bool)
     for number in range(MOST_PASSES):
-        against = acting.stiffness(frames, stiffness, displacement)
-        step = frames.link_coordinates(motion, np.linalg.solve(against, residual[..., None]))
+        if displaced_inertia is not None:
+            pairs = zip(stiffness, displaced_inertia.matrices(displacement), strict=True)
+            stiffness = [tangent - matrix for tangent, matrix in pairs]
+        links = frames.assemble(motion, stiffness, FROZEN)
+        against = connectors.added(
+            frames, motion, links, FROZEN, "equilibrium", displacement
+        ).stiffness
+        step = frames.link_coordinates(motion, np.linalg.solve(against, unbalanced[..., None]))
         moved = [q + change[..., 0] for q, change in zip(displacement, step, strict=True)]
-        before, force = force, acting.forces(moved)
-        last, load_change = (
-            load_change,
-            greatest([b - a for a, b in zip(before, force, strict=True)]),
-        )
-        size = np.maximum(greatest(force), greatest(loads))
+        before, force, last = force, forces(moved), load_change
+        load_change = _greatest([b - a for a, b in zip(before, force, strict=True)])
+        size = np.maximum(_greatest(force), _greatest(loads))
         stagnated = (load_change <= STAGNATED * size) & (2 * load_change >= last)
         converged |= (load_change <= LAST_PASS * size) | stagnated
         if number and converged.all():
@@ -130,8 +143,7 @@ def balanced_loads(
                 _refuse_instability(motion, against, follow=connectors.follow)
             return BalancedLoads(_sum(loads, force), moved)
         displacement = solve(BalancedLoads(_sum(loads, force), moved))
-        stiffness = tangents(displacement)
-        residual = frames.gather(motion, acting.excess(force, displacement))
+        stiffness, unbalanced = tangents(displacement), residual()
     refuse_positions(
         motion,
         ~converged,
@@ -142,60 +154,6 @@ def balanced_loads(
         EquilibriumError,
     )
     return BalancedLoads(_sum(loads, force), moved)
-
-
-@dataclass(frozen=True)
-class _DisplacementForces:
-    """Forces on the links that depend on their displacement.
-
-    Parameters
-    ----------
-    connectors : Connectors
-    displaced_inertia : DisplacedInertia or None
-    motion : RigidMotion
-        Batch of shape (B,).
-    connects : bool
-        Whether the connectors' forces are among them.
-    """
-
-    connectors: Connectors
-    displaced_inertia: DisplacedInertia | None
-    motion: RigidMotion
-    connects: bool
-
-    def forces(self, displacement: Sequence[FloatArray] | None) -> list[FloatArray]:
-        """Forces (B, n_link) at a displacement; of undisplaced links where it is None."""
-        batch = len(self.motion.crank_angle)
-        total = (
-            self.connectors.forces(self.motion, displacement)
-            if self.connects
-            else [np.zeros((batch, link.size)) for link in self.connectors.links]
-        )
-        if self.displaced_inertia is None or displacement is None:
-            return total
-        return _sum(total, self.displaced_inertia.on_undeformed(displacement))
-
-    def excess(
-        self, counted: Sequence[FloatArray], displacement: Sequence[FloatArray]
-    ) -> list[FloatArray]:
-        """Forces at a displacement less those under which it was found."""
-        return [b - a for a, b in zip(counted, self.forces(displacement), strict=True)]
-
-    def stiffness(
-        self,
-        frames: LinkFrames,
-        stiffness: Sequence[FloatArray],
-        displacement: Sequence[FloatArray],
-    ) -> FloatArray:
-        """Tangent stiffness of the linkage with these forces, (B, size, size)."""
-        if self.displaced_inertia is not None:
-            pairs = zip(stiffness, self.displaced_inertia.matrices(displacement), strict=True)
-            stiffness = [tangent - matrix for tangent, matrix in pairs]
-        links = frames.assemble(self.motion, stiffness, FROZEN)
-        added = self.connectors.added(
-            frames, self.motion, links, FROZEN, "equilibrium", displacement
-        )
-        return added.stiffness
 
 
 def _refuse_instability(motion: RigidMotion, stiffness: FloatArray, *, follow: bool) -> None:
@@ -224,6 +182,11 @@ def _sum(loads: Sequence[FloatArray], others: Sequence[FloatArray]) -> list[Floa
     return [a + b for a, b in zip(loads, others, strict=True)]
 
 
+def _greatest(vectors: Sequence[FloatArray]) -> FloatArray:
+    """Greatest entry of several batches of vectors (B, n_link), (B,)."""
+    return np.asarray(np.max([np.abs(v).max(axis=1) for v in vectors], axis=0), dtype=float)
+
+
 MAX_ITERATIONS = 40
 """Of Newton's method in one load step: five do near an equilibrium; shortened steps take more."""
 LOAD_STEPS = (1, 5, 25)
@@ -231,12 +194,6 @@ LOAD_STEPS = (1, 5, 25)
 
 Five times more each time: what 25 steps do not reach, such as a bow beyond half a link's length, is
 not the equilibrium next to the straight links.
-"""
-RELATIVE_RESIDUAL = 1e-10
-"""Part of the load that may be out of balance where Exudyn's static solver takes no small step.
-
-Its second criterion, beside the round-off of the model. Convergence is quadratic: the last
-iteration brings far more than that.
 """
 LAST_STEP = 5e-8
 """Newton's method takes its last step where that turns no section, and moves no node by a part of
@@ -246,20 +203,9 @@ The error that is left is the step's square times at most 8000 on random mechani
 much as at their speeds: 2e-11. Forces out of balance are no measure: one that is lost in the
 round-off of a stiff link may bend a soft one that is pinned to it.
 """
-ROUND_OFF = 8 * float(np.finfo(float).eps)
-"""Round-off of a sum of cancelling forces between nodes, relative to these forces.
-
-Four forces meet at a node, each of a product and a sum.
-"""
 # A link displaced by more than this part of its length is no longer near the rigid linkage,
 # about whose motion vibrations are asked for; Newton's method may have found any equilibrium.
 FARTHEST = 0.5
-
-
-def swelling_force(section: BeamSection, length: float) -> float:
-    """Force in N of an element of a length whose free strain and curvature are restrained."""
-    bending = abs(section.free_curvature) * section.bending_stiffness / length
-    return bending + abs(section.free_strain) * section.axial_stiffness
 
 
 def refuse_large_displacements(
@@ -300,17 +246,3 @@ def refuse_large_displacements(
             f": that equilibrium is not near the rigid linkage; {LESS_LOADED} or stiffen the links",
             EquilibriumError,
         )
-
-
-def greatest(vectors: Iterable[FloatArray]) -> FloatArray:
-    """Greatest entry of several batches of vectors.
-
-    Parameters
-    ----------
-    vectors : iterable of ndarray, shape (B, n_link)
-
-    Returns
-    -------
-    ndarray, shape (B,)
-    """
-    return np.asarray(np.max([np.abs(v).max(axis=1) for v in vectors], axis=0), dtype=float)

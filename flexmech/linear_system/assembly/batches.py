@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -11,7 +10,6 @@ import numpy as np
 from flexmech.arrays import IntArray
 from flexmech.choices import MOST_ELEMENTS
 from flexmech.errors import InputError
-from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.mechanism import Mechanism
 
 # Working memory of a batch. Memory alone: what is alive at a time is independent of the map's size.
@@ -42,12 +40,6 @@ def stack_batches(count: int, designs: int) -> list[IntArray]:
     places = np.arange(count).reshape(designs, -1)
     parts = equal_batches(places.shape[1], STACK_POSITIONS)
     return [places[:, part].ravel() for part in parts]
-
-
-def batch_size(links: Sequence[LinkModel]) -> int:
-    """Number of positions of a linkage to hold in memory at a time."""
-    entries = sum(link.size**2 for link in links)
-    return max(LEAST_BATCH, BATCH_BYTES // (8 * 4 * entries))
 
 
 def equal_batches(count: int, size: int) -> list[slice]:

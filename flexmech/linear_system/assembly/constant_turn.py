@@ -10,7 +10,6 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.choices import Prestress
 from flexmech.linear_system.assembly.engine import Engine
-from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
 from flexmech.linkages import RigidMotion, Topology
@@ -96,10 +95,7 @@ def is_constant_turn(engine: Engine, motion: RigidMotion) -> bool:
     loads = connectors.with_inertia(links, motion)
     if not all_constant((motion.angular_velocity, motion.angular_acceleration, *loads)):
         return False
-    if not connectors.depend_on_displacement:
-        return True
-    frames = LinkFrames(engine.rigid_joint_topology, links)
-    tangents = connectors.matrices(frames, motion, "equilibrium")
+    tangents = connectors.matrices(engine.rigid_joint_frames, motion, "equilibrium")
     return has_constant_tangents(tangents, motion)
 
 

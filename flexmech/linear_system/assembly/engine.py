@@ -22,7 +22,8 @@ from flexmech.choices import (
 )
 from flexmech.errors import InputError
 from flexmech.linear_system.assembly.batches import (
-    batch_size,
+    BATCH_BYTES,
+    LEAST_BATCH,
     check_elastic,
     checked_elements,
     checked_mechanism,
@@ -30,8 +31,9 @@ from flexmech.linear_system.assembly.batches import (
 )
 from flexmech.linear_system.assembly.engine_links import EngineLinks
 from flexmech.linear_system.assembly.free_shaft import FreeShaft
-from flexmech.linear_system.assembly.reduced_system import Connect, reduced_system, unreduced_system
-from flexmech.linear_system.assembly.system import LinearSystem, on_frame
+from flexmech.linear_system.assembly.reduced_system import assembled_system
+from flexmech.linear_system.assembly.system import LinearSystem
+from flexmech.linear_system.joints.carried_linkage import CarriedLinkage
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.position_errors import TooManyModesError
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
@@ -258,7 +260,8 @@ class Engine(EngineLinks):
     @property
     def batch_size(self) -> int:
         """Number of positions to hold in memory at a time."""
-        return batch_size(self.links)
+        entries = sum(link.size**2 for link in self.links)
+        return max(LEAST_BATCH, BATCH_BYTES // (8 * 4 * entries))
 
     def batches(self, count: int) -> list[slice]:
         """Batches of equal size for a number of positions; of a stack there is one."""
@@ -333,50 +336,35 @@ class Engine(EngineLinks):
             stressed = self.running_links(motion, running)
         elif stressed is None:
             stressed = self.stressed_links(motion, prestress)
-        connect = self._connect(terms, prestress, stressed.displacement)
-        if detail is None or not self.component_modes or self.turns_as_one_body:
-            system = unreduced_system(self.frames, motion, stressed, terms, connect)
-            if modes is not None and system.size < modes:
-                raise TooManyModesError(
-                    f"modes: {modes} were asked for, the model has {system.size}; ask for fewer "
-                    "modes or more elements",
-                    most_modes=system.size,
-                )
-            return self._completed(system)
-        greatest = self.fastest(motion) if fastest is None else np.abs(np.atleast_1d(fastest))
-        greatest = greatest if terms.any else 0 * greatest
-        loaded = not stressed.unstressed and any(t.ndim == 3 for t in stressed.tangent)
-        reduction = self._reduction(modes or SYSTEM_MODES, greatest, loaded, detail)
-        if reduction.frames.rigid.size:
-            motion = self.frames.displaced(motion, stressed.displacement)
-        return self._completed(
-            reduced_system(self.links, reduction, motion, stressed, terms, connect)
-        )
-
-    def _completed(self, system: LinearSystem) -> LinearSystem:
-        """The system with its rigid modes counted, on its frame, and whether forces circulate."""
-        if (frame := self.mechanism.frame) is not None:
-            system = on_frame(system, frame, self.links, self.mechanism.gravity)
-        circulates, rigid = self.connectors.circulates, self.rigid_modes
-        return replace(system, rigid_modes=rigid, circulates=circulates)
-
-    def _connect(
-        self,
-        terms: RotationTerms,
-        prestress: Prestress,
-        displacement: Sequence[FloatArray] | None,
-    ) -> Connect | None:
-        """Function that adds stiffness and damping of loads and springs; None without them."""
-        connectors = self.connectors
-        if not connectors.any:
-            return None
+        reduction = None
+        if detail is not None and self.component_modes and not self.turns_as_one_body:
+            greatest = self.fastest(motion) if fastest is None else np.abs(np.atleast_1d(fastest))
+            greatest = greatest if terms.any else 0 * greatest
+            loaded = not stressed.unstressed and any(t.ndim == 3 for t in stressed.tangent)
+            reduction = self._reduction(modes or SYSTEM_MODES, greatest, loaded, detail)
 
         def connect(
             frames: LinkFrames, motion: RigidMotion, matrices: SystemMatrices
         ) -> SystemMatrices:
-            return connectors.added(frames, motion, matrices, terms, prestress, displacement)
+            return self.connectors.added(
+                frames, motion, matrices, terms, prestress, stressed.displacement
+            )
 
-        return connect
+        system = assembled_system(self.frames, reduction, motion, stressed, terms, connect)
+        if reduction is None and modes is not None and system.size < modes:
+            raise TooManyModesError(
+                f"modes: {modes} were asked for, the model has {system.size}; ask for fewer "
+                "modes or more elements",
+                most_modes=system.size,
+            )
+        if (frame := self.mechanism.frame) is not None:
+            gravity, bases = self.mechanism.gravity, system.bases
+            carried = CarriedLinkage.of(frame, system.frames, self.links, gravity, bases)
+            matrices = SystemMatrices(system.mass, system.damping, system.stiffness)
+            matrices = carried.added(system.motion, matrices, terms, system.expansion)
+            system = replace(system, **vars(matrices), carried=carried, unit_mass_from=None)
+        circulates, rigid = self.connectors.circulates, self.rigid_modes
+        return replace(system, rigid_modes=rigid, circulates=circulates)
 
     def _reduction(
         self, modes: int, fastest: FloatArray, loaded: bool, detail: float

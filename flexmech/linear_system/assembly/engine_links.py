@@ -83,6 +83,20 @@ class EngineLinks(ElementKinds):
         return LinkFrames(self.topology, self.links)
 
     @cached_property
+    def clamped_frames(self) -> LinkFrames:
+        """Link frames and constraints with the shaft's rotation at zero."""
+        if self.free_shaft is None:
+            return self.frames
+        return LinkFrames(self.mechanism.linkage.topology, self.clamped_links)
+
+    @cached_property
+    def rigid_joint_frames(self) -> LinkFrames:
+        """Link frames and constraints with rigid joints in place of springs, and a held shaft."""
+        if self.rigid_joint_topology == self.mechanism.linkage.topology:
+            return self.clamped_frames
+        return LinkFrames(self.rigid_joint_topology, self.clamped_links)
+
+    @cached_property
     def fixed_interface_links(self) -> tuple[FixedInterfaceLink, ...]:
         """Constraint modes and fixed-interface modes of the flexible links."""
         return fix_interfaces(self.topology, self.links, self.connectors.end_forces())
@@ -140,25 +154,17 @@ class EngineLinks(ElementKinds):
         prestress: Prestress,
         near: Sequence[FloatArray] | None = None,
     ) -> StressedLinks:
-        """As :meth:`stressed_links`, of :attr:`clamped_links`.
+        """Stressed links without the shaft's inertia; see :meth:`stressed_links`.
 
         Parameters
         ----------
         motion : RigidMotion
-            Batch of shape (B,).
         prestress : {"none", "axial", "equilibrium"}
         near : sequence of ndarray, shape (B, n_link), optional
-            Elastic displacement of each link near that at equilibrium, which an engine may take
-            as the start of its iteration; it starts from straight links by default.
 
         Returns
         -------
         StressedLinks
-
-        Raises
-        ------
-        ComputationError
-            If the equilibrium does not converge or is unstable; names the crank angle.
         """
 
     @property
@@ -235,18 +241,14 @@ class EngineLinks(ElementKinds):
     def _quasi_static_loads(self, motion: RigidMotion, solve: Solve) -> BalancedLoads:
         """Loads on the clamped links in the equilibrium that ``solve`` finds."""
         loads = inertia_loads(self.clamped_links, motion, self.mechanism.gravity)
-        displaced_inertia = self.displaced_inertia(motion)
-        connectors = self.connectors
-        if displaced_inertia is None and (self.solves_connectors or not connectors.any):
-            return BalancedLoads(loads, None)
         return balanced_loads(
-            connectors,
-            LinkFrames(self.mechanism.linkage.topology, self.clamped_links),
+            self.connectors,
+            self.clamped_frames,
             motion,
             loads,
             solve,
             lambda displacement: self.running_clamped_links(motion, displacement).tangent,
-            displaced_inertia=displaced_inertia,
+            displaced_inertia=self.displaced_inertia(motion),
             solve_connects=self.solves_connectors,
         )
 
@@ -277,39 +279,15 @@ class EngineLinks(ElementKinds):
         Returns
         -------
         StressedLinks
-
-        Raises
-        ------
-        InputError
-            If the engine does not linearize about given states.
         """
-        clamped = self.running_clamped_links(motion, displacement)
-        return replace(self._without_spin_softening(motion, clamped), motion=motion)
+        stressed = self.running_clamped_links(motion, displacement)
+        return replace(self._without_spin_softening(motion, stressed), motion=motion)
 
+    @abstractmethod
     def running_clamped_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
     ) -> StressedLinks:
-        """As :meth:`running_links`, of :attr:`clamped_links`.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-        displacement : sequence of ndarray, shape (B, n_link)
-            Elastic displacement of each link in its frame.
-
-        Returns
-        -------
-        StressedLinks
-
-        Raises
-        ------
-        InputError
-            If the engine does not linearize about given states.
-        """
-        raise InputError(
-            f"the {self.name} engine does not linearize about states of the running linkage"
-        )
+        """Running links without the shaft's inertia; see :meth:`running_links`."""
 
     def damping_stiffness(
         self, displacement: Sequence[FloatArray], rate: Sequence[FloatArray]

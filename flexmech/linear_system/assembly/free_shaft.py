@@ -106,20 +106,12 @@ class FreeShaft:
         """
         turn, own = np.array([self.rotation(links[self.link])]), links[self.link]
         mass = with_entries(own.mass, turn, turn, np.array([self.inertia]))
-        clamped = replace(own, mass=mass)
         if own.uncounted_rotary_inertia:
             length = own.readings.nodes[-1]
             start = self.clamp.hub - (length if self.clamp.link_end.end == "end" else 0.0)
             rigid = own.fields.tangential + start * own.fields.across
             rotary = float(own.uncounted_rotary_inertia) * length
             mean = (momentum := mass @ rigid) / (rigid @ momentum)
-            clamped = replace(
-                own,
-                mass=mass + rotary * np.outer(mean, mean),
-                gyroscopic=own.gyroscopic,
-                centrifugal_mass=own.centrifugal_mass,
-                stiffness=own.stiffness,
-                damping=own.damping,
-                uncounted_rotary_inertia=0.0,
-            )
+            mass = mass + rotary * np.outer(mean, mean)
+        clamped = replace(own, mass=mass, uncounted_rotary_inertia=0.0)
         return tuple(clamped if link is own else link for link in links)

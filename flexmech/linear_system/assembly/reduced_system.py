@@ -20,104 +20,71 @@ Connect = Callable[[LinkFrames, RigidMotion, SystemMatrices], SystemMatrices]
 """Adds to matrices those of loads and springs."""
 
 
-def unreduced_system(
+def assembled_system(
     frames: LinkFrames,
+    reduction: ComponentModes | None,
     motion: RigidMotion,
     stressed: StressedLinks,
     terms: RotationTerms,
-    connect: Connect | None = None,
+    connect: Connect,
 ) -> LinearSystem:
-    """Linear system in all coordinates of the links that have mass.
+    """Linear system of stressed links in all their coordinates or in component modes.
 
-    Rotations, and nodes between lumped masses, may have none: they are condensed statically.
+    Coordinates without mass are condensed statically: rotations and nodes between lumped masses may
+    have none; of component modes those are condensed that the reduction says.
 
     Parameters
     ----------
     frames : LinkFrames
         Of the unreduced links.
+    reduction : ComponentModes or None
+        None: all coordinates.
     motion : RigidMotion
         Batch of shape (B,).
     stressed : StressedLinks
     terms : RotationTerms
-    connect : callable, optional
+    connect : callable
         Adds the matrices of loads and springs.
 
     Returns
     -------
     LinearSystem
     """
-    motion = frames.displaced(motion, stressed.displacement)
-    turns = body_turns(frames.links, stressed.displacement)
-    tangent = [link.stiffness for link in frames.links] if stressed.unstressed else stressed.tangent
+    links, displacement = frames.links, stressed.displacement
+    motion, turns = frames.displaced(motion, displacement), body_turns(links, displacement)
+    damping, end_damping = stressed.damping, None
+    forces, bases, unit_mass_from = None, None, None
+    if reduction is None:
+        stiffness = [link.stiffness for link in links]
+        tangent = stiffness if stressed.unstressed else stressed.tangent
+    else:
+        frames = reduction.frames
+        damping, end_damping = _damping(links, reduction, stressed, motion.design)
+        forces = _damped_ends(frames, reduction, end_damping, motion)
+        bases = tuple(link.basis for link in reduction.links)
+        tangent = [
+            link.model.stiffness
+            if stressed.unstressed or tangent is full.stiffness
+            else _projected(link.basis_at(motion.design), tangent)
+            for full, link, tangent in zip(links, reduction.links, stressed.tangent, strict=True)
+        ]
     matrices = frames.assemble(
-        motion, tangent, terms, stressed.damping, stressed.guide_stiffness, turns
+        motion, tangent, terms, damping, stressed.guide_stiffness, turns, end_damping
     )
-    if connect is not None:
-        matrices = connect(frames, motion, matrices)
-    massless = np.all(np.diagonal(matrices.mass, axis1=1, axis2=2) == 0, axis=0)
-    massless[: len(frames.rigid.independent_coordinates)] = False
-    expansion = None
-    if massless.any():
-        matrices, expansion = condense(matrices, massless)
-    return LinearSystem(
-        motion,
-        matrices.mass,
-        matrices.damping,
-        matrices.stiffness,
-        terms,
-        frames,
-        expansion,
-    )
-
-
-def reduced_system(
-    links: Sequence[LinkModel],
-    reduction: ComponentModes,
-    motion: RigidMotion,
-    stressed: StressedLinks,
-    terms: RotationTerms,
-    connect: Connect | None = None,
-) -> LinearSystem:
-    """Linear system in component modes, some of which are condensed statically.
-
-    Parameters
-    ----------
-    links : sequence of LinkModel
-        Unreduced.
-    reduction : ComponentModes
-    motion : RigidMotion
-        Batch of shape (B,); of rigid links where they are displaced.
-    stressed : StressedLinks
-    terms : RotationTerms
-    connect : callable, optional
-        Adds the matrices of loads and springs.
-
-    Returns
-    -------
-    LinearSystem
-    """
-    frames = reduction.frames
-    condensed = np.zeros(frames.size, dtype=bool)
-    for target, link in zip(frames.targets, reduction.links, strict=True):
-        condensed[target[link.condensed]] = True
-    damping, end_damping = _damping(links, reduction, stressed, motion.design)
-    turns = body_turns(links, stressed.displacement)
-    projected = [
-        link.model.stiffness
-        if stressed.unstressed or tangent is full.stiffness
-        else _projected(link.basis_at(motion.design), tangent)
-        for full, link, tangent in zip(links, reduction.links, stressed.tangent, strict=True)
-    ]
-    matrices = frames.assemble(
-        motion, projected, terms, damping, stressed.guide_stiffness, turns, end_damping
-    )
-    if connect is not None:
-        matrices = connect(frames, motion, matrices)
+    matrices = connect(frames, motion, matrices)
+    if reduction is None:
+        condensed = np.all(np.diagonal(matrices.mass, axis1=1, axis2=2) == 0, axis=0)
+        condensed[: len(frames.rigid.independent_coordinates)] = False
+    else:
+        condensed = np.zeros(frames.size, dtype=bool)
+        for target, link in zip(frames.targets, reduction.links, strict=True):
+            condensed[target[link.condensed]] = True
+        # Component modes are normalized by the mass; condensed ones bring theirs along.
+        if reduction.decouples_mass and not condensed.any() and turns is None:
+            unit_mass_from = frames.end_count
     expansion = None
     if condensed.any():
-        forces = _damped_ends(frames, reduction, end_damping, motion)
         matrices, expansion = condense(matrices, condensed, forces)
-    has_unit_mass = reduction.decouples_mass and expansion is None and turns is None
     return LinearSystem(
         motion,
         matrices.mass,
@@ -126,9 +93,8 @@ def reduced_system(
         terms,
         frames,
         expansion,
-        tuple(link.basis for link in reduction.links),
-        # Component modes are normalized by the mass; condensed ones bring theirs along.
-        unit_mass_from=frames.end_count if has_unit_mass else None,
+        bases,
+        unit_mass_from,
     )
 
 

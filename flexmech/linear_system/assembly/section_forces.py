@@ -1,11 +1,15 @@
-"""Internal forces of displaced links at their quasi-static equilibrium.
+"""Internal forces of displaced links, at a quasi-static equilibrium and in a run.
 
-All forces of that equilibrium are dead ones: inertia forces of the rigid motion, weight, loads and
-springs, at the displaced places of the matter that they act on. The joint forces balance the
-displaced links, and those between two parts of a link balance either part. So internal forces need
-an engine's displacements alone, not its stresses, and both engines are treated alike. With N along
-and V across the link's frame they obey ``dM/dx = N v' - V (1 + u')``, the equation of a rod at
-finite displacements (u, v); Antman, *Nonlinear Problems of Elasticity*, 2nd ed. 2005, ch. 4.
+At an equilibrium all forces are dead ones: inertia forces of the rigid motion, weight, loads and
+springs, at the displaced places of the matter that they act on. In a run the inertia forces of the
+motion in the links' frames come to them, by d'Alembert's principle (Shabana, *Dynamics of Multibody
+Systems*, 5th ed., ch. 5). The joint forces balance the displaced links, and those between two parts
+of a link balance either part. So internal forces need an engine's displacements alone, not its
+stresses, and both engines are treated alike. With N along and V across the link's frame they obey
+``dM/dx = N v' - V (1 + u')``, the equation of a rod at finite displacements (u, v); Antman,
+*Nonlinear Problems of Elasticity*, 2nd ed. 2005, ch. 4.
+
+Forces and places in a link's frame are complex numbers: along it, and across it times i.
 """
 
 from __future__ import annotations
@@ -16,7 +20,7 @@ from functools import cached_property
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError
 from flexmech.linear_system.assembly.engine import Engine
 from flexmech.linear_system.links.body_forces import turns_as_one_body
@@ -30,7 +34,6 @@ from flexmech.linkages.connection_forces import (
     guide_place,
     solve_connections,
 )
-from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
 
 # Gauss points in each part of a link: forces along it are linear in the place, and their arms
@@ -46,26 +49,26 @@ class ForcesAlong:
     ----------
     place : ndarray, shape (j,) or (B, j)
         From the link's start in m.
-    force : ndarray, shape (B, j, 2)
+    force : ndarray of complex, shape (B, j)
         Along and across the link's frame, N.
     moment : ndarray, shape (B, j)
         About the start of the undisplaced link, N m.
     """
 
     place: FloatArray
-    force: FloatArray
+    force: ComplexArray
     moment: FloatArray
 
-    def before(self, place: FloatArray) -> FloatArray:
-        """Sums of forces and moments (B, k, 3) before cuts at places (k,)."""
-        all_three = np.concatenate([self.force, self.moment[..., None]], axis=2)
+    def before(self, place: FloatArray) -> ComplexArray:
+        """Sums of forces and of moments (B, k, 2) before cuts at places (k,)."""
+        both = np.stack([self.force, self.moment], axis=-1)
         passed = (self.place[..., None, :] < place[:, None]).astype(float)
-        return np.asarray(passed @ all_three)
+        return np.asarray(passed @ both)
 
 
 @dataclass(frozen=True)
 class DisplacedLinks:
-    """Links of a mechanism at a quasi-static equilibrium.
+    """Links of a mechanism at a quasi-static equilibrium or in a run.
 
     Parameters
     ----------
@@ -77,6 +80,8 @@ class DisplacedLinks:
     displacement : list of ndarray, shape (B, n_link)
     acting : tuple of PointForce
         Loads and springs at these displacements.
+    rate, acceleration : list of ndarray, shape (B, n_link), optional
+        Of the links' coordinates, in their frames; left out at an equilibrium.
     """
 
     mechanism: Mechanism
@@ -84,6 +89,8 @@ class DisplacedLinks:
     motion: RigidMotion
     displacement: list[FloatArray]
     acting: tuple[PointForce, ...]
+    rate: list[FloatArray] | None = None
+    acceleration: list[FloatArray] | None = None
 
     @classmethod
     def at_equilibrium(cls, engine: Engine, motion: RigidMotion) -> DisplacedLinks:
@@ -122,6 +129,43 @@ class DisplacedLinks:
         acting = engine.connectors.point_forces(motion, moved) if engine.connectors.any else ()
         return cls(engine.mechanism, engine.links, motion, moved, tuple(acting))
 
+    @classmethod
+    def of_run(
+        cls,
+        engine: Engine,
+        motion: RigidMotion,
+        time: FloatArray,
+        displacement: list[FloatArray],
+        rate: list[FloatArray],
+        acceleration: list[FloatArray],
+    ) -> DisplacedLinks:
+        """Links of an engine along a run.
+
+        Parameters
+        ----------
+        engine : Engine
+        motion : RigidMotion
+            Of the rigid linkage at B samples, with what a free shaft has turned.
+        time : ndarray, shape (B,)
+            In s.
+        displacement, rate, acceleration : list of ndarray, shape (B, n_link)
+            Of the links' coordinates, in their frames.
+
+        Returns
+        -------
+        DisplacedLinks
+
+        Raises
+        ------
+        InputError
+            If the mechanism has a frame on springs.
+        """
+        engine.require_standing_frame("the strength of links")
+        connectors = engine.connectors
+        acting = connectors.point_forces(motion, displacement, time) if connectors.any else ()
+        links = engine.mechanism, engine.links, motion, displacement, tuple(acting)
+        return cls(*links, rate, acceleration)
+
     def section_forces(self, link: int, place: FloatArray) -> FloatArray:
         """Internal forces at cuts of a link.
 
@@ -140,53 +184,47 @@ class DisplacedLinks:
             part beyond the cut exerts on the part before it.
         """
         place = np.asarray(place, dtype=float)
-        passed = sum(
-            one.before(place) for one in (*self._dead(link, place), *self._joint_forces[link])
+        passed = np.asarray(
+            sum(one.before(place) for one in (*self._dead(link, place), *self._joint_forces[link]))
         )
-        along, across, moment = np.moveaxis(np.asarray(passed), -1, 0)
-        moved = self._moved(link, place)
-        x, y = place + moved[..., 0], moved[..., 1]
-        cosine, sine = np.cos(moved[..., 2]), np.sin(moved[..., 2])
-        return np.stack(
-            [
-                -cosine * along - sine * across,
-                x * across - y * along - moment,
-                sine * along - cosine * across,
-            ],
-            axis=-1,
-        )
+        force, moment = passed[..., 0], passed[..., 1].real
+        at, turned = self._displaced(link, place)
+        beyond = -force * np.exp(-1j * turned)
+        return np.stack([beyond.real, moment_of(at, force) - moment, beyond.imag], axis=-1)
 
     def axial_force(self, link: int, x: FloatArray) -> FloatArray:
         """Tension along the turned axis (B, k) at places (k,); see :meth:`section_forces`."""
         return self.section_forces(link, x)[..., 0]
 
-    def bending_moment(self, link: int, x: FloatArray) -> FloatArray:
-        """Bending moment (B, k) at places (k,); see :meth:`section_forces`."""
-        return self.section_forces(link, x)[..., 1]
-
     def shear_force(self, link: int, x: FloatArray) -> FloatArray:
         """Shear force across the turned axis (B, k) at places (k,); see :meth:`section_forces`."""
         return self.section_forces(link, x)[..., 2]
 
-    def _moved(self, link: int, place: FloatArray) -> FloatArray:
-        """Displacement in the link's frame and rotation, (B, k, 3), at places (k,)."""
+    def _displaced(self, link: int, place: FloatArray) -> tuple[ComplexArray, FloatArray]:
+        """Places on the axis where those at (k,) are displaced to, and rotation there, (B, k)."""
         model, q = self.links[link], self.displacement[link]
         if model.rigid:
-            turn = q[:, 2, None]
-            back, rise = np.cos(turn) - 1.0, np.sin(turn)
-            shift = np.stack([back * place, rise * place], axis=-1) + q[:, None, :2]
-            return np.concatenate([shift, np.broadcast_to(turn, shift.shape[:2])[..., None]], -1)
-        readings = model.readings
-        q = readings.with_slope_vectors(q)
-        length = readings.nodes[-1]
-        turned = readings.rotations_at(place / length)
-        rows = np.concatenate([readings.displacement_at(place / length), turned[:, None]], axis=1)
-        moved = np.asarray(np.einsum("kcn,bn->bkc", rows, q))
-        if readings.slope in model.vectors[1]:
+            turned = np.broadcast_to(q[:, 2, None], (len(q), len(place)))
+            return place * np.exp(1j * turned) + q[:, [0]] + 1j * q[:, [1]], turned
+        q = model.readings.with_slope_vectors(q)
+        rows = self._rows(link, place)
+        moved, turned = _read(rows, q)
+        if model.readings.slope in model.vectors[1]:
             # Of a slope vector, which is of unit length but for the strain.
-            moved[..., 2] = np.arcsin(np.clip(moved[..., 2], -1.0, 1.0))
-            return moved
-        return _with_finite_chords(readings, place, rows, moved, q)
+            return place + moved, np.arcsin(np.clip(turned, -1.0, 1.0))
+        return _with_finite_chords(model.readings, place, rows, q)
+
+    def _rows(self, link: int, place: FloatArray) -> FloatArray:
+        """Displacement and rotation (k, 3, n) at places (k,) by a link's coordinates."""
+        readings = self.links[link].readings
+        fraction = place / readings.nodes[-1]
+        turned = readings.rotations_at(fraction)[:, None]
+        return np.concatenate([readings.displacement_at(fraction), turned], axis=1)
+
+    def _in_frame(self, link: int, vectors: FloatArray) -> ComplexArray:
+        """Vectors (B, 2) in ground axes, in the link's frame; (B, 1)."""
+        turn = np.exp(-1j * self.motion.angle[:, link])
+        return np.asarray((vectors[:, 0] + 1j * vectors[:, 1]) * turn)[:, None]
 
     def _dead(self, link: int, cuts: FloatArray) -> Iterator[ForcesAlong]:
         """All that acts on a link but its joint forces, in parts that end at cuts."""
@@ -199,59 +237,56 @@ class DisplacedLinks:
             gauss, weight = np.polynomial.legendre.leggauss(POINTS)
             half = np.diff(ends)[:, None] / 2
             x = (ends[:-1, None] + half * (1 + gauss)).ravel()
-            each, arm = (half * weight).ravel(), np.array([0.0, mass.offset])
-            rotary = mass.rotary_inertia * each
+            spans = (half * weight).ravel()
+            rotary = mass.rotary_inertia * spans
             vibrates = not self.links[link].uncounted_rotary_inertia
-            yield self._inertia(link, x, mass.mass_per_length * each, arm, rotary, vibrates)
+            arm = 1j * mass.offset
+            yield self._inertia(link, x, mass.mass_per_length * spans, arm, rotary, vibrates)
         for body in lumps:
             one = np.array([body.position]), np.array([body.mass])
-            yield self._inertia(link, *one, np.array(body.offset), body.inertia)
+            yield self._inertia(link, *one, complex(*body.offset), body.inertia)
         for push in self.acting:
             if push.point.link == link:
-                angle = self.motion.angle[:, link]
-                force = np.stack(
-                    [np.sum(push.force * axis(angle), axis=-1) for axis in (direction, normal)], -1
-                )
-                at = self._arms(link, np.array([push.point.x]), np.zeros(2))
-                moment = cross(at, force[:, None]) + push.torque[:, None]
-                yield ForcesAlong(np.array([push.point.x]), force[:, None], moment)
+                place, force = np.array([push.point.x]), self._in_frame(link, push.force)
+                at = self._displaced(link, place)[0]
+                yield ForcesAlong(place, force, moment_of(at, force) + push.torque[:, None])
 
     def _inertia(
         self,
         link: int,
         place: FloatArray,
         mass: FloatArray,
-        arm: FloatArray,
+        arm: complex,
         inertia: FloatArray | float = 0.0,
         vibrates: bool = True,
     ) -> ForcesAlong:
-        """Inertia forces and weight of masses (j,) on arms (2,) fixed to places (j,) of a link.
+        """Inertia forces and weight of masses (j,) on an arm fixed to places (j,) of a link.
 
         ``inertia`` (j,) is that about their own centres; ``vibrates`` says whether the rotation of
         sections in the link's frame has it too, besides that of the frame.
         """
-        motion, angle = self.motion, self.motion.angle[:, link]
-        x, y = place + arm[0], np.full_like(place, arm[1])
-        pull = motion.origin_acceleration[:, link] - np.asarray(self.mechanism.gravity)
-        along, across = (np.sum(pull * axis(angle), axis=-1) for axis in (direction, normal))
-        squared = motion.angular_velocity[:, link, None] ** 2
-        change = motion.angular_acceleration[:, link, None]
-        at = self._arms(link, place, arm)
-        if turns_as_one_body(self.mechanism.linkage.topology):
-            # At rest in the frame, where it is displaced to.
-            x, y = at[..., 0], at[..., 1]
-        force = -mass[:, None] * np.stack(
-            [along[:, None] - squared * x - change * y, across[:, None] - squared * y + change * x],
-            axis=-1,
+        motion = self.motion
+        turning, change = (
+            rate[:, link, None] for rate in (motion.angular_velocity, motion.angular_acceleration)
         )
-        return ForcesAlong(place, force, cross(at, force) - inertia * change)
-
-    def _arms(self, link: int, place: FloatArray, arm: FloatArray) -> FloatArray:
-        """Displaced points (B, j, 2) on arms (2,) that turn with their sections at places (j,)."""
-        moved = self._moved(link, place)
-        cosine, sine = np.cos(moved[..., 2]), np.sin(moved[..., 2])
-        x = place + moved[..., 0] + cosine * arm[0] - sine * arm[1]
-        return np.stack([x, moved[..., 1] + sine * arm[0] + cosine * arm[1]], axis=-1)
+        pull = motion.origin_acceleration[:, link] - np.asarray(self.mechanism.gravity)
+        axis, turned = self._displaced(link, place)
+        lever = arm * np.exp(1j * turned)
+        at = carried = axis + lever
+        felt, gained = self._in_frame(link, pull), change
+        if self.rate is not None and self.acceleration is not None:
+            rows = self._rows(link, place)
+            speed, spin = _read(rows, self.rate[link])
+            gain, spin_gain = _read(rows, self.acceleration[link])
+            felt = felt + gain + (1j * spin_gain - spin**2) * lever
+            felt = felt + 2j * turning * (speed + 1j * spin * lever)
+            gained = change + spin_gain if vibrates else change
+        # Links that rotate as one body are at rest in the frame where they are displaced to; the
+        # equilibrium of others is that under the inertia forces of the rigid motion.
+        elif not turns_as_one_body(self.mechanism.linkage.topology):
+            carried = np.asarray(place + arm)
+        force = -mass * (felt + (1j * change - turning**2) * carried)
+        return ForcesAlong(place, force, moment_of(at, force) - inertia * gained)
 
     @cached_property
     def _by_connections(self) -> FloatArray:
@@ -261,17 +296,16 @@ class DisplacedLinks:
         as they are.
         """
         topology, motion = self.mechanism.linkage.topology, self.motion
-        angle = motion.angle
-        outside = np.zeros((len(motion.crank_angle), len(self.links), 3))
-        ends = np.zeros((*outside.shape[:2], 2), dtype=complex)
+        outside = np.zeros((*motion.angle.shape, 3))
+        ends = np.zeros((*motion.angle.shape, 2), dtype=complex)
         for number, body in enumerate(topology.links):
-            beyond = np.array([2 * body.length])
-            outside[:, number] = sum(
-                one.before(beyond)[:, 0] for one in self._dead(number, np.zeros(0))
-            )
-            moved = self._moved(number, np.array([0.0, body.length]))
-            ends[:, number] = (moved[..., 0] + 1j * moved[..., 1]) * np.exp(1j * angle[:, [number]])
-        outside[..., :2] = _turned(outside[..., :2], angle)
+            turn, beyond = np.exp(1j * motion.angle[:, number]), np.array([2 * body.length])
+            total = sum(one.before(beyond)[:, 0] for one in self._dead(number, np.zeros(0)))
+            force, moment = np.moveaxis(np.broadcast_to(total, (len(turn), 2)), -1, 0)
+            force = force * turn
+            outside[:, number] = np.stack([force.real, force.imag, moment.real], axis=-1)
+            drawn = np.array([0.0, body.length])
+            ends[:, number] = (self._displaced(number, drawn)[0] - drawn) * turn[:, None]
         matrix = connection_matrix(topology, motion, ends)
         load = outside.reshape(len(outside), -1)
         columns = matrix * solve_connections(topology, motion, load, matrix)[:, None]
@@ -295,65 +329,56 @@ class DisplacedLinks:
     def _joint_forces(self) -> list[list[ForcesAlong]]:
         """Of each link."""
         topology, motion = self.mechanism.linkage.topology, self.motion
-        found: list[list[ForcesAlong]] = [[] for _ in topology.links]
+        forces: list[list[ForcesAlong]] = [[] for _ in topology.links]
         for number, one in enumerate(connections(topology)):
-            on_ends = [each for each in (one.place, one.other) if each is not None]
-            places: list[tuple[int, FloatArray]] = []
-            for end in on_ends:
-                link, x = topology.end_place(end)
-                places.append((link, np.array([x])))
+            ends = [topology.end_place(end) for end in (one.place, one.other) if end is not None]
+            places = [(link, np.array([x])) for link, x in ends]
             if one.slider is not None and one.slider.guide:
                 along, _ = guide_place(topology, motion, one.slider)
                 places.append((topology.index(one.slider.guide), along[:, None]))
             for link, place in places:
-                own = self._by_connections[:, link, :, number]
-                force = _turned(own[:, None, :2], -motion.angle[:, [link]])
-                found[link].append(ForcesAlong(place, force, own[:, None, 2]))
-        return found
+                on_link = self._by_connections[:, link, :, number]
+                force = self._in_frame(link, on_link[:, :2])
+                forces[link].append(ForcesAlong(place, force, on_link[:, 2:]))
+        return forces
+
+
+def _read(rows: FloatArray, q: FloatArray) -> tuple[ComplexArray, FloatArray]:
+    """Displacement and rotation (B, k) by rows (k, 3, n) of coordinates (B, n)."""
+    along, across, turned = np.einsum("kcn,bn->cbk", rows, q)
+    return along + 1j * across, turned
 
 
 def _with_finite_chords(
-    readings: LinkReadings, place: FloatArray, rows: FloatArray, moved: FloatArray, q: FloatArray
-) -> FloatArray:
-    """Displacement and rotation (B, k, 3) inside elements whose chords turn by finite angles.
+    readings: LinkReadings, place: FloatArray, rows: FloatArray, q: FloatArray
+) -> tuple[ComplexArray, FloatArray]:
+    """Displaced places and rotation (B, k) inside elements whose chords turn by finite angles.
 
     An element's shapes are of small rotations; against its chord those of its nodes are small.
     """
     nodes, per_node = readings.nodes, readings.per_node
-    at_nodes = np.einsum("kcn,bn->bkc", readings.displacement_at(nodes / nodes[-1]), q)
-    chord = np.diff(at_nodes, axis=1) / np.diff(nodes)[:, None]
-    angle = np.arctan2(chord[..., 1], 1.0 + chord[..., 0])
-    excess = angle - chord[..., 1]
+    at_nodes = np.einsum("kcn,bn->cbk", readings.displacement_at(nodes / nodes[-1]), q)
+    drawn = nodes + at_nodes[0] + 1j * at_nodes[1]
+    chord = np.diff(drawn, axis=1) / np.diff(nodes)
+    angle = np.angle(chord)
+    excess = angle - chord.imag
     # By equal rotations of the nodes of an element that do not move.
     equal = np.zeros(per_node * len(nodes))
     equal[readings.slope :: per_node] = 1.0
     _, deflected, turned = (rows @ equal).T
+    moved, rotation = _read(rows, q)
     element = np.clip(np.searchsorted(nodes, place, side="right") - 1, 0, len(nodes) - 2)
-    on_chord = at_nodes[:, element] + (place - nodes[element])[:, None] * chord[:, element]
-    rotation = moved[..., 2] + excess[:, element] * (1.0 - turned)
+    on_chord = drawn[:, element] + (place - nodes[element]) * chord[:, element]
+    rotation = rotation + excess[:, element] * (1.0 - turned)
     if readings.deflection is None:
         # Of sections that shear: between those of the nodes.
-        at_nodes = q @ np.eye(len(equal))[readings.slope :: per_node].T
-        part = (place - nodes[element]) / np.diff(nodes)[element]
-        rotation = (1.0 - part) * at_nodes[:, element] + part * at_nodes[:, element + 1]
-    across = moved[..., 1] - on_chord[..., 1] - excess[:, element] * deflected
-    return np.stack(
-        [
-            on_chord[..., 0] - across * np.sin(angle[:, element]),
-            on_chord[..., 1] + across * np.cos(angle[:, element]),
-            rotation,
-        ],
-        axis=-1,
-    )
+        of_nodes = q[:, readings.slope :: per_node]
+        share = (place - nodes[element]) / np.diff(nodes)[element]
+        rotation = (1.0 - share) * of_nodes[:, element] + share * of_nodes[:, element + 1]
+    across = moved.imag - on_chord.imag - excess[:, element] * deflected
+    return on_chord + 1j * across * np.exp(1j * angle[:, element]), rotation
 
 
-def cross(arm: FloatArray, force: FloatArray) -> FloatArray:
-    """Moments (...) of forces (..., 2) on arms (..., 2)."""
-    return np.asarray(arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0])
-
-
-def _turned(vector: FloatArray, angle: FloatArray) -> FloatArray:
-    """Vectors (..., 2) turned by angles (...)."""
-    cosine, sine = np.cos(angle), np.sin(angle)
-    x, y = vector[..., 0], vector[..., 1]
-    return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
+def moment_of(place: ComplexArray, force: ComplexArray) -> FloatArray:
+    """Moments (...) about the origin of forces (...) at places (...)."""
+    return np.asarray((np.conj(place) * force).imag)

@@ -128,7 +128,7 @@ def with_rigid_links(
         Without a displacement.
     """
     if found is None:
-        return StressedLinks(list(_in_order(tangent)), loads=loads)
+        return StressedLinks([tangent[number] for number in sorted(tangent)], loads=loads)
     tangents = [
         np.multiply.outer(found.rotation_stiffness[:, number], TURN)
         if link.rigid
@@ -142,10 +142,6 @@ def with_rigid_links(
             own = found.rotation_stiffness[:, number, None]
             tangents[number] = with_entries(tangents[number], turn, turn, own)
     return StressedLinks(tangents, loads=loads, guide_stiffness=found.guide_stiffness)
-
-
-def _in_order(values: Mapping[int, FloatArray]) -> Sequence[FloatArray]:
-    return [values[number] for number in sorted(values)]
 
 
 def element_tensions(
