@@ -56,6 +56,11 @@ COMMANDS: tuple[Callable[..., None], ...] = (
 
 _NAMED = {command.__name__.replace("_", "-"): command for command in COMMANDS}
 
+_MOVED = {
+    "study": "the campaign after Elamy et al. is a script of the repository: "
+    "python scenarios/papers/elamy_2023.py"
+}
+
 # What typer raises on wrong command lines; it has no public name for their common base.
 _UsageError: type[Exception] = typer.BadParameter.__mro__[1]
 
@@ -91,6 +96,8 @@ class _Commands(TyperGroup):
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
         """A command with its options; None if there is none of that name."""
+        if cmd_name in _MOVED:
+            raise _UsageError(_MOVED[cmd_name])
         # A name that is none is compared with all of them.
         wanted = [] if cmd_name in self.commands else [cmd_name] if cmd_name in _NAMED else _NAMED
         for name in wanted:

@@ -105,6 +105,10 @@ def test_without_exudyn_its_engine_is_refused(command, tmp_path, monkeypatch):
     assert "--engine reference" in told
 
 
+def test_a_command_that_left_names_its_successor():
+    assert "scenarios/papers/elamy_2023.py" in refused("study", "composites")
+
+
 def test_a_crank_that_cannot_turn_is_refused_with_the_angle(tmp_path):
     file = tmp_path / "rocker.toml"
     file.write_text(template("four-bar").replace('"100 mm"', '"400 mm"'), encoding="utf-8")
