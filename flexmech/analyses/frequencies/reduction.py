@@ -42,7 +42,7 @@ logger = logging.getLogger(__name__)
 REDUCTION_TOLERANCE = 2e-5
 RATIO_TOLERANCE = 1e-3
 RATIO_FLOOR = 1e-7
-# Checked positions are some 30 deg apart. Beyond this error the angles beside the worst one are
+# Checked positions are some 30 deg apart. Beside those beyond this error the angles between are
 # checked too: a link of neat resin was within 2e-5 at 0 and 30 deg and 1.3e-4 off at 5 deg.
 SUSPICIOUS = REDUCTION_TOLERANCE / 2
 # The first are tried in small steps, since most links need little more than the usual detail.
@@ -203,10 +203,8 @@ def converged_along(
     while True:
         checked = converged(checks, spare=spare, stressed=stressed)
         error = checked.reduction_error.frequency.reshape(designs, len(checks), -1)
-        worst = int(error.max(axis=(0, 2)).argmax())
-        if error.max() <= SUSPICIOUS:
-            return checked
-        beside = _beside(checks, worst, count, full_turn=full_turn)
+        suspicious = np.flatnonzero(error.max(axis=(0, 2)) > SUSPICIOUS)
+        beside = _beside(checks, suspicious, count, full_turn=full_turn)
         if not len(beside):
             return checked
         systems = checked.systems
@@ -216,11 +214,12 @@ def converged_along(
         systems = closer
 
 
-def _beside(checks: IntArray, worst: int, count: int, *, full_turn: bool) -> IntArray:
-    """Up to two positions on each side of a checked one, before the next that is checked."""
+def _beside(checks: IntArray, which: IntArray, count: int, *, full_turn: bool) -> IntArray:
+    """Up to two positions on each side of some checked ones, before the next that is checked."""
     ends = [checks[-1:] - count, checks[:1] + count] if full_turn else [checks[:1], checks[-1:]]
-    before, here, after = np.concatenate([ends[0], checks, ends[1]])[worst : worst + 3]
-    numbers = [*np.linspace(before, here, 4), *np.linspace(here, after, 4)]
+    around = np.concatenate([ends[0], checks, ends[1]])
+    before, here, after = (around[which + shift] for shift in range(3))
+    numbers = np.concatenate([np.linspace(before, here, 4), np.linspace(here, after, 4)])
     return np.setdiff1d(np.round(numbers).astype(np.intp) % count, checks)
 
 
