@@ -321,7 +321,7 @@ class JointsClosedInTurn:
 
 @dataclass
 class ClosedJoints:
-    """All joints of a linkage, closed after every step by the least change of coordinates.
+    """All joints of a linkage, closed after a step by the least change of coordinates.
 
     Parameters
     ----------
