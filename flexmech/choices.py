@@ -101,9 +101,8 @@ MODES = 4
 MOST_SEED = 2**63 - 1
 """Of random numbers: files of results keep no greater integers."""
 
-MOST_ELEMENTS = 500
-"""Elements a link: with so many, three links' matrices of a batch of 16 positions take 1 GB, and
-several of them are held at a time."""
+MOST_ELEMENTS = 200
+"""Elements a link: with so many, a four-bar takes 0.9 GB; with 500 it took more than 17 GB."""
 MOST_MODES = 4500
 """Three coordinates a node of so many elements on three links."""
 
