@@ -196,19 +196,21 @@ def converged_along(
     count = len(crank_angle) // designs
     speed = np.broadcast_to(crank_speed, crank_angle.shape)
 
-    def converged(numbers: IntArray, **options: Any) -> CheckedModes:
-        at = (count * np.arange(designs)[:, None] + numbers).ravel()
-        return converged_modes(systems, crank_angle[at], speed[at], **options)
+    def of_all_designs(numbers: IntArray) -> IntArray:
+        return (count * np.arange(designs)[:, None] + numbers).ravel()
 
+    at = of_all_designs(checks)
+    if stressed is None:
+        stressed = systems.stressed(crank_angle[at], speed[at])
     while True:
-        checked = converged(checks, spare=spare, stressed=stressed)
+        checked = converged_modes(systems, crank_angle[at], speed[at], spare, stressed)
         error = checked.reduction_error.frequency.reshape(designs, len(checks), -1)
         suspicious = np.flatnonzero(error.max(axis=(0, 2)) > SUSPICIOUS)
-        beside = _beside(checks, suspicious, count, full_turn=full_turn)
+        beside = of_all_designs(_beside(checks, suspicious, count, full_turn=full_turn))
         if not len(beside):
             return checked
         systems = checked.systems
-        closer = converged(beside).systems
+        closer = converged_modes(systems, crank_angle[beside], speed[beside]).systems
         if closer.engine is systems.engine and closer.detail == systems.detail:
             return checked
         systems = closer
