@@ -300,7 +300,7 @@ class ZigzagBeam(Timoshenko):
         for layer, both in zip(layers, sums, strict=True):
             free = free - (1 - layer.rise)[:, None] * both
         share = softness / softness.sum(axis=0)
-        # Of one: value, integral from the start and derivative.
+        # Value, integral from the start, and derivative of one function.
         one, parts = np.stack([np.ones_like(s), 2 * s, np.zeros_like(s)]), []
         for number, layer in enumerate(layers):
             both, across = sums[number], self._node_angles(number, -0.5)

@@ -33,11 +33,11 @@ from flexmech.linkages import (
 from flexmech.mechanism.mechanism import Mechanism
 from flexmech.validation import POSITIVE, check_instance, check_number
 
-# Of the splines. At 256 knots the error of a smooth linkage is 1e-10, with the sixth power of them.
+# Knots of the splines. With 256 a smooth linkage has an error of 1e-10, of sixth order.
 _DEGREE, _KNOTS, _MOST_KNOTS = 5, 256, 16_384
-# Of the greatest value of each function.
+# Error of a spline, over the greatest value of its function.
 _ACCURATE = 1e-11
-# Speed and acceleration by which the parts are told from each other, in rad/s and rad/s^2.
+# Speed and acceleration that separate the parts of the torque, in rad/s and rad/s^2.
 _SPEED, _ACCELERATION = 10.0, 100.0
 _TURN = 2 * np.pi
 # Functions besides those of loads.
@@ -234,7 +234,7 @@ class RigidLinkageLoad(ShaftLoad):
             middle = angles[:-1] + _TURN / (2 * count)
             between = self._functions(middle)
             scale = np.abs(values).max(axis=0) + np.finfo(float).tiny
-            # Of the wound torque and of torques the scale is that of all torques at rest.
+            # Wound torque and torques are scaled by all torques at rest.
             scale[[1, 4]] = scale[[1, 4]].max()
             gap = float((np.abs(spline(middle) - between) / scale).max())
             if gap <= _ACCURATE or 2 * count > _MOST_KNOTS:

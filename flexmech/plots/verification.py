@@ -10,7 +10,7 @@ from flexmech.plots.layout import AxesLike, grid, sheet, wrapped
 from flexmech.plots.reading import names_of
 from flexmech.plots.style import Look, line_handle, series_style
 
-# Of a subject, whose name may have two lines, in inches.
+# Height of a subject, whose name may have two lines, in inches.
 ROW = 0.3
 # Deviations below this part of the tolerance, and none at all, stand at the left end: how much
 # smaller they are says nothing.

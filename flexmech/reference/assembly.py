@@ -356,7 +356,7 @@ def angle_per_unit(frames: LinkFrames, links: Mapping[int, BeamElements]) -> Flo
     for number, own in links.items():
         if own.length.ndim > 1:
             every[number] = own.length.sum(axis=-1)
-    # Of rigid links, of which a stack has none, the length is a number.
+    # The length of a rigid link is a number; a stack has none.
     lengths = np.stack(np.broadcast_arrays(*map(np.atleast_1d, every)))
     shortest, shapes = 1.0 / lengths.min(axis=0), next(iter(links.values())).shapes
     scale = np.tile(shortest, (frames.size, 1))

@@ -41,7 +41,7 @@ from flexmech.sections.beam_reduction import (
 )
 
 LayerDirection = Literal["through thickness", "across width"]
-"""Of a stack: in the plane of the linkage, or along the joint axes, its plies parallel to it."""
+"""Direction of a stack: in the plane of the linkage, or across it with plies parallel to it."""
 
 ShearTheory = Literal["equilibrium", "third-order"]
 SHEAR_THEORIES: tuple[ShearTheory, ...] = get_args(ShearTheory)

@@ -52,7 +52,7 @@ PEAKS: dict[str, tuple[float, str, float, float]] = {
 }
 """Peaks of a running linkage, their units, and how they follow from modulus and density: inertia
 forces bend a link by rho A over E I, vibration left out."""
-# Of the properties in Table 2: unit and decimals.
+# Unit and decimals of the properties in Table 2.
 _UNITS = {"modulus": (1e9, "GPa", 1), "density": (1.0, "kg/m^3", 0), "poisson_ratio": (1.0, "", 3)}
 # What is assumed of the running linkages: speed, and modulus and density of steel.
 _ASSUMED = (CRANK_SPEED, STEEL.youngs_modulus / 1e9, STEEL.density)

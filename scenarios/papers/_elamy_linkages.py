@@ -38,7 +38,7 @@ LAMINATES: dict[str, dict[str, Any]] = _PUBLISHED["laminates"]
 CASES: dict[int, list[float]] = {int(case): row for case, row in _PUBLISHED["cases"].items()}
 """Table 3: crank, coupler and rocker over the ground."""
 POSITIONS: dict[str, str] = _PUBLISHED["positions"]
-"""Of the transmission angle, each in words."""
+"""Positions by their transmission angle, in words."""
 SECOND = "90, second crank angle"
 """The other position with a right transmission angle, beside those that the paper compares."""
 PLIES = ("woven", "unidirectional", "table 2")

@@ -13,7 +13,7 @@ from flexmech import plots
 
 # From dark to light, so that the order shows without colour as well.
 SHADES = ("#08306b", "#08519c", "#2171b5", "#4292c6", "#9ecae1", "#deebf7")
-# A fifth of the distance between two groups is left free, so that they are told apart.
+# A fifth of the distance between two groups is left free, so that groups stand apart.
 WIDTH = 0.8 / len(SHADES)
 EDGE = {"edgecolor": "black", "linewidth": 0.4}
 MARK = {"ls": "", "ms": 3.8, "mew": 0.9}

@@ -62,7 +62,7 @@ STRENGTHS = {
     "C": PlyStrength(1950e6, 1480e6, 48e6, 200e6, 79e6, source=SOURCE),
     "G": PlyStrength(1280e6, 800e6, 40e6, 145e6, 73e6, source=SOURCE),
 }
-"""Of the plies of Table 2's stacks, by their letters."""
+"""Strengths of the plies of Table 2's stacks, by their letters."""
 CRITERION = "max-stress"
 """It says in which way a ply fails; plies along the load bear little else than that."""
 _TURN = np.radians(np.arange(361.0))

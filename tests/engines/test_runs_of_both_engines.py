@@ -256,7 +256,7 @@ def test_sections_off_the_axis_turn_alike_in_a_run(sign: float) -> None:
 
 @pytest.mark.thorough
 def test_exudyns_step_is_halved_where_newtons_method_finds_no_end() -> None:
-    """Of a bow of 15 %: a step of the user's is refused, the run's own is shortened."""
+    """The link bows by 15 %: a step of the user is refused, a chosen step is shortened."""
     drawn = random_case(6335, damped=True)
     one, drive = Case(drawn.mechanism, 0.0), ConstantSpeed(4 * drawn.crank_speed)
     exudyn = one.engines(4)[1]

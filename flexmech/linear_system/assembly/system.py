@@ -232,7 +232,7 @@ def condense(
     count = len(kept)
     order = np.concatenate([kept, eliminated])
     mass, damping, stiffness = matrices.mass, matrices.damping, matrices.stiffness
-    # Those of component modes are in order: speed alone, a tenth of a map.
+    # Component modes are in order already; speed alone, a tenth of a map.
     if (np.diff(order) < 0).any():
         mass, damping, stiffness = (m[:, order[:, None], order] for m in (mass, damping, stiffness))
     flexibility = np.linalg.inv(stiffness[:, count:, count:])

@@ -168,7 +168,7 @@ def inertia_loads(
         unit = rigid_inertia(link)
         # Matter that is elsewhere than the field says, as off the pins' axis, is pulled as well.
         unit[..., FIELDS.index("centripetal")] += link.first_moment[..., 1, :]
-        # Of several designs as many positions of each, one after the other.
+        # Several designs have equally many positions, one design after the other.
         *designs, size, count = unit.shape
         load = factors.reshape(*designs, -1, count) @ np.swapaxes(unit, -1, -2)
         loads.append(load.reshape(-1, size))

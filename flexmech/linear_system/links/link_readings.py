@@ -124,7 +124,7 @@ class LinkReadings:
         q = readings.with_slope_vectors(q)
         rows = readings._curvatures_between(kinks, places)
         if self.deflection is None:
-            # Of sections that shear: by their rotations alone, which are angles.
+            # Sections that shear turn by their rotations alone, which are angles.
             return np.asarray(q @ rows.T)
         slope = q @ readings.rotations_at(places / self.nodes[-1]).T
         if self.slope in slope_vectors:

@@ -199,7 +199,7 @@ class DoublePoint:
 
     @property
     def crank_angles(self) -> FloatArray:
-        """Of the two passages in rad, from 0 to 2 pi, ascending; equal for a cusp."""
+        """Crank angles of the two passages in rad, from 0 to 2 pi, ascending; equal for a cusp."""
         return np.array([attitude.crank_angle for attitude in self.attitudes])
 
     @property

@@ -30,7 +30,7 @@ _SAME = 1e-12
 # From one corner of the law to the next: pieces of the fifth degree, whose error falls with the
 # sixth power of their length, and in each piece steps of the integrals of phase and time.
 _PIECES, _STEPS = 24, 84
-# Of an interval: as far inside of it as this its ends are taken, as accelerations may jump there.
+# Distance inside an interval at which its ends are evaluated: accelerations may jump at them.
 _INSIDE = 1e-9
 
 

@@ -177,7 +177,7 @@ def lowest_case(*, stacks: Sequence[str], proportions: Sequence[Sequence[float]]
 def _at_90_degrees(stacks: tuple[str, ...], proportions: tuple[float, ...]) -> FloatArray:
     """Fundamental frequencies of one crank-rocker with each of the stacks, (n_stacks,)."""
     crank, coupler, rocker = proportions
-    # Of linkages in bending the size is any.
+    # The size of a linkage does not matter in bending.
     linkage = FourBar(0.4, 0.4 * crank, 0.4 * coupler, 0.4 * rocker)
     right_angle = np.arccos((1 + crank**2 - coupler**2 - rocker**2) / (2 * crank))
     plies, found = _polyester_plies("rule-of-mixtures", 0.6), []
