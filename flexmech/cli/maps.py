@@ -150,7 +150,7 @@ def stability(
     model: options.Model,
     speeds: Annotated[typed.Speeds | None, typed.SPEEDS] = None,
     engine: choices.EngineChoice = "reference",
-    prestress: choices.StabilityPrestress = "equilibrium",
+    prestress: choices.StabilityPrestress | None = None,
     frame: choices.MovingFrame = "link",
     element: options.Element = None,
     elements: options.Elements = ELEMENTS_A_LINK,
@@ -178,7 +178,9 @@ def stability(
         Which engine computes; both stand side by side.
     prestress
         About which motion: axial: straight links with the axial forces of the rigid motion;
-        equilibrium: the nonlinear quasi-static equilibrium; trajectory: the periodic motion itself.
+        equilibrium: the nonlinear quasi-static equilibrium; trajectory: the periodic motion
+        itself. Left out: trajectory where links are damped, equilibrium elsewhere and with
+        --against.
     frame
         Frame of the coordinates; multipliers are the same in both.
     modes

@@ -33,10 +33,12 @@ from flexmech.time_domain.periodic_motion.moving_modes import (
     moving_modes,
 )
 from flexmech.time_domain.periodic_motion.nonlinear_orbit import NonlinearOrbit, nonlinear_orbit
+from flexmech.time_domain.periodic_motion.orbit_equations import require_periodic_motion
 from flexmech.time_domain.periodic_motion.sampled_turn import SampledTurn
 from flexmech.time_domain.periodic_motion.shooting import (
     periodic_state,
     periodic_turn,
+    quasi_static_turn,
     state_under_motor,
 )
 from flexmech.time_domain.recorded_runs.recording import Recorder, StepBlock
@@ -79,6 +81,8 @@ __all__ = [
     "nonlinear_orbit",
     "periodic_state",
     "periodic_turn",
+    "quasi_static_turn",
+    "require_periodic_motion",
     "rigid_torque",
     "simulator",
     "state_under_motor",

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from flexmech import ReferenceEngine, StabilityMap, stability
+from flexmech import ReferenceEngine, StabilityMap, load_mechanism, stability
 from tests.support.mechanisms import case
 
+PACKER = Path(__file__).parents[1] / "data" / "packer.toml"
 SPEEDS = [74.0, 76.0, 78.0]
 
 
@@ -93,7 +95,9 @@ def test_growth_ends_at_the_closing_damping_ratio(maps: list[xr.Dataset]) -> Non
 def test_multipliers_are_the_same_in_both_frames() -> None:
     engine = ReferenceEngine(case("aluminium four-bar").mechanism, 4)
     link, ground = (
-        stability(engine, [60.0], frame=frame, modes=6, damping_ratio=0.001).dataset
+        stability(
+            engine, [60.0], prestress="equilibrium", frame=frame, modes=6, damping_ratio=0.001
+        ).dataset
         for frame in ("link", "inertial")
     )
     for name in ("multiplier_modulus", "growth_rate"):
@@ -117,10 +121,56 @@ def test_about_the_periodic_motion_growth_is_nearly_that_about_the_equilibrium()
     assert 0 < abs(second - first) < 0.2 * abs(first)
 
 
+def test_damped_links_are_judged_about_their_motion_and_undamped_ones_about_the_equilibrium() -> (
+    None
+):
+    engine = ReferenceEngine(case("aluminium four-bar").mechanism, 2)
+    running = stability(engine, [20.0], modes=2, damping_ratio=0.02)
+    still = stability(engine, [20.0], modes=2)
+    assert running.dataset.attrs["prestress"] == "trajectory"
+    assert still.dataset.attrs["prestress"] == "equilibrium"
+    # By the linear equations of both, damped and not.
+    asked = stability(engine, [20.0], modes=2, damping_ratio=0.02, prestress="equilibrium").dataset
+    distance = float(running.dataset["orbit_distance"].item())
+    assert asked.attrs["motion_distance"] == pytest.approx(distance, rel=0.1)
+    assert 0.05 < still.dataset.attrs["motion_distance"] < 0.2
+    assert "quasi-static equilibrium" in " ".join(still.summary().answer)
+
+
+@pytest.mark.thorough
+def test_a_vibration_grows_about_the_motion_of_a_damped_steel_linkage() -> None:
+    """Exudyn's run gains 1.139 1/s, and its edge is at 63.896 rad/s; the equilibrium loses 1.1."""
+    steel = case("steel four-bar").mechanism
+    sections = {k: s.with_damping_time(5e-6) for k, s in steel.sections.items()}
+    engine = ReferenceEngine(replace(steel, sections=sections))
+    growth = {
+        level: float(stability(engine, [64.0], prestress=level).dataset["growth_rate"].item())
+        for level in (None, "equilibrium")
+    }
+    assert growth[None] == pytest.approx(1.16, abs=0.03)
+    assert growth["equilibrium"] < -1.0
+
+
+@pytest.mark.thorough
+def test_modes_that_die_out_within_a_step_leave_the_map_of_the_others() -> None:
+    """Kelvin-Voigt damping of 0.5 % at 50 Hz overdamps modes above 10 kHz."""
+    engine = ReferenceEngine(load_mechanism(PACKER), 8)
+    found = stability(engine, [188.0], prestress="equilibrium").dataset
+    assert float(found["growth_rate"].item()) == pytest.approx(-13.635, abs=1e-3)
+    assert np.isnan(found["check_reduction"]).all()
+    assert np.isfinite(found["check_mesh"]).all()
+
+
 @pytest.mark.thorough
 def test_a_speed_without_equilibrium_is_told_and_the_map_goes_on() -> None:
     aluminium = replace(case("aluminium four-bar").mechanism, operating_speeds=(148.0,))
-    result = stability(ReferenceEngine(aluminium, 2), [60.0, 150.0], modes=1, damping_ratio=0.3)
+    result = stability(
+        ReferenceEngine(aluminium, 2),
+        [60.0, 150.0],
+        prestress="equilibrium",
+        modes=1,
+        damping_ratio=0.3,
+    )
     found = result.dataset
     assert np.isfinite(float(found["growth_rate"][0, 0]))
     assert "crank angle" in str(found["reason"][0, 1].item())
@@ -189,7 +239,8 @@ def test_bands_and_their_names_do_not_depend_on_the_step() -> None:
     engine, found = ReferenceEngine(case("steel four-bar").mechanism, 4), []
     for step in (0.5, 2.0):
         speeds = np.arange(160.0, 180.1, step)
-        found.append(stability(engine, speeds, modes=4, damping_ratio=0.001).dataset)
+        about = {"prestress": "equilibrium", "damping_ratio": 0.001}
+        found.append(stability(engine, speeds, modes=4, **about).dataset)
     names = [list(zip(d["band_kind"].values, d["band_order"].values, strict=True)) for d in found]
     assert names[0] == names[1]
     assert len(names[0]) == 6

@@ -27,13 +27,12 @@ from flexmech.analyses.response.plan import STEPS_PER_PERIOD
 from flexmech.analyses.speed_sweep.result import SpeedSweep
 from flexmech.arrays import FloatArray, IntArray, LabelledProgress, silent
 from flexmech.choices import MOST_MODES, PRESTRESS_LEVELS, Prestress
-from flexmech.dynamical_systems import VibrationState
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 from flexmech.linkages import ConstantSpeed
 from flexmech.mechanism import Mechanism
 from flexmech.threads import one_thread
-from flexmech.time_domain import DrivenLinkage, periodic_turn
+from flexmech.time_domain import DrivenLinkage, periodic_turn, quasi_static_turn
 from flexmech.validation import check_choice, check_count
 
 # Half a degree, where the highest frequency asks for no shorter step.
@@ -246,14 +245,7 @@ def _error_of(deflection: FloatArray, finer: FloatArray) -> FloatArray:
 
 def quasi_static_peaks(linkage: DrivenLinkage) -> FloatArray:
     """Greatest deflections over a turn if nothing vibrated, in m, shape (n_links,)."""
-    turn = linkage.drive.revolution_time
-    time = turn * np.arange(QUASI_STATIC_ANGLES) / QUASI_STATIC_ANGLES
-    equations = linkage.quasi_static_equations(time)
-    position = equations.quasi_static()
-    at_rest = VibrationState(position, np.zeros_like(position), np.zeros_like(position))
-    links = linkage.link_motion(equations, at_rest)
-    moved = [q @ basis.T for basis, (q, _, _) in zip(linkage.bases, links, strict=True)]
-    return _greatest(linkage, moved)
+    return _greatest(linkage, quasi_static_turn(linkage, QUASI_STATIC_ANGLES))
 
 
 def _greatest(linkage: DrivenLinkage, displacement: Sequence[FloatArray]) -> FloatArray:

@@ -59,10 +59,19 @@ def _about(dataset: xr.Dataset) -> list[str]:
     level = dataset.attrs["prestress"]
     if level == "trajectory":
         return []
-    state = "the quasi-static equilibrium" if level == "equilibrium" else "straight links"
+    if level != "equilibrium":
+        return [
+            "These are vibrations about straight links; about the motion itself, which --prestress "
+            "trajectory finds, others may grow."
+        ]
+    distance, unit = float(dataset.attrs["motion_distance"]), speed_unit(dataset)
+    speed = f"{speed_text(float(dataset['crank_speed'][-1]), unit)} {unit}"
+    far = f"up to {100 * distance:.2g} % of its greatest deflection from it at {speed}"
+    if not math.isfinite(distance):
+        far = f"not known at {speed} by linear equations"
     return [
-        f"These are vibrations about {state}; about the motion itself, which --prestress "
-        "trajectory finds, others may grow."
+        f"These are vibrations about the quasi-static equilibrium; the periodic motion is {far}, "
+        "and about that, which --prestress trajectory finds, others may grow."
     ]
 
 

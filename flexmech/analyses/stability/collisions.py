@@ -33,6 +33,9 @@ HOPELESS = 3
 # Below this part of the growth that would count: a factor of three is beyond the error of the
 # guess.
 FAR = 1 / 3
+# Kappa goes with the distance of the links from straight ones, or its square: away from resonances
+# a periodic motion is at most three times as far as the equilibrium.
+NEAR_MOTION = 1 / 10
 # Growth is looked at beside a band at this multiple of its half width without damping, so that the
 # edges lie between.
 ASIDE = 1.5
@@ -66,6 +69,9 @@ class Meeting:
     lower_frequency, upper_frequency : tuple of float
         Of modes a and b in Hz at these.
     order : int
+    decay : float
+        Geometric mean of the rates in 1/s at which a and b die out by their damping: they grow
+        where kappa exceeds it.
     """
 
     lower: float
@@ -73,6 +79,7 @@ class Meeting:
     lower_frequency: tuple[float, float]
     upper_frequency: tuple[float, float]
     order: int
+    decay: float
 
     def frequencies(self, crank_speed: float) -> FloatArray:
         """Frequencies of a and b in Hz, interpolated."""
@@ -156,6 +163,7 @@ def meetings(speeds: Sequence[TrackedSpeed], branches: int) -> list[MeetingPair]
     found: dict[tuple[int, int], list[Meeting]] = {pair: [] for pair in pairs}
     for lower, upper in pairwise(speeds):
         first, last = lower.frequency[::2], _continued(lower, upper)
+        rates = np.minimum(*(np.maximum(-f.exponent.real[::2], 0.0) for f in (lower, upper)))
         for a, b in pairs:
             crank = abs(lower.crank_speed) / (2 * np.pi), abs(upper.crank_speed) / (2 * np.pi)
             ends = (first[a] + first[b]) / crank[0], (last[a] + last[b]) / crank[1]
@@ -167,6 +175,7 @@ def meetings(speeds: Sequence[TrackedSpeed], branches: int) -> list[MeetingPair]
                     (float(first[a]), float(first[b])),
                     (float(last[a]), float(last[b])),
                     order,
+                    float(np.sqrt(rates[a] * rates[b])),
                 )
                 # Two modes that creep have no frequency, and meet at no multiple of the crank's.
                 for order in range(max(1, math.ceil(low - TOUCHES)), math.floor(high + TOUCHES) + 1)
@@ -216,17 +225,53 @@ def met(
                 # A mode that creeps does not vibrate, and meets no other one.
                 continue
             for_ratio = float(np.prod(2 * np.pi * frequency)) / lowest
-            centre, strength = _middle(solver, meeting, FAR**2 * least_ratio * for_ratio)
+            least = FAR * max(least_ratio * for_ratio, meeting.decay)
+            centre, strength = _middle(solver, meeting, FAR * least)
             ratio = strength / for_ratio
-            hopeless = 0 if ratio > FAR * least_ratio else hopeless + 1
+            hopeless = 0 if strength > least else hopeless + 1
             if ratio < least_ratio * (1.0 if solver.is_hamiltonian else FAR):
                 narrower += strength > 0
+                continue
+            if strength < FAR * meeting.decay:
                 continue
             found.append(_sampled(solver, centre, strength / abs(meeting.slope), ends))
         except ComputationError:
             # Beyond the last equilibrium; the map says so at its own speeds.
             continue
     return found, narrower
+
+
+def promising(
+    quasi_static: LinkageSolver, pair: MeetingPair, lowest: float, least_ratio: float
+) -> MeetingPair:
+    """Meetings of a pair that may grow about a motion near the quasi-static equilibrium.
+
+    Parameters
+    ----------
+    quasi_static : LinkageSolver
+        About the equilibrium, where kappa costs little.
+    pair, lowest, least_ratio
+        As of :func:`met`.
+
+    Returns
+    -------
+    MeetingPair
+        Those whose kappa about the equilibrium is a tenth of what grows, or more.
+    """
+    kept, hopeless = [], 0
+    for meeting in pair.meetings:
+        if hopeless == HOPELESS:
+            break
+        for_ratio = float(np.prod(2 * np.pi * meeting.frequencies(meeting.crank_speed))) / lowest
+        least = NEAR_MOTION * max(least_ratio * for_ratio, meeting.decay)
+        try:
+            strength = _middle(quasi_static, meeting, np.inf)[1]
+        except ComputationError:
+            strength = np.inf  # Beyond the last equilibrium the motion alone tells.
+        if strength >= least:
+            kept.append(meeting)
+        hopeless = 0 if strength >= least else hopeless + 1
+    return MeetingPair(pair.branches, kept)
 
 
 def _sampled(

@@ -7,16 +7,21 @@ in. The stress of the running links is in them.
 
 from __future__ import annotations
 
+import logging
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.analyses.crank_speeds import STABILITY, asked_speeds
-from flexmech.analyses.damping_ratios import CountedLoss
+from flexmech.analyses.damping_ratios import CountedLoss, with_damping_ratio
 from flexmech.analyses.datasets import with_units
 from flexmech.analyses.remarks import left_out_attributes
 from flexmech.analyses.requests import Engines, engines_of
+from flexmech.analyses.response.measurements import deflections
+from flexmech.analyses.speed_sweep.compute import vibrating_linkage
 from flexmech.analyses.stability.against import Against, map_against
 from flexmech.analyses.stability.dataset import dataset_of
 from flexmech.analyses.stability.engine_map import map_engine
@@ -25,15 +30,24 @@ from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.result import StabilityMap
 from flexmech.arrays import FloatArray, LabelledProgress, silent
 from flexmech.choices import KEPT_MODES, MapPrestress, MovingFrame, Prestress, ShaftChoice
-from flexmech.errors import ComputationError
+from flexmech.errors import ComputationError, InputError
 from flexmech.interruption import tidying
-from flexmech.linear_system import Engine, stressed_along_turn
+from flexmech.linear_system import Engine, is_constant_turn, stressed_along_turn
 from flexmech.linkages import refuse_passing
 from flexmech.threads import one_thread
-from flexmech.time_domain import SampledTurn
+from flexmech.time_domain import (
+    SampledTurn,
+    periodic_turn,
+    quasi_static_turn,
+    require_periodic_motion,
+)
+
+logger = logging.getLogger(__name__)
 
 # Each is a search for the equilibria of a turn of its own; the bands change slowly with the speed.
 MOST_SPEEDS = 9
+# Of a turn of the linear periodic motion, whose distance from the equilibrium is a percentage.
+MOTION_STEPS = 720
 # Every 10 deg: the bands stand beside the multipliers as a picture, without errors.
 ANGLES = 36
 
@@ -74,11 +88,46 @@ def _frequencies(engine: Engine, speed: float, prestress: Prestress, modes: int)
     return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi))
 
 
+def _settles(engine: Engine) -> bool:
+    """Whether links settle on a periodic motion other than a steady equilibrium in their frames."""
+    damped = any(link.damping.any() for link in engine.links)
+    turn = engine.mechanism.linkage.motion(2 * np.pi / ANGLES * np.arange(ANGLES), 1.0)
+    if not damped or engine.turns_as_one_body or is_constant_turn(engine, turn):
+        return False
+    try:
+        require_periodic_motion(engine)
+    except InputError as refusal:
+        logger.info("stability is about the quasi-static equilibrium: %s", refusal)
+        return False
+    return True
+
+
+def _motion_distance(engine: Engine, request: StabilityRequest) -> float:
+    """Distance of the periodic motion from the equilibrium at the fastest speed.
+
+    By the linear equations about the equilibrium, over the greatest deflection of the motion;
+    not a number where there is no such motion.
+    """
+    speed = float(request.crank_speeds[-1])
+    prescribed = engine.with_(shaft="prescribed") if engine.shaft == "free" else engine
+    try:
+        require_periodic_motion(engine)
+        linkage = vibrating_linkage(prescribed, speed, request.modes, "equilibrium")
+        moved, still = (
+            deflections(prescribed, turn(linkage, MOTION_STEPS))
+            for turn in (periodic_turn, quasi_static_turn)
+        )
+    except (ComputationError, InputError) as refusal:
+        logger.info("the distance of the periodic motion is not known: %s", refusal)
+        return float("nan")
+    return float(np.abs(moved - still).max() / np.abs(moved).max())
+
+
 def stability(
     engine: Engines,
     crank_speeds: ArrayLike | None = None,
     *,
-    prestress: MapPrestress = "equilibrium",
+    prestress: MapPrestress | None = None,
     frame: MovingFrame = "link",
     modes: int = KEPT_MODES,
     steps: int | None = None,
@@ -101,9 +150,11 @@ def stability(
     crank_speeds : array_like, shape (S,), optional
         In ``speed_unit``, not zero, all of one sign. Left out: from half to 1.5 times the greatest
         speed at which the mechanism operates.
-    prestress : {"none", "axial", "equilibrium", "trajectory"}
+    prestress : {"none", "axial", "equilibrium", "trajectory"}, optional
         Of the motion that vibrations are about: the quasi-static equilibrium along the turn, or
-        the periodic motion itself (``trajectory``).
+        the periodic motion itself (``trajectory``). Left out: the periodic motion of damped links,
+        which settle on it; the equilibrium of undamped links, with ``against``, and where
+        :func:`flexmech.time_domain.nonlinear_orbit` refuses what acts on the links.
     frame : {"link", "inertial"}
         Of the coordinates. The multipliers are the same in both.
     modes : int
@@ -155,7 +206,7 @@ def stability(
     speeds, unit = asked_speeds(crank_speeds, speed_unit, engines[0].mechanism, STABILITY)
     request = StabilityRequest(
         speeds,
-        prestress,
+        prestress or "equilibrium",
         frame,
         modes,
         steps,
@@ -172,7 +223,15 @@ def stability(
             loss = CountedLoss.of(engines[0])
             engines = [loss.engine(each) for each in engines]
             attributes |= loss.attributes
+        damped = engines[0]
+        if damping_ratio is not None:
+            damped = with_damping_ratio(damped, damping_ratio)
+        if prestress is None and against is None and _settles(damped):
+            request = replace(request, prestress="trajectory")
         extra = _moving(engines[0], request)
+        distance = np.nan
+        if request.prestress == "equilibrium":
+            distance = _motion_distance(damped, request)
         for each in engines:
             maps.append(map_engine(each, request, report))
             if maps[-1].interrupted:
@@ -181,7 +240,7 @@ def stability(
             bands = [band for each in maps for band in each.bands]
             over_both = map_against(engines, request, second, bands, report)
             extra = extra.merge(over_both).assign_attrs(over_both.attrs)
-    dataset = dataset_of(maps, request)
+    dataset = dataset_of(maps, request).assign_attrs(motion_distance=distance)
     attributes = dataset.attrs | extra.attrs | attributes
     attributes |= left_out_attributes(engines[0].mechanism)
     return StabilityMap(with_units(dataset.merge(extra), "stability").assign_attrs(attributes))

@@ -5,6 +5,7 @@ Besides, the damping ratio that closes a band, and the errors of exponents.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
@@ -19,6 +20,8 @@ from flexmech.analyses.stability.selected_modes import SelectedModes, wrapped
 from flexmech.analyses.stability.solver import BY_REFINEMENT, LinkageSolver
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.errors import ComputationError
+
+logger = logging.getLogger(__name__)
 
 # Relative to the crank speed: far below what steps, modes and mesh make an edge wrong by.
 EDGE_TOLERANCE = 1e-8
@@ -342,18 +345,22 @@ def exponent_errors(solver: LinkageSolver, crank_speed: float) -> ExponentErrors
     Returns
     -------
     ExponentErrors
-        Not a number for what cannot be compared, because the other linkage has no equilibrium at
-        the speed: beams that are softer buckle earlier.
+        Not a number for what cannot be compared: beams that are softer buckle earlier, and modes
+        that die out too fast within a turn have no multipliers.
     """
     coarse = solver.sampled_coarsely()
     moving, with_more_modes = coarse.both_reductions(crank_speed)
     # In as many steps: what more modes change is far more than the steps of these leave.
     stepped = replace(coarse, steps=coarse.steps_for(moving))
     modes, theory = coarse.solve(moving), coarse.with_finer_beams()
+
+    def solved_by(other: LinkageSolver) -> SelectedModes | None:
+        return _solved(lambda: other.solve(other.moving(crank_speed)))
+
     others = {
-        "reduction": (stepped.solve(with_more_modes), 1.0),
-        "mesh": (_modes_of(coarse.refined(), crank_speed), BY_REFINEMENT),
-        "theory": (_modes_of(theory, crank_speed) if theory else modes, 1.0),
+        "reduction": (_solved(lambda: stepped.solve(with_more_modes)), 1.0),
+        "mesh": (solved_by(coarse.refined()), BY_REFINEMENT),
+        "theory": (solved_by(theory) if theory else modes, 1.0),
     }
     apart, growth = {}, 0.0
     for name, (other, factor) in others.items():
@@ -363,13 +370,13 @@ def exponent_errors(solver: LinkageSolver, crank_speed: float) -> ExponentErrors
     return ExponentErrors(crank_speed, **apart, growth=growth * modes.period)
 
 
-def _modes_of(solver: LinkageSolver, crank_speed: float) -> SelectedModes | None:
-    """Floquet modes at a crank speed; None where there is no equilibrium."""
+def _solved(modes: Callable[[], SelectedModes]) -> SelectedModes | None:
+    """Floquet modes; None where there are none."""
     try:
-        moving = solver.moving(crank_speed)
-    except ComputationError:
+        return modes()
+    except ComputationError as refusal:
+        logger.info("an error is not known: %s", refusal)
         return None
-    return solver.solve(moving)
 
 
 def _apart(modes: SelectedModes, others: SelectedModes) -> float:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.damping_ratios import lowest_frequency, with_damping_time
 from flexmech.analyses.requests import CHECKED_SPEEDS
-from flexmech.analyses.stability.collisions import MetModes, meetings, met
+from flexmech.analyses.stability.collisions import MetModes, meetings, met, promising
 from flexmech.analyses.stability.edges import (
     ClosingSearch,
     EdgeSearch,
@@ -65,6 +65,7 @@ from flexmech.analyses.stability.speed_range import (
 from flexmech.arrays import FloatArray, LabelledProgress
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.linear_system import Engine
+from flexmech.time_domain import NonlinearOrbit
 from flexmech.units import from_si
 
 logger = logging.getLogger(__name__)
@@ -83,6 +84,10 @@ BETWEEN = 1 / 300
 # Bands narrower than this part of the range of speeds, and than the distance above, are strokes in
 # a picture; others are divided into so many parts, to show their growth and their gaps.
 LEAST_SHOWN, SHOWN_PARTS = 1e-2, 6
+
+# Speeds whose periodic motions one process finds, each from the one before. Speed alone: the first
+# takes three times as long as another.
+CHAIN = 6
 
 # Modes at a speed, or why there are none.
 _Outcome = SolvedSpeed | ComputationError
@@ -222,11 +227,18 @@ class _EngineMap:
         steps = steps[~_among(np.array(asked), steps)]
         speeds = sorted([*asked, *steps.tolist()], key=abs)
         found: dict[float, _Outcome] = {}
+        # Beside the speeds asked for modes are but followed: the equilibrium has their shapes.
+        beside = replace(self._solver, prestress=self._solver.quasi_static)
+        low, high = self._request.ends
         if self._request.prestress == "trajectory":
-            found.update(self._without_orbit(speeds))
+            found.update(self._without_orbit([w for w in speeds if low <= w <= high]))
         solvable = [speed for speed in speeds if speed not in found]
+        tasks = [
+            partial(_outcome, self._solver if low <= speed <= high else beside, speed)
+            for speed in solvable
+        ]
         try:
-            outcomes = in_order(partial(_outcome, self._solver), solvable)
+            outcomes = in_order(_answer, tasks)
             for speed, outcome in zip(solvable, outcomes, strict=True):
                 found[speed] = outcome
                 self._progress("speeds", len(found), len(speeds))
@@ -239,13 +251,14 @@ class _EngineMap:
 
     def _without_orbit(self, speeds: Sequence[float]) -> dict[float, ComputationError]:
         """Find the periodic motions at all speeds; why there is none at some."""
-        refused = {}
-        for number, speed in enumerate(speeds, 1):
-            try:
-                self._solver.orbit(speed)
-            except ComputationError as refusal:
-                refused[speed] = refusal
-            self._progress("periodic motions", number, len(speeds))
+        chains = [speeds[n : n + CHAIN] for n in range(0, len(speeds), CHAIN)]
+        refused: dict[float, ComputationError] = {}
+        for motions in self._each("periodic motions", partial(_orbits, self._solver), chains):
+            for speed, motion in motions.items():
+                if isinstance(motion, ComputationError):
+                    refused[speed] = motion
+                else:
+                    self._solver.orbits[speed] = motion
         return refused
 
     def _following_speeds(self) -> FloatArray:
@@ -258,6 +271,15 @@ class _EngineMap:
             least = max(least, self._request.damping_ratio)
         pairs = meetings(tracked, self._request.modes)
         ends = self._request.ends
+        if self._request.prestress == "trajectory":
+            # Each speed takes a periodic motion; the equilibrium says where one is worth it.
+            quasi_static = replace(self._solver, prestress=self._solver.quasi_static)
+            opened = self._each(
+                "stress", partial(narrow_windows, quasi_static), window_ends(ends, self._lowest)
+            )
+            quasi_static = replace(quasi_static, windows=joined_windows(opened))
+            near = partial(promising, quasi_static, lowest=self._lowest, least_ratio=least)
+            pairs = [pair for pair in self._each("meeting modes", near, pairs) if pair.meetings]
         task = partial(met, self._solver, lowest=self._lowest, least_ratio=least, ends=ends)
         answers = self._each("meeting modes", task, pairs)
         return [each for some, _ in answers for each in some], sum(left for _, left in answers)
@@ -337,7 +359,10 @@ class _EngineMap:
         turns at slow speeds take many steps, and at fast ones the mesh moves edges.
         """
         steady = [each.crank_speed for each in tracked if not each.is_unstable]
+        # Periodic motions on the finer mesh take ten times as long: one is checked, in the middle.
         places = np.unique(np.linspace(0, len(steady) - 1, CHECKED_SPEEDS).astype(np.intp))
+        if self._request.prestress == "trajectory":
+            places = places[len(places) // 2 :][:1]
         speeds = [steady[place] for place in places.tolist()] if steady else []
         jobs: list[Callable[[], ExponentErrors | BandEdge | float]] = [
             *(partial(exponent_errors, self._solver, speed) for speed in speeds),
@@ -374,6 +399,19 @@ def _outcome(solver: LinkageSolver, crank_speed: float) -> _Outcome:
         return solver.solved(crank_speed)
     except ComputationError as refusal:
         return refusal
+
+
+def _orbits(
+    solver: LinkageSolver, speeds: Sequence[float]
+) -> dict[float, NonlinearOrbit | ComputationError]:
+    """Periodic motions at speeds, each from the one before; or why there is none."""
+    motions: dict[float, NonlinearOrbit | ComputationError] = {}
+    for speed in speeds:
+        try:
+            motions[speed] = solver.orbit(speed)
+        except ComputationError as refusal:
+            motions[speed] = refusal
+    return motions
 
 
 def _refuse_too_many_steps(request: StabilityRequest, lowest: float) -> None:

@@ -84,8 +84,8 @@ def greatest_step(dataset: xr.Dataset, engine: str) -> str:
     str
         Such as ``"63 rpm"``; empty where there are no two speeds.
     """
-    every = dataset["curve_speed"].values[dataset["curve_engine"].values == engine]
+    every = np.unique(dataset["curve_speed"].values[dataset["curve_engine"].values == engine])
     if len(every) < 2:
         return ""
     unit = speed_unit(dataset)
-    return f"{abs(from_si(float(np.diff(np.sort(every)).max()), unit)):.2g} {unit}"
+    return f"{abs(from_si(float(np.diff(every).max()), unit)):.2g} {unit}"

@@ -367,8 +367,8 @@ def unknown_error_lines(dataset: xr.Dataset) -> list[str]:
             if missing.size:
                 where = ", ".join(speed_text(w, unit) for w in missing)
                 lines.append(
-                    f"the error by the {words} is not known at {where} {unit} ({name}): its "
-                    "equilibrium ends there"
+                    f"the error by the {words} is not known at {where} {unit} ({name}): the "
+                    "linkage to compare with has no multipliers there"
                 )
     return lines
 

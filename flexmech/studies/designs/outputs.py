@@ -274,11 +274,12 @@ def _multiplier(design: Design, output: Output) -> float:
 def _stable_margin(design: Design, output: Output) -> float:
     """How much faster than the crank speed the first band lies in which vibrations grow.
 
+    They are about the quasi-static equilibrium: motions of many speeds take minutes a design.
     Relative to the speed, 0 within a band, and no more than the reach of the search.
     """
     speed = output.speed_of(design)
     speeds = speed * np.linspace(1.0, 1.0 + _REACH, _SPEEDS)
-    found = stability(design.engine, speeds).dataset
+    found = stability(design.engine, speeds, prestress="equilibrium").dataset
     edges = found["band_lower"].values
     return float(min(edges.min(initial=np.inf) / speed - 1.0, _REACH))
 

@@ -176,7 +176,9 @@ def nonlinear_orbit(
 def _orbit(engine: Engine, crank_speed: float, near: NonlinearOrbit | None) -> NonlinearOrbit:
     z = None if near is None else near.independent
     passes = 0
-    for count in SAMPLES:
+    # What a motion nearby does not fade out in, this one does not either.
+    enough = 0 if near is None else min(len(near.independent), SAMPLES[-1])
+    for count in (number for number in SAMPLES if number >= enough):
         equations = OrbitEquations(engine, crank_speed, count)
         still = _equilibrium(equations)
         straight = np.zeros((count, equations.frames.size))

@@ -110,6 +110,22 @@ def times(matrix: FloatArray, vector: FloatArray) -> FloatArray:
     return np.asarray((matrix @ vector[..., None])[..., 0])
 
 
+def require_periodic_motion(engine: Engine) -> None:
+    """Refuse links on which something acts that leaves no motion that repeats itself every turn.
+
+    Parameters
+    ----------
+    engine : Engine
+
+    Raises
+    ------
+    InputError
+        If the frame is on springs, a load goes over time, or a spring is wound up turn by turn.
+    """
+    engine.require_standing_frame("a periodic motion at large displacements")
+    DrivenConnectors(engine, engine.frames).require_periodic()
+
+
 class OrbitEquations:
     """Equations of motion of an engine's links at all samples of a turn.
 
@@ -137,13 +153,12 @@ class OrbitEquations:
     Raises
     ------
     InputError
-        If the frame is on springs, a load goes over time, or a spring is wound up turn by turn.
+        As of :func:`require_periodic_motion`.
     """
 
     def __init__(self, engine: Engine, crank_speed: float, samples: int) -> None:
         linkage, links = engine.mechanism.linkage, engine.links
-        engine.require_standing_frame("a periodic motion at large displacements")
-        DrivenConnectors(engine, engine.frames).require_periodic()
+        require_periodic_motion(engine)
         self.engine, self.samples, self.crank_speed = engine, samples, crank_speed
         self.frames = LinkFrames(linkage.topology, links)
         self.motion: RigidMotion = linkage.motion(

@@ -138,6 +138,32 @@ def periodic_turn(linkage: DrivenLinkage, steps: int) -> list[FloatArray]:
     return [np.concatenate(states) for states in parts]
 
 
+def quasi_static_turn(linkage: DrivenLinkage, steps: int) -> list[FloatArray]:
+    """Displacement of the engine's links along one turn if nothing vibrated.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+    steps : int
+
+    Returns
+    -------
+    list of ndarray, shape (steps, n_link)
+        As of :func:`periodic_turn`.
+
+    Raises
+    ------
+    ComputationError
+        If there is no equilibrium.
+    """
+    time = linkage.drive.revolution_time * np.arange(steps) / steps
+    equations = linkage.quasi_static_equations(time)
+    position = equations.quasi_static()
+    at_rest = VibrationState(position, np.zeros_like(position), np.zeros_like(position))
+    links = linkage.link_motion(equations, at_rest)
+    return [q @ basis.T for basis, (q, _, _) in zip(linkage.bases, links, strict=True)]
+
+
 def _all_motions(
     linkage: DrivenLinkage, steps: int
 ) -> Iterator[tuple[FloatArray, StaticExpansion, VibrationState]]:
