@@ -1,21 +1,21 @@
 """Constraint equations of joints: gap, Jacobian and rates, over a batch of positions.
 
-Three constraints make all joints: two points coincide, two bodies keep their angle, a point is on a
-line (Shabana, *Computational Dynamics*, ch. 3). The Jacobian transposed gives the joint forces; its
-rates in rotating frames give the linear constraints between elastic coordinates.
+Two constraints make all joints: two points coincide, two bodies keep their angle. A point on a line
+coincides with one that slides along it (Shabana, *Computational Dynamics*, ch. 3). The Jacobian
+transposed gives the joint forces; its rates in rotating frames give the linear constraints between
+elastic coordinates.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
 from flexmech.arrays import ComplexArray, FloatArray
-from flexmech.linkages.body_motion import BodyMotion, BodyPoint, BodyPoints, dot, parts_of
+from flexmech.linkages.body_motion import BodyMotion, BodyPoint, BodyPoints, parts_of
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
 
 
@@ -39,27 +39,7 @@ class EqualAngle:
     rows: ClassVar = 1
 
 
-@dataclass(frozen=True)
-class PointOnLine:
-    """A point stays on a line through a point of another body.
-
-    Parameters
-    ----------
-    first : BodyPoint
-    second : BodyPoint
-        The line passes through it.
-    along : complex
-        Unit vector of the line in that body's axes.
-    """
-
-    first: BodyPoint
-    second: BodyPoint
-    along: complex
-
-    rows: ClassVar = 1
-
-
-Condition = Coincidence | EqualAngle | PointOnLine
+Condition = Coincidence | EqualAngle
 
 
 class Constraints:
@@ -77,6 +57,8 @@ class Constraints:
     ----------
     count : int
         Number of equations.
+    first, second : BodyPoints
+        Both points of each coincidence.
     """
 
     def __init__(
@@ -84,20 +66,14 @@ class Constraints:
     ) -> None:
         *rows, self.count = np.cumsum([0, *(own.rows for own in conditions)]).tolist()
         numbered = list(zip(rows, conditions, strict=True))
-        of_points = [(row, own) for row, own in numbered if not isinstance(own, EqualAngle)]
-        is_line = np.array([isinstance(own, PointOnLine) for _, own in of_points], dtype=bool)
+        of_points = [(row, own) for row, own in numbered if isinstance(own, Coincidence)]
         self._row = np.array([row for row, _ in of_points], dtype=np.intp)
-        self._pairs, self._lines = np.flatnonzero(~is_line), np.flatnonzero(is_line)
-        self._along = np.array([own.along for _, own in of_points if isinstance(own, PointOnLine)])
         first = 3 * len(unknown)
         self._columns = {body: 3 * n for n, body in enumerate(unknown)}
         self._size, self._slides = first + slides, range(first, first + slides)
-        self._pair_of_points = [
-            [own.first for _, own in of_points],
-            [own.second for _, own in of_points],
-        ]
-        self._is_line = is_line
         self._points: dict[tuple[BodyPoint, ...], BodyPoints] = {}
+        self.first = self._of_joints([own.first for _, own in of_points])
+        self.second = self._of_joints([own.second for _, own in of_points])
         self._rotation = np.zeros((self.count, self._size))
         for row, own in numbered:
             if isinstance(own, EqualAngle):
@@ -105,19 +81,8 @@ class Constraints:
                     if body in self._columns:
                         self._rotation[row, self._columns[body] + 2] = sign
 
-    @cached_property
-    def first(self) -> BodyPoints:
-        """First point of each coincidence and line."""
-        return self._of_joints(0)
-
-    @cached_property
-    def second(self) -> BodyPoints:
-        """Second point of each coincidence, and the one through which each line passes."""
-        return self._of_joints(1)
-
-    def _of_joints(self, number: int) -> BodyPoints:
-        points = self._pair_of_points[number]
-        return BodyPoints(points, self._columns, self._slides, self._size, self._row, self._is_line)
+    def _of_joints(self, points: Sequence[BodyPoint]) -> BodyPoints:
+        return BodyPoints(points, self._columns, self._slides, self._size, self._row)
 
     def points(self, points: Sequence[BodyPoint]) -> BodyPoints:
         """Points with their Jacobian by the coordinates of the constraints."""
@@ -126,48 +91,34 @@ class Constraints:
             self._points[own] = BodyPoints(own, self._columns, self._slides, self._size)
         return self._points[own]
 
-    def gap(self, bodies: BodyMotion, slid: ComplexArray | None = None) -> FloatArray:
+    def gap(self, bodies: BodyMotion, slid: ComplexArray) -> FloatArray:
         """Violation of the constraints of points in m; shape (B, count), zero of equal angles.
 
         Parameters
         ----------
         bodies : BodyMotion
             Batch of shape (B, n).
-        slid : ndarray of complex, shape (B, n_slides), optional
+        slid : ndarray of complex, shape (B, n_slides)
             Where the points that slide are in the axes of their guides.
         """
-        first, second = (own.places(bodies, slid) for own in (self.first, self.second))
-        return self._in_rows(first - second, self._across(bodies))
+        return self._in_rows(self.first.places(bodies, slid) - self.second.places(bodies, slid))
 
-    def gap_rate(self, bodies: BodyMotion, order: int) -> FloatArray:
-        """First or second derivative of the gaps where they are closed; shape (B, count).
+    def gap_rate(self, bodies: BodyMotion, slid: ComplexArray, order: int) -> FloatArray:
+        """First or second derivative of the gaps; shape (B, count), zero of equal angles.
 
         Parameters
         ----------
         bodies : BodyMotion
             Batch of shape (B, n).
+        slid : ndarray of complex, shape (3, B, n_slides)
+            As of :meth:`gap`, with first and second derivative.
         order : {1, 2}
         """
-        apart = self.first.rate(bodies, order) - self.second.rate(bodies, order)
-        rows = self._in_rows(apart, self._across(bodies))
-        if len(self._lines):
-            # A line's own rotation counts across it, at the place where the point is.
-            guide = self.second.body[self._lines]
-            along, spin = bodies.turn[:, guide] * self._along, bodies.turn_1[:, guide]
-            gap = (self.first.places(bodies) - self.second.places(bodies))[:, self._lines]
-            distance, turned = dot(along, gap), spin
-            if order == 2:
-                rate = (self.first.rate(bodies, 1) - self.second.rate(bodies, 1))[:, self._lines]
-                sliding, turned = dot(along, rate), bodies.turn_2[:, guide]
-                rows[:, self._row[self._lines]] -= 2 * sliding * spin
-            rows[:, self._row[self._lines]] -= distance * turned
-        return rows
+        first, second = (own.rate(bodies, slid, order) for own in (self.first, self.second))
+        return self._in_rows(first - second)
 
     def jacobian(
-        self,
-        bodies: BodyMotion,
-        axes: ComplexArray | None = None,
-        slid: ComplexArray | None = None,
+        self, bodies: BodyMotion, axes: ComplexArray | None, slid: ComplexArray
     ) -> FloatArray:
         """Constraint Jacobian by the coordinates; shape (B, count, 3 n + slides).
 
@@ -177,20 +128,15 @@ class Constraints:
             Batch of shape (B, n).
         axes : ndarray of complex, shape (B, n), optional
             Unit vectors along which the bodies' first coordinates count; the ground's x axis
-            where they are left out.
-        slid : ndarray of complex, shape (B, n_slides), optional
+            of None.
+        slid : ndarray of complex, shape (B, n_slides)
             As of :meth:`gap`.
         """
         axes = np.ones_like(bodies.turn) if axes is None else axes
-        arms = [own.arms(bodies, slid) for own in (self.first, self.second)]
-        if len(self._lines):
-            # A line's guide turns the place where the point is now.
-            here = self.first.places(bodies, slid) - bodies.place[:, self.second.body]
-            arms[1][:, self._lines] = here[:, self._lines]
         matrix = np.zeros((self.count, self._size, len(axes)))
-        for own, arm, sign in zip((self.first, self.second), arms, (1.0, -1.0), strict=True):
-            turn = bodies.turn[:, own.body]
-            own.add_to(matrix, sign, axes[:, own.body], turn, arm, self._across(bodies))
+        for own, sign in ((self.first, 1.0), (self.second, -1.0)):
+            arms, turn = own.arms(bodies, slid), bodies.turn[:, own.body]
+            own.add_to(matrix, sign, axes[:, own.body], turn, arms)
         turns = np.nonzero(self._rotation)
         matrix[turns] += self._rotation[turns][:, None]
         return np.ascontiguousarray(matrix.transpose(2, 0, 1))
@@ -243,14 +189,8 @@ class Constraints:
         second = self.second.geometric_stiffness(bodies, slid, -vectors)
         return first[0] + second[0], first[1] + second[1]
 
-    def _across(self, bodies: BodyMotion) -> ComplexArray:
-        """Unit vectors to the left of the lines, (B, n_lines)."""
-        return np.asarray(1j * bodies.turn[:, self.second.body[self._lines]] * self._along)
-
-    def _in_rows(self, vectors: ComplexArray, across: ComplexArray) -> FloatArray:
-        """Rows (B, count) of vectors (B, C): along the axes, or across the lines (B, n_lines)."""
-        rows, first = np.zeros((len(vectors), self.count)), self._row[self._pairs]
-        two = vectors[:, self._pairs]
-        rows[:, first], rows[:, first + 1] = two.real, two.imag
-        rows[:, self._row[self._lines]] = dot(across, vectors[:, self._lines])
+    def _in_rows(self, vectors: ComplexArray) -> FloatArray:
+        """Rows (B, count) of vectors (B, C) along the axes."""
+        rows = np.zeros((len(vectors), self.count))
+        rows[:, self._row], rows[:, self._row + 1] = vectors.real, vectors.imag
         return rows

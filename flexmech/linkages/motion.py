@@ -9,7 +9,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.errors import InputError
 from flexmech.model_text import shapes, short_repr
 from flexmech.validation import checked_array
@@ -65,13 +65,14 @@ def checked_drive(
             "does; check its unit"
         )
     try:
-        return tuple(np.broadcast_arrays(*given))
+        shape = np.broadcast(*given).shape
     except ValueError as error:
         shapes = ", ".join(str(each.shape) for each in given)
         raise InputError(
             f"crank_angle, crank_speed and crank_acceleration have the shapes {shapes}, which do "
             "not go together; give single numbers or arrays of one shape"
         ) from error
+    return tuple(each if each.shape == shape else np.broadcast_to(each, shape) for each in given)
 
 
 @dataclass(frozen=True)
@@ -206,6 +207,11 @@ class RigidMotion:
         tangential = self.angular_acceleration[..., link, None] * quarter_turn(arm)
         centripetal = self.angular_velocity[..., link, None] ** 2 * arm
         return np.asarray(self.origin_acceleration[..., link, :] + tangential - centripetal)
+
+
+def as_pairs(vectors: ComplexArray) -> FloatArray:
+    """Components of vectors that are complex numbers; shape (...) -> (..., 2)."""
+    return np.ascontiguousarray(vectors).view(float).reshape(*vectors.shape, 2)
 
 
 def cross(first: FloatArray, second: FloatArray) -> FloatArray:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexmech.arrays import ComplexArray, FloatArray
+from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.errors import InputError
 from flexmech.linkages.body_motion import BodyMotion
 from flexmech.linkages.change_points import TURN, ChangePoints, Clearance, change_points_of
@@ -45,7 +44,7 @@ class Assembly:
             if isinstance(step, NewtonGroup):
                 step.fill_as_drawn(drawn)
             else:
-                step.fill_positions(drawn, np.zeros(1), np.ones(1))
+                step.move(drawn, np.zeros(1), np.ones(1))
 
     def motion(self, theta: FloatArray, omega: FloatArray, alpha: FloatArray) -> RigidMotion:
         """Rigid motion of every beam.
@@ -67,27 +66,10 @@ class Assembly:
                     "crank speed 0"
                 )
             turned = np.zeros_like(turned)
-        numbers, starts, drawn_angles = map(np.array, zip(*self._beams, strict=True))
-        body = self.body_motion(turned).of(numbers)
-        crank_turns = np.where(numbers == CRANK, turned[:, None], np.angle(body.turn))
-        shape = (*theta.shape, len(numbers))
-        angle = np.reshape(drawn_angles + crank_turns, shape)
-        turn_1, turn_2 = body.turn_1.reshape(shape), body.turn_2.reshape(shape)
-        places = (body.point(starts), body.point_1(starts), body.point_2(starts))
-        place, place_1, place_2 = (own.reshape(shape) for own in places)
-        w, a = omega[..., None], alpha[..., None]
-        return RigidMotion(
-            crank_angle=theta,
-            crank_speed=omega,
-            angle=angle,
-            angular_velocity=turn_1 * w,
-            angular_acceleration=turn_2 * w**2 + turn_1 * a,
-            origin=_pairs(place),
-            origin_velocity=_pairs(place_1) * w[..., None],
-            origin_acceleration=(
-                _pairs(place_2) * w[..., None] ** 2 + _pairs(place_1) * a[..., None]
-            ),
-        )
+        numbers, starts, drawn_angles = self._beams
+        bodies = self.body_motion(turned)
+        turns = np.where(numbers == CRANK, turned[:, None], np.angle(bodies.turn[:, numbers]))
+        return bodies.driven_motion(numbers, starts, drawn_angles + turns, (theta, omega, alpha))
 
     @cached_property
     def change_angles(self) -> FloatArray:
@@ -95,21 +77,19 @@ class Assembly:
         every = [
             self._changes(number, step).angles
             for number, step in enumerate(self.steps)
-            if isinstance(step, Dyad)
+            if not isinstance(step, NewtonGroup)
         ]
         around = np.mod(self.drawn_at + np.concatenate([np.zeros(0), *every]), TURN)
         return np.unique(np.where(TURN - around < LOCKING_SINE, 0.0, around))
 
     def transmission_angles(self, theta: FloatArray) -> dict[str, FloatArray]:
         """Transmission angle of each dyad at crank angles, by its joint; each of shape (A,)."""
-        known = self.body_motion(theta - self.drawn_at, needs_rates=False)
-        forms = [step.form for step in self.steps if isinstance(step, Dyad)]
-        found = {form.refusal.joint: form.transmission_angle(known) for form in forms}
-        return {joint: angle for joint, angle in found.items() if angle is not None}
+        known = self.body_motion(theta - self.drawn_at)
+        dyads = [step for step in self.steps if not isinstance(step, NewtonGroup)]
+        angles = {dyad.refusal.joint: dyad.transmission_angle(known) for dyad in dyads}
+        return {joint: angle for joint, angle in angles.items() if angle is not None}
 
-    def body_motion(
-        self, angle: FloatArray, steps: int | None = None, *, needs_rates: bool = True
-    ) -> BodyMotion:
+    def body_motion(self, angle: FloatArray, steps: int | None = None) -> BodyMotion:
         """Motion of the bodies at crank angles from that of the drawing.
 
         Parameters
@@ -118,8 +98,6 @@ class Assembly:
             In rad.
         steps : int, optional
             How many steps of the plan to take; all of them by default.
-        needs_rates : bool
-            Whether derivatives by the crank angle are asked for; they are zeros otherwise.
 
         Returns
         -------
@@ -134,16 +112,14 @@ class Assembly:
         bodies = self._driven(angle)
         for number, step in enumerate(self.steps[:steps]):
             if isinstance(step, NewtonGroup):
-                near = _within_half_a_turn(angle)
-                step.fill_positions(bodies, near, self._path(number, step))
+                near = angle - TURN * np.round(angle / TURN)
+                step.move(bodies, near, self._path(number, step))
             else:
                 changes = self._changes(number, step)
                 # By crank angles of the turn from 0 to 360 degrees, in which the drawing is.
                 turn = TURN * np.floor(self.drawn_at / TURN)
-                changes.refuse(angle + turn, step.form.refusal.meeting, self.drawn_at - turn)
-                step.fill_positions(bodies, angle, changes.sides(angle))
-            if needs_rates:
-                step.fill_rates(bodies)
+                changes.refuse(angle + turn, step.refusal.meeting, self.drawn_at - turn)
+                step.move(bodies, angle, changes.sides(angle))
         return bodies
 
     def _changes(self, number: int, dyad: Dyad) -> ChangePoints:
@@ -151,11 +127,9 @@ class Assembly:
         if number not in self._change_points:
 
             def clearances(angle: FloatArray) -> list[Clearance]:
-                reached = can_be_taken(
-                    partial(self.body_motion, steps=number, needs_rates=False), angle
-                )
-                known = self.body_motion(angle[reached], number, needs_rates=False)
-                return [own.at(reached) for own in dyad.form.clearances(known)]
+                reached = can_be_taken(partial(self.body_motion, steps=number), angle)
+                known = self.body_motion(angle[reached], number)
+                return [clearance.at(reached) for clearance in dyad.clearances(known)]
 
             self._change_points[number] = change_points_of(clearances, 0.0)
         return self._change_points[number]
@@ -167,16 +141,7 @@ class Assembly:
 
     def _driven(self, angle: FloatArray) -> BodyMotion:
         """All bodies at crank angles (B,), the crank in motion and the others as the ground."""
-        nothing = np.zeros((len(angle), len(self._references)))
-        bodies = BodyMotion(
-            self._references,
-            nothing + self._references,
-            1 + 0j * nothing,
-            0j * nothing,
-            0j * nothing,
-            nothing.copy(),
-            nothing,
-        )
+        bodies = BodyMotion.at_rest(self._references, len(angle))
         if not self.drawing.is_stationary:
             bodies.turn[:, CRANK], bodies.turn_1[:, CRANK] = np.exp(1j * angle), 1.0
         return bodies
@@ -189,23 +154,11 @@ class Assembly:
         return np.array([drawing.complex_point(name) for name in (axis, axis, *firsts)])
 
     @cached_property
-    def _beams(self) -> list[tuple[int, complex, float]]:
+    def _beams(self) -> tuple[IntArray, ComplexArray, FloatArray]:
         """Body, start and drawn angle of each beam, in order."""
+        links = [(link.name, beam) for link in self.drawing.links for beam in link.beams]
         place = self.drawing.complex_point
-        return [
-            (
-                self.bodies.of_link(link.name),
-                place(beam.start),
-                float(np.angle(place(beam.end) - place(beam.start))),
-            )
-            for link in self.drawing.links
-            for beam in link.beams
-        ]
-
-
-def _pairs(vector: NDArray[np.number]) -> FloatArray:
-    return np.stack([np.real(vector), np.imag(vector)], axis=-1)
-
-
-def _within_half_a_turn(angle: FloatArray) -> FloatArray:
-    return np.asarray(angle - 2 * np.pi * np.round(angle / (2 * np.pi)))
+        starts = np.array([place(beam.start) for _, beam in links])
+        ends = np.array([place(beam.end) for _, beam in links])
+        numbers = np.array([self.bodies.of_link(name) for name, _ in links])
+        return numbers, starts, np.angle(ends - starts)

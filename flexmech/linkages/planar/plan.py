@@ -6,18 +6,14 @@ from collections.abc import Iterable
 from dataclasses import replace
 from itertools import combinations
 
+import numpy as np
+
 from flexmech.errors import InputError, LockingError
+from flexmech.linkages.body_motion import cross
 from flexmech.linkages.change_points import in_degrees
-from flexmech.linkages.planar.bodies import (
-    CRANK,
-    GROUND_BODY,
-    Bodies,
-    GuidedPoint,
-    Refusal,
-    SharedPoint,
-)
+from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, Bodies, Refusal, SharedPoint
 from flexmech.linkages.planar.drawing import Drawing
-from flexmech.linkages.planar.dyads import Circle, Dyad, Line, SlidingBody, TwoLoci, cross
+from flexmech.linkages.planar.dyads import Circle, Dyad, Line, SlidingBody, TwoLoci
 from flexmech.linkages.planar.newton import NewtonGroup
 
 Step = Dyad | NewtonGroup
@@ -70,11 +66,10 @@ def _refuse_two_drives(drawing: Drawing, bodies: Bodies) -> None:
 
 def _refuse_unjoined(bodies: Bodies) -> None:
     reached = {GROUND_BODY, CRANK}
-    pairs = [_pair(own) for own in bodies.constraints]
     for _ in bodies.links:
-        for pair in pairs:
-            if reached & set(pair):
-                reached.update(pair)
+        for joint in bodies.joints:
+            if reached & {*joint.bodies}:
+                reached.update(joint.bodies)
     for body in range(len(bodies.links)):
         if body not in reached:
             raise InputError(
@@ -83,12 +78,8 @@ def _refuse_unjoined(bodies: Bodies) -> None:
             )
 
 
-def _pair(own: SharedPoint | GuidedPoint) -> tuple[int, int]:
-    return (own.first, own.second) if isinstance(own, SharedPoint) else (own.body, own.guide)
-
-
-def _equations(joints: Iterable[SharedPoint | GuidedPoint]) -> int:
-    return sum(2 if isinstance(own, SharedPoint) else 1 for own in joints)
+def _equations(joints: Iterable[SharedPoint]) -> int:
+    return sum(joint.equations for joint in joints)
 
 
 class _Order:
@@ -112,15 +103,15 @@ class _Order:
         if _equations(joints) > equations:
             if group == (CRANK,):
                 drive = self.drawing.drive.point
-                redundant = [own for own in joints if own.point != drive]
+                redundant = [joint.point for joint in joints if joint.point != drive]
                 if not redundant:
                     return
-                joint = redundant[0].point
+                point = redundant[0]
             else:
-                joint = joints[-1].point
+                point = joints[-1].point
             names = ", ".join(self.bodies.name(body) for body in group)
             raise LockingError(
-                f"{names}: the chain is redundant at joint {joint}, at crank angle "
+                f"{names}: the chain is redundant at joint {point}, at crank angle "
                 f"{in_degrees(self.drawn_at)} as drawn: it is held by more joints than it needs "
                 "and locks; remove a link or a joint there"
             )
@@ -133,9 +124,9 @@ class _Order:
                 joints = self._on(chosen)
                 if _equations(joints) >= 3 * size:
                     self.refuse_redundant(chosen, 3 * size)
-                    form = self._closed_form(joints, chosen)
-                    if form is not None:
-                        return Dyad(self.drawing, self.bodies, joints, form)
+                    dyad = self._closed_form(joints, chosen)
+                    if dyad is not None:
+                        return dyad
                     return NewtonGroup(self.drawing, self.bodies, joints, chosen, self.drawn_at)
         free = self.bodies.name(self._freest(unknown))
         raise InputError(
@@ -146,46 +137,48 @@ class _Order:
     def _freest(self, unknown: list[int]) -> int:
         """Body of the unknown ones with the fewest conditions."""
         conditions = dict.fromkeys(unknown, 0)
-        for own in self.bodies.constraints:
-            for body in set(_pair(own)) & set(unknown):
-                conditions[body] += _equations([own])
+        for joint in self.bodies.joints:
+            for body in {*joint.bodies} & {*unknown}:
+                conditions[body] += joint.equations
         return min(unknown, key=lambda body: conditions[body])
 
-    def _on(self, group: tuple[int, ...]) -> tuple[SharedPoint | GuidedPoint, ...]:
-        """Constraints of some bodies, with each other and with known ones.
+    def _on(self, group: tuple[int, ...]) -> tuple[SharedPoint, ...]:
+        """Joints of bodies with each other and with known ones.
 
         Where several bodies meet, a known one counts for the point, whichever it is.
         """
-        own: list[SharedPoint | GuidedPoint] = []
+        joints: list[SharedPoint] = []
         at: dict[str, int] = {}
         for point, here in self.bodies.at_point.items():
             present = [body for body in here if body in self.known or body in group]
             if present:
                 base = at[point] = min(present, key=lambda body: (body not in self.known, body))
                 new = (body for body in present if body in group and body != base)
-                own += [SharedPoint(point, base, body) for body in new]
+                joints += [SharedPoint(point, base, body) for body in new]
         for line in self.bodies.lines:
-            inside = line.guide in self.known or line.guide in group
-            if inside and line.point in at and {line.guide, at[line.point]} & set(group):
-                own.append(replace(line, body=at[line.point]))
-        return tuple(own)
+            inside = line.second in self.known or line.second in group
+            if inside and line.point in at and {line.second, at[line.point]} & set(group):
+                joints.append(replace(line, first=at[line.point]))
+        return tuple(joints)
 
     def _closed_form(
-        self, joints: tuple[SharedPoint | GuidedPoint, ...], unknown: tuple[int, ...]
-    ) -> TwoLoci | SlidingBody | None:
+        self, joints: tuple[SharedPoint, ...], unknown: tuple[int, ...]
+    ) -> Dyad | None:
         """Closed form of one or two bodies; None of other groups."""
-        shared = [own for own in joints if isinstance(own, SharedPoint)]
-        lines = [own for own in joints if isinstance(own, GuidedPoint)]
-        pivots = {own.second: own for own in shared if own.first in self.known}
+        shared = [joint for joint in joints if joint.along is None]
+        lines = [joint for joint in joints if joint.along is not None]
+        pivots = {joint.second: joint for joint in shared if joint.first in self.known}
         if len(unknown) == 1 and len(shared) == len(lines) == 1:
             (pivot,), (line,) = shared, lines
-            if line.guide in self.known:
-                return self._two_loci(line.point, self._circle(pivot, line.point), self._line(line))
+            assert line.along is not None
+            if line.second in self.known:
+                on_line = Line(line.second, self._drawn(line.point), line.along)
+                return self._two_loci(line.point, self._circle(pivot, line.point), on_line)
             return SlidingBody(
                 self._refusal(line.point, (*unknown, *self.bodies.at_point[line.point])),
                 unknown[0],
                 pivot.first,
-                line.body,
+                line.first,
                 self._drawn(pivot.point),
                 self._drawn(line.point),
                 line.along,
@@ -195,34 +188,36 @@ class _Order:
             return None
         # Where the two meet, each is on a circle about its pivot, or on the line along which it
         # translates.
-        (meeting,) = (own.point for own in shared if own.first in unknown)
-        circles = [self._circle(own, meeting) for own in pivots.values()]
+        (meeting,) = (joint.point for joint in shared if joint.first in unknown)
+        circles = [self._circle(joint, meeting) for joint in pivots.values()]
         others = [self._translation(lines, body, meeting) for body in {*unknown} - {*pivots}]
-        loci: list[Circle | Line] = [*circles, *(own for own in others if own is not None)]
+        loci: list[Circle | Line] = [*circles, *(line for line in others if line is not None)]
         return self._two_loci(meeting, *loci) if len(loci) == 2 else None
 
-    def _translation(self, lines: list[GuidedPoint], body: int, point: str) -> Line | None:
+    def _translation(self, lines: list[SharedPoint], body: int, point: str) -> Line | None:
         """Line along which a point of a body translates: two of its points slide along it."""
-        own = [line for line in lines if line.body == body and line.guide in self.known]
-        if len(own) != 2 or own[0].guide != own[1].guide:
+        guided = [line for line in lines if line.first == body and line.second in self.known]
+        if len(guided) != 2 or guided[0].second != guided[1].second:
             return None
-        if abs(cross(own[0].along, own[1].along)) >= PARALLEL_SINE:
+        along, other = guided[0].along, guided[1].along
+        assert along is not None
+        assert other is not None
+        if abs(cross(along, other)) >= PARALLEL_SINE:
             return None
-        return Line(own[0].guide, self._drawn(point), own[0].along, body)
-
-    def _line(self, own: GuidedPoint) -> Line:
-        return Line(own.guide, self._drawn(own.point), own.along)
+        return Line(guided[0].second, self._drawn(point), along, body)
 
     def _circle(self, pivot: SharedPoint, point: str) -> Circle:
-        return Circle(pivot.first, self._drawn(pivot.point), pivot.second, self._drawn(point))
+        centre = self._drawn(pivot.point)
+        return Circle(pivot.first, centre, pivot.second, centre, self._drawn(point) - centre)
 
     def _two_loci(self, point: str, first: Circle | Line, second: Circle | Line) -> TwoLoci:
         refusal = self._refusal(point, self.bodies.at_point[point])
-        return TwoLoci(refusal, first, second, self.drawing.size)
+        side = float(np.sign(cross(first.drawn_normal, second.drawn_normal)))
+        return TwoLoci(refusal, first, second, self.drawing.size, side)
 
     def _refusal(self, point: str, bodies: Iterable[int]) -> Refusal:
         names = [self.bodies.name(body) for body in dict.fromkeys(bodies)]
-        slides = any(own.point == point for own in self.bodies.lines)
+        slides = any(line.point == point for line in self.bodies.lines)
         links = " and ".join([*names, *(["its line"] if slides else [])])
         return Refusal(point, links, self.drawn_at)
 

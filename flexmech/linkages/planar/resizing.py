@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 
 from flexmech.arrays import ROUND_OFF, SAME_PLACE
 from flexmech.errors import InputError
 from flexmech.linkages.body_motion import BodyMotion
-from flexmech.linkages.constraints import Constraints
-from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, Bodies, GuidedPoint, SharedPoint
+from flexmech.linkages.planar.bodies import (
+    CRANK,
+    GROUND_BODY,
+    Bodies,
+    JointConstraints,
+    SharedPoint,
+)
 from flexmech.linkages.planar.drawing import Drawing
 
 # A bound of work: Newton's method takes five where links swell by some percent; where it takes 30,
@@ -48,7 +52,7 @@ def resized_points(
     shapes = _Shapes(drawing, bodies, lengths, ground_growth)
     placed = _assembled(shapes)
     found = {
-        point: placed.of(here[0]).point(shapes.at[here[0], point])[0]
+        point: placed.moving_point(here[0], shapes.at[here[0], point]).place[0]
         for point, here in bodies.at_point.items()
     }
     return {point: (float(place.real), float(place.imag)) for point, place in found.items()}
@@ -76,9 +80,9 @@ class _Shapes:
         for body, links in enumerate(bodies.links):
             if links:
                 self._lay_out(body, links)
-        self.at |= {(line.guide, line.point): self._through(line) for line in bodies.lines}
+        self.at |= {(line.second, line.point): self._through(line) for line in bodies.lines}
 
-    def _through(self, line: GuidedPoint) -> complex:
+    def _through(self, line: SharedPoint) -> complex:
         """Point of a line in the axes of its guide."""
         drawn = self.drawing.complex_point(line.point)
         guide = self.drawing.joint(line.point).guide
@@ -87,7 +91,7 @@ class _Shapes:
         beam = self.drawing.link(guide).beams[0]
         start, end = (self.drawing.complex_point(name) for name in (beam.start, beam.end))
         growth = self.lengths[beam.name] / abs(end - start)
-        return self.at[line.guide, beam.start] + (drawn - start) * growth
+        return self.at[line.second, beam.start] + (drawn - start) * growth
 
     def _lay_out(self, body: int, links: tuple[str, ...]) -> None:
         """Places of a body's points, beam by beam from its first point."""
@@ -121,27 +125,24 @@ def _assembled(shapes: _Shapes) -> BodyMotion:
     first = {body: drawing.complex_point(point) for body, point in reversed(shapes.at)}
     first |= {GROUND_BODY: 0j, CRANK: shapes.at[GROUND_BODY, drawing.drive.point]}
     count = len(bodies.links)
-    start = np.array([[first[body] for body in range(count)]])
-    rest = np.zeros((1, count))
-    placed = BodyMotion(0j * rest[0], start, 1 + 0j * rest, 0j * rest, 0j * rest, rest, rest)
-    conditions = [
-        own.condition(lambda body, point: shapes.at[body, point])
-        for own in bodies.constraints
-        if not _of_crank_and_ground(own)
-    ]
+    placed = BodyMotion.at_rest(np.zeros(count, dtype=complex), 1)
+    placed.place[0] = [first[body] for body in range(count)]
+    joints = [joint for joint in bodies.joints if not _of_crank_and_ground(joint)]
     moving = range(CRANK + 1, count)
-    constraints = Constraints(conditions, moving)
-    for _ in range(ITERATIONS):
-        gap = constraints.gap(placed)[0]
+    constraints = JointConstraints(joints, moving, lambda body, point: shapes.at[body, point])
+    equations, slides = constraints.equations, np.zeros(len(constraints.along))
+    for _ in range(ITERATIONS + 1):
+        slid = constraints.slid(placed.drawn, np.stack([slides, 0 * slides, 0 * slides])[:, None])
+        gap = equations.gap(placed, slid[0])[0]
         if np.abs(gap).max(initial=0.0) < CONVERGED * drawing.size:
             break
-        change = np.linalg.lstsq(constraints.jacobian(placed)[0], -gap, rcond=None)[0]
-        x, y, phi = change.reshape(-1, 3).T
-        place, turn = placed.place.copy(), placed.turn.copy()
-        place[0, moving] += x + 1j * y
-        turn[0, moving] *= np.exp(1j * phi)
-        placed = replace(placed, place=place, turn=turn)
-    if not np.abs(constraints.gap(placed)).max(initial=0.0) < ROUND_OFF * drawing.size:
+        jacobian = equations.jacobian(placed, None, slid[0])[0]
+        change = np.linalg.lstsq(jacobian, -gap, rcond=None)[0]
+        x, y, phi = change[: 3 * len(moving)].reshape(-1, 3).T
+        placed.place[0, moving] += x + 1j * y
+        placed.turn[0, moving] *= np.exp(1j * phi)
+        slides = slides + change[3 * len(moving) :]
+    if not np.abs(gap).max(initial=0.0) < ROUND_OFF * drawing.size:
         raise InputError(
             "the linkage cannot be put together at the crank angle of its drawing after its links "
             "have changed their lengths; draw it farther from a dead point"
@@ -149,5 +150,5 @@ def _assembled(shapes: _Shapes) -> BodyMotion:
     return placed
 
 
-def _of_crank_and_ground(own: SharedPoint | GuidedPoint) -> bool:
-    return isinstance(own, SharedPoint) and {own.first, own.second} == {GROUND_BODY, CRANK}
+def _of_crank_and_ground(joint: SharedPoint) -> bool:
+    return joint.along is None and {*joint.bodies} == {GROUND_BODY, CRANK}
