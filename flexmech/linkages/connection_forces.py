@@ -12,8 +12,15 @@ import numpy as np
 
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError
-from flexmech.linkages.body_motion import GROUND_AFTER_LINKS, BodyMotion, BodyPoint
-from flexmech.linkages.constraints import Coincidence, Condition, Constraints, EqualAngle
+from flexmech.linkages.body_motion import (
+    GROUND_AFTER_LINKS,
+    BodyMotion,
+    BodyPoint,
+    Coincidence,
+    Condition,
+    Constraints,
+    EqualAngle,
+)
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.topology import LinkEnd, Slider, Topology
 

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexmech.arrays import ComplexArray, FloatArray
-from flexmech.linkages.applied_forces import ForceOnLink, applied_forces
-from flexmech.linkages.attachments import JointSpring, Load, Spring
+from flexmech.linkages.applied_forces import ForceOnLink, JointSpring, Load, Spring, applied_forces
 from flexmech.linkages.connection_forces import (
     connection_matrix,
     connection_vectors,

@@ -23,9 +23,9 @@ from flexmech.analyses.response.request import ResponseRequest
 from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
-from flexmech.linkages import (
+from flexmech.linkages import SettledRun
+from flexmech.linkages.motors.motor_run import (
     SettledMotion,
-    SettledRun,
     TurnSeries,
     TwistedShaft,
     repeated,

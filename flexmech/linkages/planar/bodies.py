@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import AssemblyError, InputError, LockingError
-from flexmech.linkages.body_motion import BodyPoint
+from flexmech.linkages.body_motion import BodyPoint, Coincidence, Constraints
 from flexmech.linkages.change_points import in_degrees
-from flexmech.linkages.constraints import Coincidence, Constraints
 from flexmech.linkages.planar.drawing import Drawing
 
 # Numbers of the two bodies whose motion is known from the start.
