@@ -14,6 +14,18 @@ from flexmech.errors import InputError
 from flexmech.linkages.body_motion import GROUND_AFTER_LINKS
 from flexmech.linkages.motion import RigidMotion, cross, turned
 from flexmech.linkages.topology import Topology
+from flexmech.model_text import TomlTable, fields_table, quantity
+from flexmech.units import (
+    ANGLE,
+    DAMPING,
+    FORCE,
+    LENGTH,
+    SPRING_STIFFNESS,
+    TIME,
+    TORQUE,
+    TORSIONAL_DAMPING,
+    TORSIONAL_STIFFNESS,
+)
 from flexmech.validation import (
     NOT_NEGATIVE,
     POSITIVE,
@@ -72,6 +84,12 @@ class AttachmentPoint:
     def is_ground(self) -> bool:
         """Whether the point is on the ground."""
         return self.link == GROUND
+
+    def to_table(self) -> TomlTable | list[str | float]:
+        """Place in a model file: link and position, or coordinates of a point of the ground."""
+        if self.is_ground:
+            return [quantity(self.x, LENGTH), quantity(self.y, LENGTH)]
+        return {"link": self.link, "position": quantity(self.x, LENGTH)}
 
 
 @dataclass(frozen=True)
@@ -185,6 +203,22 @@ class Load:
             return values[..., :2]
         return turned(values[..., :2], angle)
 
+    def to_table(self) -> TomlTable:
+        """Entry of ``[loads]`` of a model file."""
+        table = self.point.to_table()
+        assert isinstance(table, dict)
+        if self.axes != "ground":
+            table["axes"] = self.axes
+        if self.over == "constant":
+            table["force"] = [quantity(along, FORCE) for along in self.force[0]]
+            return table | {"torque": quantity(self.torque[0], TORQUE)}
+        place = ANGLE if self.over == "crank_angle" else TIME
+        rows = [
+            [quantity(at, place), *(quantity(along, FORCE) for along in force), quantity(m, TORQUE)]
+            for at, force, m in zip(self.at, self.force, self.torque, strict=True)
+        ]
+        return table | {"over": self.over, "table": rows}
+
 
 @dataclass(frozen=True)
 class Spring:
@@ -230,6 +264,12 @@ class Spring:
             check_instance(end, AttachmentPoint, f"each end of {what}", _POINT)
         if self.first.link == self.second.link:
             raise InputError(f"{what} has both ends on {self.first.link}; join two links")
+
+    def to_table(self) -> TomlTable:
+        """Entry of ``[springs]`` of a model file."""
+        dimensions = {"stiffness": SPRING_STIFFNESS, "free_length": LENGTH, "damping": DAMPING}
+        ends = [self.first.to_table(), self.second.to_table()]
+        return {"points": ends, **fields_table(self, dimensions)}
 
 
 @dataclass(frozen=True)
@@ -298,6 +338,19 @@ class JointSpring:
         """
         torque = -self.torsional_stiffness * (opening - self.free_angle)
         return np.asarray(torque - self.torsional_damping * rate)
+
+    def to_table(self) -> TomlTable:
+        """Keys of the joint in a model file."""
+        dimensions = {
+            "torsional_stiffness": TORSIONAL_STIFFNESS,
+            "torsional_damping": TORSIONAL_DAMPING,
+            "free_angle": ANGLE,
+            "radial_stiffness": SPRING_STIFFNESS,
+            "radial_damping": DAMPING,
+        }
+        # Stated even where it is zero, so that a spring without effect is read back too.
+        stiffness = quantity(self.torsional_stiffness, TORSIONAL_STIFFNESS)
+        return {"torsional_stiffness": stiffness, **fields_table(self, dimensions)}
 
 
 Moved = Callable[[int, float], tuple[FloatArray, FloatArray]]

@@ -20,6 +20,8 @@ from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
 from flexmech.linkages.motion import RigidMotion, as_pairs
 
+GROUND_BODY, CRANK = 0, 1
+"""Numbers of the two bodies of a drawn linkage whose motion is known from the start."""
 GROUND_AFTER_LINKS = -1
 """Number of the ground where bodies are the links of a topology: the last body."""
 
@@ -95,6 +97,13 @@ class BodyMotion:
         turn += 1.0
         return cls(drawn, place.T, turn.T, place_1.T, place_2.T, turn_1.T, turn_2.T)
 
+    @classmethod
+    def cranked(cls, drawn: ComplexArray, angle: FloatArray) -> Self:
+        """Bodies at rest but for the crank, which is turned by angles (B,) in rad."""
+        bodies = cls.at_rest(drawn, len(angle))
+        bodies.turn[:, CRANK], bodies.turn_1[:, CRANK] = np.exp(1j * angle), 1.0
+        return bodies
+
     def moving_point(self, body: int, drawn: complex) -> MovingPoint:
         """Motion of a point of a body.
 
@@ -141,7 +150,7 @@ class BodyMotion:
 
     def driven_motion(
         self,
-        links: IntArray,
+        links: IntArray | slice,
         starts: ComplexArray,
         angle: FloatArray,
         crank: tuple[FloatArray, ...],
@@ -150,7 +159,7 @@ class BodyMotion:
 
         Parameters
         ----------
-        links : ndarray of int, shape (m,)
+        links : ndarray of int, shape (m,), or slice
             Body of each link.
         starts : ndarray of complex, shape (m,)
             Start of each link in the axes of its body.
@@ -160,7 +169,7 @@ class BodyMotion:
             Angle, speed and acceleration of the crank in each of the B positions.
         """
         theta, speed, acceleration = crank
-        shape = (*theta.shape, len(links))
+        shape = (*theta.shape, angle.shape[-1])
         place, rate, change = (own[:, links] for own in (self.place, self.place_1, self.place_2))
         spin, swing = self.turn_1[:, links], self.turn_2[:, links]
         if np.any(from_reference := starts - self.drawn[links]):

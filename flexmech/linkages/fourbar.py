@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 
 from flexmech.arrays import ROUND_OFF, SAME_PLACE, FloatArray
 from flexmech.errors import AssemblyError, InputError
-from flexmech.linkages.body_motion import BodyMotion
+from flexmech.linkages.body_motion import CRANK, GROUND_BODY, BodyMotion
 from flexmech.linkages.change_points import ChangePoints, passing
 from flexmech.linkages.motion import RigidMotion, checked_drive
-from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, Refusal
+from flexmech.linkages.planar.bodies import Refusal
 from flexmech.linkages.planar.dyads import Circle, TwoLoci
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Topology
 from flexmech.model_text import TomlTable, quantity
@@ -269,14 +269,13 @@ class FourBar:
         crank = checked_drive(crank_angle, crank_speed, crank_acceleration)
         theta = np.ravel(crank[0])
         self.change_points.refuse(theta, "all links come into one line")
-        bodies = BodyMotion.at_rest(np.zeros(4, dtype=complex), len(theta))
-        bodies.turn[:, CRANK], bodies.turn_1[:, CRANK] = np.exp(1j * theta), 1.0
+        bodies = BodyMotion.cranked(np.zeros(4, dtype=complex), theta)
         self._dyad.move(bodies, theta, self.change_points.sides(theta))
         to_o4 = self.ground - bodies.place[:, COUPLER]
         coupler, rocker = bodies.turn[:, COUPLER], bodies.turn[:, ROCKER]
         # The coupler's angle is counted from the line A-O4.
         angles = theta, np.angle(to_o4) + np.angle(coupler * np.conj(to_o4)), np.angle(rocker)
-        links = np.array([CRANK, COUPLER, ROCKER])
+        links = slice(CRANK, ROCKER + 1)
         return bodies.driven_motion(links, bodies.drawn[links], np.stack(angles, axis=-1), crank)
 
     @cached_property

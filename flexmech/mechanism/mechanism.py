@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -21,6 +21,8 @@ from flexmech.linkages import (
     LinkMass,
     Load,
     MotorDrive,
+    PlanarLink,
+    PlanarLinkage,
     RigidMotion,
     Spring,
     Topology,
@@ -42,12 +44,6 @@ from flexmech.mechanism.checks import (
 from flexmech.mechanism.drawing import notebook_html, part_lines
 from flexmech.mechanism.parts import AttachedBody, JointPin, PointMass, Provenance, Wetting
 from flexmech.mechanism.sprung_frame import SprungFrame
-from flexmech.mechanism.tables import (
-    joints_table,
-    links_table,
-    loads_table,
-    springs_table,
-)
 from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr
 from flexmech.sections import BeamSection, Layers, sections_between_joints
 from flexmech.units import (
@@ -55,6 +51,7 @@ from flexmech.units import (
     ANGULAR_SPEED,
     EXPANSION,
     INERTIA,
+    MASS,
     TEMPERATURE,
     from_si,
     to_si,
@@ -356,9 +353,7 @@ class Mechanism:
         import tomli_w
 
         shared = SharedTables()
-        links = links_table(
-            self.linkage, self.sections, self.wetting, self.link_masses, self.bodies, shared
-        )
+        links = self._links_table(shared)
         linkage = self.linkage.to_table()
         if self.ground_thermal_expansion:
             expansion = quantity(self.ground_thermal_expansion, EXPANSION)
@@ -383,15 +378,67 @@ class Mechanism:
             speeds.append(quantity(last, ANGULAR_SPEED, self.speed_unit, always=True))
         inertia = self.shaft_inertia
         optional = {
-            "joints": joints_table(
-                self.linkage, self.joint_masses, self.joint_springs, self.joint_pins
-            ),
+            "joints": self._joints_table(),
             "shaft": {"inertia": quantity(inertia, INERTIA)} if inertia else {},
             "drive": {} if self.drive is None else self.drive.to_table(),
             "frame": {} if self.frame is None else self.frame.to_table(),
-            "loads": loads_table(self.loads),
-            "springs": springs_table(self.springs),
+            "loads": _by_name("loads", [(load.name, load.to_table()) for load in self.loads]),
+            "springs": _by_name("springs", [(own.name, own.to_table()) for own in self.springs]),
             "environment": environment,
             "operation": {"crank_speeds": speeds} if speeds else {},
         }
         return tomli_w.dumps(document | {key: table for key, table in optional.items() if table})
+
+    def _links_table(self, shared: SharedTables) -> TomlTable:
+        """Table ``[links]``; tables that several links name are put among the shared ones."""
+        drawn = self.linkage.links if isinstance(self.linkage, PlanarLinkage) else ()
+        keys = {link.name: _drawn_keys(link) for link in drawn}
+        beams_of = {link.name: [beam.name for beam in link.beams] for link in drawn}
+        single = {name: [name] for name in self.linkage.topology.link_names}
+        tables: TomlTable = {}
+        for name, beams in (beams_of or single).items():
+            sections = [self._beam_table(beam, shared) for beam in beams]
+            tables[name] = keys.get(name, {}) | sections[0]
+            for key, parts in (("point_masses", self.link_masses), ("bodies", self.bodies)):
+                entries = [
+                    part.to_table() | ({"beam": beams.index(part.link) + 1} if beams[1:] else {})
+                    for part in parts
+                    if part.link in beams
+                ]
+                tables[name] |= {key: entries} if entries else {}
+            further = zip(beams[1:], sections[1:], strict=True)
+            tables |= {beam: table for beam, table in further if table != sections[0]}
+        return tables
+
+    def _beam_table(self, beam: str, shared: SharedTables) -> TomlTable:
+        """Keys of a beam's section and of where water enters it."""
+        section = self.sections.get(beam)
+        table: TomlTable = {} if section is None else section.to_table(shared)
+        return table | self.wetting_of(beam).to_table()
+
+    def _joints_table(self) -> TomlTable:
+        """Table ``[joints]``; empty where no joint is drawn, has mass, a spring or a diameter."""
+        drawn = self.linkage.joints if isinstance(self.linkage, PlanarLinkage) else ()
+        tables: dict[str, TomlTable] = {joint.point: joint.to_table() for joint in drawn}
+        masses = {name: {"mass": quantity(mass, MASS)} for name, mass in self.joint_masses.items()}
+        springs = [(own.joint, own.to_table()) for own in self.joint_springs]
+        pins = [(pin.joint, pin.to_table()) for pin in self.joint_pins]
+        for keys in (masses, _by_name("joint_springs", springs), _by_name("joint_pins", pins)):
+            for joint, table in keys.items():
+                tables.setdefault(joint, {}).update(table)
+        return tables
+
+
+def _drawn_keys(link: PlanarLink) -> TomlTable:
+    """Keys of a drawn link besides its section."""
+    return {"points": list(link.points), **({"rigid": True} if link.rigid else {})}
+
+
+def _by_name(what: str, entries: Iterable[tuple[str, TomlTable]]) -> TomlTable:
+    """Tables by name; a model file has one of a name."""
+    tables: TomlTable = {}
+    for name, table in entries:
+        if name in tables:
+            raise InputError(f"{what}: {name!r} is there twice, a model file has one of a name")
+        tables[name] = table
+    return tables

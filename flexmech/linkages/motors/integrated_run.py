@@ -14,7 +14,7 @@ Wanner, *Solving Ordinary Differential Equations I*, 1993, DOP853) between the c
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -39,16 +39,6 @@ _MOST_TURNS, _REPEATS = 200, 1e-3
 _LONGEST_TURN = 1e3
 # A motor that does not start is shown for so long, in s.
 _STANDING = 0.1
-
-
-class _Found(Protocol):
-    """What an integration of SciPy gives."""
-
-    t: FloatArray
-    y: FloatArray
-    t_events: Any
-    success: bool
-    message: str
 
 
 def solved_run(
@@ -235,11 +225,11 @@ class _Integration:
         # A crank that creeps stands.
         return bool(np.isfinite(until) or len(found.t_events[1])) and not len(found.t_events[0])
 
-    def _solved(self, until: float, events: tuple[Any, ...]) -> _Found:
+    def _solved(self, until: float, events: tuple[Any, ...]) -> Any:
         """The motion from the last time until another in s, or a terminal event."""
         from scipy.integrate import solve_ivp
 
-        found: _Found = solve_ivp(
+        found = solve_ivp(
             self._equation.rates,
             (float(self._time[-1][-1]), until),
             self._values[-1][:, -1],
@@ -257,7 +247,7 @@ class _Integration:
             )
         return found
 
-    def _keep(self, found: _Found) -> None:
+    def _keep(self, found: Any) -> None:
         # An event at the start leaves a step without a length.
         later = found.t > self._time[-1][-1]
         if later.any():

@@ -11,7 +11,7 @@ import numpy as np
 
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.errors import InputError, LockingError
-from flexmech.linkages.body_motion import BodyMotion, cross
+from flexmech.linkages.body_motion import CRANK, GROUND_BODY, BodyMotion, cross
 from flexmech.linkages.change_points import (
     TURN,
     ChangePoints,
@@ -21,14 +21,7 @@ from flexmech.linkages.change_points import (
 )
 from flexmech.linkages.linkage import can_be_taken
 from flexmech.linkages.motion import LOCKING_SINE, RigidMotion
-from flexmech.linkages.planar.bodies import (
-    CRANK,
-    GROUND_BODY,
-    Bodies,
-    Refusal,
-    SharedPoint,
-    bodies_of,
-)
+from flexmech.linkages.planar.bodies import Bodies, Refusal, SharedPoint, bodies_of
 from flexmech.linkages.planar.drawing import Drawing
 from flexmech.linkages.planar.dyads import Circle, Dyad, Line, SlidingBody, TwoLoci
 from flexmech.linkages.planar.newton import ContinuationPath, NewtonGroup
@@ -364,10 +357,9 @@ class Assembly:
 
     def _driven(self, angle: FloatArray) -> BodyMotion:
         """All bodies at crank angles (B,), the crank in motion and the others as the ground."""
-        bodies = BodyMotion.at_rest(self._references, len(angle))
-        if not self.drawing.is_stationary:
-            bodies.turn[:, CRANK], bodies.turn_1[:, CRANK] = np.exp(1j * angle), 1.0
-        return bodies
+        if self.drawing.is_stationary:
+            return BodyMotion.at_rest(self._references, len(angle))
+        return BodyMotion.cranked(self._references, angle)
 
     @cached_property
     def _references(self) -> ComplexArray:

@@ -16,12 +16,9 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import AssemblyError, InputError, LockingError
-from flexmech.linkages.body_motion import BodyPoint, Coincidence, Constraints
+from flexmech.linkages.body_motion import CRANK, GROUND_BODY, BodyPoint, Coincidence, Constraints
 from flexmech.linkages.change_points import in_degrees
 from flexmech.linkages.planar.drawing import Drawing
-
-# Numbers of the two bodies whose motion is known from the start.
-GROUND_BODY, CRANK = 0, 1
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,8 @@ from flexmech.arrays import SAME_PLACE
 from flexmech.errors import InputError, suggestion
 from flexmech.linkages.applied_forces import GROUND
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Slider, Topology, Weld
+from flexmech.model_text import TomlTable, fields_table
+from flexmech.units import ANGLE
 from flexmech.validation import (
     check_angle,
     check_choice,
@@ -127,6 +129,12 @@ class PlanarJoint:
             raise InputError(f"{what} is a {self.kind}; direction and guide belong to a slider")
         if self.links and self.kind not in ("clamp", "weld"):
             raise InputError(f"{what} is a {self.kind}; links belong to a clamp or a weld")
+
+    def to_table(self) -> TomlTable:
+        """Keys of the joint in a model file."""
+        links = {"links": list(self.links)} if self.links else {}
+        guide = {"guide": self.guide} if self.guide else {}
+        return {"kind": self.kind, **links, **fields_table(self, {"direction": ANGLE}), **guide}
 
 
 @dataclass(frozen=True)

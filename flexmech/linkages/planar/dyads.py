@@ -21,6 +21,9 @@ from flexmech.linkages.change_points import Clearance
 from flexmech.linkages.motion import LOCKING_SINE
 from flexmech.linkages.planar.bodies import Refusal
 
+# Sine between loci below which rounding has left a place that is worse than some ten round-offs.
+NEARLY_LOCKED = 0.1
+
 
 class Contact(NamedTuple):
     """A point on a locus.
@@ -94,15 +97,14 @@ class Locus(abc.ABC):
         """
 
     @abc.abstractmethod
-    def move(self, contact: Contact, point: MovingPoint, along: list[FloatArray]) -> None:
+    def move(self, contact: Contact, rate: FloatArray, change: FloatArray) -> None:
         """Give the body its motion by that of its point.
 
         Parameters
         ----------
         contact : Contact
-        point : MovingPoint
-        along : list of ndarray, shape (B,)
-            Rate of the point along the curve, and how fast that changes.
+        rate, change : ndarray, shape (B,)
+            First and second derivative of the point's way along the curve.
         """
 
 
@@ -154,10 +156,10 @@ class Circle(Locus):
         """Second derivative (B,) of the centre, and what turns the rate along the circle."""
         return np.asarray(contact.base.change - along**2 / self.radius * contact.normal)
 
-    def move(self, contact: Contact, point: MovingPoint, along: list[FloatArray]) -> None:
+    def move(self, contact: Contact, rate: FloatArray, change: FloatArray) -> None:
         """Turn the body about the centre."""
         turn = contact.normal * (self.radius / self.arm)
-        spin, swing = (own / self.radius for own in along)
+        spin, swing = rate / self.radius, change / self.radius
         contact.bodies.move(self.body, self.pivot, contact.base, turn, spin, swing)
 
 
@@ -206,10 +208,15 @@ class Line(Locus):
         change = contact.base.change + (1j * swing - spin**2) * arm
         return np.asarray(change - 2 * spin * along * contact.normal)
 
-    def move(self, contact: Contact, point: MovingPoint, along: list[FloatArray]) -> None:
+    def move(self, contact: Contact, rate: FloatArray, change: FloatArray) -> None:
         """Move the body with its point; it turns as the known one does."""
         assert self.body is not None
-        bodies, known = contact.bodies, self.known
+        bodies, known, tangent = contact.bodies, self.known, 1j * contact.normal
+        point = MovingPoint(
+            contact.place,
+            self.carried(contact) + rate * tangent,
+            self.turned(contact, rate) + change * tangent,
+        )
         turning = bodies.turn[:, known], bodies.turn_1[:, known], bodies.turn_2[:, known]
         bodies.move(self.body, self.centre, point, *turning)
 
@@ -263,23 +270,20 @@ class TwoLoci:
         place = self._place(bodies, base, other, angle, self.side * sides)
         one, two = first.at(bodies, base, place), second.at(bodies, other, place)
         sine = cross(one.normal, two.normal)
-        self.refusal.refuse("locked", np.abs(sine) < LOCKING_SINE, angle)
-        # One step of Newton's method takes off what rounding has left near locked positions.
-        place = place - _vector(one, two, sine, first.gap(one), second.gap(two))
-        one, two = first.at(bodies, base, place), second.at(bodies, other, place)
-        by_sine = 1 / cross(one.normal, two.normal)
-        rate = first.carried(one)
-        apart = (second.carried(two) - rate) * by_sine
-        along, along_2 = dot(two.normal, apart), dot(one.normal, apart)
-        change = first.turned(one, along)
-        apart = (second.turned(two, along_2) - change) * by_sine
-        further, further_2 = dot(two.normal, apart), dot(one.normal, apart)
-        tangent = 1j * one.normal
-        point = MovingPoint(place, rate + along * tangent, change + further * tangent)
+        if (size := np.abs(sine)).min(initial=1.0) < NEARLY_LOCKED:
+            self.refusal.refuse("locked", size < LOCKING_SINE, angle)
+            # One step of Newton's method takes off what rounding has left there.
+            place = place - _vector(one, two, sine, first.gap(one), second.gap(two))
+            one, two = first.at(bodies, base, place), second.at(bodies, other, place)
+            sine = cross(one.normal, two.normal)
+        by_sine = 1 / sine
+        apart = (second.carried(two) - first.carried(one)) * by_sine
+        rate, rate_2 = dot(two.normal, apart), dot(one.normal, apart)
+        apart = (second.turned(two, rate_2) - first.turned(one, rate)) * by_sine
         if first.body is not None:
-            first.move(one, point, [along, further])
+            first.move(one, rate, dot(two.normal, apart))
         if second.body is not None:
-            second.move(two, point, [along_2, further_2])
+            second.move(two, rate_2, dot(one.normal, apart))
 
     def transmission_angle(self, bodies: BodyMotion) -> FloatArray | None:
         """Acute angle in rad at which the loci meet, (B,); None of two lines, which are drawn."""

@@ -14,18 +14,12 @@ from numpy.typing import ArrayLike
 
 from flexmech.arrays import ROUND_OFF, SAME_PLACE, FloatArray
 from flexmech.errors import InputError
-from flexmech.linkages.body_motion import BodyMotion
+from flexmech.linkages.body_motion import CRANK, GROUND_BODY, BodyMotion
 from flexmech.linkages.change_points import passing
 from flexmech.linkages.linkage import assemblable
 from flexmech.linkages.motion import RigidMotion, checked_drive
 from flexmech.linkages.planar.assembly import Assembly
-from flexmech.linkages.planar.bodies import (
-    CRANK,
-    GROUND_BODY,
-    Bodies,
-    JointConstraints,
-    SharedPoint,
-)
+from flexmech.linkages.planar.bodies import Bodies, JointConstraints, SharedPoint
 from flexmech.linkages.planar.drawing import Drawing, PlanarJoint, PlanarLink, derived_topology
 from flexmech.linkages.topology import Topology
 from flexmech.model_text import TomlTable, quantity
