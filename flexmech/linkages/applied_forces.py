@@ -9,23 +9,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech import units
 from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages.body_motion import GROUND_AFTER_LINKS
 from flexmech.linkages.motion import RigidMotion, cross, turned
 from flexmech.linkages.topology import Topology
 from flexmech.model_text import TomlTable, fields_table, quantity
-from flexmech.units import (
-    ANGLE,
-    DAMPING,
-    FORCE,
-    LENGTH,
-    SPRING_STIFFNESS,
-    TIME,
-    TORQUE,
-    TORSIONAL_DAMPING,
-    TORSIONAL_STIFFNESS,
-)
 from flexmech.validation import (
     NOT_NEGATIVE,
     POSITIVE,
@@ -88,8 +78,8 @@ class AttachmentPoint:
     def to_table(self) -> TomlTable | list[str | float]:
         """Place in a model file: link and position, or coordinates of a point of the ground."""
         if self.is_ground:
-            return [quantity(self.x, LENGTH), quantity(self.y, LENGTH)]
-        return {"link": self.link, "position": quantity(self.x, LENGTH)}
+            return [quantity(self.x, units.LENGTH), quantity(self.y, units.LENGTH)]
+        return {"link": self.link, "position": quantity(self.x, units.LENGTH)}
 
 
 @dataclass(frozen=True)
@@ -210,11 +200,15 @@ class Load:
         if self.axes != "ground":
             table["axes"] = self.axes
         if self.over == "constant":
-            table["force"] = [quantity(along, FORCE) for along in self.force[0]]
-            return table | {"torque": quantity(self.torque[0], TORQUE)}
-        place = ANGLE if self.over == "crank_angle" else TIME
+            table["force"] = [quantity(along, units.FORCE) for along in self.force[0]]
+            return table | {"torque": quantity(self.torque[0], units.TORQUE)}
+        place = units.ANGLE if self.over == "crank_angle" else units.TIME
         rows = [
-            [quantity(at, place), *(quantity(along, FORCE) for along in force), quantity(m, TORQUE)]
+            [
+                quantity(at, place),
+                *(quantity(along, units.FORCE) for along in force),
+                quantity(m, units.TORQUE),
+            ]
             for at, force, m in zip(self.at, self.force, self.torque, strict=True)
         ]
         return table | {"over": self.over, "table": rows}
@@ -267,7 +261,11 @@ class Spring:
 
     def to_table(self) -> TomlTable:
         """Entry of ``[springs]`` of a model file."""
-        dimensions = {"stiffness": SPRING_STIFFNESS, "free_length": LENGTH, "damping": DAMPING}
+        dimensions = {
+            "stiffness": units.SPRING_STIFFNESS,
+            "free_length": units.LENGTH,
+            "damping": units.DAMPING,
+        }
         ends = [self.first.to_table(), self.second.to_table()]
         return {"points": ends, **fields_table(self, dimensions)}
 
@@ -342,14 +340,14 @@ class JointSpring:
     def to_table(self) -> TomlTable:
         """Keys of the joint in a model file."""
         dimensions = {
-            "torsional_stiffness": TORSIONAL_STIFFNESS,
-            "torsional_damping": TORSIONAL_DAMPING,
-            "free_angle": ANGLE,
-            "radial_stiffness": SPRING_STIFFNESS,
-            "radial_damping": DAMPING,
+            "torsional_stiffness": units.TORSIONAL_STIFFNESS,
+            "torsional_damping": units.TORSIONAL_DAMPING,
+            "free_angle": units.ANGLE,
+            "radial_stiffness": units.SPRING_STIFFNESS,
+            "radial_damping": units.DAMPING,
         }
         # Stated even where it is zero, so that a spring without effect is read back too.
-        stiffness = quantity(self.torsional_stiffness, TORSIONAL_STIFFNESS)
+        stiffness = quantity(self.torsional_stiffness, units.TORSIONAL_STIFFNESS)
         return {"torsional_stiffness": stiffness, **fields_table(self, dimensions)}
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
+from flexmech import units
 from flexmech.errors import InputError
 from flexmech.linkages import (
     CouplerPoint,
@@ -46,16 +47,7 @@ from flexmech.mechanism.parts import AttachedBody, JointPin, PointMass, Provenan
 from flexmech.mechanism.sprung_frame import SprungFrame
 from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr
 from flexmech.sections import BeamSection, Layers, sections_between_joints
-from flexmech.units import (
-    ACCELERATION,
-    ANGULAR_SPEED,
-    EXPANSION,
-    INERTIA,
-    MASS,
-    TEMPERATURE,
-    from_si,
-    to_si,
-)
+from flexmech.units import from_si, to_si
 from flexmech.validation import POSITIVE, check_instance, check_number, check_pair
 
 
@@ -142,7 +134,7 @@ class Mechanism:
     shaft_inertia: float = 0.0
     drive: Drive | MotorDrive | None = None
     frame: SprungFrame | None = None
-    speed_unit: str = field(default=ANGULAR_SPEED.unit, compare=False)
+    speed_unit: str = field(default=units.ANGULAR_SPEED.unit, compare=False)
 
     def __post_init__(self) -> None:
         topology = self._checked_topology()
@@ -155,7 +147,7 @@ class Mechanism:
         check_frame(self.frame, self.loads)
         object.__setattr__(self, "operating_speeds", checked_speeds(self.operating_speeds))
         try:
-            to_si(1.0, self.speed_unit, ANGULAR_SPEED)
+            to_si(1.0, self.speed_unit, units.ANGULAR_SPEED)
         except InputError as error:
             raise error.within("speed_unit") from error
         check_number(self.reference_temperature, "reference_temperature", "K", POSITIVE)
@@ -356,7 +348,7 @@ class Mechanism:
         links = self._links_table(shared)
         linkage = self.linkage.to_table()
         if self.ground_thermal_expansion:
-            expansion = quantity(self.ground_thermal_expansion, EXPANSION)
+            expansion = quantity(self.ground_thermal_expansion, units.EXPANSION)
             linkage["ground_thermal_expansion"] = expansion
         if self.coupler_point is not None:
             linkage["coupler_point"] = self.coupler_point.to_table()
@@ -369,17 +361,17 @@ class Mechanism:
         }
         environment: TomlTable = {}
         if any(self.gravity):
-            environment["gravity"] = [quantity(along, ACCELERATION) for along in self.gravity]
+            environment["gravity"] = [quantity(along, units.ACCELERATION) for along in self.gravity]
         if self.reference_temperature != REFERENCE_TEMPERATURE:
-            kept = quantity(self.reference_temperature, TEMPERATURE)
+            kept = quantity(self.reference_temperature, units.TEMPERATURE)
             environment["reference_temperature"] = kept
-        speeds = [quantity(speed, ANGULAR_SPEED) for speed in self.operating_speeds[:-1]]
+        speeds = [quantity(speed, units.ANGULAR_SPEED) for speed in self.operating_speeds[:-1]]
         for last in self.operating_speeds[-1:]:
-            speeds.append(quantity(last, ANGULAR_SPEED, self.speed_unit, always=True))
+            speeds.append(quantity(last, units.ANGULAR_SPEED, self.speed_unit, always=True))
         inertia = self.shaft_inertia
         optional = {
             "joints": self._joints_table(),
-            "shaft": {"inertia": quantity(inertia, INERTIA)} if inertia else {},
+            "shaft": {"inertia": quantity(inertia, units.INERTIA)} if inertia else {},
             "drive": {} if self.drive is None else self.drive.to_table(),
             "frame": {} if self.frame is None else self.frame.to_table(),
             "loads": _by_name("loads", [(load.name, load.to_table()) for load in self.loads]),
@@ -420,7 +412,9 @@ class Mechanism:
         """Table ``[joints]``; empty where no joint is drawn, has mass, a spring or a diameter."""
         drawn = self.linkage.joints if isinstance(self.linkage, PlanarLinkage) else ()
         tables: dict[str, TomlTable] = {joint.point: joint.to_table() for joint in drawn}
-        masses = {name: {"mass": quantity(mass, MASS)} for name, mass in self.joint_masses.items()}
+        masses = {
+            name: {"mass": quantity(mass, units.MASS)} for name, mass in self.joint_masses.items()
+        }
         springs = [(own.joint, own.to_table()) for own in self.joint_springs]
         pins = [(pin.joint, pin.to_table()) for pin in self.joint_pins]
         for keys in (masses, _by_name("joint_springs", springs), _by_name("joint_pins", pins)):

@@ -218,12 +218,8 @@ class PiecewiseMotion:
 
     def _number(self, time: FloatArray) -> IntArray:
         """Pieces (...) at times (...), the first and the last one beyond."""
-        number: IntArray = np.searchsorted(self._starts, time, side="right")
+        number: IntArray = np.searchsorted(self.knots[:-1], time, side="right")
         return np.maximum(number - 1, 0)
-
-    @cached_property
-    def _starts(self) -> FloatArray:
-        return self.knots[:-1]
 
     @cached_property
     def _spans(self) -> FloatArray:
@@ -250,7 +246,7 @@ class PiecewiseMotion:
             return np.array(np.broadcast_to(after, t.shape))
         number = self._number(t)
         span = self._spans[number]
-        part = (np.minimum(t, end) - self._starts[number]) / span
+        part = (np.minimum(t, end) - self.knots[number]) / span
         value = np.zeros(t.shape)
         for column in self._derivatives[order].T[::-1]:
             value = value * part + column[number]

@@ -235,7 +235,8 @@ class _Integration:
             self._values[-1][:, -1],
             method="DOP853",
             rtol=_TOLERANCE,
-            atol=self._equation.tolerances(_TOLERANCE),
+            # In rad and rad/s; current and command are of order one or greater where they matter.
+            atol=0.1 * _TOLERANCE,
             events=events,
         )
         if not found.success:

@@ -19,29 +19,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech import units
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.model_text import TomlTable, fields_table, quantity
-from flexmech.units import (
-    ANGLE,
-    ANGULAR_SPEED,
-    CURRENT,
-    INDUCTANCE,
-    INERTIA,
-    RATIO,
-    RESISTANCE,
-    TIME,
-    TORQUE,
-    TORQUE_CONSTANT,
-    TORSIONAL_DAMPING,
-    TORSIONAL_STIFFNESS,
-    VOLTAGE,
-    VOLTAGE_GAIN,
-    VOLTAGE_INTEGRAL_GAIN,
-    Dimension,
-    from_si,
-    to_si,
-)
+from flexmech.units import Dimension, from_si, to_si
 from flexmech.validation import (
     NOT_NEGATIVE,
     POSITIVE,
@@ -164,10 +146,10 @@ class Motor(abc.ABC):
         return fields_table(
             self,
             {
-                "gear_ratio": RATIO,
-                "inertia": INERTIA,
-                "coupling_stiffness": TORSIONAL_STIFFNESS,
-                "coupling_damping": TORSIONAL_DAMPING,
+                "gear_ratio": units.RATIO,
+                "inertia": units.INERTIA,
+                "coupling_stiffness": units.TORSIONAL_STIFFNESS,
+                "coupling_damping": units.TORSIONAL_DAMPING,
             },
         )
 
@@ -245,7 +227,7 @@ class TorqueMotor(Motor):
     def to_table(self) -> TomlTable:
         """Value of the key ``motor`` of a model file."""
         rows = [
-            [quantity(speed, ANGULAR_SPEED), quantity(torque, TORQUE)]
+            [quantity(speed, units.ANGULAR_SPEED), quantity(torque, units.TORQUE)]
             for speed, torque in zip(self.speeds, self.torques, strict=True)
         ]
         return {"torque_speed": rows, **self._own_table}
@@ -253,7 +235,7 @@ class TorqueMotor(Motor):
     @property
     def gain_dimensions(self) -> tuple[Dimension, Dimension]:
         """Dimensions of a speed control's kp and ki."""
-        return TORSIONAL_DAMPING, TORSIONAL_STIFFNESS
+        return units.TORSIONAL_DAMPING, units.TORSIONAL_STIFFNESS
 
     def holding_current(self, torque: float) -> float:
         """Zero: it has no current."""
@@ -347,22 +329,22 @@ class DcMotor(Motor):
     def to_table(self) -> TomlTable:
         """Value of the key ``motor`` of a model file."""
         dimensions = {
-            "resistance": RESISTANCE,
-            "inductance": INDUCTANCE,
-            "torque_constant": TORQUE_CONSTANT,
-            "voltage": VOLTAGE,
+            "resistance": units.RESISTANCE,
+            "inductance": units.INDUCTANCE,
+            "torque_constant": units.TORQUE_CONSTANT,
+            "voltage": units.VOLTAGE,
         }
         own = {key: quantity(getattr(self, key), of) for key, of in dimensions.items()}
         if not self.inductance:
             del own["inductance"]
         if self.initial_current is not None:
-            own["initial_current"] = quantity(self.initial_current, CURRENT)
+            own["initial_current"] = quantity(self.initial_current, units.CURRENT)
         return {"kind": "dc", **own, **self._own_table}
 
     @property
     def gain_dimensions(self) -> tuple[Dimension, Dimension]:
         """Dimensions of a speed control's kp and ki."""
-        return VOLTAGE_GAIN, VOLTAGE_INTEGRAL_GAIN
+        return units.VOLTAGE_GAIN, units.VOLTAGE_INTEGRAL_GAIN
 
     def holding_current(self, torque: float) -> float:
         """Current in A that gives a torque in N m."""
@@ -425,14 +407,14 @@ class SpeedControl:
     kp: float
     ki: float
     target: float
-    speed_unit: str = field(default=ANGULAR_SPEED.unit, compare=False)
+    speed_unit: str = field(default=units.ANGULAR_SPEED.unit, compare=False)
 
     def __post_init__(self) -> None:
         check_number(self.kp, "kp", "", POSITIVE)
         check_number(self.ki, "ki", "", NOT_NEGATIVE)
         check_number(self.target, "target", "rad/s")
         try:
-            to_si(1.0, self.speed_unit, ANGULAR_SPEED)
+            to_si(1.0, self.speed_unit, units.ANGULAR_SPEED)
         except InputError as error:
             raise error.within("speed_unit") from error
 
@@ -501,7 +483,7 @@ class MotorDrive:
     @property
     def speed_unit(self) -> str:
         """Unit in which results speak of crank speeds: that of the target, else rad/s."""
-        return ANGULAR_SPEED.unit if self.control is None else self.control.speed_unit
+        return units.ANGULAR_SPEED.unit if self.control is None else self.control.speed_unit
 
     def to_table(self) -> TomlTable:
         """Table ``[drive]`` of a model file."""
@@ -512,13 +494,13 @@ class MotorDrive:
                 "kp": quantity(self.control.kp, gain),
                 "ki": quantity(self.control.ki, integral),
                 "target": quantity(
-                    self.control.target, ANGULAR_SPEED, self.speed_unit, always=True
+                    self.control.target, units.ANGULAR_SPEED, self.speed_unit, always=True
                 ),
             }
         if self.time is not None:
-            table["time"] = quantity(self.time, TIME)
+            table["time"] = quantity(self.time, units.TIME)
         if self.start_angle:
-            table["start_angle"] = quantity(self.start_angle, ANGLE)
+            table["start_angle"] = quantity(self.start_angle, units.ANGLE)
         return table
 
 

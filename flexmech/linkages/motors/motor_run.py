@@ -162,11 +162,6 @@ class ShaftEquation:
         acceleration = (given - needed) / (own + self._rigid_inertia)
         return np.concatenate([np.stack([speed, acceleration]), changes])
 
-    def tolerances(self, relative: float) -> FloatArray:
-        """Absolute tolerances (n,) of an integration with a relative one."""
-        # In rad and rad/s; current and command are of order one or greater where they matter.
-        return np.full(2 + self.train.state_count, 0.1 * relative)
-
     @property
     def _rigid_inertia(self) -> float:
         """Of all that turns with the crank besides the linkage."""
