@@ -12,16 +12,20 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.arrays import ComplexArray, FloatArray
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
+from flexmech.linkages.change_points import TURN
 from flexmech.linkages.drives.drive import Drive, PiecewiseMotion
 from flexmech.linkages.motors.motor import DriveTrain, MotorDrive, MotorOutput
 from flexmech.model_text import TomlTable
+
+if TYPE_CHECKING:
+    from flexmech.dynamical_systems.fourier import FourierSeries
 
 
 class ShaftLoad(ABC):
@@ -59,50 +63,31 @@ class ShaftLoad(ABC):
         return self.parts(angle, speed, time)[1]
 
 
-@dataclass(frozen=True, eq=False)
-class TurnSeries:
-    """A function of an angle that repeats itself from turn to turn, as a Fourier series.
+def turn_series(angle: FloatArray, values: FloatArray, harmonics: int) -> FourierSeries:
+    """Fourier series of a function of an angle that repeats itself from turn to turn.
 
-    It is the real part of ``sum_n c_n exp(i n angle)``, and has all derivatives: an integration of
-    high order along it takes long steps.
+    It has all derivatives: an integration of high order along it takes long steps.
 
     Parameters
     ----------
-    coefficients : ndarray of complex, shape (harmonics + 1,)
-        That of the mean first.
+    angle : ndarray, shape (m,)
+        Increasing, over less than a turn, in rad; far closer than the harmonics need.
+    values : ndarray, shape (m,)
+    harmonics : int
+
+    Returns
+    -------
+    FourierSeries
+        Over turns of the angle.
     """
+    from scipy.interpolate import CubicSpline
 
-    coefficients: ComplexArray
+    from flexmech.dynamical_systems.fourier import FourierSeries
 
-    @classmethod
-    def of(cls, angle: FloatArray, values: FloatArray, harmonics: int) -> Self:
-        """The series of a function that is known at some angles.
-
-        Parameters
-        ----------
-        angle : ndarray, shape (m,)
-            Increasing, over less than a turn, in rad; far closer than the harmonics need.
-        values : ndarray, shape (m,)
-        harmonics : int
-
-        Returns
-        -------
-        TurnSeries
-        """
-        from scipy.interpolate import CubicSpline
-
-        whole, closed = np.append(angle, angle[0] + 2 * np.pi), np.append(values, values[0])
-        spline = CubicSpline(whole, closed, bc_type="periodic", extrapolate="periodic")
-        count = len(angle)
-        found = np.fft.rfft(spline(2 * np.pi / count * np.arange(count))) / count
-        found[1:] *= 2.0
-        return cls(found[: harmonics + 1])
-
-    def __call__(self, angle: ArrayLike, order: int = 0) -> FloatArray:
-        """Values, or those of a derivative by the angle, at angles in rad; (...) -> (...)."""
-        number = np.arange(len(self.coefficients))
-        waves = np.exp(1j * number * np.asarray(angle, dtype=float)[..., None])
-        return np.asarray((waves @ (self.coefficients * (1j * number) ** order)).real)
+    whole, closed = np.append(angle, angle[0] + TURN), np.append(values, values[0])
+    spline = CubicSpline(whole, closed, bc_type="periodic", extrapolate="periodic")
+    series = FourierSeries.through(spline(TURN / len(angle) * np.arange(len(angle))))
+    return FourierSeries(series.coefficients[: harmonics + 1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,14 +100,14 @@ class ShaftEquation:
     shaft_inertia : float
         Of the shaft that drives the crank, in kg m^2.
     train : DriveTrain
-    added : TurnSeries, optional
-        Torque needed besides over the crank angle, in N m.
+    added : FourierSeries, optional
+        Torque needed besides in N m, over turns of the crank.
     """
 
     load: ShaftLoad
     shaft_inertia: float
     train: DriveTrain
-    added: TurnSeries | None = None
+    added: FourierSeries | None = None
 
     def start(self, angle: float) -> FloatArray:
         """Values (n,) at rest at a crank angle in rad; see :meth:`DriveTrain.start`."""
@@ -157,7 +142,7 @@ class ShaftEquation:
         angle, speed = values[:2]
         own, needed = self.load.parts(angle, speed, time)
         if self.added is not None:
-            needed = needed + self.added(angle)
+            needed = needed + self.added.at(angle / TURN)
         given, changes = self.train.on_crank(angle, speed, values[2:])
         acceleration = (given - needed) / (own + self._rigid_inertia)
         return np.concatenate([np.stack([speed, acceleration]), changes])
@@ -180,26 +165,33 @@ class TwistedShaft:
         Of the rotor without the coupling, whose load is all that the coupling carries.
     train : DriveTrain
         With the coupling.
-    twist : TurnSeries
-        In rad over the rotor's angle.
+    twist : FourierSeries
+        In rad, over turns of the rotor.
     """
 
     rotor: ShaftEquation
     train: DriveTrain
-    twist: TurnSeries
+    twist: FourierSeries
 
     def values(self, rotor: FloatArray) -> FloatArray:
         """Values (n + 2, m) by those of the rotor (n, m): angle, speed, and the motor's states."""
         angle, speed = rotor[:2]
-        followed = angle - self.twist(angle), speed * (1.0 - self.twist(angle, 1))
+        followed = angle - self._twist(angle), speed * (1.0 - self._twist(angle, 1))
         return np.concatenate([np.stack(followed), rotor])
 
     def rates(self, time: ArrayLike, values: FloatArray) -> FloatArray:
         """Time derivatives of the values, (n, ...) at times (...)."""
         rates = self.rotor.rates(time, values[2:])
         angle, speed = values[2:4]
-        accelerated = rates[1] * (1.0 - self.twist(angle, 1)) - speed**2 * self.twist(angle, 2)
+        accelerated = rates[1] * (1.0 - self._twist(angle, 1)) - speed**2 * self._twist(angle, 2)
         return np.concatenate([np.stack([values[1], accelerated]), rates])
+
+    def _twist(self, angle: FloatArray, order: int = 0) -> FloatArray:
+        """Twist, or a derivative of it by the rotor's angle."""
+        series = self.twist
+        for _ in range(order):
+            series = series.rate()
+        return series.at(angle / TURN) / TURN**order
 
 
 # Angles turned through at which the motion is told.
