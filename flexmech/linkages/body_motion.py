@@ -80,8 +80,8 @@ class BodyMotion:
         batch, links = motion.angle.shape
         place = np.zeros((3, batch, links + 1), dtype=complex)
         vectors = motion.origin, motion.origin_velocity, motion.origin_acceleration
-        for own, vector in zip(place, vectors, strict=True):
-            own.real[:, :-1], own.imag[:, :-1] = vector[..., 0], vector[..., 1]
+        for target, vector in zip(place, vectors, strict=True):
+            target.real[:, :-1], target.imag[:, :-1] = vector[..., 0], vector[..., 1]
         turn = np.zeros((3, batch, links + 1))
         turn[..., :-1] = motion.angle, motion.angular_velocity, motion.angular_acceleration
         drawn = np.zeros(links + 1, dtype=complex)
@@ -113,7 +113,9 @@ class BodyMotion:
         drawn : complex
             In the body's own axes.
         """
-        place, rate, change = (own[:, body] for own in (self.place, self.place_1, self.place_2))
+        place, rate, change = (
+            values[:, body] for values in (self.place, self.place_1, self.place_2)
+        )
         if from_reference := drawn - self.drawn[body]:
             spin, arm = 1j * self.turn_1[:, body], self.turn[:, body] * from_reference
             turning = (spin**2 + 1j * self.turn_2[:, body]) * arm
@@ -170,7 +172,9 @@ class BodyMotion:
         """
         theta, speed, acceleration = crank
         shape = (*theta.shape, angle.shape[-1])
-        place, rate, change = (own[:, links] for own in (self.place, self.place_1, self.place_2))
+        place, rate, change = (
+            values[:, links] for values in (self.place, self.place_1, self.place_2)
+        )
         spin, swing = self.turn_1[:, links], self.turn_2[:, links]
         if np.any(from_reference := starts - self.drawn[links]):
             arm = self.turn[:, links] * from_reference
@@ -248,8 +252,8 @@ class BodyPoints:
         self._shape = 2 * count, size
         row = 2 * np.arange(count) if rows is None else rows
         first = np.array([columns.get(point.body, -1) for point in points], dtype=np.intp)
-        self._own = own = np.flatnonzero(first >= 0)
-        self._target = row[own, None], first[own, None] + np.arange(3)
+        self._moving = moving = np.flatnonzero(first >= 0)
+        self._target = row[moving, None], first[moving, None] + np.arange(3)
         sliding = [n for n, point in enumerate(points) if point.slide is not None]
         self._sliding = np.array(sliding, dtype=np.intp)
         self._slide = np.array([points[n].slide for n in sliding], dtype=np.intp)
@@ -360,11 +364,11 @@ class BodyPoints:
         turn = factors * bodies.turn[:, self.body]
         arm = factors * self.arms(bodies, slid[0])
         if len(self._sliding):
-            own = (slice(None), self._sliding)
+            at = (slice(None), self._sliding)
             first, second = (rate[:, self._slide] for rate in slid[1:])
-            arm[1][own] += turn[0][own] * first
-            arm[2][own] += 2 * turn[1][own] * first
-            arm[3][own] += turn[0][own] * second
+            arm[1][at] += turn[0][at] * first
+            arm[2][at] += 2 * turn[1][at] * first
+            arm[3][at] += turn[0][at] * second
         self.add_to(matrix, sign, turn, turn, arm)
 
     def add_to(
@@ -388,8 +392,8 @@ class BodyPoints:
         axes, turn, arm = axes.T, turn.T, arm.T
         block = sign * np.stack([axes, 1j * axes, 1j * arm], axis=1)
         rows, columns = self._target
-        matrix[rows, columns] += block[self._own].real
-        matrix[rows + 1, columns] += block[self._own].imag
+        matrix[rows, columns] += block[self._moving].real
+        matrix[rows + 1, columns] += block[self._moving].imag
         if len(self._on_lines):
             slide_rows, slides = self._slide_places
             sliding, along = self._sliding[self._on_lines], self._along[self._on_lines]
@@ -418,10 +422,10 @@ class BodyPoints:
         """
         rotation_stiffness, guide_stiffness = np.zeros(bodies.place.shape), np.zeros(slid.shape)
         by_arm = dot(forces, self.arms(bodies, slid))
-        for point in self._own:
+        for point in self._moving:
             rotation_stiffness[:, self.body[point]] += by_arm[:, point]
         for point, slide, along in zip(self._sliding, self._slide, self._along, strict=True):
-            if point in self._own:
+            if point in self._moving:
                 across = 1j * along * bodies.turn[:, self.body[point]]
                 guide_stiffness[:, slide] -= dot(forces[:, point], across)
         return rotation_stiffness, guide_stiffness
@@ -477,20 +481,22 @@ class Constraints:
     def __init__(
         self, conditions: Sequence[Condition], unknown: Sequence[int], slides: int = 0
     ) -> None:
-        *rows, self.count = np.cumsum([0, *(own.rows for own in conditions)]).tolist()
+        *rows, self.count = np.cumsum([0, *(condition.rows for condition in conditions)]).tolist()
         numbered = list(zip(rows, conditions, strict=True))
-        of_points = [(row, own) for row, own in numbered if isinstance(own, Coincidence)]
+        of_points = [
+            (row, condition) for row, condition in numbered if isinstance(condition, Coincidence)
+        ]
         self._row = np.array([row for row, _ in of_points], dtype=np.intp)
         first = 3 * len(unknown)
         self._columns = {body: 3 * n for n, body in enumerate(unknown)}
         self._size, self._slides = first + slides, range(first, first + slides)
         self._points: dict[tuple[BodyPoint, ...], BodyPoints] = {}
-        self.first = self._of_joints([own.first for _, own in of_points])
-        self.second = self._of_joints([own.second for _, own in of_points])
+        self.first = self._of_joints([condition.first for _, condition in of_points])
+        self.second = self._of_joints([condition.second for _, condition in of_points])
         self._rotation = np.zeros((self.count, self._size))
-        for row, own in numbered:
-            if isinstance(own, EqualAngle):
-                for body, sign in ((own.first, 1.0), (own.second, -1.0)):
+        for row, condition in numbered:
+            if isinstance(condition, EqualAngle):
+                for body, sign in ((condition.first, 1.0), (condition.second, -1.0)):
                     if body in self._columns:
                         self._rotation[row, self._columns[body] + 2] = sign
 
@@ -499,10 +505,10 @@ class Constraints:
 
     def points(self, points: Sequence[BodyPoint]) -> BodyPoints:
         """Points with their Jacobian by the coordinates of the constraints."""
-        own = tuple(points)
-        if own not in self._points:
-            self._points[own] = BodyPoints(own, self._columns, self._slides, self._size)
-        return self._points[own]
+        key = tuple(points)
+        if key not in self._points:
+            self._points[key] = BodyPoints(key, self._columns, self._slides, self._size)
+        return self._points[key]
 
     def gap(self, bodies: BodyMotion, slid: ComplexArray) -> FloatArray:
         """Violation of the constraints of points in m; shape (B, count), zero of equal angles.
@@ -527,7 +533,7 @@ class Constraints:
             As of :meth:`gap`, with first and second derivative.
         order : {1, 2}
         """
-        first, second = (own.rate(bodies, slid, order) for own in (self.first, self.second))
+        first, second = (points.rate(bodies, slid, order) for points in (self.first, self.second))
         return self._in_rows(first - second)
 
     def jacobian(
@@ -547,9 +553,9 @@ class Constraints:
         """
         axes = np.ones_like(bodies.turn) if axes is None else axes
         matrix = np.zeros((self.count, self._size, len(axes)))
-        for own, sign in ((self.first, 1.0), (self.second, -1.0)):
-            arms, turn = own.arms(bodies, slid), bodies.turn[:, own.body]
-            own.add_to(matrix, sign, axes[:, own.body], turn, arms)
+        for points, sign in ((self.first, 1.0), (self.second, -1.0)):
+            arms, turn = points.arms(bodies, slid), bodies.turn[:, points.body]
+            points.add_to(matrix, sign, axes[:, points.body], turn, arms)
         turns = np.nonzero(self._rotation)
         matrix[turns] += self._rotation[turns][:, None]
         return np.ascontiguousarray(matrix.transpose(2, 0, 1))

@@ -59,18 +59,18 @@ class Connection:
 @lru_cache(maxsize=64)
 def connections(topology: Topology) -> tuple[Connection, ...]:
     """Every unknown of a linkage: clamps and welds have 3, pivots and pins 2, sliders 1."""
-    found = []
+    unknowns = []
     for clamp in topology.clamps:
-        found += [Connection(clamp.joint, i, clamp.link_end) for i in (0, 1, 2)]
+        unknowns += [Connection(clamp.joint, i, clamp.link_end) for i in (0, 1, 2)]
     for pivot in topology.pivots:
-        found += [Connection(pivot.joint, i, pivot.link_end) for i in (0, 1)]
+        unknowns += [Connection(pivot.joint, i, pivot.link_end) for i in (0, 1)]
     for pin in topology.pins:
-        found += [Connection(pin.joint, i, pin.follower, pin.leader) for i in (0, 1)]
+        unknowns += [Connection(pin.joint, i, pin.follower, pin.leader) for i in (0, 1)]
     for weld in topology.welds:
-        found += [Connection(weld.joint, i, weld.follower, weld.leader) for i in (0, 1, 2)]
+        unknowns += [Connection(weld.joint, i, weld.follower, weld.leader) for i in (0, 1, 2)]
     for slider in topology.sliders:
-        found.append(Connection(slider.joint, 3, slider.link_end, slider=slider))
-    return tuple(found)
+        unknowns.append(Connection(slider.joint, 3, slider.link_end, slider=slider))
+    return tuple(unknowns)
 
 
 def end_point(topology: Topology, end: LinkEnd) -> BodyPoint:
@@ -116,17 +116,17 @@ def _constraints(topology: Topology) -> Constraints:
         link = topology.index(end.link)
         return BodyPoint(link, slide=2 * link + (end.end == "end"))
 
-    found: list[Condition] = []
+    conditions: list[Condition] = []
     slides = count(2 * len(topology.links))
     for one in connections(topology):
         if one.slider is not None:
             guide = slider_line(topology, one.slider).second.body
-            found.append(Coincidence(point(one.place), BodyPoint(guide, slide=next(slides))))
+            conditions.append(Coincidence(point(one.place), BodyPoint(guide, slide=next(slides))))
         elif one.component == 0:
-            found.append(Coincidence(point(one.place), point(one.other)))
+            conditions.append(Coincidence(point(one.place), point(one.other)))
         elif one.component == 2:
-            found.append(EqualAngle(point(one.place).body, point(one.other).body))
-    return Constraints(found, range(len(topology.links)))
+            conditions.append(EqualAngle(point(one.place).body, point(one.other).body))
+    return Constraints(conditions, range(len(topology.links)))
 
 
 def guide_place(
@@ -147,8 +147,8 @@ def guide_place(
         Along and across the guide's frame in m.
     """
     line, guide = end_point(topology, slider.link_end), topology.index(slider.guide)
-    there = motion.position(line.body, line.place.real) - motion.origin[..., guide, :]
-    place = (there[..., 0] + 1j * there[..., 1]) * np.exp(-1j * motion.angle[..., guide])
+    vector = motion.position(line.body, line.place.real) - motion.origin[..., guide, :]
+    place = (vector[..., 0] + 1j * vector[..., 1]) * np.exp(-1j * motion.angle[..., guide])
     return place.real, place.imag
 
 
@@ -188,7 +188,7 @@ def connection_matrix(
         link = topology.index(slider.link_end.link)
         here = bodies.place[:, link] + arms[:, link, int(slider.link_end.end == "end")]
         columns.append(np.conj(bodies.turn[:, guide]) * (here - bodies.place[:, guide]))
-    places = np.concatenate([own.reshape(len(arms), -1) for own in columns], axis=1)
+    places = np.concatenate([column.reshape(len(arms), -1) for column in columns], axis=1)
     matrix = _constraints(topology).jacobian(bodies, None, places)
     if sliders:
         # A line carries force across it alone; connections at sliders are the last ones.
@@ -312,7 +312,7 @@ def _first_dependent(topology: Topology, matrix: FloatArray) -> str:
 def _joints_of(topology: Topology, link: str) -> list[str]:
     """Joints of a link, in order and each once."""
     unknowns = connections(topology)
-    found = [c.joint for c in unknowns if c.place.link == link]
-    found += [c.joint for c in unknowns if c.other is not None and c.other.link == link]
-    found += [slider.joint for slider in topology.sliders if slider.guide == link]
-    return list(dict.fromkeys(found))
+    joints = [c.joint for c in unknowns if c.place.link == link]
+    joints += [c.joint for c in unknowns if c.other is not None and c.other.link == link]
+    joints += [slider.joint for slider in topology.sliders if slider.guide == link]
+    return list(dict.fromkeys(joints))

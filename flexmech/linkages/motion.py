@@ -67,12 +67,14 @@ def checked_drive(
     try:
         shape = np.broadcast(*given).shape
     except ValueError as error:
-        shapes = ", ".join(str(each.shape) for each in given)
+        shapes = ", ".join(str(values.shape) for values in given)
         raise InputError(
             f"crank_angle, crank_speed and crank_acceleration have the shapes {shapes}, which do "
             "not go together; give single numbers or arrays of one shape"
         ) from error
-    return tuple(each if each.shape == shape else np.broadcast_to(each, shape) for each in given)
+    return tuple(
+        np.broadcast_to(values, shape) if values.shape != shape else values for values in given
+    )
 
 
 @dataclass(frozen=True)
@@ -121,7 +123,7 @@ class RigidMotion:
         RigidMotion
             Batch of shape (D * A,).
         """
-        names = [own.name for own in fields(cls) if own.name != "design"]
+        names = [entry.name for entry in fields(cls) if entry.name != "design"]
         every = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
         counts = [len(part.crank_angle) for part in parts]
         return RigidMotion(**every, design=np.repeat(np.arange(len(parts)), counts))
@@ -138,9 +140,11 @@ class RigidMotion:
         RigidMotion
             Batch of shape (B,).
         """
-        every = {own.name: getattr(self, own.name) for own in fields(self)}
-        some: dict[str, Any] = {name: None if v is None else v[which] for name, v in every.items()}
-        return type(self)(**some)
+        every = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        chosen: dict[str, Any] = {
+            name: None if v is None else v[which] for name, v in every.items()
+        }
+        return type(self)(**chosen)
 
     def arm(self, link: int, x: ArrayLike, y: ArrayLike = 0.0) -> FloatArray:
         """From a link's start to the point at ``(x, y)`` in its frame, ground axes in m.
@@ -248,7 +252,7 @@ def carried_motion(
     RigidMotion
     """
     change = np.zeros_like(place) if change is None else change
-    turn, spin, swing = (own[:, 2, None] for own in (place, rate, change))
+    turn, spin, swing = (values[:, 2, None] for values in (place, rate, change))
     arm = turned(motion.origin - np.asarray(centre), turn)
     velocity = turned(motion.origin_velocity, turn)
     acceleration = turned(motion.origin_acceleration, turn)

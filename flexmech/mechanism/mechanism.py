@@ -188,7 +188,9 @@ class Mechanism:
             "sections": sections_between_joints(topology, self.sections),
             "link_masses": sorted(self.link_masses, key=lambda mass: links.index(mass.link)),
             "bodies": sorted(self.bodies, key=lambda body: links.index(body.link)),
-            "joint_springs": sorted(self.joint_springs, key=lambda own: joints.index(own.joint)),
+            "joint_springs": sorted(
+                self.joint_springs, key=lambda spring: joints.index(spring.joint)
+            ),
             "joint_pins": sorted(self.joint_pins, key=lambda pin: joints.index(pin.joint)),
             "gravity": self.gravity,
             "wetting": {link: own for link, own in self.wetting.items() if own != Wetting()},
@@ -375,7 +377,9 @@ class Mechanism:
             "drive": {} if self.drive is None else self.drive.to_table(),
             "frame": {} if self.frame is None else self.frame.to_table(),
             "loads": _by_name("loads", [(load.name, load.to_table()) for load in self.loads]),
-            "springs": _by_name("springs", [(own.name, own.to_table()) for own in self.springs]),
+            "springs": _by_name(
+                "springs", [(spring.name, spring.to_table()) for spring in self.springs]
+            ),
             "environment": environment,
             "operation": {"crank_speeds": speeds} if speeds else {},
         }
@@ -415,7 +419,7 @@ class Mechanism:
         masses = {
             name: {"mass": quantity(mass, units.MASS)} for name, mass in self.joint_masses.items()
         }
-        springs = [(own.joint, own.to_table()) for own in self.joint_springs]
+        springs = [(spring.joint, spring.to_table()) for spring in self.joint_springs]
         pins = [(pin.joint, pin.to_table()) for pin in self.joint_pins]
         for keys in (masses, _by_name("joint_springs", springs), _by_name("joint_pins", pins)):
             for joint, table in keys.items():

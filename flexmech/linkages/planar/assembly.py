@@ -32,38 +32,6 @@ Step = Dyad | NewtonGroup
 PARALLEL_SINE = 1e-9
 
 
-def assembly_order(drawing: Drawing, bodies: Bodies, drawn_at: float) -> tuple[Step, ...]:
-    """Steps that give the motion of all bodies from that of the crank.
-
-    Parameters
-    ----------
-    drawing : Drawing
-    bodies : Bodies
-    drawn_at : float
-        Crank angle of the drawing in rad.
-
-    Returns
-    -------
-    tuple of Dyad and NewtonGroup
-
-    Raises
-    ------
-    InputError
-        If a body is joined to nothing, can move freely, or is overconstrained.
-    """
-    if drawing.is_stationary:
-        _refuse_two_drives(drawing, bodies)
-        return ()
-    _refuse_unjoined(bodies)
-    order = _Order(drawing, bodies, drawn_at)
-    order.refuse_redundant((CRANK,), 0)
-    steps: list[Step] = []
-    while order.unknown:
-        steps.append(order.next_step())
-        order.known.update(steps[-1].unknown)
-    return tuple(steps)
-
-
 def _refuse_two_drives(drawing: Drawing, bodies: Bodies) -> None:
     """Several clamps fix a frame whose links are all welded; a mechanism has one."""
     if len(bodies.links) > CRANK + 1:
@@ -88,10 +56,6 @@ def _refuse_unjoined(bodies: Bodies) -> None:
             )
 
 
-def _equations(joints: Iterable[SharedPoint]) -> int:
-    return sum(joint.equations for joint in joints)
-
-
 class _Order:
     """Bodies known so far, and the choice of the next ones."""
 
@@ -101,16 +65,34 @@ class _Order:
         self.drawn_at = drawn_at
         self.known = {GROUND_BODY, CRANK}
 
+    def steps(self) -> tuple[Step, ...]:
+        """Steps that give the motion of all bodies from that of the crank.
+
+        Raises
+        ------
+        InputError
+            If a body is joined to nothing, can move freely, or is overconstrained.
+        """
+        if self.drawing.is_stationary:
+            _refuse_two_drives(self.drawing, self.bodies)
+            return ()
+        _refuse_unjoined(self.bodies)
+        self.refuse_redundant((CRANK,), 0)
+        steps: list[Step] = []
+        while self.unknown:
+            steps.append(self.next_step())
+            self.known.update(steps[-1].unknown)
+        return tuple(steps)
+
     @property
     def unknown(self) -> list[int]:
         """Bodies whose motion is not known yet."""
         return [body for body in range(len(self.bodies.links)) if body not in self.known]
 
-    def refuse_redundant(self, bodies: Iterable[int], equations: int) -> None:
+    def refuse_redundant(self, group: tuple[int, ...], equations: int) -> None:
         """Refuse bodies with more equations to known ones than they have unknowns."""
-        group = tuple(bodies)
         joints = self._on(group)
-        if _equations(joints) > equations:
+        if sum(joint.equations for joint in joints) > equations:
             if group == (CRANK,):
                 drive = self.drawing.drive.point
                 redundant = [joint.point for joint in joints if joint.point != drive]
@@ -132,7 +114,7 @@ class _Order:
         for size in range(1, len(unknown) + 1):
             for chosen in combinations(unknown, size):
                 joints = self._on(chosen)
-                if _equations(joints) >= 3 * size:
+                if sum(joint.equations for joint in joints) >= 3 * size:
                     self.refuse_redundant(chosen, 3 * size)
                     dyad = self._closed_form(joints, chosen)
                     if dyad is not None:
@@ -249,7 +231,7 @@ class Assembly:
         self.drawing = drawing
         self.drawn_at = drawn_at
         self.bodies = bodies_of(drawing)
-        self.steps = assembly_order(drawing, self.bodies, drawn_at)
+        self.steps = _Order(drawing, self.bodies, drawn_at).steps()
         self._paths: dict[int, ContinuationPath] = {}
         self._change_points: dict[int, ChangePoints] = {}
 

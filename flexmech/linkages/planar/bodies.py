@@ -73,7 +73,7 @@ class Bodies:
 
     def of_link(self, link: str) -> int:
         """Body of a link."""
-        return next(number for number, own in enumerate(self.links) if link in own)
+        return next(number for number, links in enumerate(self.links) if link in links)
 
     @property
     def lines(self) -> tuple[SharedPoint, ...]:
@@ -100,7 +100,7 @@ def bodies_of(drawing: Drawing) -> Bodies:
     body_of = _welded(drawing)
     count = 1 + max(body_of.values())
     links = tuple(
-        tuple(name for name, own in body_of.items() if own == body) for body in range(count)
+        tuple(name for name, number in body_of.items() if number == body) for body in range(count)
     )
     at_point: dict[str, tuple[int, ...]] = {}
     shared, lines = [], []
@@ -134,10 +134,10 @@ def _welded(drawing: Drawing) -> dict[str, int]:
         first, *others = drawing.fixed_together(point) or [""]
         for other in others:
             old, new = label[other], label[first]
-            label = {name: new if own == old else own for name, own in label.items()}
+            label = {name: new if text == old else text for name, text in label.items()}
     order = dict.fromkeys([label[drawing.crank], *label.values()])
-    number = {own: index for index, own in enumerate(order, start=CRANK)}
-    return {name: number[own] for name, own in label.items()}
+    number = {text: index for index, text in enumerate(order, start=CRANK)}
+    return {name: number[text] for name, text in label.items()}
 
 
 class JointConstraints:

@@ -233,8 +233,8 @@ class PlanarLinkage:
         InputError
             If it is a stationary frame.
         """
-        own = {link.name: link.length for link in self.topology.links}
-        if ground_growth == 1 and all(lengths[name] == length for name, length in own.items()):
+        known = {link.name: link.length for link in self.topology.links}
+        if ground_growth == 1 and all(lengths[name] == length for name, length in known.items()):
             return self
         if self.drawing.is_stationary:
             raise InputError(
@@ -313,11 +313,11 @@ def resized_points(
     """
     shapes = _Shapes(drawing, bodies, lengths, ground_growth)
     placed = _assembled(shapes)
-    found = {
+    places = {
         point: placed.moving_point(here[0], shapes.at[here[0], point]).place[0]
         for point, here in bodies.at_point.items()
     }
-    return {point: (float(place.real), float(place.imag)) for point, place in found.items()}
+    return {point: (float(place.real), float(place.imag)) for point, place in places.items()}
 
 
 class _Shapes:

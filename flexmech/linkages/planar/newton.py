@@ -221,16 +221,16 @@ class NewtonGroup:
         while angle < np.pi:
             step = min(step, np.pi - angle)
             ahead = way * step
-            there = angle + step if angle + step < np.pi - SMALLEST_STEP else np.pi
+            after = angle + step if angle + step < np.pi - SMALLEST_STEP else np.pi
             guess = now + ahead * slope + ahead**2 / 2 * bend
-            taken = self._step(known, way * there, guess, sign)
+            taken = self._step(known, way * after, guess, sign)
             if taken is None:
                 step /= 2
                 if step < SMALLEST_STEP:
                     joint = self._loosest_joint(known(np.array([way * angle])), now)
                     return kept, joint
                 continue
-            angle, (now, slope, bend, missed) = there, taken
+            angle, (now, slope, bend, missed) = after, taken
             kept.append((way * angle, now, slope))
             # The prediction misses in proportion to the third power of the step.
             wish = (MOST_MISSED / 4 / max(missed, ROUND_OFF)) ** (1 / 3)
@@ -242,18 +242,18 @@ class NewtonGroup:
     ) -> tuple[FloatArray, FloatArray, FloatArray, float] | None:
         """Unknowns, slope and bend at the next angle; None where the step was too long."""
         try:
-            there = known(np.array([angle]))
+            bodies = known(np.array([angle]))
         except InputError:
             # What drives the group locks first; the step ends before it.
             return None
-        found, ended = self._solved(there, guess[None])
-        missed = float(np.abs(found[0] - guess).max())
+        solved, ended = self._solved(bodies, guess[None])
+        missed = float(np.abs(solved[0] - guess).max())
         if not ended[0] or not missed <= MOST_MISSED:
             return None
-        if np.linalg.slogdet(self._jacobian(there, found))[0][0] != sign:
+        if np.linalg.slogdet(self._jacobian(bodies, solved))[0][0] != sign:
             return None
-        slope, bend = self._slopes(there, found[0])
-        return found[0], slope, bend, missed
+        slope, bend = self._slopes(bodies, solved[0])
+        return solved[0], slope, bend, missed
 
     def _solved(
         self, bodies: BodyMotion, guess: FloatArray
