@@ -12,7 +12,9 @@ from flexmech.analyses.datasets import DEGREES, Columns
 from flexmech.analyses.digits import Quantity, rounded
 from flexmech.analyses.remarks import speed_with_unit
 from flexmech.arrays import FloatArray
-from flexmech.linkages import DcMotor, MotorOutput, MotorRun, SettledRun, speed_range
+from flexmech.linkages import DcMotor, MotorRun, SettledRun
+from flexmech.linkages.motors.motor import MotorOutput
+from flexmech.linkages.motors.motor_run import speed_range
 from flexmech.mechanism import Mechanism
 
 # Relative error of the rigid linkage's motion under a motor: below all digits that are printed.

@@ -80,9 +80,9 @@ class FourierSeries:
         return FourierSeries(self.coefficients * order.reshape(-1, *[1] * self._rank))
 
     def at(self, phase: FloatArray) -> FloatArray:
-        """Values at phases (A,), shape (A, ...)."""
+        """Values at phases (A,) or at one phase; shape (A, ...) or (...)."""
         order = np.arange(len(self.coefficients))
-        waves = np.where(order, 2.0, 1.0) * np.exp(2j * np.pi * np.outer(phase, order))
+        waves = np.where(order, 2.0, 1.0) * np.exp(2j * np.pi * np.multiply.outer(phase, order))
         return np.asarray(np.tensordot(waves, self.coefficients, 1).real)
 
     def samples(self, count: int, shift: float = 0.0, part: slice = slice(None)) -> FloatArray:

@@ -1,30 +1,53 @@
-"""Motion of rigid bodies over a batch of positions, and of points fixed in them or sliding.
+"""Motion of rigid bodies over a batch of positions, points on them, and constraints between them.
 
 Vectors of the plane are complex numbers, x + i y. A body has a reference point at p and is turned
 by phi: its point at r is at ``p + exp(i phi) r``, and it has three coordinates, displacements of
-its reference point and a rotation (Shabana, *Computational Dynamics*, ch. 3).
+its reference point and a rotation. Two constraints make all joints: two points coincide, two bodies
+keep their angle. A point on a line coincides with one that slides along it (Shabana, *Computational
+Dynamics*, ch. 3). The Jacobian transposed gives the joint forces; its rates in rotating frames give
+the linear constraints between elastic coordinates.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
-from typing import Self
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
-from flexmech.linkages.motion import RigidMotion
+from flexmech.linkages.motion import RigidMotion, as_pairs
 
+GROUND_BODY, CRANK = 0, 1
+"""Numbers of the two bodies of a drawn linkage whose motion is known from the start."""
 GROUND_AFTER_LINKS = -1
 """Number of the ground where bodies are the links of a topology: the last body."""
 
 
 def dot(first: ComplexArray | complex, second: ComplexArray | complex) -> FloatArray:
     """Scalar product of vectors that are complex numbers."""
-    return np.real(np.conj(first) * second)
+    return np.asarray((first.conjugate() * second).real)
+
+
+def cross(first: ComplexArray | complex, second: ComplexArray | complex) -> FloatArray:
+    """Product of vectors that are complex numbers, positive where the second is to the left."""
+    return np.asarray((first.conjugate() * second).imag)
+
+
+class MovingPoint(NamedTuple):
+    """Motion of a point over a batch, with derivatives as of :class:`BodyMotion`.
+
+    Parameters
+    ----------
+    place, rate, change : ndarray of complex, shape (B,)
+        Where it is, and its first and second derivative.
+    """
+
+    place: ComplexArray
+    rate: ComplexArray
+    change: ComplexArray
 
 
 @dataclass(frozen=True)
@@ -33,17 +56,17 @@ class BodyMotion:
 
     Parameters
     ----------
-    drawn : complex, or ndarray of complex, shape (n,)
+    drawn : ndarray of complex, shape (n,)
         The reference point in the body's own axes.
-    place, place_1, place_2 : ndarray of complex, shape (B,) or (B, n)
+    place, place_1, place_2 : ndarray of complex, shape (B, n)
         Where that point is, and its derivatives.
-    turn : ndarray of complex, shape (B,) or (B, n)
+    turn : ndarray of complex, shape (B, n)
         ``exp(i phi)`` with the angle phi of the body's axes.
-    turn_1, turn_2 : ndarray, shape (B,) or (B, n)
+    turn_1, turn_2 : ndarray, shape (B, n)
         Derivatives of phi.
     """
 
-    drawn: complex | ComplexArray
+    drawn: ComplexArray
     place: ComplexArray
     turn: ComplexArray
     place_1: ComplexArray
@@ -57,30 +80,118 @@ class BodyMotion:
         batch, links = motion.angle.shape
         place = np.zeros((3, batch, links + 1), dtype=complex)
         vectors = motion.origin, motion.origin_velocity, motion.origin_acceleration
-        for own, vector in zip(place, vectors, strict=True):
-            own.real[:, :-1], own.imag[:, :-1] = vector[..., 0], vector[..., 1]
+        for target, vector in zip(place, vectors, strict=True):
+            target.real[:, :-1], target.imag[:, :-1] = vector[..., 0], vector[..., 1]
         turn = np.zeros((3, batch, links + 1))
         turn[..., :-1] = motion.angle, motion.angular_velocity, motion.angular_acceleration
         drawn = np.zeros(links + 1, dtype=complex)
         return cls(drawn, place[0], np.exp(1j * turn[0]), *place[1:], *turn[1:])
 
-    def of(self, numbers: IntArray | int) -> Self:
-        """Some of several bodies, by their numbers."""
-        return type(self)(*(getattr(self, own.name)[..., numbers] for own in fields(self)))
+    @classmethod
+    def at_rest(cls, drawn: ComplexArray, batch: int) -> Self:
+        """Bodies in the places (n,) in which they are drawn, ``batch`` times."""
+        # A body's values over the batch are one after the other in memory.
+        place, place_1, place_2, turn = np.zeros((4, len(drawn), batch), dtype=complex)
+        turn_1, turn_2 = np.zeros((2, len(drawn), batch))
+        place += drawn[:, None]
+        turn += 1.0
+        return cls(drawn, place.T, turn.T, place_1.T, place_2.T, turn_1.T, turn_2.T)
 
-    def point(self, drawn: complex | ComplexArray) -> ComplexArray:
-        """Position of a point of the body, or of one point of each body."""
-        return self.place + self.turn * (drawn - self.drawn)
+    @classmethod
+    def cranked(cls, drawn: ComplexArray, angle: FloatArray) -> Self:
+        """Bodies at rest but for the crank, which is turned by angles (B,) in rad."""
+        bodies = cls.at_rest(drawn, len(angle))
+        bodies.turn[:, CRANK], bodies.turn_1[:, CRANK] = np.exp(1j * angle), 1.0
+        return bodies
 
-    def point_1(self, drawn: complex | ComplexArray) -> ComplexArray:
-        """First derivative of a point's position."""
-        arm = self.turn * (drawn - self.drawn)
-        return self.place_1 + 1j * self.turn_1 * arm
+    def moving_point(self, body: int, drawn: complex) -> MovingPoint:
+        """Motion of a point of a body.
 
-    def point_2(self, drawn: complex | ComplexArray) -> ComplexArray:
-        """Second derivative of a point's position."""
-        arm = self.turn * (drawn - self.drawn)
-        return self.place_2 + (1j * self.turn_2 - self.turn_1**2) * arm
+        Parameters
+        ----------
+        body : int
+        drawn : complex
+            In the body's own axes.
+        """
+        place, rate, change = (
+            values[:, body] for values in (self.place, self.place_1, self.place_2)
+        )
+        if from_reference := drawn - self.drawn[body]:
+            spin, arm = 1j * self.turn_1[:, body], self.turn[:, body] * from_reference
+            turning = (spin**2 + 1j * self.turn_2[:, body]) * arm
+            return MovingPoint(place + arm, rate + spin * arm, change + turning)
+        return MovingPoint(place, rate, change)
+
+    def move(
+        self,
+        body: int,
+        drawn: complex,
+        point: MovingPoint,
+        turn: ComplexArray,
+        spin: FloatArray,
+        swing: FloatArray,
+    ) -> None:
+        """Give a body its motion by that of a point and by its rotation.
+
+        Parameters
+        ----------
+        body : int
+        drawn : complex
+            The point in the body's own axes.
+        point : MovingPoint
+        turn, spin, swing : ndarray, shape (B,)
+            As ``turn``, ``turn_1`` and ``turn_2``.
+        """
+        self.turn[:, body], self.turn_1[:, body], self.turn_2[:, body] = turn, spin, swing
+        place, rate, change = point
+        if to_reference := self.drawn[body] - drawn:
+            arm = turn * to_reference
+            turning = (1j * swing - spin**2) * arm
+            place, rate, change = place + arm, rate + 1j * spin * arm, change + turning
+        self.place[:, body], self.place_1[:, body], self.place_2[:, body] = place, rate, change
+
+    def driven_motion(
+        self,
+        links: IntArray | slice,
+        starts: ComplexArray,
+        angle: FloatArray,
+        crank: tuple[FloatArray, ...],
+    ) -> RigidMotion:
+        """Motion of links in time, where derivatives are those by the crank angle.
+
+        Parameters
+        ----------
+        links : ndarray of int, shape (m,), or slice
+            Body of each link.
+        starts : ndarray of complex, shape (m,)
+            Start of each link in the axes of its body.
+        angle : ndarray, shape (B, m)
+            Of the links in rad.
+        crank : tuple of ndarray, shape (...)
+            Angle, speed and acceleration of the crank in each of the B positions.
+        """
+        theta, speed, acceleration = crank
+        shape = (*theta.shape, angle.shape[-1])
+        place, rate, change = (
+            values[:, links] for values in (self.place, self.place_1, self.place_2)
+        )
+        spin, swing = self.turn_1[:, links], self.turn_2[:, links]
+        if np.any(from_reference := starts - self.drawn[links]):
+            arm = self.turn[:, links] * from_reference
+            turning = (1j * swing - spin**2) * arm
+            place, rate, change = place + arm, rate + 1j * spin * arm, change + turning
+        w, a = speed.reshape(-1, 1), acceleration.reshape(-1, 1)
+        square = w**2
+        return RigidMotion(
+            crank_angle=theta,
+            crank_speed=speed,
+            angle=np.ascontiguousarray(angle).reshape(shape),
+            angular_velocity=np.ascontiguousarray(spin * w).reshape(shape),
+            angular_acceleration=np.ascontiguousarray(swing * square + spin * a).reshape(shape),
+            origin=as_pairs(place).reshape(*shape, 2),
+            origin_velocity=as_pairs(rate * w).reshape(*shape, 2),
+            origin_acceleration=as_pairs(change * square + rate * a).reshape(*shape, 2),
+        )
 
 
 @dataclass(frozen=True)
@@ -120,8 +231,6 @@ class BodyPoints:
     rows : ndarray of int, shape (P,), optional
         First row of each point in a Jacobian, which gives it two, along x and y, by default one
         point after the other.
-    lines : ndarray of bool, shape (P,), optional
-        Which points have a single row, across a line.
 
     Attributes
     ----------
@@ -136,22 +245,15 @@ class BodyPoints:
         slides: Sequence[int],
         size: int,
         rows: IntArray | None = None,
-        lines: NDArray[np.bool_] | None = None,
     ) -> None:
         count = len(points)
         self.body = np.array([point.body for point in points], dtype=np.intp)
         self.place = np.array([point.place for point in points], dtype=complex)
         self._shape = 2 * count, size
         row = 2 * np.arange(count) if rows is None else rows
-        on_line = np.zeros(count, dtype=bool) if lines is None else lines
         first = np.array([columns.get(point.body, -1) for point in points], dtype=np.intp)
-        self._own = np.flatnonzero(first >= 0)
-        two, one = (np.flatnonzero((first >= 0) & own) for own in (~on_line, on_line))
-        self._targets = [
-            (own, row[own, None], first[own, None] + np.arange(3)) for own in (two, one)
-        ]
-        # Those of the lines that have coordinates.
-        self._moving_lines = np.searchsorted(np.flatnonzero(on_line), one)
+        self._moving = moving = np.flatnonzero(first >= 0)
+        self._target = row[moving, None], first[moving, None] + np.arange(3)
         sliding = [n for n, point in enumerate(points) if point.slide is not None]
         self._sliding = np.array(sliding, dtype=np.intp)
         self._slide = np.array([points[n].slide for n in sliding], dtype=np.intp)
@@ -160,36 +262,48 @@ class BodyPoints:
         own_slides = np.array([slides[n] for n in self._slide[self._on_lines]], dtype=np.intp)
         self._slide_places = row[self._sliding[self._on_lines]], own_slides
 
-    def arms(self, bodies: BodyMotion, slid: ComplexArray | None = None) -> ComplexArray:
+    def arms(self, bodies: BodyMotion, slid: ComplexArray) -> ComplexArray:
         """Arms from the bodies' reference points to the points in ground axes, (B, P).
 
         Parameters
         ----------
         bodies : BodyMotion
             Batch of shape (B, n).
-        slid : ndarray of complex, shape (B, n_slides), optional
+        slid : ndarray of complex, shape (B, n_slides)
             Where the points that slide are in the axes of their guides.
         """
-        arm: ComplexArray = bodies.turn[:, self.body] * (
-            self.place - np.asarray(bodies.drawn)[self.body]
-        )
-        if slid is not None and len(self._sliding):
+        arm: ComplexArray = bodies.turn[:, self.body] * (self.place - bodies.drawn[self.body])
+        if len(self._sliding):
             turn = bodies.turn[:, self.body[self._sliding]]
             arm[:, self._sliding] = turn * slid[:, self._slide]
         return arm
 
-    def places(self, bodies: BodyMotion, slid: ComplexArray | None = None) -> ComplexArray:
+    def places(self, bodies: BodyMotion, slid: ComplexArray) -> ComplexArray:
         """Positions of the points in ground axes, (B, P); as :meth:`arms`."""
         return np.asarray(bodies.place[:, self.body] + self.arms(bodies, slid))
 
-    def rate(self, bodies: BodyMotion, order: int) -> ComplexArray:
-        """First or second derivative of the positions of points that do not slide, (B, P)."""
-        place, turning = (
-            (bodies.place_1, 1j * bodies.turn_1)
-            if order == 1
-            else (bodies.place_2, 1j * bodies.turn_2 - bodies.turn_1**2)
-        )
-        return np.asarray(place[:, self.body] + turning[:, self.body] * self.arms(bodies))
+    def rate(self, bodies: BodyMotion, slid: ComplexArray, order: int) -> ComplexArray:
+        """First or second derivative of the positions, (B, P).
+
+        Parameters
+        ----------
+        bodies : BodyMotion
+            Batch of shape (B, n).
+        slid : ndarray of complex, shape (3, B, n_slides)
+            As of :meth:`arms`, and its first and second derivative.
+        order : {1, 2}
+        """
+        spin, arm = 1j * bodies.turn_1[:, self.body], self.arms(bodies, slid[0])
+        if order == 1:
+            rate = bodies.place_1[:, self.body] + spin * arm
+        else:
+            rate = bodies.place_2[:, self.body] + (1j * bodies.turn_2[:, self.body] + spin**2) * arm
+        if len(sliding := self._sliding):
+            moved = slid[order][:, self._slide]
+            if order == 2:
+                moved = moved + 2 * spin[:, sliding] * slid[1][:, self._slide]
+            rate[:, sliding] += bodies.turn[:, self.body[sliding]] * moved
+        return np.asarray(rate)
 
     def jacobian(self, bodies: BodyMotion, axes: ComplexArray, slid: ComplexArray) -> FloatArray:
         """Jacobian of the points by the coordinates of the bodies and by the slides.
@@ -250,11 +364,11 @@ class BodyPoints:
         turn = factors * bodies.turn[:, self.body]
         arm = factors * self.arms(bodies, slid[0])
         if len(self._sliding):
-            own = (slice(None), self._sliding)
+            at = (slice(None), self._sliding)
             first, second = (rate[:, self._slide] for rate in slid[1:])
-            arm[1][own] += turn[0][own] * first
-            arm[2][own] += 2 * turn[1][own] * first
-            arm[3][own] += turn[0][own] * second
+            arm[1][at] += turn[0][at] * first
+            arm[2][at] += 2 * turn[1][at] * first
+            arm[3][at] += turn[0][at] * second
         self.add_to(matrix, sign, turn, turn, arm)
 
     def add_to(
@@ -264,7 +378,6 @@ class BodyPoints:
         axes: ComplexArray,
         turn: ComplexArray,
         arm: ComplexArray,
-        across: ComplexArray | None = None,
     ) -> None:
         """Add a sign times a Jacobian, or a time derivative of it, to a matrix.
 
@@ -275,17 +388,12 @@ class BodyPoints:
         axes, turn, arm : ndarray of complex, shape (B, P) or (4, B, P)
             Unit vectors along which the reference points' first coordinates count, those of the
             turned bodies, and vectors from the reference points; or time derivatives of these.
-        across : ndarray of complex, shape (B, n_lines), optional
-            Unit vectors of the rows across lines.
         """
         axes, turn, arm = axes.T, turn.T, arm.T
         block = sign * np.stack([axes, 1j * axes, 1j * arm], axis=1)
-        (two, rows, columns), (one, line_rows, line_columns) = self._targets
-        matrix[rows, columns] += block[two].real
-        matrix[rows + 1, columns] += block[two].imag
-        if across is not None and len(one):
-            unit = across.T[self._moving_lines, None]
-            matrix[line_rows, line_columns] += np.real(np.conj(unit) * block[one])
+        rows, columns = self._target
+        matrix[rows, columns] += block[self._moving].real
+        matrix[rows + 1, columns] += block[self._moving].imag
         if len(self._on_lines):
             slide_rows, slides = self._slide_places
             sliding, along = self._sliding[self._on_lines], self._along[self._on_lines]
@@ -314,10 +422,10 @@ class BodyPoints:
         """
         rotation_stiffness, guide_stiffness = np.zeros(bodies.place.shape), np.zeros(slid.shape)
         by_arm = dot(forces, self.arms(bodies, slid))
-        for point in self._own:
+        for point in self._moving:
             rotation_stiffness[:, self.body[point]] += by_arm[:, point]
         for point, slide, along in zip(self._sliding, self._slide, self._along, strict=True):
-            if point in self._own:
+            if point in self._moving:
                 across = 1j * along * bodies.turn[:, self.body[point]]
                 guide_stiffness[:, slide] -= dot(forces[:, point], across)
         return rotation_stiffness, guide_stiffness
@@ -326,3 +434,182 @@ class BodyPoints:
 def parts_of(matrix: FloatArray) -> MatrixWithRates:
     """Matrix with rates from its four parts (rows, columns, B, 4)."""
     return MatrixWithRates(*np.ascontiguousarray(matrix.transpose(3, 2, 0, 1)))
+
+
+@dataclass(frozen=True)
+class Coincidence:
+    """Two points coincide: an equation along each ground axis."""
+
+    first: BodyPoint
+    second: BodyPoint
+
+    rows: ClassVar = 2
+
+
+@dataclass(frozen=True)
+class EqualAngle:
+    """Two bodies, by their numbers, keep the angle between them."""
+
+    first: int
+    second: int
+
+    rows: ClassVar = 1
+
+
+Condition = Coincidence | EqualAngle
+
+
+class Constraints:
+    """Constraint equations between bodies.
+
+    Parameters
+    ----------
+    conditions : sequence of Condition
+    unknown : sequence of int
+        Bodies whose three coordinates count, in order.
+    slides : int
+        Number of slides, whose coordinates come after those.
+
+    Attributes
+    ----------
+    count : int
+        Number of equations.
+    first, second : BodyPoints
+        Both points of each coincidence.
+    """
+
+    def __init__(
+        self, conditions: Sequence[Condition], unknown: Sequence[int], slides: int = 0
+    ) -> None:
+        *rows, self.count = np.cumsum([0, *(condition.rows for condition in conditions)]).tolist()
+        numbered = list(zip(rows, conditions, strict=True))
+        of_points = [
+            (row, condition) for row, condition in numbered if isinstance(condition, Coincidence)
+        ]
+        self._row = np.array([row for row, _ in of_points], dtype=np.intp)
+        first = 3 * len(unknown)
+        self._columns = {body: 3 * n for n, body in enumerate(unknown)}
+        self._size, self._slides = first + slides, range(first, first + slides)
+        self._points: dict[tuple[BodyPoint, ...], BodyPoints] = {}
+        self.first = self._of_joints([condition.first for _, condition in of_points])
+        self.second = self._of_joints([condition.second for _, condition in of_points])
+        self._rotation = np.zeros((self.count, self._size))
+        for row, condition in numbered:
+            if isinstance(condition, EqualAngle):
+                for body, sign in ((condition.first, 1.0), (condition.second, -1.0)):
+                    if body in self._columns:
+                        self._rotation[row, self._columns[body] + 2] = sign
+
+    def _of_joints(self, points: Sequence[BodyPoint]) -> BodyPoints:
+        return BodyPoints(points, self._columns, self._slides, self._size, self._row)
+
+    def points(self, points: Sequence[BodyPoint]) -> BodyPoints:
+        """Points with their Jacobian by the coordinates of the constraints."""
+        key = tuple(points)
+        if key not in self._points:
+            self._points[key] = BodyPoints(key, self._columns, self._slides, self._size)
+        return self._points[key]
+
+    def gap(self, bodies: BodyMotion, slid: ComplexArray) -> FloatArray:
+        """Violation of the constraints of points in m; shape (B, count), zero of equal angles.
+
+        Parameters
+        ----------
+        bodies : BodyMotion
+            Batch of shape (B, n).
+        slid : ndarray of complex, shape (B, n_slides)
+            Where the points that slide are in the axes of their guides.
+        """
+        return self._in_rows(self.first.places(bodies, slid) - self.second.places(bodies, slid))
+
+    def gap_rate(self, bodies: BodyMotion, slid: ComplexArray, order: int) -> FloatArray:
+        """First or second derivative of the gaps; shape (B, count), zero of equal angles.
+
+        Parameters
+        ----------
+        bodies : BodyMotion
+            Batch of shape (B, n).
+        slid : ndarray of complex, shape (3, B, n_slides)
+            As of :meth:`gap`, with first and second derivative.
+        order : {1, 2}
+        """
+        first, second = (points.rate(bodies, slid, order) for points in (self.first, self.second))
+        return self._in_rows(first - second)
+
+    def jacobian(
+        self, bodies: BodyMotion, axes: ComplexArray | None, slid: ComplexArray
+    ) -> FloatArray:
+        """Constraint Jacobian by the coordinates; shape (B, count, 3 n + slides).
+
+        Parameters
+        ----------
+        bodies : BodyMotion
+            Batch of shape (B, n).
+        axes : ndarray of complex, shape (B, n), optional
+            Unit vectors along which the bodies' first coordinates count; the ground's x axis
+            of None.
+        slid : ndarray of complex, shape (B, n_slides)
+            As of :meth:`gap`.
+        """
+        axes = np.ones_like(bodies.turn) if axes is None else axes
+        matrix = np.zeros((self.count, self._size, len(axes)))
+        for points, sign in ((self.first, 1.0), (self.second, -1.0)):
+            arms, turn = points.arms(bodies, slid), bodies.turn[:, points.body]
+            points.add_to(matrix, sign, axes[:, points.body], turn, arms)
+        turns = np.nonzero(self._rotation)
+        matrix[turns] += self._rotation[turns][:, None]
+        return np.ascontiguousarray(matrix.transpose(2, 0, 1))
+
+    def jacobian_with_rates(self, bodies: BodyMotion, slid: ComplexArray) -> MatrixWithRates:
+        """Constraint Jacobian by coordinates in the bodies' rotating axes, with time derivatives.
+
+        Parameters
+        ----------
+        bodies : BodyMotion
+            Batch of shape (B, n).
+        slid : ndarray of complex, shape (3, B, n_slides)
+            As of :meth:`gap`, with first and second time derivative.
+
+        Returns
+        -------
+        MatrixWithRates
+            Of shape (B, count, 3 n + slides).
+        """
+        matrix = np.zeros((self.count, self._size, len(bodies.place), 4))
+        self.first.add_rates(matrix, 1.0, bodies, slid)
+        self.second.add_rates(matrix, -1.0, bodies, slid)
+        matrix[..., 0] += self._rotation[..., None]
+        return parts_of(matrix)
+
+    def angle_gaps(self, coordinates: FloatArray) -> FloatArray:
+        """Gaps (B, count) of equal angles in rad, by the coordinates (B, 3 n + slides)."""
+        return np.asarray(coordinates @ self._rotation.T)
+
+    def geometric_stiffness(
+        self, bodies: BodyMotion, slid: ComplexArray, forces: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Geometric stiffness by the constraint forces: derivative of ``G' lambda``.
+
+        Parameters
+        ----------
+        bodies : BodyMotion
+            Batch of shape (B, n).
+        slid : ndarray of complex, shape (B, n_slides)
+            As of :meth:`gap`.
+        forces : ndarray, shape (B, count)
+
+        Returns
+        -------
+        tuple of ndarray
+            See :meth:`BodyPoints.geometric_stiffness`.
+        """
+        vectors = forces[:, self._row] + 1j * forces[:, self._row + 1]
+        first = self.first.geometric_stiffness(bodies, slid, vectors)
+        second = self.second.geometric_stiffness(bodies, slid, -vectors)
+        return first[0] + second[0], first[1] + second[1]
+
+    def _in_rows(self, vectors: ComplexArray) -> FloatArray:
+        """Rows (B, count) of vectors (B, C) along the axes."""
+        rows = np.zeros((len(vectors), self.count))
+        rows[:, self._row], rows[:, self._row + 1] = vectors.real, vectors.imag
+        return rows

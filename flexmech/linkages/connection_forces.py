@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import cmath
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
+from itertools import count
+from typing import NamedTuple
 
 import numpy as np
 
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import InputError
-from flexmech.linkages.body_motion import GROUND_AFTER_LINKS, BodyMotion, BodyPoint
-from flexmech.linkages.constraints import (
+from flexmech.linkages.body_motion import (
+    GROUND_AFTER_LINKS,
+    BodyMotion,
+    BodyPoint,
     Coincidence,
     Condition,
     Constraints,
     EqualAngle,
-    PointOnLine,
 )
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.topology import LinkEnd, Slider, Topology
@@ -56,18 +59,18 @@ class Connection:
 @lru_cache(maxsize=64)
 def connections(topology: Topology) -> tuple[Connection, ...]:
     """Every unknown of a linkage: clamps and welds have 3, pivots and pins 2, sliders 1."""
-    found = []
+    unknowns = []
     for clamp in topology.clamps:
-        found += [Connection(clamp.joint, i, clamp.link_end) for i in (0, 1, 2)]
+        unknowns += [Connection(clamp.joint, i, clamp.link_end) for i in (0, 1, 2)]
     for pivot in topology.pivots:
-        found += [Connection(pivot.joint, i, pivot.link_end) for i in (0, 1)]
+        unknowns += [Connection(pivot.joint, i, pivot.link_end) for i in (0, 1)]
     for pin in topology.pins:
-        found += [Connection(pin.joint, i, pin.follower, pin.leader) for i in (0, 1)]
+        unknowns += [Connection(pin.joint, i, pin.follower, pin.leader) for i in (0, 1)]
     for weld in topology.welds:
-        found += [Connection(weld.joint, i, weld.follower, weld.leader) for i in (0, 1, 2)]
+        unknowns += [Connection(weld.joint, i, weld.follower, weld.leader) for i in (0, 1, 2)]
     for slider in topology.sliders:
-        found.append(Connection(slider.joint, 3, slider.link_end, slider=slider))
-    return tuple(found)
+        unknowns.append(Connection(slider.joint, 3, slider.link_end, slider=slider))
+    return tuple(unknowns)
 
 
 def end_point(topology: Topology, end: LinkEnd) -> BodyPoint:
@@ -75,39 +78,55 @@ def end_point(topology: Topology, end: LinkEnd) -> BodyPoint:
     return BodyPoint(*topology.end_place(end))
 
 
-def slider_line(topology: Topology, slider: Slider) -> PointOnLine:
-    """Constraint of a slider; links are numbered as in the topology."""
+class SliderLine(NamedTuple):
+    """A point of a link that slides on a line through a point of another one.
+
+    Parameters
+    ----------
+    first, second : BodyPoint
+        The point, and one through which the line passes.
+    along : complex
+        Unit vector of the line in the axes of the body that carries it.
+    """
+
+    first: BodyPoint
+    second: BodyPoint
+    along: complex
+
+
+def slider_line(topology: Topology, slider: Slider) -> SliderLine:
+    """Line of a slider; links are numbered as in the topology."""
     guide = topology.index(slider.guide) if slider.guide else GROUND_AFTER_LINKS
     along = cmath.rect(1.0, slider.direction)
     line = BodyPoint(guide, 1j * slider.offset * along)
-    return PointOnLine(end_point(topology, slider.link_end), line, along)
+    return SliderLine(end_point(topology, slider.link_end), line, along)
 
 
 @lru_cache(maxsize=64)
-def _constraints(topology: Topology, *, displaced: bool) -> Constraints:
-    """Constraints of all joints, a row for each of the connections.
+def _constraints(topology: Topology) -> Constraints:
+    """Constraints of all joints in the order of the connections.
 
-    The places of displaced ends are numbered link by link, that of its start first.
+    The places of ends are numbered link by link, that of its start first, and after them those of
+    sliders on their lines.
     """
 
-    def point(end: LinkEnd) -> BodyPoint:
-        place = end_point(topology, end)
-        number = 2 * place.body + (end.end == "end")
-        return replace(place, slide=number) if displaced else place
+    def point(end: LinkEnd | None) -> BodyPoint:
+        if end is None:
+            return BodyPoint(GROUND_AFTER_LINKS)
+        link = topology.index(end.link)
+        return BodyPoint(link, slide=2 * link + (end.end == "end"))
 
-    found: list[Condition] = []
+    conditions: list[Condition] = []
+    slides = count(2 * len(topology.links))
     for one in connections(topology):
         if one.slider is not None:
-            line = slider_line(topology, one.slider)
-            found.append(replace(line, first=point(one.slider.link_end)))
+            guide = slider_line(topology, one.slider).second.body
+            conditions.append(Coincidence(point(one.place), BodyPoint(guide, slide=next(slides))))
         elif one.component == 0:
-            ground = BodyPoint(GROUND_AFTER_LINKS)
-            other = ground if one.other is None else point(one.other)
-            found.append(Coincidence(point(one.place), other))
+            conditions.append(Coincidence(point(one.place), point(one.other)))
         elif one.component == 2:
-            leader = GROUND_AFTER_LINKS if one.other is None else topology.index(one.other.link)
-            found.append(EqualAngle(topology.index(one.place.link), leader))
-    return Constraints(found, range(len(topology.links)))
+            conditions.append(EqualAngle(point(one.place).body, point(one.other).body))
+    return Constraints(conditions, range(len(topology.links)))
 
 
 def guide_place(
@@ -128,8 +147,8 @@ def guide_place(
         Along and across the guide's frame in m.
     """
     line, guide = end_point(topology, slider.link_end), topology.index(slider.guide)
-    there = motion.position(line.body, line.place.real) - motion.origin[..., guide, :]
-    place = (there[..., 0] + 1j * there[..., 1]) * np.exp(-1j * motion.angle[..., guide])
+    vector = motion.position(line.body, line.place.real) - motion.origin[..., guide, :]
+    place = (vector[..., 0] + 1j * vector[..., 1]) * np.exp(-1j * motion.angle[..., guide])
     return place.real, place.imag
 
 
@@ -155,11 +174,29 @@ def connection_matrix(
     """
     batch = motion.crank_angle.shape
     flat = motion.at(np.ones(batch, dtype=bool))
-    bodies, places = BodyMotion.of_links(flat), None
+    bodies = BodyMotion.of_links(flat)
+    arms = bodies.turn[:, :-1, None] * [[0.0, link.length] for link in topology.links]
     if displaced is not None:
-        bodies, places = _displaced(topology, bodies, displaced)
-    constraints = _constraints(topology, displaced=displaced is not None)
-    matrix = constraints.jacobian(bodies, slid=places)
+        arms = arms + displaced
+        rigid = [number for number, link in enumerate(topology.links) if link.rigid]
+        chord = arms[:, rigid, 1] - arms[:, rigid, 0]
+        bodies.turn[:, rigid] = chord / np.abs(chord)
+    columns = [np.conj(bodies.turn[:, :-1, None]) * arms]
+    sliders = topology.sliders
+    guides = [slider_line(topology, slider).second.body for slider in sliders]
+    for slider, guide in zip(sliders, guides, strict=True):
+        link = topology.index(slider.link_end.link)
+        here = bodies.place[:, link] + arms[:, link, int(slider.link_end.end == "end")]
+        columns.append(np.conj(bodies.turn[:, guide]) * (here - bodies.place[:, guide]))
+    places = np.concatenate([column.reshape(len(arms), -1) for column in columns], axis=1)
+    matrix = _constraints(topology).jacobian(bodies, None, places)
+    if sliders:
+        # A line carries force across it alone; connections at sliders are the last ones.
+        across = 1j * np.exp([1j * slider.direction for slider in sliders]) * bodies.turn[:, guides]
+        held, on_lines = np.split(matrix, [-2 * len(sliders)], axis=1)
+        across_x, across_y = across.real[..., None], across.imag[..., None]
+        carried = across_x * on_lines[:, ::2] + across_y * on_lines[:, 1::2]
+        matrix = np.concatenate([held, carried], axis=1)
     return np.swapaxes(matrix, -1, -2).reshape(*batch, -1, matrix.shape[-2])
 
 
@@ -180,20 +217,6 @@ def connection_vectors(topology: Topology, matrix: FloatArray) -> FloatArray:
     links = [topology.index(one.place.link) for one in connections(topology)]
     rows = 3 * np.array(links)[:, None] + np.arange(2)
     return np.asarray(matrix[..., rows, np.arange(len(links))[:, None]])
-
-
-def _displaced(
-    topology: Topology, bodies: BodyMotion, displaced: ComplexArray
-) -> tuple[BodyMotion, ComplexArray]:
-    """Links of which the rigid ones turn with their ends, and places (m, 2 n_links) of all ends."""
-    turn = bodies.turn.copy()
-    along = np.array([[0.0, link.length] for link in topology.links])
-    arms = turn[:, :-1, None] * along + displaced
-    rigid = [number for number, link in enumerate(topology.links) if link.rigid]
-    chord = arms[:, rigid, 1] - arms[:, rigid, 0]
-    turn[:, rigid] = chord / np.abs(chord)
-    places = np.conj(turn[:, :-1, None]) * arms
-    return replace(bodies, turn=turn), places.reshape(len(turn), -1)
 
 
 def solve_connections(
@@ -279,17 +302,17 @@ def _what_is_wrong(topology: Topology, motion: RigidMotion, matrix: FloatArray) 
 def _first_dependent(topology: Topology, matrix: FloatArray) -> str:
     """Joint of the first unknown that depends linearly on those before it."""
     unknowns = connections(topology)
-    for count in range(1, len(unknowns)):
-        values = np.linalg.svd(matrix[:, :count], compute_uv=False)
-        if len(values) < count or values[-1] <= RANK_TOLERANCE * values[0]:
-            return unknowns[count - 1].joint
+    for columns in range(1, len(unknowns)):
+        values = np.linalg.svd(matrix[:, :columns], compute_uv=False)
+        if len(values) < columns or values[-1] <= RANK_TOLERANCE * values[0]:
+            return unknowns[columns - 1].joint
     return unknowns[-1].joint
 
 
 def _joints_of(topology: Topology, link: str) -> list[str]:
     """Joints of a link, in order and each once."""
     unknowns = connections(topology)
-    found = [c.joint for c in unknowns if c.place.link == link]
-    found += [c.joint for c in unknowns if c.other is not None and c.other.link == link]
-    found += [slider.joint for slider in topology.sliders if slider.guide == link]
-    return list(dict.fromkeys(found))
+    joints = [c.joint for c in unknowns if c.place.link == link]
+    joints += [c.joint for c in unknowns if c.other is not None and c.other.link == link]
+    joints += [slider.joint for slider in topology.sliders if slider.guide == link]
+    return list(dict.fromkeys(joints))

@@ -11,9 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.arrays import ROUND_OFF, SAME_PLACE, FloatArray
-from flexmech.errors import AssemblyError, InputError, LockingError
-from flexmech.linkages.change_points import ChangePoints, in_degrees, passing
-from flexmech.linkages.motion import LOCKING_SINE, RigidMotion, checked_drive, direction, normal
+from flexmech.errors import AssemblyError, InputError
+from flexmech.linkages.body_motion import CRANK, GROUND_BODY, BodyMotion
+from flexmech.linkages.change_points import ChangePoints, passing
+from flexmech.linkages.motion import RigidMotion, checked_drive
+from flexmech.linkages.planar.bodies import Refusal
+from flexmech.linkages.planar.dyads import Circle, TwoLoci
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Topology
 from flexmech.model_text import TomlTable, quantity
 from flexmech.units import LENGTH
@@ -23,6 +26,9 @@ Branch = Literal["open", "crossed"]
 GrashofClass = Literal[
     "crank-rocker", "rocker-crank", "double-crank", "double-rocker", "change-point", "triple-rocker"
 ]
+
+# Numbers of the bodies besides ground and crank.
+COUPLER, ROCKER = 2, 3
 
 
 @dataclass(frozen=True)
@@ -187,13 +193,10 @@ class FourBar:
         InputError
             Where the linkage cannot be assembled.
         """
-        cosine = self._transmission_cosine(checked_array(crank_angle, "crank_angle", "rad"))
-        return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
-
-    def _transmission_cosine(self, theta: FloatArray) -> FloatArray:
+        theta = checked_array(crank_angle, "crank_angle", "rad")
         cosine = self._cosine_at_b(np.cos(theta))
-        self._refuse_gaps(theta, cosine)
-        return cosine
+        self._dyad.refusal.refuse("apart", ~(np.abs(cosine) <= 1.0 + ROUND_OFF), theta)
+        return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
     def _cosine_at_b(self, crank_cosine: FloatArray) -> FloatArray:
         """Cosine of the angle at B, by the cosine rule, from that of the crank angle (...)."""
@@ -221,10 +224,8 @@ class FourBar:
         InputError
             Where the linkage cannot be assembled or locks.
         """
-        theta2 = checked_array(crank_angle, "crank_angle", "rad")
-        self._refuse_locking(theta2)
-        theta3, _ = self._follower_angles(theta2)
-        turned = theta3 - theta2
+        crank, coupler, _ = np.moveaxis(self.motion(crank_angle).angle, -1, 0)
+        turned = coupler - crank
         return np.asarray(np.arctan2(np.abs(np.sin(turned)), -np.cos(turned)))
 
     def transmission_angle_limits(self) -> tuple[float, float]:
@@ -245,6 +246,7 @@ class FourBar:
     ) -> RigidMotion:
         """Rigid motion of crank, coupler and rocker.
 
+        Coupler and rocker are a dyad on the crank and the ground. Its derivatives are those of
         Kumar & Chandrakar, eqs. 1.22, 1.23 (angular velocities), 1.35 and 1.36 (angular
         accelerations, corrected: the alpha2 term of 1.36 has sin(theta2 - theta3)).
 
@@ -264,55 +266,27 @@ class FourBar:
             Where the linkage cannot be assembled, locks or meets a change point; the
             message names the crank angle.
         """
-        theta2, omega2, alpha2 = checked_drive(crank_angle, crank_speed, crank_acceleration)
-        self._refuse_locking(theta2)
-        theta3, theta4 = self._follower_angles(theta2)
-        cos_43, sin_43 = np.cos(theta4 - theta3), np.sin(theta4 - theta3)
-        cos_24, sin_24 = np.cos(theta2 - theta4), np.sin(theta2 - theta4)
-        cos_23, sin_23 = np.cos(theta2 - theta3), np.sin(theta2 - theta3)
-        omega3 = self.crank * omega2 * sin_24 / (self.coupler * sin_43)
-        omega4 = self.crank * omega2 * sin_23 / (self.rocker * sin_43)
-        alpha3 = (
-            self.crank * (omega2**2 * cos_24 + alpha2 * sin_24)
-            + self.coupler * omega3**2 * cos_43
-            - self.rocker * omega4**2
-        ) / (self.coupler * sin_43)
-        alpha4 = (
-            self.crank * (omega2**2 * cos_23 + alpha2 * sin_23)
-            - self.rocker * omega4**2 * cos_43
-            + self.coupler * omega3**2
-        ) / (self.rocker * sin_43)
+        crank = checked_drive(crank_angle, crank_speed, crank_acceleration)
+        theta = np.ravel(crank[0])
+        self.change_points.refuse(theta, "all links come into one line")
+        bodies = BodyMotion.cranked(np.zeros(4, dtype=complex), theta)
+        self._dyad.move(bodies, theta, self.change_points.sides(theta))
+        to_o4 = self.ground - bodies.place[:, COUPLER]
+        coupler, rocker = bodies.turn[:, COUPLER], bodies.turn[:, ROCKER]
+        # The coupler's angle is counted from the line A-O4.
+        angles = theta, np.angle(to_o4) + np.angle(coupler * np.conj(to_o4)), np.angle(rocker)
+        links = slice(CRANK, ROCKER + 1)
+        return bodies.driven_motion(links, bodies.drawn[links], np.stack(angles, axis=-1), crank)
 
-        along, across = self.crank * direction(theta2), self.crank * normal(theta2)
-        position, velocity, acceleration = np.zeros((3, *theta2.shape, 3, 2))
-        position[..., 1, :] = along
-        position[..., 2, 0] = self.ground
-        velocity[..., 1, :] = omega2[..., None] * across
-        acceleration[..., 1, :] = alpha2[..., None] * across - omega2[..., None] ** 2 * along
-        return RigidMotion(
-            crank_angle=theta2,
-            crank_speed=omega2,
-            angle=np.stack([theta2, theta3, theta4], axis=-1),
-            angular_velocity=np.stack([omega2, omega3, omega4], axis=-1),
-            angular_acceleration=np.stack([alpha2, alpha3, alpha4], axis=-1),
-            origin=position,
-            origin_velocity=velocity,
-            origin_acceleration=acceleration,
-        )
-
-    def _follower_angles(self, theta2: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Coupler and rocker angles (...) from the two circles about A and O4 that meet in B."""
-        to_o4_x = self.ground - self.crank * np.cos(theta2)
-        to_o4_y = -self.crank * np.sin(theta2)
-        distance = np.hypot(to_o4_x, to_o4_y)
-        cosine = (self.coupler**2 + distance**2 - self.rocker**2) / (2 * self.coupler * distance)
-        opening = np.arccos(np.clip(cosine, -1.0, 1.0))
-        side = self.change_points.sides(theta2) * (1.0 if self.branch == "open" else -1.0)
-        theta3 = np.arctan2(to_o4_y, to_o4_x) + side * opening
-        theta4 = np.arctan2(
-            self.coupler * np.sin(theta3) - to_o4_y, self.coupler * np.cos(theta3) - to_o4_x
-        )
-        return theta3, theta4
+    @cached_property
+    def _dyad(self) -> TwoLoci:
+        """Coupler and rocker, on circles about A and O4 that meet in B."""
+        names = f"coupler and rocker ({self.grashof_class})"
+        about_a = Circle(CRANK, complex(self.crank), COUPLER, 0j, complex(self.coupler))
+        about_o4 = Circle(GROUND_BODY, complex(self.ground), ROCKER, 0j, complex(self.rocker))
+        side = 1.0 if self.branch == "open" else -1.0
+        size = sum(self.lengths.values())
+        return TwoLoci(Refusal("B", names, 0.0), about_a, about_o4, size, side)
 
     def resized(self, lengths: Mapping[str, float], ground_growth: float) -> FourBar:
         """Four-bar with other lengths of crank, coupler and rocker, and a larger ground.
@@ -349,24 +323,3 @@ class FourBar:
         """Table ``[linkage]`` of a model file."""
         lengths = {name: quantity(length, LENGTH) for name, length in self.lengths.items()}
         return {"kind": self.kind, **lengths, "branch": self.branch}
-
-    def _refuse_gaps(self, theta: FloatArray, cosine: FloatArray) -> None:
-        gaps = ~(np.abs(cosine) <= 1.0 + ROUND_OFF)
-        if np.any(gaps):
-            angle = in_degrees(theta[gaps].flat[0])
-            raise AssemblyError(
-                f"the linkage cannot be assembled at crank angle {angle}: coupler and "
-                f"rocker do not meet there ({self.grashof_class}); choose crank angles inside "
-                "its range of motion or other link lengths"
-            )
-
-    def _refuse_locking(self, theta: FloatArray) -> None:
-        self.change_points.refuse(theta, "all links come into one line")
-        locked = 1 - self._transmission_cosine(theta) ** 2 < LOCKING_SINE**2
-        if np.any(locked):
-            angle = in_degrees(theta[locked].flat[0])
-            raise LockingError(
-                f"the linkage locks at crank angle {angle}: coupler and rocker are in "
-                "one line (transmission angle 0 or 180 deg) and the crank cannot drive it "
-                "through; leave that crank angle out or change the link lengths"
-            )

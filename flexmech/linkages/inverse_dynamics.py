@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexmech.arrays import ComplexArray, FloatArray
-from flexmech.linkages.applied_forces import ForceOnLink, applied_forces
-from flexmech.linkages.attachments import JointSpring, Load, Spring
+from flexmech.linkages.applied_forces import ForceOnLink, JointSpring, Load, Spring, applied_forces
 from flexmech.linkages.connection_forces import (
     connection_matrix,
     connection_vectors,
@@ -184,10 +183,6 @@ class InverseDynamics(LinkForces):
     ----------
     motion, masses, gravity, start_force, start_moment, applied, on_guides
         As in :class:`LinkForces`.
-    inertia_force : ndarray, shape (..., n_links, 2)
-        Resultant of inertia and weight on each link, ground axes, N.
-    inertia_moment : ndarray, shape (..., n_links)
-        Its moment about the link's start, N m.
     joint_force : dict of str to ndarray, shape (..., 2)
         Force on the grounded or following link at each joint, ground axes, N. A slider's is
         across its line.
@@ -199,8 +194,6 @@ class InverseDynamics(LinkForces):
         the shaft itself is not in it.
     """
 
-    inertia_force: FloatArray
-    inertia_moment: FloatArray
     joint_force: dict[str, FloatArray]
     joint_moment: dict[str, FloatArray]
     driving_torque: FloatArray
@@ -264,7 +257,6 @@ def inverse_dynamics(
     force = np.stack([-own for own, _ in needed], axis=-1) * np.exp(1j * motion.angle)
     moment = np.stack([-own for _, own in needed], axis=-1)
     load = np.stack([force.real, force.imag, moment], axis=-1)
-    inertia_force = load[..., :2].copy()
     angles = motion.angle if continuous_angles is None else continuous_angles
     applied = tuple(applied_forces(topology, motion, loads, springs, joint_springs, angles, time))
     for one in applied:
@@ -293,8 +285,6 @@ def inverse_dynamics(
         start_moment=start_moment,
         applied=applied,
         on_guides=on_guides,
-        inertia_force=inertia_force,
-        inertia_moment=moment,
         joint_force=joint_force,
         joint_moment=joint_moment,
         driving_torque=_driving_torque(topology, motion, joint_force, joint_moment),

@@ -9,7 +9,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexmech.arrays import FloatArray, IntArray
+from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.errors import InputError
 from flexmech.model_text import shapes, short_repr
 from flexmech.validation import checked_array
@@ -65,13 +65,16 @@ def checked_drive(
             "does; check its unit"
         )
     try:
-        return tuple(np.broadcast_arrays(*given))
+        shape = np.broadcast(*given).shape
     except ValueError as error:
-        shapes = ", ".join(str(each.shape) for each in given)
+        shapes = ", ".join(str(values.shape) for values in given)
         raise InputError(
             f"crank_angle, crank_speed and crank_acceleration have the shapes {shapes}, which do "
             "not go together; give single numbers or arrays of one shape"
         ) from error
+    return tuple(
+        np.broadcast_to(values, shape) if values.shape != shape else values for values in given
+    )
 
 
 @dataclass(frozen=True)
@@ -120,7 +123,7 @@ class RigidMotion:
         RigidMotion
             Batch of shape (D * A,).
         """
-        names = [own.name for own in fields(cls) if own.name != "design"]
+        names = [entry.name for entry in fields(cls) if entry.name != "design"]
         every = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
         counts = [len(part.crank_angle) for part in parts]
         return RigidMotion(**every, design=np.repeat(np.arange(len(parts)), counts))
@@ -137,9 +140,11 @@ class RigidMotion:
         RigidMotion
             Batch of shape (B,).
         """
-        every = {own.name: getattr(self, own.name) for own in fields(self)}
-        some: dict[str, Any] = {name: None if v is None else v[which] for name, v in every.items()}
-        return type(self)(**some)
+        every = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        chosen: dict[str, Any] = {
+            name: None if v is None else v[which] for name, v in every.items()
+        }
+        return type(self)(**chosen)
 
     def arm(self, link: int, x: ArrayLike, y: ArrayLike = 0.0) -> FloatArray:
         """From a link's start to the point at ``(x, y)`` in its frame, ground axes in m.
@@ -208,6 +213,11 @@ class RigidMotion:
         return np.asarray(self.origin_acceleration[..., link, :] + tangential - centripetal)
 
 
+def as_pairs(vectors: ComplexArray) -> FloatArray:
+    """Components of vectors that are complex numbers; shape (...) -> (..., 2)."""
+    return np.ascontiguousarray(vectors).view(float).reshape(*vectors.shape, 2)
+
+
 def cross(first: FloatArray, second: FloatArray) -> FloatArray:
     """Vector product of plane vectors, as of an arm and a force; shapes (..., 2) -> (...)."""
     return np.asarray(first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0])
@@ -242,7 +252,7 @@ def carried_motion(
     RigidMotion
     """
     change = np.zeros_like(place) if change is None else change
-    turn, spin, swing = (own[:, 2, None] for own in (place, rate, change))
+    turn, spin, swing = (values[:, 2, None] for values in (place, rate, change))
     arm = turned(motion.origin - np.asarray(centre), turn)
     velocity = turned(motion.origin_velocity, turn)
     acceleration = turned(motion.origin_acceleration, turn)

@@ -8,7 +8,6 @@ from typing import TypeVar
 from flexmech.arrays import ROUND_OFF
 from flexmech.errors import InputError
 from flexmech.linkages import (
-    LEAST_DISTANCE,
     AttachmentPoint,
     Drive,
     JointSpring,
@@ -19,6 +18,7 @@ from flexmech.linkages import (
     Spring,
     Topology,
 )
+from flexmech.linkages.link_mass import LEAST_DISTANCE
 from flexmech.mechanism.parts import AttachedBody, JointPin, PointMass, Wetting
 from flexmech.mechanism.sprung_frame import SprungFrame
 from flexmech.validation import (

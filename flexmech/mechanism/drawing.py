@@ -18,10 +18,10 @@ from flexmech.linkages import (
     Load,
     Spring,
     Topology,
-    drawn_joints,
     linkage_positions,
     picture_crank_angle,
 )
+from flexmech.linkages.positions import drawn_joints
 from flexmech.mechanism.parts import AttachedBody, JointPin, PointMass, Provenance
 from flexmech.sections import BeamSection
 
@@ -63,9 +63,9 @@ def drawn_parts(mechanism: _Shown) -> dict[str, Any]:
     Returns
     -------
     dict
-        Of :func:`flexmech.linkages.drawn_joints`, and ``masses`` (``at``, ``kg``), ``bodies``
-        (``at``, ``offset`` in m, ``kg``), ``springs`` (``name``, ``ends``, whether ``stiff`` and
-        ``damped``), ``joint_springs`` (``joint``, whether ``torsional``, ``radial``,
+        Of :func:`flexmech.linkages.positions.drawn_joints`, and ``masses`` (``at``, ``kg``),
+        ``bodies`` (``at``, ``offset`` in m, ``kg``), ``springs`` (``name``, ``ends``, whether
+        ``stiff`` and ``damped``), ``joint_springs`` (``joint``, whether ``torsional``, ``radial``,
         ``torsion_damped`` and ``radially_damped``), ``loads`` (``name``, ``at``, ``axes``,
         ``over``, ``force`` in N and ``torque`` in N m where they are largest) and ``gravity``
         (x and y, in m/s^2). A place ``at`` is the number of a link and how far along it from 0 to

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 from numpy.typing import ArrayLike
 
+from flexmech import units
 from flexmech.errors import InputError
 from flexmech.linkages import (
     CouplerPoint,
@@ -21,6 +22,8 @@ from flexmech.linkages import (
     LinkMass,
     Load,
     MotorDrive,
+    PlanarLink,
+    PlanarLinkage,
     RigidMotion,
     Spring,
     Topology,
@@ -42,23 +45,9 @@ from flexmech.mechanism.checks import (
 from flexmech.mechanism.drawing import notebook_html, part_lines
 from flexmech.mechanism.parts import AttachedBody, JointPin, PointMass, Provenance, Wetting
 from flexmech.mechanism.sprung_frame import SprungFrame
-from flexmech.mechanism.tables import (
-    joints_table,
-    links_table,
-    loads_table,
-    springs_table,
-)
 from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr
 from flexmech.sections import BeamSection, Layers, sections_between_joints
-from flexmech.units import (
-    ACCELERATION,
-    ANGULAR_SPEED,
-    EXPANSION,
-    INERTIA,
-    TEMPERATURE,
-    from_si,
-    to_si,
-)
+from flexmech.units import from_si, to_si
 from flexmech.validation import POSITIVE, check_instance, check_number, check_pair
 
 
@@ -145,7 +134,7 @@ class Mechanism:
     shaft_inertia: float = 0.0
     drive: Drive | MotorDrive | None = None
     frame: SprungFrame | None = None
-    speed_unit: str = field(default=ANGULAR_SPEED.unit, compare=False)
+    speed_unit: str = field(default=units.ANGULAR_SPEED.unit, compare=False)
 
     def __post_init__(self) -> None:
         topology = self._checked_topology()
@@ -158,7 +147,7 @@ class Mechanism:
         check_frame(self.frame, self.loads)
         object.__setattr__(self, "operating_speeds", checked_speeds(self.operating_speeds))
         try:
-            to_si(1.0, self.speed_unit, ANGULAR_SPEED)
+            to_si(1.0, self.speed_unit, units.ANGULAR_SPEED)
         except InputError as error:
             raise error.within("speed_unit") from error
         check_number(self.reference_temperature, "reference_temperature", "K", POSITIVE)
@@ -199,7 +188,9 @@ class Mechanism:
             "sections": sections_between_joints(topology, self.sections),
             "link_masses": sorted(self.link_masses, key=lambda mass: links.index(mass.link)),
             "bodies": sorted(self.bodies, key=lambda body: links.index(body.link)),
-            "joint_springs": sorted(self.joint_springs, key=lambda own: joints.index(own.joint)),
+            "joint_springs": sorted(
+                self.joint_springs, key=lambda spring: joints.index(spring.joint)
+            ),
             "joint_pins": sorted(self.joint_pins, key=lambda pin: joints.index(pin.joint)),
             "gravity": self.gravity,
             "wetting": {link: own for link, own in self.wetting.items() if own != Wetting()},
@@ -356,12 +347,10 @@ class Mechanism:
         import tomli_w
 
         shared = SharedTables()
-        links = links_table(
-            self.linkage, self.sections, self.wetting, self.link_masses, self.bodies, shared
-        )
+        links = self._links_table(shared)
         linkage = self.linkage.to_table()
         if self.ground_thermal_expansion:
-            expansion = quantity(self.ground_thermal_expansion, EXPANSION)
+            expansion = quantity(self.ground_thermal_expansion, units.EXPANSION)
             linkage["ground_thermal_expansion"] = expansion
         if self.coupler_point is not None:
             linkage["coupler_point"] = self.coupler_point.to_table()
@@ -374,24 +363,80 @@ class Mechanism:
         }
         environment: TomlTable = {}
         if any(self.gravity):
-            environment["gravity"] = [quantity(along, ACCELERATION) for along in self.gravity]
+            environment["gravity"] = [quantity(along, units.ACCELERATION) for along in self.gravity]
         if self.reference_temperature != REFERENCE_TEMPERATURE:
-            kept = quantity(self.reference_temperature, TEMPERATURE)
+            kept = quantity(self.reference_temperature, units.TEMPERATURE)
             environment["reference_temperature"] = kept
-        speeds = [quantity(speed, ANGULAR_SPEED) for speed in self.operating_speeds[:-1]]
+        speeds = [quantity(speed, units.ANGULAR_SPEED) for speed in self.operating_speeds[:-1]]
         for last in self.operating_speeds[-1:]:
-            speeds.append(quantity(last, ANGULAR_SPEED, self.speed_unit, always=True))
+            speeds.append(quantity(last, units.ANGULAR_SPEED, self.speed_unit, always=True))
         inertia = self.shaft_inertia
         optional = {
-            "joints": joints_table(
-                self.linkage, self.joint_masses, self.joint_springs, self.joint_pins
-            ),
-            "shaft": {"inertia": quantity(inertia, INERTIA)} if inertia else {},
+            "joints": self._joints_table(),
+            "shaft": {"inertia": quantity(inertia, units.INERTIA)} if inertia else {},
             "drive": {} if self.drive is None else self.drive.to_table(),
             "frame": {} if self.frame is None else self.frame.to_table(),
-            "loads": loads_table(self.loads),
-            "springs": springs_table(self.springs),
+            "loads": _by_name("loads", [(load.name, load.to_table()) for load in self.loads]),
+            "springs": _by_name(
+                "springs", [(spring.name, spring.to_table()) for spring in self.springs]
+            ),
             "environment": environment,
             "operation": {"crank_speeds": speeds} if speeds else {},
         }
         return tomli_w.dumps(document | {key: table for key, table in optional.items() if table})
+
+    def _links_table(self, shared: SharedTables) -> TomlTable:
+        """Table ``[links]``; tables that several links name are put among the shared ones."""
+        drawn = self.linkage.links if isinstance(self.linkage, PlanarLinkage) else ()
+        keys = {link.name: _drawn_keys(link) for link in drawn}
+        beams_of = {link.name: [beam.name for beam in link.beams] for link in drawn}
+        single = {name: [name] for name in self.linkage.topology.link_names}
+        tables: TomlTable = {}
+        for name, beams in (beams_of or single).items():
+            sections = [self._beam_table(beam, shared) for beam in beams]
+            tables[name] = keys.get(name, {}) | sections[0]
+            for key, parts in (("point_masses", self.link_masses), ("bodies", self.bodies)):
+                entries = [
+                    part.to_table() | ({"beam": beams.index(part.link) + 1} if beams[1:] else {})
+                    for part in parts
+                    if part.link in beams
+                ]
+                tables[name] |= {key: entries} if entries else {}
+            further = zip(beams[1:], sections[1:], strict=True)
+            tables |= {beam: table for beam, table in further if table != sections[0]}
+        return tables
+
+    def _beam_table(self, beam: str, shared: SharedTables) -> TomlTable:
+        """Keys of a beam's section and of where water enters it."""
+        section = self.sections.get(beam)
+        table: TomlTable = {} if section is None else section.to_table(shared)
+        return table | self.wetting_of(beam).to_table()
+
+    def _joints_table(self) -> TomlTable:
+        """Table ``[joints]``; empty where no joint is drawn, has mass, a spring or a diameter."""
+        drawn = self.linkage.joints if isinstance(self.linkage, PlanarLinkage) else ()
+        tables: dict[str, TomlTable] = {joint.point: joint.to_table() for joint in drawn}
+        masses = {
+            name: {"mass": quantity(mass, units.MASS)} for name, mass in self.joint_masses.items()
+        }
+        springs = [(spring.joint, spring.to_table()) for spring in self.joint_springs]
+        pins = [(pin.joint, pin.to_table()) for pin in self.joint_pins]
+        for keys in (masses, _by_name("joint_springs", springs), _by_name("joint_pins", pins)):
+            for joint, table in keys.items():
+                tables.setdefault(joint, {}).update(table)
+        return tables
+
+
+def _drawn_keys(link: PlanarLink) -> TomlTable:
+    """Keys of a drawn link besides its section."""
+    return {"points": list(link.points), **({"rigid": True} if link.rigid else {})}
+
+
+def _by_name(what: str, entries: Iterable[tuple[str, TomlTable]]) -> TomlTable:
+    """Tables by name; a model file has one of a name."""
+    tables: TomlTable = {}
+    for name, table in entries:
+        if name in tables:
+            raise InputError(f"{what}: {name!r} is there twice, a model file has one of a name")
+        tables[name] = table
+    return tables

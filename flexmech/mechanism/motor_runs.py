@@ -17,19 +17,10 @@ from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linkages import (
-    DriveTrain,
-    Load,
-    MotorDrive,
-    MotorRun,
-    SettledRun,
-    ShaftEquation,
-    ShaftLoad,
-    assemblable,
-    repeated,
-    settled_motion,
-    solved_run,
-)
+from flexmech.linkages import Load, MotorDrive, MotorRun, SettledRun, assemblable
+from flexmech.linkages.motors.integrated_run import solved_run
+from flexmech.linkages.motors.motor import DriveTrain
+from flexmech.linkages.motors.motor_run import ShaftEquation, ShaftLoad, repeated, settled_motion
 from flexmech.mechanism.mechanism import Mechanism
 from flexmech.validation import POSITIVE, check_instance, check_number
 

@@ -18,8 +18,8 @@ from flexmech.linkages import (
     MotorDrive,
     ShapedDrive,
     TableDrive,
-    TableEnds,
 )
+from flexmech.linkages.drives.laws import TableEnds
 from flexmech.modelfile import base_table as base
 from flexmech.modelfile.csv_files import check_rows, csv_lines
 from flexmech.modelfile.motor_table import MotorTable, SpeedControlTable

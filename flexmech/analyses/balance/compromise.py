@@ -20,7 +20,7 @@ from flexmech.analyses.shaking import shaking_of
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.linkages import LinkMass, RigidMotion, inverse_dynamics
-from flexmech.linkages.force_balance import TurningLink
+from flexmech.linkages.frame_forces import TurningLink
 from flexmech.mechanism import Mechanism
 
 # Features of a counterweight: its first moment along and across the link, and the size of that.

@@ -18,7 +18,7 @@ from flexmech.analyses.datasets import with_units
 from flexmech.arrays import LabelledProgress, silent
 from flexmech.errors import FlexmechError, InputError
 from flexmech.linear_system import Engine, checked_mechanism
-from flexmech.linkages.force_balance import OneCouplerLinkage
+from flexmech.linkages.frame_forces import OneCouplerLinkage
 from flexmech.mechanism import Mechanism
 
 # Of a first moment, over masses times lengths: the last bits of sums of ten numbers. What is left

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
-from flexmech.linkages.force_balance import TurningLink
+from flexmech.linkages.frame_forces import TurningLink
 from flexmech.linkages.link_mass import LinkBody, LinkMass
 from flexmech.mechanism import AttachedBody, Mechanism
 

@@ -12,7 +12,7 @@ from flexmech.analyses.requests import check_list, in_radians
 from flexmech.analyses.shaking import checked_point
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linkages.force_balance import OneCouplerLinkage
+from flexmech.linkages.frame_forces import OneCouplerLinkage
 from flexmech.mechanism import Mechanism
 from flexmech.validation import (
     NOT_NEGATIVE,

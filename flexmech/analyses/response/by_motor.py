@@ -13,7 +13,8 @@ from flexmech.analyses.response.request import ResponseRequest
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine
-from flexmech.linkages import MotorRun, states_along
+from flexmech.linkages import MotorRun
+from flexmech.linkages.motors.integrated_run import states_along
 from flexmech.mechanism import require_standing_frame, with_motor_run
 from flexmech.time_domain import Trajectory
 

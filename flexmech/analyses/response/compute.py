@@ -26,7 +26,8 @@ from flexmech.dynamical_systems import ON_A_STEP
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment
 from flexmech.linear_system import Engine
-from flexmech.linkages import Drive, MotorDrive, MotorRun, SettledRun, known_until
+from flexmech.linkages import Drive, MotorDrive, MotorRun, SettledRun
+from flexmech.linkages.motors.integrated_run import known_until
 from flexmech.mechanism import Mechanism
 from flexmech.threads import one_thread
 from flexmech.time_domain import LinkState

@@ -18,7 +18,9 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError
-from flexmech.linkages import DriveTrain, MotorRun, states_along, yielded_along
+from flexmech.linkages import MotorRun
+from flexmech.linkages.motors.integrated_run import states_along, yielded_along
+from flexmech.linkages.motors.motor import DriveTrain
 from flexmech.time_domain import RotorCoupling, ShaftTorque, Trajectory
 
 logger = logging.getLogger(__name__)

@@ -13,7 +13,8 @@ from flexmech.analyses.shaking import checked_point
 from flexmech.arrays import FloatArray
 from flexmech.crank_values import MOST_MOVE_TIMES
 from flexmech.errors import InputError
-from flexmech.linkages import ConstantSpeed, Drive, MotorDrive, MotorRun, check_shapeable
+from flexmech.linkages import ConstantSpeed, Drive, MotorDrive, MotorRun
+from flexmech.linkages.drives.shaped import check_shapeable
 from flexmech.mechanism import Mechanism, motor_run, settled_run
 from flexmech.validation import (
     POSITIVE,

@@ -21,15 +21,17 @@ from flexmech.analyses.response.motor_passes import KnownMotion, MotorPasses
 from flexmech.analyses.response.plan import STEPS_PER_PERIOD
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.arrays import FloatArray
+from flexmech.dynamical_systems.fourier import FourierSeries
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
-from flexmech.linkages import (
+from flexmech.linkages import SettledRun
+from flexmech.linkages.change_points import TURN
+from flexmech.linkages.motors.motor_run import (
     SettledMotion,
-    SettledRun,
-    TurnSeries,
     TwistedShaft,
     repeated,
     settled_motion,
+    turn_series,
 )
 from flexmech.time_domain import DrivenLinkage, ShaftTorque, linear_run, state_under_motor
 
@@ -137,8 +139,8 @@ def _settled(
     needed = equation.load.needed(angle, speed, time) + equation.inertia(angle) * acceleration
     order = np.argsort(angle)
 
-    def over_turn(values: FloatArray) -> TurnSeries:
-        return TurnSeries.of(angle[order], values[order], harmonics)
+    def over_turn(values: FloatArray) -> FourierSeries:
+        return turn_series(angle[order], values[order], harmonics)
 
     added = over_turn(torque[once] - needed)
     rotor = replace(equation, train=equation.train.without_coupling, added=added)
@@ -147,7 +149,7 @@ def _settled(
     start = run.drive.start_angle
     begin = start
     for _ in range(_MOST_PASSES * equation.train.is_coupled):
-        begin = start + float(twist(begin))
+        begin = start + float(twist.at(np.asarray(begin / TURN)))
     turn = settled_motion(rotor, np.array([begin, speed[0], *states]))
     if turn is None:
         raise ComputationError(

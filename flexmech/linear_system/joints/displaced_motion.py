@@ -84,16 +84,13 @@ def link_bodies(motion: RigidMotion, topology: Topology) -> tuple[BodyMotion, Co
             drawn = BodyMotion.of_links(motion.undisplaced)
     for number, (slider, line) in enumerate(zip(topology.sliders, lines, strict=True)):
         if slider.guide:
-            slider_body, guide, at = (
-                drawn.of(line.first.body),
-                drawn.of(line.second.body),
-                line.first.place,
+            guide = line.second.body
+            point = drawn.moving_point(line.first.body, line.first.place)
+            relative, relative_1, relative_2 = (
+                own - its for own, its in zip(point, drawn.moving_point(guide, 0j), strict=True)
             )
-            back, turning = np.conj(guide.turn), 1j * guide.turn_1
-            relative = slider_body.point(at) - guide.place
-            relative_1 = slider_body.point_1(at) - guide.place_1
-            relative_2 = slider_body.point_2(at) - guide.place_2
-            changing = turning**2 - 1j * guide.turn_2
+            back, turning = np.conj(drawn.turn[:, guide]), 1j * drawn.turn_1[:, guide]
+            changing = turning**2 - 1j * drawn.turn_2[:, guide]
             rate = back * (relative_1 - turning * relative)
             second = back * (relative_2 - 2 * turning * relative_1 + changing * relative)
             slid[0][:, number] += back * relative

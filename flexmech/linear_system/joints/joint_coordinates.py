@@ -20,9 +20,16 @@ from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.linear_system.joints.displaced_motion import general_position, link_bodies
 from flexmech.linear_system.joints.position_errors import refuse_positions
 from flexmech.linkages import LinkEnd, Pin, RigidMotion, Topology, Weld
-from flexmech.linkages.body_motion import GROUND_AFTER_LINKS, BodyMotion, BodyPoint
+from flexmech.linkages.body_motion import (
+    GROUND_AFTER_LINKS,
+    BodyMotion,
+    BodyPoint,
+    Coincidence,
+    Condition,
+    Constraints,
+    EqualAngle,
+)
 from flexmech.linkages.connection_forces import RANK_TOLERANCE, end_point, slider_line
-from flexmech.linkages.constraints import Coincidence, Condition, Constraints, EqualAngle
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
 from flexmech.linkages.topology import leading_end
 

@@ -1,6 +1,7 @@
-"""The rigid linkage under a motor: its crank angle is the one unknown.
+"""Integration of the rigid linkage under a motor, and of the drive train along a known motion.
 
-With the inertia J of the linkage reduced to the crank, which depends on the crank angle::
+The crank angle of the rigid linkage is its one unknown. With the inertia J of the linkage reduced
+to the crank, which depends on the crank angle::
 
     (J(theta) + J_shaft) theta'' + h(theta, theta', t) = torque on the crank
 
@@ -12,15 +13,21 @@ Wanner, *Solving Ordinary Differential Equations I*, 1993, DOP853) between the c
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import ComputationError, InputError
-from flexmech.linkages.motors.motor_drive import MotorDrive
-from flexmech.linkages.motors.motor_run import MOST_PIECES, MotorRun, Stall, second_rates
-from flexmech.linkages.motors.shaft_equation import ShaftEquation
+from flexmech.linkages.motors.motor import DriveTrain, MotorDrive
+from flexmech.linkages.motors.motor_run import (
+    MOST_PIECES,
+    MotorRun,
+    ShaftEquation,
+    Stall,
+    second_rates,
+)
 
 _TOLERANCE = 1e-11
 # How far a run is known beyond its end, of its time, so that its end is no corner.
@@ -32,16 +39,6 @@ _MOST_TURNS, _REPEATS = 200, 1e-3
 _LONGEST_TURN = 1e3
 # A motor that does not start is shown for so long, in s.
 _STANDING = 0.1
-
-
-class _Found(Protocol):
-    """What an integration of SciPy gives."""
-
-    t: FloatArray
-    y: FloatArray
-    t_events: Any
-    success: bool
-    message: str
 
 
 def solved_run(
@@ -228,17 +225,18 @@ class _Integration:
         # A crank that creeps stands.
         return bool(np.isfinite(until) or len(found.t_events[1])) and not len(found.t_events[0])
 
-    def _solved(self, until: float, events: tuple[Any, ...]) -> _Found:
+    def _solved(self, until: float, events: tuple[Any, ...]) -> Any:
         """The motion from the last time until another in s, or a terminal event."""
         from scipy.integrate import solve_ivp
 
-        found: _Found = solve_ivp(
+        found = solve_ivp(
             self._equation.rates,
             (float(self._time[-1][-1]), until),
             self._values[-1][:, -1],
             method="DOP853",
             rtol=_TOLERANCE,
-            atol=self._equation.tolerances(_TOLERANCE),
+            # In rad and rad/s; current and command are of order one or greater where they matter.
+            atol=0.1 * _TOLERANCE,
             events=events,
         )
         if not found.success:
@@ -250,9 +248,126 @@ class _Integration:
             )
         return found
 
-    def _keep(self, found: _Found) -> None:
+    def _keep(self, found: Any) -> None:
         # An event at the start leaves a step without a length.
         later = found.t > self._time[-1][-1]
         if later.any():
             self._time.append(found.t[later])
             self._values.append(found.y[:, later])
+
+
+# Of the residual between the nodes, relative: values are off by 3e-8 of the greatest then, also of
+# controls at their limits, far below what ends the passes of a run.
+_ALONG_TOLERANCE = 1e-5
+# For each time that is given: more are needed where a control meets its limits. Work alone.
+_MOST_NODES = 50
+
+
+def states_along(
+    train: DriveTrain, time: FloatArray, angle: FloatArray, speed: FloatArray, start: FloatArray
+) -> FloatArray:
+    """States of a drive train whose crank moves as known.
+
+    Parameters
+    ----------
+    train : DriveTrain
+    time : ndarray, shape (m,)
+        Increasing, in s.
+    angle, speed : ndarray, shape (m,)
+        Of the crank in rad and rad/s; cubic splines between.
+    start : ndarray, shape (k,)
+        At the first time.
+
+    Returns
+    -------
+    ndarray, shape (k, m)
+
+    Raises
+    ------
+    ComputationError
+        If the integration fails; names the time.
+    """
+    from scipy.interpolate import CubicSpline
+
+    if not train.state_count:
+        return np.zeros((0, len(time)))
+    known = CubicSpline(time, np.stack([angle, speed], axis=1))
+
+    def rates(at: FloatArray, states: FloatArray) -> FloatArray:
+        place, turning = known(at).T
+        return train.on_crank(place, turning, states)[1]
+
+    return _integrated(rates, time, start)
+
+
+def yielded_along(
+    train: DriveTrain,
+    time: FloatArray,
+    angle: FloatArray,
+    speed: FloatArray,
+    applied: FloatArray,
+    inertia: FloatArray,
+    start: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """How a crank with an inertia moves away from a motion whose torque is not quite the train's.
+
+    Parameters
+    ----------
+    train : DriveTrain
+    time : ndarray, shape (m,)
+        Increasing, in s.
+    angle, speed, applied, inertia : ndarray, shape (m,)
+        Of the motion: angle in rad, speed in rad/s, torque on the crank in N m, inertia there in
+        kg m^2.
+    start : ndarray, shape (k,)
+        States of the train at the first time.
+
+    Returns
+    -------
+    angle, speed : ndarray, shape (m,)
+        To be added to those of the motion.
+
+    Raises
+    ------
+    ComputationError
+        If the integration fails; names the time.
+    """
+    from scipy.interpolate import CubicSpline
+
+    known = CubicSpline(time, np.stack([angle, speed, applied, inertia], axis=1))
+
+    def rates(at: FloatArray, values: FloatArray) -> FloatArray:
+        place, was, given, own = known(at).T
+        torque, changes = train.on_crank(place + values[0], was + values[1], values[2:])
+        return np.concatenate([np.stack([values[1], (torque - given) / own]), changes])
+
+    found = _integrated(rates, time, np.concatenate([np.zeros(2), start]))
+    return found[0], found[1]
+
+
+def _integrated(
+    rates: Callable[[FloatArray, FloatArray], FloatArray], time: FloatArray, start: FloatArray
+) -> FloatArray:
+    """Values (n, m) at times (m,), all at once: by collocation of fourth order.
+
+    The method of Kierzenka & Shampine 2001 for boundary values, all of which are at the start: what
+    is known between the times is a spline of theirs, at whose knots a method that takes one step
+    after the other would have to stop.
+    """
+    from scipy.integrate import solve_bvp
+
+    found: Any = solve_bvp(
+        rates,
+        lambda first, _: first - start,
+        time,
+        np.repeat(start[:, None], len(time), axis=1),
+        tol=_ALONG_TOLERANCE,
+        max_nodes=_MOST_NODES * len(time),
+    )
+    if found.status:
+        raise ComputationError(
+            f"motor and coupling cannot be followed in the run of {time[-1]:.6g} s: "
+            f"{found.message} Check the motor's inductance and the coupling, whose times may be "
+            "far shorter than the run"
+        )
+    return np.asarray(found.sol(time))

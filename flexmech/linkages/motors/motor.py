@@ -1,4 +1,4 @@
-"""Motors: torque by a curve over speed, or a DC motor with its current; gear, rotor, coupling.
+"""Motors that turn the crank: torque curves and DC motors, speed control, gear, rotor, coupling.
 
 Everything of the motor is told on its own shaft; ``gear_ratio`` is how often that turns while the
 crank turns once. A DC motor obeys, with voltage u, current i and rotor speed w::
@@ -6,39 +6,28 @@ crank turns once. A DC motor obeys, with voltage u, current i and rotor speed w:
     L di/dt = u - R i - k w,    torque = k i
 
 (Krishnan, *Electric Motor Drives*, 2001, ch. 2): in SI units its torque constant k is that of the
-back-EMF.
+back-EMF. Speed control is a PI rule on the rotor's speed over the gear ratio, whose integral
+follows a saturated command (back-calculation; Astrom & Hagglund, *Advanced PID Control*, 2006,
+sect. 3.5).
 """
 
 from __future__ import annotations
 
 import abc
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech import units
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
 from flexmech.model_text import TomlTable, fields_table, quantity
-from flexmech.units import (
-    ANGULAR_SPEED,
-    CURRENT,
-    INDUCTANCE,
-    INERTIA,
-    RATIO,
-    RESISTANCE,
-    TORQUE,
-    TORQUE_CONSTANT,
-    TORSIONAL_DAMPING,
-    TORSIONAL_STIFFNESS,
-    VOLTAGE,
-    VOLTAGE_GAIN,
-    VOLTAGE_INTEGRAL_GAIN,
-    Dimension,
-)
+from flexmech.units import Dimension, from_si, to_si
 from flexmech.validation import (
     NOT_NEGATIVE,
     POSITIVE,
+    check_instance,
     check_number,
     checked_array,
 )
@@ -157,10 +146,10 @@ class Motor(abc.ABC):
         return fields_table(
             self,
             {
-                "gear_ratio": RATIO,
-                "inertia": INERTIA,
-                "coupling_stiffness": TORSIONAL_STIFFNESS,
-                "coupling_damping": TORSIONAL_DAMPING,
+                "gear_ratio": units.RATIO,
+                "inertia": units.INERTIA,
+                "coupling_stiffness": units.TORSIONAL_STIFFNESS,
+                "coupling_damping": units.TORSIONAL_DAMPING,
             },
         )
 
@@ -238,7 +227,7 @@ class TorqueMotor(Motor):
     def to_table(self) -> TomlTable:
         """Value of the key ``motor`` of a model file."""
         rows = [
-            [quantity(speed, ANGULAR_SPEED), quantity(torque, TORQUE)]
+            [quantity(speed, units.ANGULAR_SPEED), quantity(torque, units.TORQUE)]
             for speed, torque in zip(self.speeds, self.torques, strict=True)
         ]
         return {"torque_speed": rows, **self._own_table}
@@ -246,7 +235,7 @@ class TorqueMotor(Motor):
     @property
     def gain_dimensions(self) -> tuple[Dimension, Dimension]:
         """Dimensions of a speed control's kp and ki."""
-        return TORSIONAL_DAMPING, TORSIONAL_STIFFNESS
+        return units.TORSIONAL_DAMPING, units.TORSIONAL_STIFFNESS
 
     def holding_current(self, torque: float) -> float:
         """Zero: it has no current."""
@@ -340,22 +329,22 @@ class DcMotor(Motor):
     def to_table(self) -> TomlTable:
         """Value of the key ``motor`` of a model file."""
         dimensions = {
-            "resistance": RESISTANCE,
-            "inductance": INDUCTANCE,
-            "torque_constant": TORQUE_CONSTANT,
-            "voltage": VOLTAGE,
+            "resistance": units.RESISTANCE,
+            "inductance": units.INDUCTANCE,
+            "torque_constant": units.TORQUE_CONSTANT,
+            "voltage": units.VOLTAGE,
         }
         own = {key: quantity(getattr(self, key), of) for key, of in dimensions.items()}
         if not self.inductance:
             del own["inductance"]
         if self.initial_current is not None:
-            own["initial_current"] = quantity(self.initial_current, CURRENT)
+            own["initial_current"] = quantity(self.initial_current, units.CURRENT)
         return {"kind": "dc", **own, **self._own_table}
 
     @property
     def gain_dimensions(self) -> tuple[Dimension, Dimension]:
         """Dimensions of a speed control's kp and ki."""
-        return VOLTAGE_GAIN, VOLTAGE_INTEGRAL_GAIN
+        return units.VOLTAGE_GAIN, units.VOLTAGE_INTEGRAL_GAIN
 
     def holding_current(self, torque: float) -> float:
         """Current in A that gives a torque in N m."""
@@ -385,3 +374,331 @@ class DcMotor(Motor):
 
 def _gear_words(motor: Motor) -> str:
     return "" if motor.gear_ratio == 1 else f", gear {motor.gear_ratio:.4g}:1"
+
+
+@dataclass(frozen=True)
+class SpeedControl:
+    """PI control of the crank's speed by the rotor's: of a DC motor's voltage, or of a torque.
+
+    Its command is ``kp (target - speed)`` and the integral of ``ki (target - speed)``, as far as
+    the motor can follow: up to its voltage either way, or its torque curve either way.
+
+    Parameters
+    ----------
+    kp, ki : float
+        In V s/rad and V/rad of a DC motor; in N m s/rad and N m/rad on the motor's shaft of a
+        torque curve.
+    target : float
+        Crank speed in rad/s; negative turns backwards.
+    speed_unit : str
+        Unit in which the target was written, and results speak of it.
+
+    Raises
+    ------
+    InputError
+        If kp is not positive, ki is negative, the target is no speed, or the unit is none of one.
+
+    Examples
+    --------
+    >>> flexmech.SpeedControl(kp=0.5, ki=0.0, target=20.0).has_integral
+    False
+    """
+
+    kp: float
+    ki: float
+    target: float
+    speed_unit: str = field(default=units.ANGULAR_SPEED.unit, compare=False)
+
+    def __post_init__(self) -> None:
+        check_number(self.kp, "kp", "", POSITIVE)
+        check_number(self.ki, "ki", "", NOT_NEGATIVE)
+        check_number(self.target, "target", "rad/s")
+        try:
+            to_si(1.0, self.speed_unit, units.ANGULAR_SPEED)
+        except InputError as error:
+            raise error.within("speed_unit") from error
+
+    @property
+    def has_integral(self) -> bool:
+        """Whether the integral of the error counts."""
+        return self.ki > 0
+
+
+@dataclass(frozen=True)
+class MotorDrive:
+    """A motor that turns the crank from rest.
+
+    How the crank turns follows from the linkage: :func:`flexmech.motor_run` finds it.
+
+    Parameters
+    ----------
+    motor : TorqueMotor or DcMotor
+    control : SpeedControl, optional
+    start_angle : float
+        Crank angle at time zero in rad.
+    time : float, optional
+        How long the run lasts in s; left out, a run in time lasts for the turns that are asked
+        for, and that of the rigid linkage until its speed repeats itself from turn to turn.
+
+    Raises
+    ------
+    InputError
+        If one is no such thing.
+
+    Examples
+    --------
+    >>> drive = flexmech.MotorDrive(flexmech.TorqueMotor((0.0,), (0.1,)), time=3.0)
+    >>> drive.words
+    'motor of up to 0.1 N m'
+    """
+
+    motor: Motor
+    control: SpeedControl | None = None
+    start_angle: float = 0.0
+    time: float | None = None
+
+    def __post_init__(self) -> None:
+        check_instance(self.motor, Motor, "motor", "give a TorqueMotor or a DcMotor")
+        if self.control is not None:
+            remedy = "give a SpeedControl(kp, ki, target)"
+            check_instance(self.control, SpeedControl, "control", remedy)
+        check_number(self.start_angle, "start_angle", "rad")
+        if self.time is not None:
+            check_number(self.time, "time", "s", POSITIVE)
+
+    @property
+    def is_constant(self) -> bool:
+        """No: it begins at rest."""
+        return False
+
+    @property
+    def words(self) -> str:
+        """Motor and control, for titles."""
+        if self.control is None:
+            return self.motor.words
+        unit = self.control.speed_unit
+        target = f"{from_si(self.control.target, unit):.6g} {unit}"
+        return f"{self.motor.words}, speed control to {target}"
+
+    @property
+    def speed_unit(self) -> str:
+        """Unit in which results speak of crank speeds: that of the target, else rad/s."""
+        return units.ANGULAR_SPEED.unit if self.control is None else self.control.speed_unit
+
+    def to_table(self) -> TomlTable:
+        """Table ``[drive]`` of a model file."""
+        table: TomlTable = {"motor": self.motor.to_table()}
+        if self.control is not None:
+            gain, integral = self.motor.gain_dimensions
+            table["speed_control"] = {
+                "kp": quantity(self.control.kp, gain),
+                "ki": quantity(self.control.ki, integral),
+                "target": quantity(
+                    self.control.target, units.ANGULAR_SPEED, self.speed_unit, always=True
+                ),
+            }
+        if self.time is not None:
+            table["time"] = quantity(self.time, units.TIME)
+        if self.start_angle:
+            table["start_angle"] = quantity(self.start_angle, units.ANGLE)
+        return table
+
+
+# Of the speed and of a command, over which the answer is differentiated.
+_DIFFERENCE = 1e-6
+
+
+@dataclass(frozen=True)
+class MotorOutput:
+    """What a motor gives at some instants.
+
+    Parameters
+    ----------
+    torque : ndarray, shape (...)
+        On its own shaft in N m.
+    rates : ndarray, shape (k, ...)
+        Of its states: of the current in A/s if that is one, of the control's integral.
+    current, voltage : ndarray, shape (...)
+        Of a DC motor in A and V; not numbers of a torque curve.
+    """
+
+    torque: FloatArray
+    rates: FloatArray
+    current: FloatArray
+    voltage: FloatArray
+
+
+@dataclass(frozen=True)
+class DriveTrain:
+    """Motor, gear and coupling: their states, and the torque on the crank.
+
+    A rotor on a coupling has two states, its angle and its speed over the gear ratio; those of the
+    motor follow. A rotor without a coupling turns with the crank.
+
+    Parameters
+    ----------
+    motor : Motor
+    control : SpeedControl, optional
+    """
+
+    motor: Motor
+    control: SpeedControl | None = None
+
+    @property
+    def is_coupled(self) -> bool:
+        """Whether the rotor turns against the crank."""
+        return self.motor.coupling_stiffness is not None
+
+    @property
+    def state_count(self) -> int:
+        """Number of states."""
+        return self.motor_place + int(self.motor.has_current) + int(self.has_integral)
+
+    @property
+    def motor_place(self) -> int:
+        """Place of the first state of the motor: after those of a rotor on a coupling."""
+        return 2 * self.is_coupled
+
+    @property
+    def has_integral(self) -> bool:
+        """Whether the last state is the integral of speed control."""
+        return self.control is not None and self.control.has_integral
+
+    @property
+    def angles(self) -> list[int]:
+        """Which values of a shaft are angles: the crank's, and that of a rotor on a coupling."""
+        return [0, 2] if self.is_coupled else [0]
+
+    @property
+    def without_coupling(self) -> DriveTrain:
+        """Motor and gear alone, which turn the rotor."""
+        if not self.is_coupled:
+            return self
+        motor = replace(self.motor, coupling_stiffness=None, coupling_damping=0.0)
+        return replace(self, motor=motor)
+
+    @property
+    def rigid_inertia(self) -> float:
+        """Of what turns rigidly with the crank in kg m^2."""
+        return 0.0 if self.is_coupled else self.motor.inertia_at_crank
+
+    @property
+    def standing_torque(self) -> float:
+        """On the crank in N m, at rest once the current has settled."""
+        still = np.zeros(self.state_count)
+        return self.motor.gear_ratio * float(self._steady_torque(np.zeros(()), still))
+
+    @property
+    def way(self) -> float:
+        """To which side the motor turns from rest: 1, -1, or 0 of none."""
+        return float(np.sign(self.standing_torque))
+
+    def start(self, angle: float, needed: float) -> FloatArray:
+        """States (state_count,) at rest at a crank angle in rad, where the crank needs a torque.
+
+        As a brake leaves them that is released once coupling and current hold the crank; a
+        current that would have to turn the other way is zero, and one that the motor states is
+        that one.
+        """
+        motor, states = self.motor, np.zeros(self.state_count)
+        if motor.coupling_stiffness is not None:
+            states[0] = angle + needed / motor.coupling_stiffness
+        if motor.has_current:
+            states[self.motor_place] = motor.first_current(self.held_by_current(needed))
+        return states
+
+    def held_by_current(self, needed: float) -> float:
+        """Torque in N m on the motor's shaft that holds the crank where it needs one at rest.
+
+        Zero where the crank would have to be held against the way that the motor turns.
+        """
+        return max(needed * self.way, 0.0) * self.way / self.motor.gear_ratio
+
+    def rotor_speed(self, speed: FloatArray, states: FloatArray) -> FloatArray:
+        """Speed of the rotor over the gear ratio in rad/s, (...)."""
+        return states[1] if self.is_coupled else speed
+
+    def motor_output(self, speed: FloatArray, states: FloatArray) -> MotorOutput:
+        """What the motor gives at crank speeds (...) in rad/s and states (state_count, ...)."""
+        turning = np.asarray(self.rotor_speed(speed, states), dtype=float)
+        rotor = self.motor.gear_ratio * turning
+        command, following = self._command(turning, states)
+        current = states[self.motor_place] if self.motor.has_current else None
+        torque, change, current, voltage = self.motor.driven(rotor, current, command)
+        rates = [rate for rate in (change, following) if rate is not None]
+        moved = np.stack(rates) if rates else np.zeros((0, *rotor.shape))
+        return MotorOutput(torque, moved, current, voltage)
+
+    def on_crank(
+        self, angle: FloatArray, speed: FloatArray, states: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Torque on the crank, and the rates of the states.
+
+        Parameters
+        ----------
+        angle, speed : ndarray, shape (...)
+            Of the crank in rad and rad/s.
+        states : ndarray, shape (state_count, ...)
+
+        Returns
+        -------
+        torque : ndarray, shape (...)
+            In N m.
+        rates : ndarray, shape (state_count, ...)
+        """
+        given, motor = self.motor_output(speed, states), self.motor
+        torque = np.asarray(motor.gear_ratio * given.torque)
+        if motor.coupling_stiffness is None:
+            return torque, given.rates
+        rotor, turning = states[:2]
+        carried = motor.coupling_torque(rotor - angle, turning - speed)
+        accelerated = (torque - carried) / motor.inertia_at_crank
+        return carried, np.concatenate([np.stack([turning, accelerated]), given.rates])
+
+    def answer(self, speed: FloatArray, states: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """How the torque of a motor falls with its speed and angle, once a current has settled.
+
+        At the crank, without a coupling.
+
+        Parameters
+        ----------
+        speed : ndarray, shape (m,)
+            Of the rotor over the gear ratio in rad/s.
+        states : ndarray, shape (state_count, m)
+
+        Returns
+        -------
+        damping, stiffness : ndarray, shape (m,)
+            In N m s/rad and N m/rad.
+        """
+        ratio, steady = self.motor.gear_ratio, self._steady_torque
+        step = _DIFFERENCE * max(float(np.abs(speed).max()), 1.0)
+        faster, slower = (steady(speed + change, states) for change in (step, -step))
+        damping = ratio * (slower - faster) / (2 * step)
+        if self.control is None or not self.has_integral:
+            return damping, np.zeros_like(damping)
+        moved = states.copy()
+        step = _DIFFERENCE * max(float(np.abs(states[-1]).max()), 1.0)
+        moved[-1] += step
+        change = (steady(speed, moved) - steady(speed, states)) / step
+        return damping, ratio * self.control.ki * change
+
+    def _steady_torque(self, speed: FloatArray, states: FloatArray) -> FloatArray:
+        """On the motor's shaft in N m at rotor speeds (...), once its current has settled."""
+        command = self._command(speed, states)[0]
+        return self.motor.driven(self.motor.gear_ratio * speed, None, command)[0]
+
+    def _command(
+        self, speed: FloatArray, states: FloatArray
+    ) -> tuple[FloatArray | None, FloatArray | None]:
+        """Command of the control within the motor's limits, and the rate of its integral."""
+        control = self.control
+        if control is None:
+            return None, None
+        error = control.target - speed
+        wanted = control.kp * error + (states[-1] if self.has_integral else 0.0)
+        most = self.motor.limit(self.motor.gear_ratio * speed)
+        command = np.clip(wanted, -most, most)
+        if not self.has_integral:
+            return command, None
+        return command, control.ki * (error + (command - wanted) / control.kp)

@@ -1,23 +1,388 @@
-"""Motion of the rigid linkage under a motor, as a drive: a run from rest, or settled turns."""
+"""Motion of the rigid linkage under a motor: its equation, settled turns, and runs as drives.
+
+The settled motion repeats itself from turn to turn and is found directly. The crank angle is the
+independent variable: after a turn of it all other unknowns are as before. That is a boundary value
+problem, solved by collocation of fourth order (Kierzenka & Shampine, "A BVP solver based on
+residual control and the MATLAB PSE", *ACM Trans. Math. Softw.* 27, 2001).
+"""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
-from flexmech.linkages.drives.drive import Drive
-from flexmech.linkages.drives.pieces import PiecewiseMotion
-from flexmech.linkages.motors.drive_train import MotorOutput
-from flexmech.linkages.motors.motor_drive import MotorDrive
-from flexmech.linkages.motors.settled import SettledMotion, settled_motion
-from flexmech.linkages.motors.shaft_equation import ShaftEquation, TwistedShaft
+from flexmech.linkages.change_points import TURN
+from flexmech.linkages.drives.drive import Drive, PiecewiseMotion
+from flexmech.linkages.motors.motor import DriveTrain, MotorDrive, MotorOutput
 from flexmech.model_text import TomlTable
+
+if TYPE_CHECKING:
+    from flexmech.dynamical_systems.fourier import FourierSeries
+
+
+class ShaftLoad(ABC):
+    """What a rigid linkage asks of its shaft."""
+
+    @property
+    @abstractmethod
+    def over_time(self) -> bool:
+        """Whether a load goes over time, so that no turn is like another."""
+
+    @abstractmethod
+    def parts(
+        self, angle: ArrayLike, speed: ArrayLike, time: ArrayLike
+    ) -> tuple[FloatArray, FloatArray]:
+        """Both of :meth:`inertia` and :meth:`needed` at crank angles, speeds and times; (...).
+
+        Parameters
+        ----------
+        angle, speed, time : array_like, shape (...)
+            In rad, rad/s and s.
+        """
+
+    def inertia(self, angle: ArrayLike) -> FloatArray:
+        """Inertia reduced to the crank in kg m^2 at crank angles in rad; (...) -> (...)."""
+        return self.parts(angle, 0.0, 0.0)[0]
+
+    def needed(self, angle: ArrayLike, speed: ArrayLike, time: ArrayLike) -> FloatArray:
+        """Torque without acceleration in N m at crank angles, speeds and times; (...).
+
+        Parameters
+        ----------
+        angle, speed, time : array_like, shape (...)
+            In rad, rad/s and s.
+        """
+        return self.parts(angle, speed, time)[1]
+
+
+def turn_series(angle: FloatArray, values: FloatArray, harmonics: int) -> FourierSeries:
+    """Fourier series of a function of an angle that repeats itself from turn to turn.
+
+    It has all derivatives: an integration of high order along it takes long steps.
+
+    Parameters
+    ----------
+    angle : ndarray, shape (m,)
+        Increasing, over less than a turn, in rad; far closer than the harmonics need.
+    values : ndarray, shape (m,)
+    harmonics : int
+
+    Returns
+    -------
+    FourierSeries
+        Over turns of the angle.
+    """
+    from scipy.interpolate import CubicSpline
+
+    from flexmech.dynamical_systems.fourier import FourierSeries
+
+    whole, closed = np.append(angle, angle[0] + TURN), np.append(values, values[0])
+    spline = CubicSpline(whole, closed, bc_type="periodic", extrapolate="periodic")
+    series = FourierSeries.through(spline(TURN / len(angle) * np.arange(len(angle))))
+    return FourierSeries(series.coefficients[: harmonics + 1])
+
+
+@dataclass(frozen=True, eq=False)
+class ShaftEquation:
+    """Crank angle and speed, and the states of what turns the crank.
+
+    Parameters
+    ----------
+    load : ShaftLoad
+    shaft_inertia : float
+        Of the shaft that drives the crank, in kg m^2.
+    train : DriveTrain
+    added : FourierSeries, optional
+        Torque needed besides in N m, over turns of the crank.
+    """
+
+    load: ShaftLoad
+    shaft_inertia: float
+    train: DriveTrain
+    added: FourierSeries | None = None
+
+    def start(self, angle: float) -> FloatArray:
+        """Values (n,) at rest at a crank angle in rad; see :meth:`DriveTrain.start`."""
+        needed = float(self.load.needed(angle, 0.0, 0.0))
+        return np.array([angle, 0.0, *self.train.start(angle, needed)])
+
+    def starts(self, angle: float) -> bool:
+        """Whether the motor moves the linkage from rest at a crank angle in rad."""
+        given = self.train.standing_torque
+        return bool(self.train.way * (given - float(self.load.needed(angle, 0.0, 0.0))) > 0)
+
+    def inertia(self, angle: ArrayLike) -> FloatArray:
+        """Of all that turns rigidly with the crank in kg m^2 at crank angles in rad; (...)."""
+        return self.load.inertia(angle) + self._rigid_inertia
+
+    def check_inertia(self) -> None:
+        """Refuse a shaft without any inertia.
+
+        Raises
+        ------
+        InputError
+        """
+        around = np.radians(np.arange(0.0, 360.0, 5.0))
+        if not float(self.inertia(around).min()) > 0:
+            raise InputError(
+                "drive: neither the linkage nor its shaft nor the motor has any inertia, so that "
+                "the motor would start at once; state [shaft] inertia or that of the motor"
+            )
+
+    def rates(self, time: ArrayLike, values: FloatArray) -> FloatArray:
+        """Time derivatives of the values, (n, ...) at times (...)."""
+        angle, speed = values[:2]
+        own, needed = self.load.parts(angle, speed, time)
+        if self.added is not None:
+            needed = needed + self.added.at(angle / TURN)
+        given, changes = self.train.on_crank(angle, speed, values[2:])
+        acceleration = (given - needed) / (own + self._rigid_inertia)
+        return np.concatenate([np.stack([speed, acceleration]), changes])
+
+    @property
+    def _rigid_inertia(self) -> float:
+        """Of all that turns with the crank besides the linkage."""
+        return self.shaft_inertia + self.train.rigid_inertia
+
+
+@dataclass(frozen=True, eq=False)
+class TwistedShaft:
+    """A crank that follows a rotor, of which it lags behind by a twist that goes over its angle.
+
+    Its values are those of a shaft with a coupling.
+
+    Parameters
+    ----------
+    rotor : ShaftEquation
+        Of the rotor without the coupling, whose load is all that the coupling carries.
+    train : DriveTrain
+        With the coupling.
+    twist : FourierSeries
+        In rad, over turns of the rotor.
+    """
+
+    rotor: ShaftEquation
+    train: DriveTrain
+    twist: FourierSeries
+
+    def values(self, rotor: FloatArray) -> FloatArray:
+        """Values (n + 2, m) by those of the rotor (n, m): angle, speed, and the motor's states."""
+        angle, speed = rotor[:2]
+        followed = angle - self._twist(angle), speed * (1.0 - self._twist(angle, 1))
+        return np.concatenate([np.stack(followed), rotor])
+
+    def rates(self, time: ArrayLike, values: FloatArray) -> FloatArray:
+        """Time derivatives of the values, (n, ...) at times (...)."""
+        rates = self.rotor.rates(time, values[2:])
+        angle, speed = values[2:4]
+        accelerated = rates[1] * (1.0 - self._twist(angle, 1)) - speed**2 * self._twist(angle, 2)
+        return np.concatenate([np.stack([values[1], accelerated]), rates])
+
+    def _twist(self, angle: FloatArray, order: int = 0) -> FloatArray:
+        """Twist, or a derivative of it by the rotor's angle."""
+        series = self.twist
+        for _ in range(order):
+            series = series.rate()
+        return series.at(angle / TURN) / TURN**order
+
+
+# Angles turned through at which the motion is told.
+_TURN: FloatArray = np.linspace(0.0, 2 * np.pi, 721)
+# Of the residual between the nodes, relative: mean speeds are within 1e-9 of those by steps of
+# 1e-11.
+_TOLERANCE = 1e-7
+# Work alone.
+_MOST_NODES = 10_000
+# Over the speed near which it is sought: a motor whose torque does not fall knows no bound.
+_FAST = 1e3
+# Of the speed from which it is sought.
+_DOUBLINGS = 6
+
+
+@dataclass(frozen=True, eq=False)
+class SettledMotion:
+    """A turn of the settled motion.
+
+    Parameters
+    ----------
+    equation : ShaftEquation or TwistedShaft
+        Whose solution it is.
+    time : ndarray, shape (m,)
+        In s, from zero.
+    values : ndarray, shape (n, m)
+        Crank angle, speed and the states of the drive train, at even crank angles.
+    """
+
+    equation: ShaftEquation | TwistedShaft
+    time: FloatArray
+    values: FloatArray
+
+    @property
+    def crank_angle(self) -> FloatArray:
+        """In rad, over a turn, (m,)."""
+        return np.asarray(self.values[0])
+
+    @property
+    def speed(self) -> FloatArray:
+        """Of the crank in rad/s, (m,)."""
+        return np.asarray(self.values[1])
+
+    @cached_property
+    def output(self) -> MotorOutput:
+        """What the motor gives, arrays of shape (m,)."""
+        return self.equation.train.motor_output(self.values[1], self.values[2:])
+
+    @property
+    def power(self) -> FloatArray:
+        """Of the motor in W, (m,)."""
+        train = self.equation.train
+        turning = train.rotor_speed(self.values[1], self.values[2:])
+        return self.output.torque * train.motor.gear_ratio * turning
+
+    @property
+    def mean_speed(self) -> float:
+        """Of the crank in rad/s: a turn over its time."""
+        turn = float(self.crank_angle[-1] - self.crank_angle[0])
+        return turn / float(self.time[-1])
+
+    @property
+    def fluctuation(self) -> float:
+        """Coefficient of speed fluctuation: greatest less least speed over the mean."""
+        return speed_range(self.time, self.speed) / abs(self.mean_speed)
+
+    @property
+    def mean_power(self) -> float:
+        """Of the motor in W."""
+        from scipy.integrate import simpson
+
+        return float(simpson(self.power, x=self.time)) / float(self.time[-1])
+
+
+def speed_range(time: FloatArray, speed: FloatArray) -> float:
+    """Greatest less least speed in rad/s, also between the samples.
+
+    Parameters
+    ----------
+    time, speed : ndarray, shape (m,)
+        In s, increasing, and in rad/s.
+
+    Returns
+    -------
+    float
+    """
+    from scipy.interpolate import CubicSpline
+
+    spline = CubicSpline(time, speed)
+    extremes = spline.derivative().roots(extrapolate=False)
+    # Of a piece of constant speed SciPy gives its begin, and not a number for the rest of it.
+    between = spline(extremes[np.isfinite(extremes)])
+    return float(np.ptp(np.append(speed, between)))
+
+
+def settled_motion(equation: ShaftEquation, near: FloatArray) -> SettledMotion | None:
+    """The motion of a shaft that repeats itself from turn to turn.
+
+    Parameters
+    ----------
+    equation : ShaftEquation
+    near : ndarray, shape (n,)
+        Values near it.
+
+    Returns
+    -------
+    SettledMotion or None
+        None where there is no such motion near, or loads go over time.
+    """
+    if equation.load.over_time:
+        return None
+    turn, bound = _Turn(equation, float(near[0]), float(np.sign(near[1]))), abs(_FAST * near[1])
+    start = turn.unknowns(near)
+    for _ in range(_DOUBLINGS):
+        found = turn.repeated(start)
+        if found is not None and np.abs(found[0]).max() <= bound:
+            return SettledMotion(equation, found[-1], turn.values(turn.angles, found[:-1]))
+        # Near a start from rest a slow turn would stand before it ends.
+        start[0] *= 2.0
+    return None
+
+
+class _Turn:
+    """A turn of the crank from an angle, with the other unknowns over it.
+
+    These are the crank's speed, the twist of a coupling with its rotor's speed, and the states of
+    the motor.
+    """
+
+    def __init__(self, equation: ShaftEquation, angle: float, way: float) -> None:
+        self._equation, self._angle, self._way = equation, angle, way
+
+    def unknowns(self, values: FloatArray) -> FloatArray:
+        """The unknowns (n - 1,) of values (n,)."""
+        own = values[1:].copy()
+        if self._equation.train.is_coupled:
+            own[1] -= values[0]
+        return own
+
+    def values(self, angle: FloatArray | float, own: FloatArray) -> FloatArray:
+        """Values (n, ...) of unknowns (n - 1, ...) at crank angles (...)."""
+        values = np.concatenate([np.broadcast_to(angle, own.shape[1:])[None], own])
+        if self._equation.train.is_coupled:
+            values[2] += angle
+        return values
+
+    def repeated(self, unknown: FloatArray) -> FloatArray | None:
+        """Unknowns that end a turn as they began it, and the time, at the angles.
+
+        Parameters
+        ----------
+        unknown : ndarray, shape (n - 1,)
+            Near them.
+
+        Returns
+        -------
+        ndarray, shape (n, m), or None
+            None where there are none near: the crank stands, or at no speed does one turn end as
+            it began.
+        """
+        from scipy.integrate import solve_bvp
+
+        start = np.append(unknown, 0.0)[:, None] * np.ones(len(_TURN))
+        start[-1] = _TURN / abs(unknown[0])
+        with np.errstate(all="ignore"):
+            found: Any = solve_bvp(
+                self._rates,
+                lambda first, last: np.append(last[:-1] - first[:-1], first[-1]),
+                _TURN,
+                start,
+                tol=_TOLERANCE,
+                max_nodes=_MOST_NODES,
+            )
+        if found.status or not np.all(self._way * found.y[0] > 0):
+            return None
+        return np.asarray(found.sol(_TURN))
+
+    @property
+    def angles(self) -> FloatArray:
+        """Crank angles of the turn in rad, (m,)."""
+        return np.asarray(self._angle + self._way * _TURN)
+
+    def _rates(self, turned: FloatArray, own: FloatArray) -> FloatArray:
+        """By the angle turned through (k,): of the unknowns (n - 1, k), and last of the time."""
+        angle = self._angle + self._way * turned
+        rates = self._equation.rates(0.0, self.values(angle, own[:-1]))
+        if self._equation.train.is_coupled:
+            rates[2] -= rates[0]
+        by_time = np.concatenate([rates[1:], np.ones((1, own.shape[1]))])
+        return np.asarray(self._way * by_time / own[0])
+
 
 # Of the mean speed, by which a run may end off the settled motion.
 _SETTLED = 1e-2

@@ -1,14 +1,13 @@
-"""Rigid bodies of a drawing, the constraints between them, and groups that these determine.
+"""Rigid bodies of a drawing, the joints between them and their constraints.
 
-A body is what is welded together; body 0 is the ground, body 1 turns with the driven shaft. Rates
-are derivatives by the crank angle. Positions of a group come in closed form
-(:mod:`flexmech.linkages.planar.dyads`) or by Newton's method
-(:mod:`flexmech.linkages.planar.newton`), rates of all groups from the constraints.
+A body is what is welded together; body 0 is the ground, body 1 turns with the driven shaft. Their
+motion by the crank angle comes in closed form (:mod:`flexmech.linkages.planar.dyads`) or by
+Newton's method on the constraints (:mod:`flexmech.linkages.planar.newton`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -17,56 +16,38 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.errors import AssemblyError, InputError, LockingError
-from flexmech.linkages.body_motion import BodyMotion, BodyPoint
+from flexmech.linkages.body_motion import CRANK, GROUND_BODY, BodyPoint, Coincidence, Constraints
 from flexmech.linkages.change_points import in_degrees
-from flexmech.linkages.constraints import Coincidence, Constraints, PointOnLine
 from flexmech.linkages.planar.drawing import Drawing
-
-# Numbers of the two bodies whose motion is known from the start.
-GROUND_BODY, CRANK = 0, 1
-
-PointPlace = Callable[[int, str], complex]
-"""From a body's number and the name of a point to the place of the point in the body's axes."""
 
 
 @dataclass(frozen=True)
 class SharedPoint:
-    """A point that two bodies share."""
-
-    point: str
-    first: int
-    second: int
-
-    def condition(self, at: PointPlace) -> Coincidence:
-        """Constraint equation, by the places of the point in the two bodies."""
-        first, second = (
-            BodyPoint(body, at(body, self.point)) for body in (self.first, self.second)
-        )
-        return Coincidence(first, second)
-
-
-@dataclass(frozen=True)
-class GuidedPoint:
-    """A point of one body that stays on a straight line of another.
+    """A point that two bodies share, or a point of one that stays on a straight line of the other.
 
     Parameters
     ----------
     point : str
         The line passes through it in the drawing.
-    body, guide : int
-    along : complex
-        Unit vector of the line in the drawing.
+    first, second : int
+    along : complex, optional
+        Unit vector in the drawing of a line of the second body.
     """
 
     point: str
-    body: int
-    guide: int
-    along: complex
+    first: int
+    second: int
+    along: complex | None = None
 
-    def condition(self, at: PointPlace) -> PointOnLine:
-        """Constraint equation, by the places of the point in its body and on its line."""
-        point, line = (BodyPoint(body, at(body, self.point)) for body in (self.body, self.guide))
-        return PointOnLine(point, line, self.along)
+    @property
+    def bodies(self) -> tuple[int, int]:
+        """Both bodies."""
+        return self.first, self.second
+
+    @property
+    def equations(self) -> int:
+        """Number of its constraint equations."""
+        return 2 if self.along is None else 1
 
 
 @dataclass(frozen=True)
@@ -79,14 +60,12 @@ class Bodies:
         Links of each body, in the drawing's order; none of the ground.
     at_point : dict of str to tuple of int
         Bodies that share each point, in ascending order.
-    coincidences : tuple of SharedPoint
-    lines : tuple of GuidedPoint
+    joints : tuple of SharedPoint
     """
 
     links: tuple[tuple[str, ...], ...]
     at_point: dict[str, tuple[int, ...]]
-    coincidences: tuple[SharedPoint, ...]
-    lines: tuple[GuidedPoint, ...]
+    joints: tuple[SharedPoint, ...]
 
     def name(self, body: int) -> str:
         """Name of a body in messages: its first link."""
@@ -94,12 +73,12 @@ class Bodies:
 
     def of_link(self, link: str) -> int:
         """Body of a link."""
-        return next(number for number, own in enumerate(self.links) if link in own)
+        return next(number for number, links in enumerate(self.links) if link in links)
 
     @property
-    def constraints(self) -> tuple[SharedPoint | GuidedPoint, ...]:
-        """All constraints between bodies."""
-        return (*self.coincidences, *self.lines)
+    def lines(self) -> tuple[SharedPoint, ...]:
+        """Joints at points on lines."""
+        return tuple(joint for joint in self.joints if joint.along is not None)
 
 
 def bodies_of(drawing: Drawing) -> Bodies:
@@ -121,16 +100,16 @@ def bodies_of(drawing: Drawing) -> Bodies:
     body_of = _welded(drawing)
     count = 1 + max(body_of.values())
     links = tuple(
-        tuple(name for name, own in body_of.items() if own == body) for body in range(count)
+        tuple(name for name, number in body_of.items() if number == body) for body in range(count)
     )
     at_point: dict[str, tuple[int, ...]] = {}
-    coincidences, lines = [], []
+    shared, lines = [], []
     for point in drawing.points:
         here = {body_of[link] for link in drawing.links_at(point)}
         if point in drawing.ground:
             here.add(GROUND_BODY)
         first, *others = at_point[point] = tuple(sorted(here))
-        coincidences += [SharedPoint(point, first, other) for other in others]
+        shared += [SharedPoint(point, first, other) for other in others]
         joint = drawing.joint(point)
         if joint.kind == "slider":
             assert joint.direction is not None
@@ -144,8 +123,8 @@ def bodies_of(drawing: Drawing) -> Bodies:
                         f"slider {point}: its guide {joint.guide} is welded to a link that "
                         "slides; a body does not slide along itself, guide it on another one"
                     )
-            lines.append(GuidedPoint(point, first, guide, complex(along)))
-    return Bodies(links, at_point, tuple(coincidences), tuple(lines))
+            lines.append(SharedPoint(point, first, guide, complex(along)))
+    return Bodies(links, at_point, (*shared, *lines))
 
 
 def _welded(drawing: Drawing) -> dict[str, int]:
@@ -155,80 +134,61 @@ def _welded(drawing: Drawing) -> dict[str, int]:
         first, *others = drawing.fixed_together(point) or [""]
         for other in others:
             old, new = label[other], label[first]
-            label = {name: new if own == old else own for name, own in label.items()}
+            label = {name: new if text == old else text for name, text in label.items()}
     order = dict.fromkeys([label[drawing.crank], *label.values()])
-    number = {own: index for index, own in enumerate(order, start=CRANK)}
-    return {name: number[own] for name, own in label.items()}
+    number = {text: index for index, text in enumerate(order, start=CRANK)}
+    return {name: number[text] for name, text in label.items()}
 
 
-class BodyGroup:
-    """Bodies that are found together.
+class JointConstraints:
+    """Constraint equations of joints, with a slide for each point on a line.
 
     Parameters
     ----------
-    drawing : Drawing
-    bodies : Bodies
-    joints : tuple of SharedPoint and GuidedPoint
-        As many equations as unknowns.
-    unknown : tuple of int
-        The bodies, in order.
+    joints : sequence of SharedPoint
+    unknown : sequence of int
+        Bodies that the joints determine.
+    at : callable
+        From a body's number and the name of a point to the place of the point in its axes.
+
+    Attributes
+    ----------
+    equations : Constraints
+    along : ndarray of complex, shape (s,)
+        Unit vectors of the lines in their guides' axes.
     """
 
     def __init__(
         self,
-        drawing: Drawing,
-        bodies: Bodies,
-        joints: tuple[SharedPoint | GuidedPoint, ...],
-        unknown: tuple[int, ...],
+        joints: Sequence[SharedPoint],
+        unknown: Sequence[int],
+        at: Callable[[int, str], complex],
     ) -> None:
-        self.size = drawing.size
-        self.unknown = list(unknown)
-        # The axes of all bodies are those of the drawing.
-        conditions = [
-            own.condition(lambda _, point: drawing.complex_point(point)) for own in joints
-        ]
-        self.constraints = Constraints(conditions, unknown)
-        self._scale = np.tile([self.size, self.size, 1.0], len(unknown))
+        lines = [joint for joint in joints if joint.along is not None]
+        conditions = []
+        for joint in joints:
+            first, second = (BodyPoint(body, at(body, joint.point)) for body in joint.bodies)
+            if joint.along is not None:
+                second = BodyPoint(joint.second, slide=lines.index(joint), along=joint.along)
+            conditions.append(Coincidence(first, second))
+        self.equations = Constraints(conditions, unknown, len(lines))
+        self.along = np.array([line.along for line in lines], dtype=complex)
+        self._guides = [line.second for line in lines]
+        self._through = np.array([at(line.second, line.point) for line in lines], dtype=complex)
 
-    def fill(self, bodies: BodyMotion, place: ComplexArray, turn: ComplexArray) -> None:
-        """Put the group's bodies into positions.
-
-        Parameters
-        ----------
-        bodies : BodyMotion
-            All bodies of the drawing, (B, n); those of the group are changed.
-        place, turn : ndarray of complex, shape (B, m)
-            As of :class:`BodyMotion`.
-        """
-        bodies.place[:, self.unknown], bodies.turn[:, self.unknown] = place, turn
-
-    def jacobian(self, bodies: BodyMotion) -> FloatArray:
-        """Jacobian of the joints' conditions, lengths in parts of the size; (B, 3 m, 3 m)."""
-        return np.asarray(self.constraints.jacobian(bodies) * self._scale / self.size)
-
-    def fill_rates(self, bodies: BodyMotion) -> list[FloatArray]:
-        """Give the group's bodies in their positions derivatives by the crank angle.
+    def slid(self, drawn: ComplexArray, slides: FloatArray) -> ComplexArray:
+        """Where points on lines are in the axes of their guides, and its derivatives, (3, B, s).
 
         Parameters
         ----------
-        bodies : BodyMotion
-            All bodies of the drawing, (B, n); those of the group are changed.
-
-        Returns
-        -------
-        list of ndarray, shape (B, 3 m)
-            First and second derivatives of the unknowns, lengths in parts of the size.
+        drawn : ndarray of complex, shape (n,)
+            Reference points of the bodies in their axes.
+        slides : ndarray, shape (3, B, s)
+            Distances along the lines from the drawn places in m, and their derivatives.
         """
-        rates: list[FloatArray] = []
-        jacobian = self.constraints.jacobian(bodies)
-        of_order = (bodies.place_1, bodies.turn_1), (bodies.place_2, bodies.turn_2)
-        for order, (place, turn) in enumerate(of_order, start=1):
-            left = self.constraints.gap_rate(bodies, order)
-            rate = np.asarray(np.linalg.solve(jacobian, -left[..., None])[..., 0])
-            place[:, self.unknown] = rate[:, 0::3] + 1j * rate[:, 1::3]
-            turn[:, self.unknown] = rate[:, 2::3]
-            rates.append(rate / self._scale)
-        return rates
+        slid: ComplexArray = np.asarray(self.along * slides, dtype=complex)
+        slid[0] += self._through - drawn[self._guides]
+        return slid
 
 
 Cause = Literal["apart", "locked"]
@@ -274,7 +234,7 @@ class Refusal:
         InputError
             Names the first of them.
         """
-        if np.any(where):
+        if where.any():
             place = self.first(where, angle)
             error = AssemblyError if cause == "apart" else LockingError
             raise error(SAID[cause].format(angle=place, links=self.links, joint=self.joint))

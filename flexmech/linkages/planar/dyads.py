@@ -1,107 +1,176 @@
-"""Positions of one or two bodies in closed form, over a batch of crank angles.
+"""Motion of one or two bodies in closed form, over a batch of crank angles.
 
 A point that stays at a distance from a known point is on a circle, one that slides is on a
 line. Two of these loci give the point (RRR: two circles, RRP and PRR: circle and line, PRP:
 two lines); the bodies follow from it. A body that turns about one known point while another
-slides along it (RPR) follows from the two. Norton, Design of Machinery, ch. 4.
+slides along it (RPR) follows from the two. Norton, Design of Machinery, ch. 4. Derivatives are by
+the crank angle: each locus carries the point, which moves along its tangent besides.
 """
 
 from __future__ import annotations
 
+import abc
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from flexmech.arrays import ROUND_OFF, ComplexArray, FloatArray
-from flexmech.linkages.body_motion import BodyMotion, dot
+from flexmech.linkages.body_motion import BodyMotion, MovingPoint, cross, dot
 from flexmech.linkages.change_points import Clearance
 from flexmech.linkages.motion import LOCKING_SINE
-from flexmech.linkages.planar.bodies import (
-    Bodies,
-    BodyGroup,
-    GuidedPoint,
-    Refusal,
-    SharedPoint,
-)
-from flexmech.linkages.planar.drawing import Drawing
+from flexmech.linkages.planar.bodies import Refusal
 
-Placement = tuple[complex, ComplexArray, ComplexArray]
-"""A point of a body in the drawing, where it is, (B,), and how the body is turned, (B,)."""
+# Sine between loci below which rounding has left a place that is worse than some ten round-offs.
+NEARLY_LOCKED = 0.1
 
 
-def point_of(bodies: BodyMotion, body: int, drawn: complex) -> ComplexArray:
-    """Positions (B,) of a point of a body.
+class Contact(NamedTuple):
+    """A point on a locus.
 
     Parameters
     ----------
     bodies : BodyMotion
-        All bodies of the drawing, (B, n).
-    body : int
-    drawn : complex
-        The point in the drawing.
+        All bodies of the linkage, (B, n).
+    base : MovingPoint
+        Centre of a circle, or the point through which a line passes.
+    place, normal : ndarray of complex, shape (B,)
+        Where the point is, and the unit normal there, of a line to its left.
     """
-    arm = drawn - np.asarray(bodies.drawn)[body]
-    return np.asarray(bodies.place[:, body] + bodies.turn[:, body] * arm)
+
+    bodies: BodyMotion
+    base: MovingPoint
+    place: ComplexArray
+    normal: ComplexArray
 
 
-def cross(first: ComplexArray | complex, second: ComplexArray | complex) -> FloatArray:
-    """Product of two vectors, positive where the second is to the left of the first."""
-    return np.imag(np.conj(first) * second)
+class Locus(abc.ABC):
+    """Curve on a known body on which a point of another one stays.
+
+    Attributes
+    ----------
+    known : int
+    centre : complex
+        Of a circle, or a point of a line, in the known body's axes.
+    body : int, optional
+        That of the point, if the point's way along the curve determines its motion.
+    """
+
+    known: int
+    centre: complex
+    body: int | None
+
+    def base(self, bodies: BodyMotion) -> MovingPoint:
+        """Motion of the centre, or of the point of the line."""
+        return bodies.moving_point(self.known, self.centre)
+
+    @property
+    @abc.abstractmethod
+    def drawn_normal(self) -> complex:
+        """Normal at the point in the drawing."""
+
+    @abc.abstractmethod
+    def at(self, bodies: BodyMotion, base: MovingPoint, place: ComplexArray) -> Contact:
+        """Contact at places on the locus or beside it.
+
+        Parameters
+        ----------
+        bodies : BodyMotion
+        base : MovingPoint
+            Of :meth:`base`.
+        place : ndarray of complex, shape (B,)
+        """
+
+    @abc.abstractmethod
+    def gap(self, contact: Contact) -> FloatArray:
+        """Distance (B,) of the place from the curve along the normal."""
+
+    @abc.abstractmethod
+    def carried(self, contact: Contact) -> ComplexArray:
+        """First derivative (B,) of the point where it does not move along the curve."""
+
+    @abc.abstractmethod
+    def turned(self, contact: Contact, along: FloatArray) -> ComplexArray:
+        """Second derivative (B,) of the point where it moves at a rate (B,) along the curve.
+
+        Rates are along the tangent that is a quarter turn ahead of the normal.
+        """
+
+    @abc.abstractmethod
+    def move(self, contact: Contact, rate: FloatArray, change: FloatArray) -> None:
+        """Give the body its motion by that of its point.
+
+        Parameters
+        ----------
+        contact : Contact
+        rate, change : ndarray, shape (B,)
+            First and second derivative of the point's way along the curve.
+        """
 
 
 @dataclass(frozen=True)
-class Circle:
+class Circle(Locus):
     """Circular locus of a point of a body that turns about a point of a known one.
 
     Parameters
     ----------
     known : int
     centre : complex
-        In the drawing.
+        In the known body's axes.
     body : int
-    point : complex
-        In the drawing.
+    pivot : complex
+        The centre in the axes of the body.
+    arm : complex
+        From there to the point, in the axes of the body.
     """
 
     known: int
     centre: complex
     body: int
-    point: complex
+    pivot: complex
+    arm: complex
 
     @property
     def radius(self) -> float:
         """Distance of the point from the centre in m."""
-        return abs(self.point - self.centre)
+        return abs(self.arm)
 
     @property
     def drawn_normal(self) -> complex:
         """Normal at the point in the drawing."""
-        return self.point - self.centre
+        return self.arm
 
-    def gradient(self, bodies: BodyMotion, place: ComplexArray) -> ComplexArray:
-        """Unit normal at a place."""
-        return (place - point_of(bodies, self.known, self.centre)) / self.radius
+    def at(self, bodies: BodyMotion, base: MovingPoint, place: ComplexArray) -> Contact:
+        """Contact at places (B,)."""
+        return Contact(bodies, base, place, (place - base.place) * (1 / self.radius))
 
-    def gap(self, bodies: BodyMotion, place: ComplexArray) -> FloatArray:
-        """Distance of a place from the circle, along the normal."""
-        arm = place - point_of(bodies, self.known, self.centre)
-        return np.asarray((np.abs(arm) ** 2 - self.radius**2) / (2 * self.radius))
+    def gap(self, contact: Contact) -> FloatArray:
+        """Distance (B,) of the place from the circle."""
+        return np.asarray((dot(contact.normal, contact.normal) - 1) * (self.radius / 2))
 
-    def placement(self, bodies: BodyMotion, place: ComplexArray) -> Placement:
-        """Where the body is, by the place of its point, (B,)."""
-        centre = point_of(bodies, self.known, self.centre)
-        turn = (place - centre) / self.drawn_normal
-        return self.centre, centre, turn / np.abs(turn)
+    def carried(self, contact: Contact) -> ComplexArray:
+        """First derivative (B,) of the centre."""
+        return contact.base.rate
+
+    def turned(self, contact: Contact, along: FloatArray) -> ComplexArray:
+        """Second derivative (B,) of the centre, and what turns the rate along the circle."""
+        return np.asarray(contact.base.change - along**2 / self.radius * contact.normal)
+
+    def move(self, contact: Contact, rate: FloatArray, change: FloatArray) -> None:
+        """Turn the body about the centre."""
+        turn = contact.normal * (self.radius / self.arm)
+        spin, swing = rate / self.radius, change / self.radius
+        contact.bodies.move(self.body, self.pivot, contact.base, turn, spin, swing)
 
 
 @dataclass(frozen=True)
-class Line:
+class Line(Locus):
     """Straight locus of a point on a known body.
 
     Parameters
     ----------
     known : int
-    point : complex
+    centre : complex
         The line passes through it in the drawing.
     along : complex
         Unit vector of the line in the drawing.
@@ -110,7 +179,7 @@ class Line:
     """
 
     known: int
-    point: complex
+    centre: complex
     along: complex
     body: int | None = None
 
@@ -119,17 +188,37 @@ class Line:
         """Normal in the drawing, to the left of the line."""
         return 1j * self.along
 
-    def gradient(self, bodies: BodyMotion, place: ComplexArray) -> ComplexArray:
-        """Unit normal at a place, to the left of the line."""
-        return np.asarray(bodies.turn[:, self.known] * self.drawn_normal)
+    def at(self, bodies: BodyMotion, base: MovingPoint, place: ComplexArray) -> Contact:
+        """Contact at places (B,)."""
+        return Contact(bodies, base, place, bodies.turn[:, self.known] * self.drawn_normal)
 
-    def gap(self, bodies: BodyMotion, place: ComplexArray) -> FloatArray:
-        """Distance of a place from the line, along the normal."""
-        return dot(self.gradient(bodies, place), place - point_of(bodies, self.known, self.point))
+    def gap(self, contact: Contact) -> FloatArray:
+        """Distance (B,) of the place from the line, to its left."""
+        return dot(contact.normal, contact.place - contact.base.place)
 
-    def placement(self, bodies: BodyMotion, place: ComplexArray) -> Placement:
-        """Where the body is, by the place of its point, (B,)."""
-        return self.point, place, bodies.turn[:, self.known]
+    def carried(self, contact: Contact) -> ComplexArray:
+        """First derivative (B,) of the known body's point at the place."""
+        spin, arm = contact.bodies.turn_1[:, self.known], contact.place - contact.base.place
+        return np.asarray(contact.base.rate + 1j * spin * arm)
+
+    def turned(self, contact: Contact, along: FloatArray) -> ComplexArray:
+        """Second derivative (B,) of the known body's point, and Coriolis acceleration."""
+        bodies, arm = contact.bodies, contact.place - contact.base.place
+        spin, swing = bodies.turn_1[:, self.known], bodies.turn_2[:, self.known]
+        change = contact.base.change + (1j * swing - spin**2) * arm
+        return np.asarray(change - 2 * spin * along * contact.normal)
+
+    def move(self, contact: Contact, rate: FloatArray, change: FloatArray) -> None:
+        """Move the body with its point; it turns as the known one does."""
+        assert self.body is not None
+        bodies, known, tangent = contact.bodies, self.known, 1j * contact.normal
+        point = MovingPoint(
+            contact.place,
+            self.carried(contact) + rate * tangent,
+            self.turned(contact, rate) + change * tangent,
+        )
+        turning = bodies.turn[:, known], bodies.turn_1[:, known], bodies.turn_2[:, known]
+        bodies.move(self.body, self.centre, point, *turning)
 
 
 @dataclass(frozen=True)
@@ -143,107 +232,112 @@ class TwoLoci:
         Not a line before a circle.
     size : float
         Of the linkage.
+    side : float
+        Sign of the product of the normals, which tells the branch.
     """
 
     refusal: Refusal
     first: Circle | Line
     second: Circle | Line
     size: float
+    side: float
 
     @property
-    def solves(self) -> tuple[int, ...]:
+    def unknown(self) -> tuple[int, ...]:
         """Bodies that the dyad determines."""
         loci = self.first, self.second
-        return tuple(own.body for own in loci if own.body is not None)
+        return tuple(locus.body for locus in loci if locus.body is not None)
 
-    @property
-    def side(self) -> float:
-        """Sign of the product of the normals in the drawing, which tells the branch."""
-        return float(np.sign(cross(self.first.drawn_normal, self.second.drawn_normal)))
-
-    def placements(
-        self, bodies: BodyMotion, angle: FloatArray, sides: FloatArray
-    ) -> list[Placement]:
-        """Where the bodies are that the dyad determines.
+    def move(self, bodies: BodyMotion, angle: FloatArray, sides: FloatArray) -> None:
+        """Give the bodies that the dyad determines their motion.
 
         Parameters
         ----------
         bodies : BodyMotion
-            All bodies of the drawing, those known so far in their positions; (B, n).
+            All bodies of the linkage, (B, n), those that are known before in their motion.
         angle : ndarray, shape (B,)
             Crank angle less that of the drawing in rad.
         sides : ndarray, shape (B,)
             1 where the point is on the side of the drawing, -1 where it is on the other one.
+
+        Raises
+        ------
+        InputError
+            Where the bodies do not meet, or lock.
         """
         first, second = self.first, self.second
-        place = self._place(bodies, angle, self.side * sides)
-        normals = first.gradient(bodies, place), second.gradient(bodies, place)
-        sine = cross(*normals)
-        self.refusal.refuse("locked", np.abs(sine) < LOCKING_SINE, angle)
-        # One step of Newton's method takes off what rounding has left near locked positions.
-        place = place - _vector(*normals, sine, first.gap(bodies, place), second.gap(bodies, place))
-        return [own.placement(bodies, place) for own in (first, second) if own.body is not None]
+        base, other = first.base(bodies), second.base(bodies)
+        place = self._place(bodies, base, other, angle, self.side * sides)
+        one, two = first.at(bodies, base, place), second.at(bodies, other, place)
+        sine = cross(one.normal, two.normal)
+        if (size := np.abs(sine)).min(initial=1.0) < NEARLY_LOCKED:
+            self.refusal.refuse("locked", size < LOCKING_SINE, angle)
+            # One step of Newton's method takes off what rounding has left there.
+            place = place - _vector(one, two, sine, first.gap(one), second.gap(two))
+            one, two = first.at(bodies, base, place), second.at(bodies, other, place)
+            sine = cross(one.normal, two.normal)
+        by_sine = 1 / sine
+        apart = (second.carried(two) - first.carried(one)) * by_sine
+        rate, rate_2 = dot(two.normal, apart), dot(one.normal, apart)
+        apart = (second.turned(two, rate_2) - first.turned(one, rate)) * by_sine
+        if first.body is not None:
+            first.move(one, rate, dot(two.normal, apart))
+        if second.body is not None:
+            second.move(two, rate_2, dot(one.normal, apart))
 
     def transmission_angle(self, bodies: BodyMotion) -> FloatArray | None:
         """Acute angle in rad at which the loci meet, (B,); None of two lines, which are drawn."""
-        if not isinstance(self.first, Circle):
+        first, second = self.first, self.second
+        if not isinstance(first, Circle):
             return None
-        place = point_of(bodies, self.first.body, self.first.point)
-        normals = [locus.gradient(bodies, place) for locus in (self.first, self.second)]
-        return np.arctan2(np.abs(cross(*normals)), np.abs(dot(*normals)))
+        base = first.base(bodies)
+        place = base.place + bodies.turn[:, first.body] * first.arm
+        one = first.at(bodies, base, place).normal
+        two = second.at(bodies, second.base(bodies), place).normal
+        return np.arctan2(np.abs(cross(one, two)), np.abs(dot(one, two)))
 
     def clearances(self, bodies: BodyMotion) -> list[Clearance]:
         """How far the loci are from touching; none of two lines, which meet in one point."""
         first, second = self.first, self.second
         if not isinstance(first, Circle):
             return []
-        centre = point_of(bodies, first.known, first.centre)
+        centre, base = first.base(bodies).place, second.base(bodies)
         if isinstance(second, Circle):
-            between = np.abs(point_of(bodies, second.known, second.centre) - centre)
+            between = np.abs(base.place - centre)
             outside, inside = first.radius + second.radius, abs(first.radius - second.radius)
             return [
                 Clearance.of(outside, between, outside, self.size),
                 Clearance.of(between, inside, inside, self.size),
             ]
-        aside = np.abs(second.gap(bodies, centre))
+        aside = np.abs(second.gap(second.at(bodies, base, centre)))
         return [Clearance.of(first.radius, aside, first.radius, self.size)]
 
-    def _place(self, bodies: BodyMotion, angle: FloatArray, side: FloatArray) -> ComplexArray:
-        if isinstance(self.first, Circle):
-            centre = point_of(bodies, self.first.known, self.first.centre)
-            if isinstance(self.second, Circle):
-                return self._on_circles(bodies, angle, side, centre)
-            return self._on_circle_and_line(bodies, angle, side, centre)
-        # Two lines: the gaps of any place lead to where they meet.
-        start = point_of(bodies, self.first.known, self.first.point)
-        normals = (self.first.gradient(bodies, start), self.second.gradient(bodies, start))
-        sine = cross(*normals)
-        self.refusal.refuse("locked", np.abs(sine) < LOCKING_SINE, angle)
-        return start - _vector(
-            *normals, sine, self.first.gap(bodies, start), self.second.gap(bodies, start)
-        )
-
-    def _on_circles(
-        self, bodies: BodyMotion, angle: FloatArray, side: FloatArray, centre: ComplexArray
+    def _place(
+        self,
+        bodies: BodyMotion,
+        base: MovingPoint,
+        other: MovingPoint,
+        angle: FloatArray,
+        side: FloatArray,
     ) -> ComplexArray:
-        assert isinstance(self.first, Circle)
-        assert isinstance(self.second, Circle)
-        line = point_of(bodies, self.second.known, self.second.centre) - centre
-        distance = np.abs(line)
-        self.refusal.refuse("apart", distance <= ROUND_OFF * self.size, angle)
-        ahead = (self.first.radius**2 - self.second.radius**2 + distance**2) / (2 * distance)
-        aside = self._leg(self.first.radius, ahead, angle)
-        return np.asarray(centre + (ahead + 1j * side * aside) * line / distance)
-
-    def _on_circle_and_line(
-        self, bodies: BodyMotion, angle: FloatArray, side: FloatArray, centre: ComplexArray
-    ) -> ComplexArray:
-        assert isinstance(self.first, Circle)
-        assert isinstance(self.second, Line)
-        along = bodies.turn[:, self.second.known] * self.second.along
-        through = point_of(bodies, self.second.known, self.second.point)
-        to_centre = centre - through
-        leg = self._leg(self.first.radius, np.abs(cross(along, to_centre)), angle)
+        """Where the loci meet on a side."""
+        first, second, start, through = self.first, self.second, base.place, other.place
+        if not isinstance(first, Circle):
+            # Two lines: the gaps of any place lead to where they meet.
+            one, two = first.at(bodies, base, start), second.at(bodies, other, start)
+            sine = cross(one.normal, two.normal)
+            self.refusal.refuse("locked", np.abs(sine) < LOCKING_SINE, angle)
+            return start - _vector(one, two, sine, np.zeros_like(sine), second.gap(two))
+        if isinstance(second, Circle):
+            between = through - start
+            distance = np.abs(between)
+            self.refusal.refuse("apart", distance <= ROUND_OFF * self.size, angle)
+            ahead = (first.radius**2 - second.radius**2) / 2 / distance + distance / 2
+            aside = self._leg(first.radius, ahead, angle)
+            return np.asarray(start + (ahead + 1j * (side * aside)) * (1 / distance) * between)
+        along = bodies.turn[:, second.known] * second.along
+        to_centre = start - through
+        leg = self._leg(first.radius, np.abs(cross(along, to_centre)), angle)
         return through + (dot(along, to_centre) + side * leg) * along
 
     def _leg(self, radius: float, other: FloatArray, angle: FloatArray) -> FloatArray:
@@ -281,102 +375,69 @@ class SlidingBody:
     size: float
 
     @property
-    def solves(self) -> tuple[int, ...]:
+    def unknown(self) -> tuple[int, ...]:
         """The body."""
         return (self.body,)
 
+    @property
+    def beside(self) -> float:
+        """Distance of the slider's point from the pivot across the line, to its left."""
+        return float(cross(self.along, self.slider - self.pivot))
+
     def transmission_angle(self, bodies: BodyMotion) -> FloatArray:
         """Acute angle in rad from the normal of the arm to the line, (B,)."""
-        pivot = point_of(bodies, self.pivot_body, self.pivot)
-        arm = point_of(bodies, self.slider_body, self.slider) - pivot
+        arm = self._arm(bodies)[1].place
         along = bodies.turn[:, self.body] * self.along
         return np.arctan2(np.abs(dot(along, arm)), np.abs(cross(along, arm)))
 
     def clearances(self, bodies: BodyMotion) -> list[Clearance]:
         """How far the line, on a circle about the pivot, is from touching the slider's point."""
-        pivot = point_of(bodies, self.pivot_body, self.pivot)
-        distance = np.abs(point_of(bodies, self.slider_body, self.slider) - pivot)
-        beside = abs(float(cross(self.along, self.slider - self.pivot)))
+        distance, beside = np.abs(self._arm(bodies)[1].place), abs(self.beside)
         return [Clearance.of(distance, beside, beside, self.size)]
 
-    def placements(
-        self, bodies: BodyMotion, angle: FloatArray, sides: FloatArray
-    ) -> list[Placement]:
-        """Where the body is.
+    def move(self, bodies: BodyMotion, angle: FloatArray, sides: FloatArray) -> None:
+        """Give the body its motion.
 
         Parameters
         ----------
-        bodies : BodyMotion
-            All bodies of the drawing, those known so far in their positions; (B, n).
-        angle : ndarray, shape (B,)
-            Crank angle less that of the drawing in rad.
+        bodies, angle
+            As in :meth:`TwoLoci.move`.
         sides : ndarray, shape (B,)
             1 where the slider is on the side of the drawing, -1 where it is on the other one.
-        """
-        centre = point_of(bodies, self.pivot_body, self.pivot)
-        arm = point_of(bodies, self.slider_body, self.slider) - centre
-        drawn = self.slider - self.pivot
-        beside = float(cross(self.along, drawn))
-        distance = np.abs(arm)
-        square = (distance - abs(beside)) * (distance + abs(beside))
-        self.refusal.refuse("apart", square < -ROUND_OFF * self.size**2, angle)
-        side = np.sign(float(dot(self.along, drawn))) * sides
-        ahead = side * np.sqrt(np.maximum(square, 0.0))
-        self.refusal.refuse("locked", np.abs(ahead) < LOCKING_SINE * distance, angle)
-        # The line's direction now: arm = (ahead + i beside) times it.
-        turn = arm / (ahead + 1j * beside) / self.along
-        return [(self.pivot, centre, turn / np.abs(turn))]
-
-
-class Dyad(BodyGroup):
-    """One or two bodies with a closed form.
-
-    Parameters
-    ----------
-    drawing, bodies, joints
-        As of :class:`BodyGroup`.
-    form : TwoLoci or SlidingBody
-    """
-
-    def __init__(
-        self,
-        drawing: Drawing,
-        bodies: Bodies,
-        joints: tuple[SharedPoint | GuidedPoint, ...],
-        form: TwoLoci | SlidingBody,
-    ) -> None:
-        super().__init__(drawing, bodies, joints, form.solves)
-        self.form = form
-
-    def fill_positions(self, bodies: BodyMotion, angle: FloatArray, sides: FloatArray) -> None:
-        """Put the bodies where the closed form has them.
-
-        Parameters
-        ----------
-        bodies : BodyMotion
-            All bodies of the drawing at the crank angles, (B, n); those of the dyad are changed.
-        angle : ndarray, shape (B,)
-            Crank angle less that of the drawing in rad.
-        sides : ndarray, shape (B,)
-            1 where the dyad is on the side of the drawing, -1 where it is on the other one.
 
         Raises
         ------
         InputError
-            Where the bodies do not meet, or lock.
+            Where the line does not reach the point, or locks.
         """
-        placements = self.form.placements(bodies, angle, sides)
-        reference = np.asarray(bodies.drawn)[self.unknown]
-        places = [
-            place + turn * (own - drawn)
-            for own, (drawn, place, turn) in zip(reference, placements, strict=True)
-        ]
-        turns = [turn for *_, turn in placements]
-        self.fill(bodies, np.stack(places, axis=-1), np.stack(turns, axis=-1))
+        pivot, arm = self._arm(bodies)
+        beside, distance = self.beside, np.abs(arm.place)
+        square = (distance - abs(beside)) * (distance + abs(beside))
+        self.refusal.refuse("apart", square < -ROUND_OFF * self.size**2, angle)
+        side = np.sign(float(dot(self.along, self.slider - self.pivot))) * sides
+        ahead = side * np.sqrt(np.maximum(square, 0.0))
+        self.refusal.refuse("locked", np.abs(ahead) < LOCKING_SINE * distance, angle)
+        # The line's direction now: arm = (ahead + i beside) times it.
+        along = arm.place / (ahead + 1j * beside)
+        along = along / np.abs(along)
+        # Derivatives of cross(along, arm) = beside.
+        spin = cross(along, arm.rate) / ahead
+        turning = 2 * spin * dot(along, arm.rate) + spin**2 * beside
+        swing = (cross(along, arm.change) - turning) / ahead
+        bodies.move(self.body, self.pivot, pivot, along / self.along, spin, swing)
+
+    def _arm(self, bodies: BodyMotion) -> tuple[MovingPoint, MovingPoint]:
+        """Motion of the pivot, and of the arm from it to the slider's point."""
+        pivot = bodies.moving_point(self.pivot_body, self.pivot)
+        slider = bodies.moving_point(self.slider_body, self.slider)
+        return pivot, MovingPoint(*(s - p for s, p in zip(slider, pivot, strict=True)))
+
+
+Dyad = TwoLoci | SlidingBody
 
 
 def _vector(
-    first: ComplexArray, second: ComplexArray, sine: FloatArray, one: FloatArray, two: FloatArray
+    one: Contact, two: Contact, sine: FloatArray, along: FloatArray, along_2: FloatArray
 ) -> ComplexArray:
-    """Vector with given components along two unit normals."""
-    return np.asarray((-1j * second * one + 1j * first * two) / sine)
+    """Vector with given components along two normals, between which the sine is."""
+    return np.asarray((one.normal * along_2 - two.normal * along) * (1j / sine))

@@ -15,12 +15,12 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from flexmech.arrays import ROUND_OFF, FloatArray
+from flexmech.arrays import ROUND_OFF, ComplexArray, FloatArray
 from flexmech.errors import AssemblyError, ComputationError, InputError
 from flexmech.linkages.body_motion import BodyMotion
 from flexmech.linkages.change_points import in_degrees
 from flexmech.linkages.motion import LOCKING_SINE
-from flexmech.linkages.planar.bodies import Bodies, BodyGroup, GuidedPoint, Refusal, SharedPoint
+from flexmech.linkages.planar.bodies import Bodies, JointConstraints, Refusal, SharedPoint
 from flexmech.linkages.planar.drawing import Drawing
 
 Known = Callable[[FloatArray], BodyMotion]
@@ -71,13 +71,17 @@ class ContinuationPath:
         )
 
 
-class NewtonGroup(BodyGroup):
+class NewtonGroup:
     """Bodies whose positions are solved together.
 
     Parameters
     ----------
-    drawing, bodies, joints, unknown
-        As of :class:`BodyGroup`.
+    drawing : Drawing
+    bodies : Bodies
+    joints : tuple of SharedPoint
+        As many equations as unknowns.
+    unknown : tuple of int
+        The bodies, in order.
     drawn_at : float
         Crank angle of the drawing in rad.
     """
@@ -86,18 +90,22 @@ class NewtonGroup(BodyGroup):
         self,
         drawing: Drawing,
         bodies: Bodies,
-        joints: tuple[SharedPoint | GuidedPoint, ...],
+        joints: tuple[SharedPoint, ...],
         unknown: tuple[int, ...],
         drawn_at: float,
     ) -> None:
-        super().__init__(drawing, bodies, joints, unknown)
-        self.drawn_at = drawn_at
+        self.size, self.unknown, self.drawn_at = drawing.size, list(unknown), drawn_at
+        # The axes of all bodies are those of the drawing.
+        places = {point: drawing.complex_point(point) for point in drawing.points}
+        self.constraints = JointConstraints(joints, unknown, lambda _, point: places[point])
         self._joints = joints
+        slides = sum(joint.along is not None for joint in joints)
+        self._scale = np.array([self.size, self.size, 1.0] * len(unknown) + [self.size] * slides)
         # For messages.
         self.names = ", ".join(bodies.name(body) for body in unknown)
 
-    def fill_positions(self, bodies: BodyMotion, angle: FloatArray, path: ContinuationPath) -> None:
-        """Put the bodies where Newton's method finds them.
+    def move(self, bodies: BodyMotion, angle: FloatArray, path: ContinuationPath) -> None:
+        """Give the bodies the motion that Newton's method finds.
 
         Parameters
         ----------
@@ -116,15 +124,16 @@ class NewtonGroup(BodyGroup):
         """
         self._refuse_beyond(angle, path)
         guess = path.guess(angle)
-        found, ended = self._solved(bodies, guess)
-        sign = np.linalg.slogdet(self.jacobian(bodies))[0]
-        missed = np.abs(found - guess).max(axis=-1)
+        solved, ended = self._solved(bodies, guess)
+        sign = np.linalg.slogdet(self._jacobian(bodies, solved))[0]
+        missed = np.abs(solved - guess).max(axis=-1)
         lost = np.logical_not(ended) | (sign != path.sign) | (missed > MOST_MISSED)
         if np.any(lost):
             raise ComputationError(
                 f"no position of {self.names} is found at {in_degrees(angle[lost][0])} past the "
                 "drawing by Newton's method; draw the linkage at a crank angle nearer to it"
             )
+        self._rates(bodies, solved)
 
     def trace_path(self, known: Known) -> ContinuationPath:
         """Continue the drawn posture half a turn in both directions.
@@ -144,7 +153,7 @@ class NewtonGroup(BodyGroup):
         InputError
             If the linkage does not come back to the drawn posture after a turn.
         """
-        matrix = self._jacobian_at(known(np.zeros(1)), np.zeros(len(self._scale)))
+        matrix = self._jacobian(known(np.zeros(1)), np.zeros((1, len(self._scale))))
         sign = float(np.linalg.slogdet(matrix)[0][0])
         back, ahead = (self._half(known, way, sign) for way in (-1.0, 1.0))
         columns = zip(*back[0][:0:-1], *ahead[0], strict=True)
@@ -167,10 +176,10 @@ class NewtonGroup(BodyGroup):
         InputError
             If the drawing is in a dead point; names the joint.
         """
-        start = np.zeros(len(self._scale))
-        matrix = self._jacobian_at(bodies, start)[0]
+        start = np.zeros((1, len(self._scale)))
+        matrix = self._jacobian(bodies, start)[0]
         if np.linalg.svd(matrix, compute_uv=False)[-1] < LOCKING_SINE:
-            refusal = self._refusal(self._loosest_joint(bodies, start))
+            refusal = self._refusal(self._loosest_joint(bodies, start[0]))
             refusal.refuse("locked", np.array([True]), np.zeros(1))
 
     def _refuse_beyond(self, angle: FloatArray, path: ContinuationPath) -> None:
@@ -193,7 +202,8 @@ class NewtonGroup(BodyGroup):
 
     def _check_period(self, unknowns: FloatArray) -> None:
         apart = unknowns[-1] - unknowns[0]
-        apart[2::3] -= 2 * np.pi * np.round(apart[2::3] / (2 * np.pi))
+        angles = apart[2 : 3 * len(self.unknown) : 3]
+        angles -= 2 * np.pi * np.round(angles / (2 * np.pi))
         if np.abs(apart).max() > SAME_POSTURE:
             raise InputError(
                 f"after a turn of the crank {self.names} do not come back to where they are "
@@ -211,16 +221,16 @@ class NewtonGroup(BodyGroup):
         while angle < np.pi:
             step = min(step, np.pi - angle)
             ahead = way * step
-            there = angle + step if angle + step < np.pi - SMALLEST_STEP else np.pi
+            after = angle + step if angle + step < np.pi - SMALLEST_STEP else np.pi
             guess = now + ahead * slope + ahead**2 / 2 * bend
-            taken = self._step(known, way * there, guess, sign)
+            taken = self._step(known, way * after, guess, sign)
             if taken is None:
                 step /= 2
                 if step < SMALLEST_STEP:
                     joint = self._loosest_joint(known(np.array([way * angle])), now)
                     return kept, joint
                 continue
-            angle, (now, slope, bend, missed) = there, taken
+            angle, (now, slope, bend, missed) = after, taken
             kept.append((way * angle, now, slope))
             # The prediction misses in proportion to the third power of the step.
             wish = (MOST_MISSED / 4 / max(missed, ROUND_OFF)) ** (1 / 3)
@@ -232,61 +242,86 @@ class NewtonGroup(BodyGroup):
     ) -> tuple[FloatArray, FloatArray, FloatArray, float] | None:
         """Unknowns, slope and bend at the next angle; None where the step was too long."""
         try:
-            there = known(np.array([angle]))
+            bodies = known(np.array([angle]))
         except InputError:
             # What drives the group locks first; the step ends before it.
             return None
-        found, ended = self._solved(there, guess[None])
-        missed = float(np.abs(found[0] - guess).max())
+        solved, ended = self._solved(bodies, guess[None])
+        missed = float(np.abs(solved[0] - guess).max())
         if not ended[0] or not missed <= MOST_MISSED:
             return None
-        if np.linalg.slogdet(self.jacobian(there))[0][0] != sign:
+        if np.linalg.slogdet(self._jacobian(bodies, solved))[0][0] != sign:
             return None
-        slope, bend = self._slopes(there, found[0])
-        return found[0], slope, bend, missed
+        slope, bend = self._slopes(bodies, solved[0])
+        return solved[0], slope, bend, missed
 
     def _solved(
         self, bodies: BodyMotion, guess: FloatArray
     ) -> tuple[FloatArray, NDArray[np.bool_]]:
         """Unknowns at the root near a guess, and whether they have converged; (B, n), (B,)."""
-        found = guess.copy()
-        self._fill_in(bodies, found)
+        unknowns = guess.copy()
         for _ in range(ITERATIONS):
-            residual = self.constraints.gap(bodies) / self.size
+            residual = self._residual(bodies, unknowns)
             try:
-                change = np.linalg.solve(self.jacobian(bodies), -residual[..., None])[..., 0]
+                jacobian = self._jacobian(bodies, unknowns)
+                change = np.linalg.solve(jacobian, -residual[..., None])[..., 0]
             except np.linalg.LinAlgError:
                 break
-            found = found + change
-            self._fill_in(bodies, found)
-            if not np.all(np.isfinite(found)) or np.abs(change).max() < ROUND_OFF:
+            unknowns = unknowns + change
+            if not np.all(np.isfinite(unknowns)) or np.abs(change).max() < ROUND_OFF:
                 break
-        residual = self.constraints.gap(bodies) / self.size
-        return found, np.abs(residual).max(axis=-1) < ROUND_OFF
+        residual = self._residual(bodies, unknowns)
+        return unknowns, np.abs(residual).max(axis=-1) < ROUND_OFF
 
-    def _fill_in(self, bodies: BodyMotion, unknowns: FloatArray) -> None:
-        """Put the bodies into a posture by the unknowns (B, n)."""
-        x, y, phi = np.moveaxis(unknowns.reshape(len(unknowns), -1, 3), -1, 0)
-        drawn = np.asarray(bodies.drawn)[self.unknown]
-        self.fill(bodies, np.asarray(drawn + self.size * (x + 1j * y)), np.exp(1j * phi))
+    def _put(self, bodies: BodyMotion, unknowns: FloatArray) -> ComplexArray:
+        """Put the bodies into a posture by the unknowns (B, n); where points on lines are then."""
+        of_bodies, slides = np.split(unknowns, [3 * len(self.unknown)], axis=1)
+        x, y, phi = np.moveaxis(of_bodies.reshape(len(unknowns), -1, 3), -1, 0)
+        bodies.place[:, self.unknown] = bodies.drawn[self.unknown] + self.size * (x + 1j * y)
+        bodies.turn[:, self.unknown] = np.exp(1j * phi)
+        still = np.zeros_like(slides)
+        return self.constraints.slid(bodies.drawn, np.stack([self.size * slides, still, still]))
 
-    def _jacobian_at(self, bodies: BodyMotion, unknowns: FloatArray) -> FloatArray:
-        """Jacobian (1, n, n) in one posture."""
-        self._fill_in(bodies, unknowns[None])
-        return self.jacobian(bodies)
+    def _residual(self, bodies: BodyMotion, unknowns: FloatArray) -> FloatArray:
+        """Gaps of the joints in parts of the size, (B, n)."""
+        slid = self._put(bodies, unknowns)
+        return self.constraints.equations.gap(bodies, slid[0]) / self.size
+
+    def _jacobian(self, bodies: BodyMotion, unknowns: FloatArray) -> FloatArray:
+        """Jacobian of the joints' conditions, lengths in parts of the size; (B, n, n)."""
+        slid = self._put(bodies, unknowns)
+        jacobian = self.constraints.equations.jacobian(bodies, None, slid[0])
+        return np.asarray(jacobian * self._scale / self.size)
+
+    def _rates(self, bodies: BodyMotion, unknowns: FloatArray) -> list[FloatArray]:
+        """First and second derivatives of the unknowns by the crank angle, (B, n) each.
+
+        The bodies are given theirs.
+        """
+        jacobian, slid = self._jacobian(bodies, unknowns), self._put(bodies, unknowns)
+        rates: list[FloatArray] = []
+        for order, (place, turn) in enumerate(
+            ((bodies.place_1, bodies.turn_1), (bodies.place_2, bodies.turn_2)), start=1
+        ):
+            left = self.constraints.equations.gap_rate(bodies, slid, order) / self.size
+            rates.append(np.asarray(np.linalg.solve(jacobian, -left[..., None])[..., 0]))
+            of_bodies, slides = np.split(rates[-1] * self._scale, [3 * len(self.unknown)], axis=1)
+            place[:, self.unknown] = of_bodies[:, 0::3] + 1j * of_bodies[:, 1::3]
+            turn[:, self.unknown] = of_bodies[:, 2::3]
+            slid[order] = self.constraints.along * slides
+        return rates
 
     def _slopes(self, bodies: BodyMotion, unknowns: FloatArray) -> list[FloatArray]:
         """First and second derivative of one posture's unknowns by the crank angle."""
-        self._fill_in(bodies, unknowns[None])
-        return [rate[0] for rate in self.fill_rates(bodies)]
+        return [rate[0] for rate in self._rates(bodies, unknowns[None])]
 
     def _loosest_joint(self, bodies: BodyMotion, unknowns: FloatArray) -> str:
         """Joint with the greatest rotation in the free motion of a singular posture."""
-        free = np.linalg.svd(self._jacobian_at(bodies, unknowns)[0])[2][-1]
-        turning = dict(zip(self.unknown, free[2::3], strict=True))
+        free = np.linalg.svd(self._jacobian(bodies, unknowns[None])[0])[2][-1]
+        turning = dict(zip(self.unknown, free[2 : 3 * len(self.unknown) : 3], strict=True))
         joints = {
-            own.point: abs(turning.get(own.first, 0.0) - turning.get(own.second, 0.0))
-            for own in self._joints
-            if isinstance(own, SharedPoint)
+            joint.point: abs(turning.get(joint.first, 0.0) - turning.get(joint.second, 0.0))
+            for joint in self._joints
+            if joint.along is None
         }
         return max(joints, key=lambda point: joints[point]) if joints else self.names
