@@ -12,13 +12,19 @@ from typing import Any
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linkages import LinkBody, LinkEnd
+from flexmech.linkages import LinkBody, LinkEnd, RigidMotion
 from flexmech.mechanism import Mechanism
-from flexmech.multibody.added_links import add_attached_bodies, add_links, turned_bodies
-from flexmech.multibody.beams import BEAM_KINDS, BeamKind
+from flexmech.multibody.beams import BEAM_KINDS, BeamKind, point_masses_at
 from flexmech.multibody.items import ItemNumber, Made, SystemItems
-from flexmech.multibody.link_parts import RIGID_SIZE, BeamPart, LinkPart, RigidPart, turn_vectors
-from flexmech.multibody.node_bodies import point_masses_at
+from flexmech.multibody.links import (
+    AttachedPart,
+    BeamPart,
+    LinkPart,
+    add_attached_bodies,
+    add_links,
+    turn_vectors,
+    turned_bodies,
+)
 from flexmech.multibody.node_maps import LinkNodes
 from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.user_functions import turned_frame
@@ -49,6 +55,8 @@ class LinkAssembly:
         In the topology's order.
     attached : list of AttachedPart
         Bodies on elastic links.
+    bodies : list of SystemBody
+        All rigid bodies: rigid links, those at nodes, and attached ones.
     size : int
         Number of coordinates of all links.
     system_size : int
@@ -70,22 +78,21 @@ class LinkAssembly:
         self.frame: FrameBody | None = None
         self.mbs = self.items.mbs
         self.base = self.topology.index(self.topology.clamps[0].link_end.link)
-        self.parts = add_links(self.items, mechanism, self.kind, elements)
-        self.size = self.parts[-1].coordinates.stop
-        self.attached = [
-            attached
-            for link, part in self.beams
-            for attached in add_attached_bodies(
-                self.items, link, part, self._bodies(part), bodies_have_mass
+        self.parts, self.bodies = add_links(self.items, mechanism, self.kind, elements)
+        self.size = self.system_size = self.parts[-1].coordinates.stop
+        self._angles = np.flatnonzero(np.concatenate([part.rotation for part in self.parts]))
+        self.attached: list[AttachedPart] = []
+        body_coordinates: list[int] = []
+        for link, part in self.beams:
+            added = add_attached_bodies(
+                self.items, link, part, self._bodies(part), bodies_have_mass, self.system_size
             )
-        ]
-        body_coordinates = [
-            coordinate
-            for body in self.attached
-            for coordinate in (body.place, body.place + 1, body.angle)
-            if body.own_node is not None
-        ]
-        self.system_size = self.size + len(body_coordinates)
+            self.attached += added
+            for body in added:
+                if body.own_node is not None:
+                    body_coordinates += [body.place, body.place + 1, body.angle]
+            self.system_size = self.size + len(body_coordinates)
+        self.bodies += [attached.body for attached in self.attached]
         maps = [
             (part.node_map, part.coordinates) for _, part in self.beams if part.node_map is not None
         ]
@@ -101,9 +108,8 @@ class LinkAssembly:
     def _bodies(self, part: BeamPart) -> list[LinkBody]:
         """Bodies on a link, and massless ones that give a cable's end an angle."""
         mass = self.mechanism.link_mass(part.name)
-        if self.kind.turns_arms:
-            return list(mass.bodies)
-        return [*mass.bodies, *turned_bodies(self.mechanism, mass, part.name)]
+        turned = [] if self.kind.has_angles else turned_bodies(self.mechanism, mass, part.name)
+        return [*mass.bodies, *turned]
 
     @property
     def nodal_force_scale(self) -> float:
@@ -131,51 +137,105 @@ class LinkAssembly:
 
     def turning_coordinate(self, place: LinkEnd) -> int | None:
         """Coordinate of that node that is its angle; None where it has a slope vector."""
-        part = self.part_of(place)
-        is_angle = isinstance(part, RigidPart) or self.kind.turns_arms
-        return RIGID_SIZE - 1 if is_angle else None
+        kind = self.part_of(place).kind
+        return kind.clamped if kind.has_angles else None
 
     def angle_coordinate(self, place: LinkEnd) -> int:
-        """Number of that angle among the coordinates of all links."""
-        turning = self.turning_coordinate(place)
-        assert turning is not None
-        return self.first_coordinate(place) + turning
+        """Number of the angle at a link end among the coordinates of all links."""
+        return self.first_coordinate(place) + self.part_of(place).kind.clamped
 
     def first_coordinate(self, place: LinkEnd) -> int:
         """First coordinate of that node among those of all links."""
-        part = self.part_of(place)
-        own = part.coordinates
-        is_first = isinstance(part, RigidPart) or place.end == "start"
-        return int(own.start if is_first else own.stop - self.kind.per_node)
+        return int(self.part_of(place).firsts[0 if place.end == "start" else -1])
 
-    def reference_place(self, place: LinkEnd) -> FloatArray:
-        """Reference position of the node at a link end, (2,)."""
-        part = self.part_of(place)
-        if isinstance(part, RigidPart) or place.end == "start":
-            return np.zeros(2)
-        return np.array([part.length, 0.0])
+    def poses(self, origin: FloatArray, angle: FloatArray) -> FloatArray:
+        """Coordinates of undeformed links, less the reference ones, (m, size).
 
-    def is_at_node(self, place: LinkEnd) -> bool:
-        """Whether the point on the pins' axis at a link end is a node."""
-        part = self.part_of(place)
-        if isinstance(part, RigidPart):
-            return place.end == "start"
-        return part.arms is None
+        Parameters
+        ----------
+        origin : ndarray, shape (m, n_links, 2)
+            Of the starts of the links in m.
+        angle : ndarray, shape (m, n_links)
+            In rad.
+        """
+        poses = [part.pose(origin[:, n], angle[:, n]) for n, part in enumerate(self.parts)]
+        return np.concatenate(poses, axis=1)
 
-    def turned(self, vector: FloatArray, angles: FloatArray) -> FloatArray:
-        """Coordinates (size,) of all links with the vectors of each link rotated by its angle."""
-        turned = vector.copy()
-        for part, angle in zip(self.parts, angles, strict=True):
-            turn_vectors(turned[None, part.coordinates], part.vectors, angle[None])
+    def turned(self, values: FloatArray, angle: FloatArray) -> FloatArray:
+        """Coordinates (m, size) with the vectors of each link rotated by its angle (m, n_links)."""
+        turned = values.copy()
+        for number, part in enumerate(self.parts):
+            turn_vectors(turned[:, part.coordinates], part.vectors, angle[:, number])
         return turned
 
     def deformation(self, state: FloatArray, pose: FloatArray) -> FloatArray:
-        """Difference of coordinates (size,), with angles within half a turn."""
+        """Difference of coordinates (m, size), with angles within half a turn."""
         change = state - pose
-        for part in self.parts:
-            own, angles = change[part.coordinates], np.flatnonzero(part.rotation)
-            own[angles] -= 2 * np.pi * np.round(own[angles] / (2 * np.pi))
+        angles = self._angles
+        change[:, angles] -= 2 * np.pi * np.round(change[:, angles] / (2 * np.pi))
         return np.asarray(change)
+
+    def by_links(self, values: FloatArray) -> list[FloatArray]:
+        """Coordinates (..., size) of all links as those of each, (..., n_link)."""
+        return [values[..., part.coordinates] for part in self.parts]
+
+    def in_ground_axes(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray], rate: Sequence[FloatArray]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Coordinates and velocities of links that are displaced in their moving frames.
+
+        They are Exudyn's where the nodes are on the pins' axis, and lead to them by
+        :attr:`nodes` where not.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (m,).
+        displacement, rate : sequence of ndarray, shape (m, n_link)
+
+        Returns
+        -------
+        position, velocity : ndarray, shape (m, size)
+        """
+        local = np.concatenate(displacement, axis=1)
+        moving = np.concatenate(rate, axis=1) + self._carried(motion, local)
+        position = self.poses(motion.origin, motion.angle) + self.turned(local, motion.angle)
+        return position, self._drift(motion) + self.turned(moving, motion.angle)
+
+    def in_link_frames(
+        self, motion: RigidMotion, position: FloatArray, velocity: FloatArray
+    ) -> tuple[list[FloatArray], list[FloatArray]]:
+        """Displacement and rate of links in their frames; undoes :meth:`in_ground_axes`.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (m,).
+        position, velocity : ndarray, shape (m, size)
+
+        Returns
+        -------
+        displacement, rate : list of ndarray, shape (m, n_link)
+        """
+        change = self.deformation(position, self.poses(motion.origin, motion.angle))
+        local = self.turned(change, -motion.angle)
+        moving = self.turned(velocity - self._drift(motion), -motion.angle)
+        return self.by_links(local), self.by_links(moving - self._carried(motion, local))
+
+    def _drift(self, motion: RigidMotion) -> FloatArray:
+        """Velocities by the origins and the spins of the links' frames, (m, size)."""
+        place, spin = motion.origin_velocity, motion.angular_velocity
+        drifts = [part.rigid(place[:, n], spin[:, n]) for n, part in enumerate(self.parts)]
+        return np.concatenate(drifts, axis=1)
+
+    def _carried(self, motion: RigidMotion, local: FloatArray) -> FloatArray:
+        """Velocities of vectors, displaced by ``local``, in frames that turn, (m, size)."""
+        moved = zip(self.parts, motion.angular_velocity.T, self.by_links(local), strict=True)
+        carried = [
+            spin[:, None] * part.quarter_turned(part.straight + values)
+            for part, spin, values in moved
+        ]
+        return np.concatenate(carried, axis=1)
 
     def add_fixed_coordinate(self) -> ItemNumber:
         """Add a coordinate that stays zero; returns its marker."""
@@ -251,7 +311,9 @@ class LinkAssembly:
 
     def add_end_marker(self, place: LinkEnd, name: str) -> ItemNumber:
         """Add a marker of the point on the pins' axis at a link end."""
-        if not self.is_at_node(place):
+        part = self.part_of(place)
+        beyond_nodes = place.end == "end" and part.length != part.positions[-1]
+        if beyond_nodes or part.axis_below:
             return self.add_frame_marker(place, name)
         return self.items.add("MarkerNodePosition", name, nodeNumber=self.end_node(place))
 
@@ -286,18 +348,17 @@ class LinkAssembly:
         -------
         ItemNumber
         """
-        if isinstance(part, RigidPart):
-            return self.add_body_frame(part.body, name, x, 0.0, angle)
-        if part.bodies is None:
+        if not isinstance(part, BeamPart):
+            return self.add_body_frame(part.bodies[0], name, x, 0.0, angle)
+        if not part.bodies:
             element = int(np.searchsorted(part.positions, x, side="right")) - 1
             element = min(max(element, 0), len(part.elements) - 1)
             place = float(x - part.positions[element])
             return self.add_body_frame(part.elements[element], name, place, 0.0, angle)
         number = int(np.argmin(np.abs(part.positions - x)))
-        if part.arms is None and not angle:
+        if not (part.axis_below or angle):
             return self.items.add("MarkerNodeRigid", name, nodeNumber=part.nodes[number])
-        below = 0.0 if part.arms is None else part.arms.length
-        return self.add_body_frame(part.bodies.numbers[number], name, 0.0, -below, angle)
+        return self.add_body_frame(part.bodies[number], name, 0.0, -part.axis_below, angle)
 
     def add_body_frame(
         self, body: ItemNumber, name: str, x: float, y: float = 0.0, angle: float = 0.0

@@ -41,14 +41,18 @@ from flexmech.linkages import Drive, LockedCrank, MotorRun, RigidMotion
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.beams import refuse_sections
 from flexmech.multibody.exudyn_system import ExudynSystem
-from flexmech.multibody.library import check_exudyn
-from flexmech.multibody.linearize import internal_forces, running_tangents, static_equilibrium
-from flexmech.multibody.running.loads import TorqueTable
+from flexmech.multibody.items import check_exudyn
+from flexmech.multibody.linearize import (
+    internal_forces,
+    link_models,
+    running_tangents,
+    static_equilibrium,
+    unit_tension_stiffness,
+)
+from flexmech.multibody.running.loads import MotorOnHub, TorqueTable
 from flexmech.multibody.running.model import RunningModel
-from flexmech.multibody.running.motor import MotorOnHub
 from flexmech.multibody.running.simulation import PointRecorder, Simulation
 from flexmech.multibody.static_model import StaticModel
-from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
 from flexmech.time_domain import Impact, LinkState, Recorder, Trajectory
 from flexmech.validation import POSITIVE, check_choice, check_number, checked_array
 

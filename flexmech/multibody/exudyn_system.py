@@ -19,7 +19,7 @@ from flexmech.model_text import short_repr
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import Choice, Item, ItemKind, ItemNumber, SystemItems, applied
 from flexmech.multibody.joints import SliderJoint
-from flexmech.multibody.link_parts import BeamPart, RigidPart
+from flexmech.multibody.links import BeamPart
 from flexmech.multibody.running.model import RunningModel
 from flexmech.multibody.running.script import ScriptSource, linkage_script
 from flexmech.multibody.running.simulation import Simulation
@@ -49,7 +49,7 @@ def add_sensors(model: RunningModel) -> None:
     assembly, items, topology = model.assembly, model.assembly.items, model.assembly.topology
     clamped = {clamp.link_end.link for clamp in topology.clamps}
     for link, part in zip(topology.links, assembly.parts, strict=True):
-        if isinstance(part, RigidPart):
+        if not isinstance(part, BeamPart):
             continue
         points = _LinkPoints(assembly, part, link)
         items.begin(f"{link.name}: sensors of its deflection")
@@ -87,7 +87,7 @@ class _LinkPoints:
 
     def __init__(self, assembly: LinkAssembly, part: BeamPart, link: Link) -> None:
         self._items = assembly.items
-        self._is_curved = assembly.kind.carries_mass
+        self._is_curved = not assembly.kind.has_angles
         self._part = part
         self._link = link
         self._at_node: dict[int, ItemNumber] = {}
@@ -116,11 +116,10 @@ class _LinkPoints:
 
     def _added(self, number: int) -> ItemNumber:
         name, part = f"{self._link.name}_place_{number}", self._part
-        if part.arms is None:
+        if not part.axis_below:
             number = part.nodes[number]
             return _add(self._items, "SensorNode", name, "Position", nodeNumber=number)
-        assert part.bodies is not None
-        return self._of_body(name, part.bodies.numbers[number], 0.0, -part.arms.length)
+        return self._of_body(name, part.bodies[number], 0.0, -part.axis_below)
 
     def _of_body(self, name: str, body: ItemNumber, x: float, y: float) -> ItemNumber:
         where = {"bodyNumber": body, "localPosition": [x, y, 0.0]}

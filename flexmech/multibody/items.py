@@ -1,4 +1,6 @@
-"""An Exudyn system with a list of its items.
+"""An Exudyn system with a list of its items, and the one import of exudyn.
+
+It is imported quiet, without range checks, and with its log kept in.
 
 Every item is described once, by its type, its name and its values: the system gets it, and the
 list keeps it, from which a script can be written that makes the same system.
@@ -6,15 +8,20 @@ list keeps it, from which a script can be written that makes the same system.
 
 from __future__ import annotations
 
+import contextlib
+import io
+import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from importlib.util import find_spec
 from itertools import count
+from types import ModuleType
 from typing import Any, Literal, Self
 
 import numpy as np
 
 from flexmech.choices import Integrator
-from flexmech.multibody.library import load_exudyn
+from flexmech.errors import InputError
 
 ROUND_OFF = 8 * float(np.finfo(float).eps)
 """Round-off of a sum of cancelling forces between nodes, relative to these forces.
@@ -24,6 +31,46 @@ Four forces meet at a node, each of a product and a sum.
 
 ItemKind = Literal["node", "object", "marker", "load", "sensor"]
 _KINDS: tuple[ItemKind, ...] = ("node", "marker", "load", "sensor")
+
+
+def check_exudyn() -> None:
+    """Refuse the engine where exudyn is not installed; it is not imported for that.
+
+    Raises
+    ------
+    InputError
+        With what to do.
+    """
+    if "exudyn" in sys.modules:
+        installed = sys.modules["exudyn"] is not None
+    else:
+        installed = find_spec("exudyn") is not None
+    if not installed:
+        raise InputError(
+            "the exudyn engine needs exudyn, which is not installed: pip install exudyn, or choose "
+            "the reference engine (--engine reference, flexmech.ReferenceEngine)"
+        )
+
+
+def load_exudyn() -> ModuleType:
+    """Exudyn's module.
+
+    The core without range checks is about a third faster; it must be asked for before the
+    first import, which announces the choice on the standard output: a library stays quiet.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
+    """
+    check_exudyn()
+    if "exudyn" not in sys.modules:
+        sys.exudynFast = True  # type: ignore[attr-defined]  # exudyn's own switch
+    with contextlib.redirect_stdout(io.StringIO()):
+        import exudyn
+        import exudyn.itemInterface
+
+    return exudyn
 
 
 class ItemNumber(int):
@@ -70,7 +117,7 @@ class Made:
     Parameters
     ----------
     function : callable
-        One of :data:`flexmech.multibody.running.script_text.SHARED`.
+        One of :data:`flexmech.multibody.running.script.SHARED`.
     arguments : tuple
         Numbers, text, lists of them, or records that a script holds.
     """
@@ -155,31 +202,20 @@ class SystemItems:
         self.listed.append(Item(kind, type_, name, number, values, self._subject))
         return ItemNumber(number, kind, name)
 
-    def change(self, number: ItemNumber, key: str, value: Any) -> None:
-        """Change a value of an item before the system is assembled.
+    def keep_angle(self, name: str, markers: list[ItemNumber]) -> ItemNumber:
+        """Keep two markers from turning against each other.
 
         Parameters
         ----------
-        number : ItemNumber
-        key : str
-        value : object
+        name : str
+        markers : list of ItemNumber
+
+        Returns
+        -------
+        ItemNumber
         """
-        place = self._place(number)
-        item = self.listed[place]
-        self.listed[place] = replace(item, values={**item.values, key: value})
-        change = getattr(self.mbs, f"Set{item.kind.capitalize()}Parameter")
-        change(int(number), key, _plain(value))
-
-    def value(self, number: ItemNumber | None, key: str) -> Any:
-        """A value that an item was given."""
-        assert number is not None
-        return self.listed[self._place(number)].values[key]
-
-    def _place(self, number: ItemNumber) -> int:
-        wanted = number.kind, int(number)
-        return next(
-            place for place, item in enumerate(self.listed) if (item.kind, item.number) == wanted
-        )
+        axes = [0, 0, 0, 0, 0, 1]
+        return self.add("GenericJoint", name, markerNumbers=markers, constrainedAxes=axes)
 
 
 def _kind_of(type_: str) -> ItemKind:

@@ -1,8 +1,14 @@
-"""Linearization in link frames from Exudyn's absolute coordinates, and static equilibrium."""
+"""Linearization in link frames from Exudyn's absolute coordinates, and static equilibrium.
+
+Exudyn's linearization does not include the derivative of ``C_q' lambda``. A dead load F at the
+point r of a rigid link rotated by phi does the work ``F . R(phi) r``; its second derivative gives
+the stiffness ``F . R(phi) r``. Where F is the force of a joint, this is that derivative by the
+link's angle.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,14 +20,17 @@ from flexmech.linear_system import (
     LOAD_STEPS,
     DeadMoments,
     EquilibriumError,
+    LinkModel,
+    LinkReadings,
     refuse_positions,
+    rigid_link,
 )
-from flexmech.linkages import RigidMotion
+from flexmech.linear_system.links.link_model import NONE
+from flexmech.linkages import LinkEnd, RigidMotion, turned
+from flexmech.linkages.motion import direction
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.items import ROUND_OFF
-from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.link_parts import BeamPart, RigidPart, turn_vectors
-from flexmech.multibody.rigid_tangents import geometric_stiffness, line_forces
+from flexmech.multibody.items import ROUND_OFF, load_exudyn
+from flexmech.multibody.links import BeamPart, turn_vectors
 from flexmech.multibody.static_model import (
     StaticModel,
     set_tolerance,
@@ -110,66 +119,60 @@ def static_equilibrium(
     """
     assembly, batch = model.assembly, len(motion.crank_angle)
     tangents = _Tangents(model, batch)
-    relative = motion.angle - motion.angle[:, assembly.base, None]
-    applied, settings = _applied(model, motion, loads, dead), static_settings()
+    poses, relative = model.poses(motion)
+    applied, settings = _applied(model, relative, loads, dead), static_settings()
     round_off = ROUND_OFF * assembly.nodal_force_scale
-    deformation = np.zeros(assembly.size)
+    deformation, line_force = np.zeros((1, assembly.size)), np.zeros((batch, len(model.sliders)))
     displacement = np.empty((batch, assembly.size))
-    line_force = np.zeros((batch, len(model.sliders)))
     for number in range(batch):
-        pose = model.move_to(motion, number)
+        one = slice(number, number + 1)
+        pose, angle = poses[one], relative[one]
+        model.move_to(motion, number, pose[0])
         forces, couples = (values[number] for values in applied)
         model.loads.set(forces, couples)
         loaded = float(np.abs(forces).sum()) + model.swelling_force
-        loaded += 0.0 if model.applied is None else model.applied.scale_of_forces
+        loaded += 0.0 if model.connectors is None else model.connectors.scale_of_forces
         set_tolerance(settings, loaded, round_off)
-        start = pose + assembly.turned(deformation, relative[number])
-        if not solve_static(assembly, settings, assembly.nodes.to_nodes(start)):
-            _solve_in_steps(model, settings, pose, forces, couples, motion, number)
+        start = pose + assembly.turned(deformation, angle)
+        if not solve_static(assembly, settings, assembly.nodes.to_nodes(start[0])):
+            _solve_in_steps(model, settings, pose[0], forces, couples, motion, number)
         for _ in range(DAMPER_TURNS):
-            if model.applied is None or not model.applied.converge():
+            if model.connectors is None or not model.connectors.converge():
                 break
             solved = np.array(assembly.mbs.systemData.GetODE2Coordinates())
             solve_static(assembly, settings, solved)
         state = assembly.nodes.to_axis(assembly.mbs.systemData.GetODE2Coordinates())
         turning = geometric_stiffness(model, state, couples)
         line_force[number] = line_forces(model)
-        moved = assembly.deformation(state, pose)
-        deformation = displacement[number] = assembly.turned(moved, -relative[number])
+        deformation = assembly.turned(assembly.deformation(state[None], pose), -angle)
+        displacement[number] = deformation[0]
         tangents.linearize_at(number, settings[0], state, forces, turning)
     stiffness, damping = tangents.in_link_frames(relative)
-    return StaticEquilibrium(
-        displacement=[displacement[:, part.coordinates] for part in assembly.parts],
-        tangent=stiffness,
-        damping=damping,
-        line_force=line_force,
-    )
+    return StaticEquilibrium(assembly.by_links(displacement), stiffness, damping, line_force)
 
 
 def _applied(
-    model: StaticModel, motion: RigidMotion, loads: list[FloatArray], dead: DeadMoments
+    model: StaticModel, relative: FloatArray, loads: list[FloatArray], dead: DeadMoments
 ) -> tuple[FloatArray, FloatArray]:
-    """Arguments over a batch of :meth:`flexmech.multibody.static_loads.StaticLoads.set`.
+    """Arguments over a batch of :meth:`flexmech.multibody.static_model.StaticLoads.set`.
 
-    Forces (B, n_link) transformed from link frames to the crank's frame, and couples.
+    Forces (B, n_link) transformed from link frames, at angles to the crank's frame, into that one,
+    and couples.
     """
     assembly = model.assembly
-    relative = motion.angle - motion.angle[:, assembly.base, None]
     forces = np.concatenate(loads, axis=1)
-    places = {turned.angle: number for number, turned in enumerate(model.loads.turning)}
+    places = {body.angle: number for number, body in enumerate(model.loads.turning)}
     couples = np.zeros((len(forces), len(places), 2))
     for number, (link, row) in enumerate(zip(dead.links.tolist(), dead.rows, strict=True)):
         part = assembly.parts[link]
         angle = part.coordinates.start + row
-        if not isinstance(part, RigidPart):
+        if isinstance(part, BeamPart):
             # What turns with the body is not on the node as well.
             forces[:, angle] -= dead.moment[number]
-        couple = couples[:, places[angle]]
-        couple[:] = np.transpose([dead.virial[number], dead.moment[number]]) / part.length
-        turn_vectors(couple, (np.array([0]), np.array([1])), relative[:, link])
+        couple = np.transpose([dead.virial[number], dead.moment[number]]) / part.length
+        couples[:, places[angle]] = turned(couple, relative[:, link])
     for link, part in enumerate(assembly.parts):
-        own, angle = forces[:, part.coordinates], relative[:, link]
-        turn_vectors(own, part.force_vectors, angle)
+        turn_vectors(forces[:, part.coordinates], part.force_vectors, relative[:, link])
     return forces, couples
 
 
@@ -193,12 +196,11 @@ def running_tangents(
     list of ndarray, shape (B, n_link, n_link)
         Damping.
     """
-    assembly = model.assembly
-    relative = motion.angle - motion.angle[:, assembly.base, None]
-    together = np.concatenate(displacement, axis=1)
-    settings, tangents = simulation_settings(), _Tangents(model, len(together))
-    for number, q in enumerate(together):
-        state = model.move_to(motion, number) + assembly.turned(q, relative[number])
+    poses, relative = model.poses(motion)
+    states = poses + model.assembly.turned(np.concatenate(displacement, axis=1), relative)
+    settings, tangents = simulation_settings(), _Tangents(model, len(states))
+    for number, state in enumerate(states):
+        model.move_to(motion, number, poses[number])
         tangents.linearize_at(number, settings, state)
     return tangents.in_link_frames(relative)
 
@@ -219,13 +221,131 @@ def internal_forces(model: StaticModel, displacement: Sequence[FloatArray]) -> l
     """
     forces = []
     for part, q in zip(model.assembly.parts, displacement, strict=True):
-        if isinstance(part, RigidPart):
+        if not isinstance(part, BeamPart):
             forces.append(np.zeros_like(q))
             continue
         mapped = part.node_map
         force = _internal_force(part, q if mapped is None else mapped.to_nodes(q))
         forces.append(force if mapped is None else mapped.force(q, force))
     return forces
+
+
+def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
+    """Link models from the linearization of the undeformed system.
+
+    In the reference configuration every link lies along the global x axis, so absolute
+    coordinates are those of the link frames. A link that swelling bends is taken as if it
+    had no free curvature yet: held straight against it, it would be under stress.
+    """
+    assembly = model.assembly
+    straight = np.zeros(assembly.system_size)
+    model.swell(0.0)
+    with model.links_alone():
+        mass, stiffness, damping = linearized(assembly, simulation_settings(), straight)
+    model.swell(1.0)
+    kind, models = assembly.kind, []
+    for part in assembly.parts:
+        if not isinstance(part, BeamPart):
+            models.append(rigid_link(part.name, assembly.mechanism.link_mass(part.name)))
+            continue
+        count, size = len(part.nodes), len(part.straight)
+        own = [matrix[part.coordinates, part.coordinates] for matrix in (mass, stiffness, damping)]
+        if part.arms is not None:
+            own = [part.arms.matrix(np.zeros(size), matrix) for matrix in own]
+        x, y = kind.vector_pairs(count)
+        gyroscopic, centrifugal_mass, first_moment = _inertia(own[0], x, y)
+        if part.mass is not None:
+            # Mass along a rigid segment is mass of displacements, no rotary inertia.
+            turns = np.arange(2, size, kind.per_node)
+            centrifugal_mass[turns, turns] += part.mass.segment
+        last = size - kind.per_node
+        link_mass = assembly.mechanism.link_mass(part.name)
+        link = LinkModel(
+            name=part.name,
+            mass=own[0],
+            gyroscopic=gyroscopic,
+            centrifugal_mass=centrifugal_mass,
+            first_moment=first_moment,
+            stiffness=own[1],
+            damping=own[2],
+            is_axial=kind.is_axial(count),
+            start=np.array([0, 1]),
+            end=np.array([last, last + 1]),
+            start_rotation=np.array([kind.clamped]),
+            end_rotation=np.array([last + kind.clamped]),
+            readings=LinkReadings(
+                part.positions,
+                kind.per_node,
+                kind.shape_functions,
+                slope=kind.clamped,
+                deflection=kind.deflection,
+                polar=NONE if part.polar is None else part.polar.first,
+            ),
+            fields=part.fields,
+            vectors=np.stack([x, y]),
+            uncounted_rotary_inertia=0.0 if kind.has_angles else link_mass.rotary_inertia,
+        )
+        models.append(link.carrying(link_mass))
+    return tuple(models)
+
+
+def unit_tension_stiffness(assembly: LinkAssembly) -> list[FloatArray]:
+    """Geometric stiffness that unit tension in each element adds, in link frames.
+
+    A cable element at rest in its straight shape carries tension when its reference axial
+    strain is negative; its stiffness is linear in that tension.
+
+    Parameters
+    ----------
+    assembly : LinkAssembly
+        Of ANCF cables.
+
+    Returns
+    -------
+    list of ndarray, shape (e, n_link, n_link)
+    """
+    straight = np.zeros(assembly.system_size)
+    settings = simulation_settings()
+    relaxed = linearized(assembly, settings, straight)[1]
+    parts = []
+    for part in assembly.parts:
+        if not isinstance(part, BeamPart):
+            parts.append(np.zeros((0, *2 * (len(part.straight),))))
+            continue
+        unit = []
+        for element in part.elements:
+            assembly.mbs.SetObjectParameter(element, "referenceAxialStrain", -1.0)
+            tense = linearized(assembly, settings, straight)[1]
+            assembly.mbs.SetObjectParameter(element, "referenceAxialStrain", 0.0)
+            change = (tense - relaxed)[part.coordinates, part.coordinates]
+            unit.append(change / part.section.axial_stiffness)
+        parts.append(np.stack(unit))
+    return parts
+
+
+def _inertia(
+    mass: FloatArray, x: IntArray, y: IntArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Gyroscopic and centrifugal mass matrix and first moment of a straight link.
+
+    See :class:`LinkModel`; integrals of the same shapes as its mass matrix. Vectors, at ``x`` and
+    ``y``, and rotations are coupled in it where the centre of mass is off the pins' axis, and
+    where that of a body at a node is off the node along the link, which is no first moment of
+    the link.
+    """
+    # It rotates every vector by 90 deg and drops the other coordinates.
+    quarter = np.zeros_like(mass)
+    quarter[x, y], quarter[y, x] = -1.0, 1.0
+    turned_mass = quarter.T @ mass @ quarter
+    coupling = mass - mass @ quarter @ quarter.T  # what rotations exert on vectors
+    coupling = quarter @ quarter.T @ coupling
+    moment = -coupling.sum(axis=1)
+    moment[y] = 0.0
+    return (
+        turned_mass @ quarter + quarter @ coupling - (quarter @ coupling).T,
+        turned_mass + coupling + coupling.T,
+        np.stack([moment, quarter @ moment]),
+    )
 
 
 class _Tangents:
@@ -235,7 +355,7 @@ class _Tangents:
         self._assembly = assembly = model.assembly
         self._model = model
         self._matrices = [
-            np.empty((2, batch, len(part.straight), len(part.straight))) for part in assembly.parts
+            np.empty((2, batch, *2 * (len(part.straight),))) for part in assembly.parts
         ]
         self._state, self._outer, self._turning = np.zeros((3, batch, assembly.size))
 
@@ -304,8 +424,8 @@ def _solve_in_steps(
         start = nodes
         for part in np.arange(1, steps + 1) / steps:
             model.loads.set(part * forces, part * couples)
-            if model.applied is not None:
-                model.applied.scale(float(part))
+            if model.connectors is not None:
+                model.connectors.scale(float(part))
             model.swell(float(part))
             if not solve_static(assembly, settings, start):
                 break
@@ -314,7 +434,7 @@ def _solve_in_steps(
             return
     model.swell(1.0)
     residual = float(assembly.mbs.sys["staticSolver"].conv.residual)
-    other = "none" if assembly.kind.turns_arms else "axial"  # only cables carry tension straight
+    other = "none" if assembly.kind.has_angles else "axial"  # only cables carry tension straight
     refuse_positions(
         motion,
         np.arange(len(motion.crank_angle)) == number,
@@ -339,3 +459,118 @@ def _to_link_frame(matrix: FloatArray, angle: FloatArray, x: IntArray, y: IntArr
         turned[:, :, y] = cosine * matrix[:, :, y] - sine * matrix[:, :, x]
         matrix = np.swapaxes(turned, 1, 2)
     return matrix
+
+
+def joint_forces(
+    model: StaticModel, state: FloatArray
+) -> Iterator[tuple[int, FloatArray, FloatArray]]:
+    """Forces of pins, welds, sliders and ground pins off nodes, and of radial springs.
+
+    After a static solution.
+
+    Parameters
+    ----------
+    model : StaticModel
+    state : ndarray, shape (size,)
+        Coordinates of all links.
+
+    Returns
+    -------
+    iterator of tuple of int, ndarray and ndarray
+        Number of a link, where a joint acts on it in the model's axes in m, (2,), and its force
+        in N, (2,).
+    """
+    assembly, multipliers = model.assembly, _multipliers(model)
+
+    def own(constraint: int) -> FloatArray:
+        return multipliers[list(assembly.mbs.systemData.GetObjectLTGAE(int(constraint)))]
+
+    def at(end: LinkEnd) -> tuple[int, FloatArray]:
+        link = assembly.topology.index(end.link)
+        return link, assembly.parts[link].end_place(end.end, state)
+
+    for end, _, pin in model.grounds:
+        yield *at(end), -own(pin)
+    for joint in model.ties:
+        force = -own(joint.position)
+        yield *at(joint.tie.follower), force
+        yield *at(joint.leader), -force
+    for line in model.sliders:
+        x, y, _ = assembly.mbs.GetObjectParameter(line.constraint, "normalMarker1")
+        force, place = own(line.constraint)[0] * np.array([x, y]), at(line.slider.link_end)
+        if line.slider.guide:
+            guide = assembly.topology.index(line.slider.guide)
+            force = turned(force, state[assembly.parts[guide].coordinates][2])
+            yield guide, place[1], -force
+        yield *place, force
+    for item in () if model.connectors is None else model.connectors.joints:
+        if item.radial is None:
+            continue
+        follower, leader = item.ends
+        if leader is None:
+            ground = assembly.mbs.GetObjectParameter(item.ground, "referencePosition")
+            before = np.array(ground)[:2]
+        else:
+            before = at(leader)[1]
+        force = -(item.spring.radial_stiffness or 0.0) * (at(follower)[1] - before)
+        yield *at(follower), force
+        if leader is not None:
+            yield *at(leader), -force
+
+
+def geometric_stiffness(model: StaticModel, state: FloatArray, couples: FloatArray) -> FloatArray:
+    """Geometric stiffness of rigid links, hubs and bodies at nodes after a static solution.
+
+    Loads and springs on points of rigid links are not counted.
+
+    Parameters
+    ----------
+    model : StaticModel
+    state : ndarray, shape (size,)
+        Coordinates of all links.
+    couples : ndarray, shape (n_turning, 2)
+        As :meth:`flexmech.multibody.static_model.StaticLoads.set` took them.
+
+    Returns
+    -------
+    ndarray, shape (size,)
+        By the angles among the coordinates of all links, in N m/rad.
+    """
+    parts = model.assembly.parts
+    stiffness = np.zeros(model.assembly.size)
+    for body, couple in zip(model.loads.turning, couples, strict=True):
+        arm = parts[body.link].length * direction(state[body.angle])
+        stiffness[body.angle] += couple @ arm
+    if any(not isinstance(part, BeamPart) for part in parts):
+        for link, place, force in joint_forces(model, state):
+            if not isinstance(part := parts[link], BeamPart):
+                own = part.coordinates
+                stiffness[own.stop - 1] += force @ (place - state[own][:2])
+    multipliers = _multipliers(model)
+    for constraint, angle, radius in model.hubs:
+        [row] = model.assembly.mbs.systemData.GetObjectLTGAE(int(constraint))
+        stiffness[angle] += radius * multipliers[row]
+    return stiffness
+
+
+def line_forces(model: StaticModel) -> FloatArray:
+    """Force of each line on the end that slides on it, along the line's normal.
+
+    Parameters
+    ----------
+    model : StaticModel
+        After a static solution.
+
+    Returns
+    -------
+    ndarray, shape (n_sliders,)
+        In N.
+    """
+    data, multipliers = model.assembly.mbs.systemData, _multipliers(model)
+    rows = [data.GetObjectLTGAE(int(line.constraint))[0] for line in model.sliders]
+    return np.array([multipliers[row] for row in rows])
+
+
+def _multipliers(model: StaticModel) -> FloatArray:
+    """Lagrange multipliers with the sign of a running system, opposite to the static solver's."""
+    return -np.array(model.assembly.mbs.systemData.GetAECoordinates())

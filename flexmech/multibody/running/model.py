@@ -19,29 +19,26 @@ from flexmech.linkages import Clamp, Drive
 from flexmech.linkages.motion import normal
 from flexmech.mechanism import Mechanism, require_standing_frame
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.connectors import ConnectorItems
-from flexmech.multibody.items import ItemNumber
+from flexmech.multibody.connectors import RunningConnectors
+from flexmech.multibody.items import ItemNumber, load_exudyn
 from flexmech.multibody.joints import (
     add_sliders,
     add_ties,
     closed_joints,
     dependent_joints,
     joint_gaps,
-    place_at_start,
     place_on_hub,
 )
-from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.running.closure import AngleGap
-from flexmech.multibody.running.connectors import RunningConnectors, SectionCouples
 from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.loads import (
     LinkEnergies,
+    MotorOnHub,
+    SectionCouples,
     TorqueTable,
     add_impacts,
     add_running_loads,
 )
-from flexmech.multibody.running.motor import MotorOnHub
-from flexmech.multibody.running.user_functions import Shaft
+from flexmech.multibody.running.user_functions import AngleGap, Shaft
 from flexmech.time_domain import FrameMotion, Impact
 
 # Of the shaft, in ground axes in m.
@@ -86,7 +83,7 @@ class RunningModel:
         Loads and springs.
     sprung : dict of str to ItemNumber
         The spring of each joint that springs alone hold.
-    joints : JointsClosedInTurn or ClosedJoints
+    joints : ClosedJoints
         What the integration rule leaves to drift.
     frame : FrameBody or None
         The frame on springs that carries the linkage and the hub.
@@ -144,10 +141,11 @@ class RunningModel:
         lines = add_sliders(assembly)
         self.sliders = {line.slider.joint: line for line in lines}
         self.constraints |= {joint: [line.constraint] for joint, line in self.sliders.items()}
-        connectors = ConnectorItems(assembly, fixed, runs=True)
-        self.connectors = RunningConnectors(connectors, links, self.shaft, self._start)
+        self.connectors = RunningConnectors(assembly, fixed, self.shaft, self._start, links)
         self.sprung = {
-            item.spring.joint: item.radial for item in connectors.joints if item.radial is not None
+            item.spring.joint: item.radial
+            for item in self.connectors.joints
+            if item.radial is not None
         }
         add_impacts(assembly, drive, impacts)
         assembly.mbs.Assemble()
@@ -352,9 +350,7 @@ class RunningModel:
         name = f"clamp_{clamp.joint}"
         items.begin(f"clamp {clamp.joint}: the link's end on the hub, its axis parallel to it")
         lever = place_on_hub(assembly, self._start, clamp.link_end)
-        on_hub = items.add(
-            "MarkerBodyRigid", f"{name}_on_hub", bodyNumber=hub, localPosition=[*lever, 0.0]
-        )
+        on_hub = assembly.add_body_frame(hub, f"{name}_on_hub", *lever)
         on_link = assembly.add_end_marker(clamp.link_end, f"{name}_on_{clamp.link_end.link}")
         pin = items.add("RevoluteJoint2D", name, markerNumbers=[on_hub, on_link])
         link = assembly.topology.index(clamp.link_end.link)
@@ -362,12 +358,7 @@ class RunningModel:
         if turn:
             on_hub = assembly.add_body_frame(hub, f"{name}_direction", 0.0, 0.0, turn)
         axis = assembly.add_frame_marker(clamp.link_end, f"{name}_axis")
-        items.add(
-            "GenericJoint",
-            f"{name}_rotation",
-            markerNumbers=[on_hub, axis],
-            constrainedAxes=[0, 0, 0, 0, 0, 1],
-        )
+        items.keep_angle(f"{name}_rotation", [on_hub, axis])
         return pin
 
     def _add_pivots(self) -> dict[str, list[ItemNumber]]:
@@ -375,7 +366,8 @@ class RunningModel:
         assembly, constraints = self.assembly, {}
         for pivot in assembly.topology.pivots:
             if not pivot.sprung:
-                place = place_at_start(assembly, self._start, pivot.link_end).tolist()
+                at_start = self._start.position(*assembly.topology.end_place(pivot.link_end))
+                place = at_start.tolist()
                 assembly.items.begin(f"pivot {pivot.joint}")
                 pin = assembly.add_ground_pin(f"pivot_{pivot.joint}", pivot.link_end, place)[1]
                 constraints[pivot.joint] = [pin]

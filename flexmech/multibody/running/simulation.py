@@ -15,10 +15,8 @@ from flexmech.choices import Integrator, LinkDirection
 from flexmech.errors import InputError
 from flexmech.linear_system import LinkModel, LinkPoint, displacement_row
 from flexmech.linkages import MotorRun, RigidMotion, Topology, carried_motion
-from flexmech.multibody.items import Setting, applied, solver_settings
-from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.link_parts import MovingFrames
-from flexmech.multibody.running.connectors import SectionCouples
+from flexmech.multibody.items import Setting, applied, load_exudyn, solver_settings
+from flexmech.multibody.running.loads import SectionCouples
 from flexmech.multibody.running.model import RunningModel
 from flexmech.time_domain import (
     FrameMotion,
@@ -98,7 +96,6 @@ class Simulation:
     ) -> None:
         self.model, self.integrator = model, integrator
         self.step, self.steps = step, steps
-        self._frames = MovingFrames(model.assembly.parts)
         self._couples = SectionCouples(model.assembly, model.links)
 
     def run(
@@ -160,7 +157,7 @@ class Simulation:
         """
         assembly = self.model.assembly
         position = assembly.nodes.to_axis(position[:, : assembly.size])
-        return self._frames.to_frames(self._motion(time), position, np.zeros_like(position))[0]
+        return assembly.in_link_frames(self._motion(time), position, np.zeros_like(position))[0]
 
     def block(
         self, time: FloatArray, position: FloatArray, velocity: FloatArray, multiplier: FloatArray
@@ -188,17 +185,12 @@ class Simulation:
             carried = self._carried(motion, frame)
             turn = frame.displacement[:, 2]
         links = slice(0, assembly.size)
-        position, velocity = position[:, links], velocity[:, links]
-        position, velocity = (
-            assembly.nodes.to_axis(position),
-            assembly.nodes.rate_to_axis(position, velocity),
-        )
-        displacement, rate = self._frames.to_frames(carried, position, velocity)
-        kinetic, strain, gravity, dissipation = np.zeros((4, len(time)))
-        for number, part in enumerate(assembly.parts):
-            own = part.coordinates
-            kinetic += energies.kinetic(number, position[:, own], velocity[:, own])
-            gravity += energies.gravity(number, position[:, own])
+        velocity = assembly.nodes.rate_to_axis(position[:, links], velocity[:, links])
+        position = assembly.nodes.to_axis(position[:, links])
+        displacement, rate = assembly.in_link_frames(carried, position, velocity)
+        nodes = assembly.nodes.to_nodes(position)
+        kinetic = energies.kinetic(nodes, assembly.nodes.rate_to_nodes(position, velocity))
+        strain, dissipation = np.zeros((2, len(time)))
         for number, beam in assembly.beams:
             moved, speed = displacement[number], rate[number]
             if (mapped := beam.node_map) is not None:
@@ -225,7 +217,7 @@ class Simulation:
             driving_torque=torque,
             kinetic_energy=kinetic + turning,
             strain_energy=strain,
-            gravity_energy=gravity,
+            gravity_energy=energies.gravity(nodes),
             dissipation_power=dissipation,
             prestress_power=work.power + power,
             shaft=shaft,
@@ -286,7 +278,7 @@ class Simulation:
         if self.model.frame is not None:
             moved = start.moved
             motion = self._carried(motion, moved)
-        position, velocity = self._frames.to_absolute(motion, *batch)
+        position, velocity = self.model.assembly.in_ground_axes(motion, *batch)
         gap = self.model.greatest_gap(position[0], moved)
         allowed = START_GAP * sum(link.length for link in self.model.assembly.topology.links)
         if gap > allowed:

@@ -1,0 +1,464 @@
+"""Links of a mechanism in an Exudyn system: their nodes, beams and bodies, and their coordinates.
+
+Coordinates of a beam are those of points on the pins' axis, less the reference ones; see
+:mod:`flexmech.multibody.node_maps` for what leads from them to Exudyn's. Those of a rigid link are
+the place of its start and its angle, as in Exudyn: those of the one node of a chain without beams.
+
+Rigid bodies that are fixed to links of beams are hubs, counterweights, pistons. On an exact beam
+such a body shares the node, which turns. A cable's node has a slope and no angle: the body has a
+node of its own, pinned to the cable's and kept from turning against its slope.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from flexmech.arrays import FloatArray, IntArray
+from flexmech.linear_system import RigidBody, RigidFields, body_nodes
+from flexmech.linkages import LinkBody, LinkEnd, LinkMass, Load
+from flexmech.linkages.link_mass import LEAST_DISTANCE
+from flexmech.linkages.motion import direction
+from flexmech.linkages.topology import End
+from flexmech.mechanism import Mechanism
+from flexmech.mesh import node_positions
+from flexmech.multibody.beams import (
+    BEAM_KINDS,
+    BeamKind,
+    DistributedMass,
+    SystemBody,
+    add_body,
+    add_node_bodies,
+    point_masses_at,
+)
+from flexmech.multibody.items import ItemNumber, SystemItems
+from flexmech.multibody.node_maps import Arms, PolarSlopes
+from flexmech.sections import BeamSection
+
+
+@dataclass(frozen=True)
+class LinkPart:
+    """A link in an Exudyn system: a rigid one, or as a :class:`BeamPart` one of beam elements.
+
+    Parameters
+    ----------
+    name : str
+    length : float
+        In m.
+    kind : BeamKind
+        Whose coordinates its nodes have.
+    positions : ndarray, shape (k,)
+        Of the nodes along the link in m; a rigid link has one at its start.
+    nodes : list of ItemNumber
+    bodies : list of ItemNumber
+        At the nodes, with all mass; of cables, whose elements carry it, there are none.
+    coordinates : slice
+        Where the link's coordinates are in those of all links.
+    """
+
+    name: str
+    length: float
+    kind: BeamKind
+    positions: FloatArray
+    nodes: list[ItemNumber]
+    bodies: list[ItemNumber]
+    coordinates: slice
+
+    @property
+    def node_map(self) -> Arms | PolarSlopes | None:
+        """Map from the link's coordinates to those of its nodes; None where they are the same."""
+        return None
+
+    @property
+    def axis_below(self) -> float:
+        """Distance of the nodes from the pins' axis, across the link, in m."""
+        return self.node_map.length if isinstance(self.node_map, Arms) else 0.0
+
+    @property
+    def firsts(self) -> IntArray:
+        """First coordinate of each node among those of all links, (k,)."""
+        own, size = self.coordinates, self.kind.per_node
+        return np.arange(own.start, own.stop, size)
+
+    @cached_property
+    def fields(self) -> RigidFields:
+        """Rigid fields in the link's frame."""
+        return self.kind.rigid_fields(self.positions)
+
+    @cached_property
+    def force_vectors(self) -> tuple[IntArray, IntArray]:
+        """X and y coordinates of all vectors among the forces on Exudyn's coordinates."""
+        return self.kind.vector_pairs(len(self.nodes))
+
+    @property
+    def vectors(self) -> tuple[IntArray, IntArray]:
+        """X and y coordinates of all vectors in the link frame, (k,) each."""
+        return self.force_vectors
+
+    @cached_property
+    def rotation(self) -> FloatArray:
+        """1 for coordinates that are angles, 0 for all others, (n,)."""
+        # Where the link has rotations, they are all of the tangential field but its vectors.
+        rotation = self.fields.tangential.copy()
+        rotation[np.concatenate(self.vectors)] = 0.0
+        return rotation
+
+    @cached_property
+    def straight(self) -> FloatArray:
+        """Vectors of the straight link in its frame, with the reference coordinates, (n,)."""
+        straight, vectors = np.zeros(len(self.rotation)), np.concatenate(self.vectors)
+        straight[vectors] = self.fields.centripetal[vectors]
+        return straight
+
+    def pose(self, origin: FloatArray, angle: FloatArray) -> FloatArray:
+        """Coordinates, less the reference ones, of the undeformed link at places and angles.
+
+        Parameters
+        ----------
+        origin : ndarray, shape (m, 2)
+            Of its start in m.
+        angle : ndarray, shape (m,)
+            In rad.
+
+        Returns
+        -------
+        ndarray, shape (m, n)
+        """
+        # cos(angle) - 1 keeps its digits, which a difference of ones would lose.
+        turned = np.stack([-2 * np.sin(angle / 2) ** 2, np.sin(angle)], axis=1)
+        bent = turned @ np.stack([self.straight, self.quarter_turned(self.straight[None])[0]])
+        return np.asarray(bent + self.rigid(origin, angle))
+
+    def rigid(self, place: FloatArray, angle: FloatArray) -> FloatArray:
+        """What a place or velocity (m, 2) and an angle or spin (m,) add to coordinates, (m, n)."""
+        fields = np.stack([self.fields.along, self.fields.across, self.rotation])
+        return np.asarray(np.column_stack([place, angle]) @ fields)
+
+    def quarter_turned(self, values: FloatArray) -> FloatArray:
+        """Vectors of (m, n) rotated by 90 deg; zero for other coordinates."""
+        x, y = self.vectors
+        turned = np.zeros_like(values)
+        turned[:, x], turned[:, y] = -values[:, y], values[:, x]
+        return turned
+
+    def end_place(self, end: End, position: FloatArray) -> FloatArray:
+        """Position of an end from the coordinates of all links (size,), shape (2,)."""
+        first = self.firsts[0 if end == "start" else -1]
+        place = position[first : first + 2]
+        if end == "start":
+            return np.asarray(place)
+        at_node, beyond = self.positions[-1], self.length - self.positions[-1]
+        if beyond:
+            place = place + beyond * direction(position[first + self.kind.clamped])
+        return np.asarray(place + np.array([at_node, 0.0]))
+
+
+@dataclass(frozen=True)
+class BeamPart(LinkPart):
+    """A link of beam elements.
+
+    Parameters
+    ----------
+    name, length, kind, positions, nodes, bodies, coordinates
+        See :class:`LinkPart`.
+    section : BeamSection
+    elements : list of ItemNumber
+    mass : DistributedMass or None
+        Of the bodies at its nodes; None of cables.
+    arms : Arms or None
+        From the pins' axis to the nodes; None where the section is not eccentric and the
+        nodes are on it.
+    polar : PolarSlopes or None
+        Nodes at which something holds the direction of a cable's slope; None where there is no
+        such node.
+    """
+
+    section: BeamSection
+    elements: list[ItemNumber]
+    mass: DistributedMass | None
+    arms: Arms | None
+    polar: PolarSlopes | None
+
+    @property
+    def node_map(self) -> Arms | PolarSlopes | None:
+        """See :class:`LinkPart`."""
+        return self.arms or self.polar
+
+    @cached_property
+    def vectors(self) -> tuple[IntArray, IntArray]:
+        """X and y coordinates of all vectors in the link frame, (k,) each."""
+        x, y = self.force_vectors
+        if self.polar is None:
+            return x, y
+        kept = ~np.isin(x, self.polar.first)
+        return x[kept], y[kept]
+
+
+def turn_vectors(values: FloatArray, pairs: tuple[IntArray, IntArray], angle: FloatArray) -> None:
+    """Rotate vectors in place.
+
+    Parameters
+    ----------
+    values : ndarray, shape (m, n)
+    pairs : tuple of ndarray of int, shape (k,)
+        Their x and y coordinates.
+    angle : ndarray, shape (m,)
+        In rad.
+    """
+    x, y = pairs
+    cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    along, across = values[:, x], values[:, y]
+    values[:, x] = cosine * along - sine * across
+    values[:, y] = sine * along + cosine * across
+
+
+@dataclass(frozen=True)
+class AttachedPart:
+    """A body on a link of beams.
+
+    Parameters
+    ----------
+    link : int
+    node : int
+        Of the link, at which it is fixed.
+    place, angle : int
+        First coordinate of that node, and its angle, among those of all links.
+    body : SystemBody
+    own_node : ItemNumber or None
+        Its own node, if it has one.
+    """
+
+    link: int
+    node: int
+    place: int
+    angle: int
+    body: SystemBody
+    own_node: ItemNumber | None
+
+
+def add_attached_bodies(
+    items: SystemItems,
+    link: int,
+    part: BeamPart,
+    bodies: Sequence[LinkBody],
+    has_mass: bool,
+    free: int,
+) -> list[AttachedPart]:
+    """Add the bodies of a link to a system.
+
+    Parameters
+    ----------
+    items : SystemItems
+    link : int
+    part : BeamPart
+    bodies : sequence of LinkBody
+    has_mass : bool
+        Whether the system moves; at standstill a body is where forces act.
+    free : int
+        Number of coordinates that the system has.
+
+    Returns
+    -------
+    list of AttachedPart
+    """
+    if bodies:
+        items.begin(f"{part.name}: attached bodies")
+    attached = []
+    nodes = body_nodes(part.positions, bodies).tolist()
+    for count, (body, node) in enumerate(zip(bodies, nodes, strict=True)):
+        name, number = f"{part.name}_attached_{count}", part.nodes[node]
+        place, own_node = int(part.firsts[node]), None
+        first = place
+        if not part.kind.has_angles:
+            where = [float(part.positions[node]), 0.0, 0.0]
+            number = own_node = items.add(
+                "NodeRigidBody2D", f"{name}_node", referenceCoordinates=where
+            )
+            first, free = free, free + 3
+        # The node of an eccentric link is off the axis from which the offset counts.
+        x, y = body.offset[0], body.offset[1] - part.axis_below
+        total, inertia = (body.mass, body.inertia) if has_mass else (0.0, 0.0)
+        about_node = inertia + total * (x**2 + y**2)
+        made = add_body(items, name, number, first, total, (x, y), about_node)
+        angle = place + part.kind.clamped
+        attached.append(AttachedPart(link, node, place, angle, made, own_node))
+        if own_node is not None:
+            _fix(items, part, attached[-1], name)
+    return attached
+
+
+def _fix(items: SystemItems, part: BeamPart, attached: AttachedPart, name: str) -> None:
+    """Pin a body to a cable's node and keep it from turning against the slope there."""
+    places = [
+        items.add("MarkerNodePosition", f"{name}_place", nodeNumber=part.nodes[attached.node]),
+        items.add("MarkerBodyRigid", f"{name}_on_body", bodyNumber=attached.body.number),
+    ]
+    items.add("RevoluteJoint2D", f"{name}_pin", markerNumbers=places)
+    element = max(attached.node - 1, 0)
+    x = float(part.positions[attached.node] - part.positions[element])
+    axis = items.add(
+        "MarkerBodyRigid",
+        f"{name}_axis",
+        bodyNumber=part.elements[element],
+        localPosition=[x, 0.0, 0.0],
+    )
+    items.keep_angle(f"{name}_rotation", [axis, places[1]])
+
+
+def add_links(
+    items: SystemItems, mechanism: Mechanism, kind: BeamKind, elements: int
+) -> tuple[list[LinkPart], list[SystemBody]]:
+    """Add nodes, beams and bodies of all links, each along the global x axis.
+
+    Parameters
+    ----------
+    items : SystemItems
+    mechanism : Mechanism
+    kind : BeamKind
+        Of the elastic links.
+    elements : int
+        Elements a link.
+
+    Returns
+    -------
+    list of LinkPart
+        In the topology's order.
+    list of SystemBody
+        Rigid links and bodies at nodes.
+    """
+    parts: list[LinkPart] = []
+    bodies: list[SystemBody] = []
+    start = 0
+    for link in mechanism.linkage.topology.links:
+        if link.rigid:
+            part, carrying = _add_rigid(items, mechanism, link.name, start)
+        else:
+            part, carrying = _add_beam(items, mechanism, kind, link.name, elements, start)
+        parts.append(part)
+        bodies += carrying
+        start = part.coordinates.stop
+    return parts, bodies
+
+
+def _add_beam(
+    items: SystemItems, mechanism: Mechanism, kind: BeamKind, name: str, elements: int, start: int
+) -> tuple[LinkPart, list[SystemBody]]:
+    mass = mechanism.link_mass(name)
+    section = mechanism.sections[name].shearing_over(mass.length)
+    places = [*_required_nodes(mechanism, mass, name, kind), *mechanism.acting_at(name)]
+    positions = node_positions(mass.length, elements, places)
+    items.begin(f"{name}: nodes, in the undeformed link along the x axis")
+    nodes = [
+        items.add(
+            kind.node,
+            f"{name}_node_{i}",
+            referenceCoordinates=[float(x), section.neutral_axis, *kind.straight],
+        )
+        for i, x in enumerate(positions)
+    ]
+    items.begin(f"{name}: beam elements")
+    beams = [
+        kind.add_element(items, f"{name}_element_{i}", nodes[i : i + 2], float(h), section)
+        for i, h in enumerate(np.diff(positions))
+    ]
+    bodies: list[SystemBody] = []
+    distributed = None
+    if kind.has_angles:
+        points = point_masses_at(mechanism, name, positions)
+        bodies, distributed = add_node_bodies(items, name, nodes, positions, section, points, start)
+    part = BeamPart(
+        name,
+        float(positions[-1]),
+        kind,
+        positions,
+        nodes,
+        [body.number for body in bodies],
+        slice(start, start + kind.per_node * len(nodes)),
+        section=section,
+        elements=beams,
+        mass=distributed,
+        arms=Arms(section.neutral_axis, len(nodes)) if section.is_eccentric else None,
+        polar=_polar_slopes(kind, positions, _places_with_angles(mechanism, mass, name)),
+    )
+    return part, bodies
+
+
+def _add_rigid(
+    items: SystemItems, mechanism: Mechanism, name: str, start: int
+) -> tuple[LinkPart, list[SystemBody]]:
+    mass, kind = mechanism.link_mass(name), BEAM_KINDS["geometrically-exact"]
+    inertia = RigidBody.of_link(mass)
+    items.begin(f"{name}: a rigid body, its node at the start of the link")
+    node = items.add(kind.node, f"{name}_node", referenceCoordinates=[0.0, 0.0, *kind.straight])
+    total, (along, across) = inertia.mass, inertia.first_moment
+    centre = (along / total, across / total) if total else (0.0, 0.0)
+    body = add_body(items, f"{name}_body", node, start, total, centre, inertia.second_moment)
+    own = slice(start, start + kind.per_node)
+    return LinkPart(name, mass.length, kind, np.zeros(1), [node], [body.number], own), [body]
+
+
+def _polar_slopes(kind: BeamKind, positions: FloatArray, places: list[float]) -> PolarSlopes | None:
+    """Nodes of a link of cables with stretch and angle as coordinates."""
+    if kind.has_angles or not places:
+        return None
+    nodes = np.unique(np.abs(positions - np.array(places)[:, None]).argmin(axis=1))
+    return PolarSlopes(kind.per_node * nodes + 2)
+
+
+def _required_nodes(mechanism: Mechanism, mass: LinkMass, link: str, kind: BeamKind) -> list[float]:
+    """Places along a link in m that need a node.
+
+    Point masses and bodies, and on exact beams points at which loads or springs act: a cable
+    takes forces anywhere, but a torque and what turns with the link at nodes alone.
+    """
+    places = [*mass.point_positions, *(body.position for body in mass.bodies)]
+    points = [load.point.x for load in _turned_loads(mechanism, link)]
+    if kind.has_angles:
+        points += [load.point.x for load in mechanism.loads if load.point.link == link]
+        for spring in mechanism.springs:
+            points += [end.x for end in (spring.first, spring.second) if end.link == link]
+    least = LEAST_DISTANCE * mass.length
+    for point in points:
+        if all(abs(point - place) >= least for place in (0.0, mass.length, *places)):
+            places.append(point)
+    return places
+
+
+def _places_with_angles(mechanism: Mechanism, mass: LinkMass, link: str) -> list[float]:
+    """Places along a link of cables in m at which the angle is a coordinate."""
+    topology = mechanism.linkage.topology
+    ends = [end for weld in topology.welds for end in (weld.leader, weld.follower)]
+    ends += [clamp.link_end for clamp in topology.clamps[1:]]
+    places = [0.0 if end.end == "start" else mass.length for end in ends if end.link == link]
+    places += [load.point.x for load in _turned_loads(mechanism, link)]
+    bodies = [*mass.bodies, *turned_bodies(mechanism, mass, link)]
+    return [*places, *(body.position for body in bodies)]
+
+
+def turned_bodies(mechanism: Mechanism, mass: LinkMass, link: str) -> list[LinkBody]:
+    """Massless bodies at ends of a link of cables on which torsional springs act.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    mass : LinkMass
+        Of the link.
+    link : str
+    """
+    ends: set[LinkEnd] = set()
+    for spring in mechanism.joint_springs:
+        if spring.torsional_stiffness or spring.torsional_damping:
+            pair = mechanism.linkage.topology.pinned_ends[spring.joint]
+            ends |= {end for end in pair if end is not None and end.link == link}
+    places = sorted(0.0 if end.end == "start" else mass.length for end in ends)
+    return [LinkBody(place, 0.0) for place in places]
+
+
+def _turned_loads(mechanism: Mechanism, link: str) -> Iterator[Load]:
+    """Follower forces on a link, and loads with a torque."""
+    for load in mechanism.loads:
+        if load.point.link == link and (load.axes == "link" or any(load.torque)):
+            yield load
