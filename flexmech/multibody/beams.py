@@ -3,22 +3,23 @@
 Strains are by displacements from the straight link, not by places: strains of 1e-9 keep their
 digits, which the difference of two lengths would lose to round-off.
 
-The mass of geometrically exact beams is in rigid bodies at their nodes. Exudyn's element has the mass of linear interpolation, whose frequencies are of second order
-in the element length h, and carries it on its own axis alone. Here the elements have none.
-Each node carries the rigid segment of the link around it, half an element to either side, off
-the neutral axis where the section's matter is. The remaining error of second order is removed by
-two differences between the nodes of an element, of their velocities and of their spins:
+The mass of geometrically exact beams is in rigid bodies at their nodes. Exudyn's element has the
+mass of linear interpolation, whose frequencies are of second order in the element length h, and
+carries it on its own axis alone. Here the elements have none. Each node carries the rigid segment
+of the link around it, half an element to either side, off the neutral axis where the section's
+matter is. The remaining error of second order is removed by two differences between the nodes of an
+element, of their velocities and of their spins:
 
     2 T = sum of m h (v^2 + (r^2 + h^2 / 12) phi^2)
           - m h / 12 (v_1 - v_2)^2 + (EI / kGA) m h / 12 (phi_1 - phi_2)^2,
 
 with the mass m and the squared radius of gyration r^2 of the section. With the stiffness of
-:func:`element_shear` a wave along the beam then has the frequency of Timoshenko's theory to fourth order, up to terms in the fourth power of r
-over the wave's length; a rod, whose phi is zero, to fourth order too. At the ends of the link,
-and where a point mass interrupts it, integration by parts leaves ``m h^2 / 12`` times ``v (v' +
-phi)``: half of it moves mass from the last node to the one before, half of it moves the centre
-of mass of the last body inwards. Mass, first and second moment of a rigid link are those of the
-section exactly.
+:func:`element_shear` a wave along the beam then has the frequency of Timoshenko's theory to fourth
+order, up to terms in the fourth power of r over the wave's length; a rod, whose phi is zero, to
+fourth order too. At the ends of the link, and where a point mass interrupts it, integration by
+parts leaves ``m h^2 / 12`` times ``v (v' + phi)``: half of it moves mass from the last node to the
+one before, half of it moves the centre of mass of the last body inwards. Mass, first and second
+moment of a rigid link are those of the section exactly.
 """
 
 from __future__ import annotations

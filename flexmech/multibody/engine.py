@@ -23,10 +23,12 @@ from flexmech.choices import (
 from flexmech.errors import InputError
 from flexmech.linear_system import (
     BalancedLoads,
+    DeadMoments,
     Engine,
     LinkModel,
     LinkPoint,
     Prestress,
+    RigidGeometricStiffness,
     StraightForces,
     StressedLinks,
     TheoryComparison,
@@ -38,6 +40,7 @@ from flexmech.linear_system import (
     with_rigid_links,
 )
 from flexmech.linkages import Drive, LockedCrank, MotorRun, RigidMotion
+from flexmech.linkages.motion import direction
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.beams import refuse_sections
 from flexmech.multibody.exudyn_system import ExudynSystem
@@ -167,29 +170,47 @@ class ExudynEngine(Engine):
 
         def displaced(under: BalancedLoads) -> list[FloatArray]:
             dead = self._dead(motion, under.loads, under.at)
-            return static_equilibrium(self.model, motion, under.loads, dead).displacement
+            return static_equilibrium(self.model, motion, under.loads, dead)[0]
 
         under = self._quasi_static_loads(motion, displaced)
         loads, dead = under.loads, self._dead(motion, under.loads, under.at)
-        equilibrium = static_equilibrium(self.model, motion, loads, dead)
-        if (connectors := self.connectors).any:
-            moved = equilibrium.displacement
-            virial, acting = connectors.virial(motion, moved), connectors.forces(motion, moved)
-            for number, link in enumerate(self.clamped_links):
-                if link.rigid:
-                    cosine, sine = np.cos(moved[number][:, 2]), np.sin(moved[number][:, 2])
-                    turning = virial[:, number] * cosine + acting[number][:, 2] * sine
-                    equilibrium.tangent[number][:, 2, 2] += turning
+        moved, tangent, damping = static_equilibrium(self.model, motion, loads, dead)
+        if self.connectors.any:
+            acting = self.connectors.forces(motion, moved)
             loads = [load + force for load, force in zip(loads, acting, strict=True)]
-        topology = self.mechanism.linkage.topology
-        refuse_large_displacements(self.clamped_links, motion, equilibrium.displacement)
-        return StressedLinks(
-            equilibrium.tangent,
-            equilibrium.displacement,
-            damping=equilibrium.damping,
-            loads=loads,
-            guide_stiffness=equilibrium.line_force * [bool(s.guide) for s in topology.sliders],
-        )
+        refuse_large_displacements(self.clamped_links, motion, moved)
+        elastic = {n: tangent[n] for n, link in enumerate(self.clamped_links) if not link.rigid}
+        elastic = dead.add_stiffness(elastic, [q.T for q in moved])
+        found = self._stiffness_of_rigid(motion, moved, under.loads, dead)
+        stressed = with_rigid_links(self.clamped_frames, elastic, found, loads)
+        return replace(stressed, displacement=moved, damping=damping)
+
+    def _stiffness_of_rigid(
+        self,
+        motion: RigidMotion,
+        moved: list[FloatArray],
+        loads: list[FloatArray],
+        dead: DeadMoments,
+    ) -> RigidGeometricStiffness | None:
+        """Geometric stiffness of rigid links, hubs and guides under loads, springs and joints.
+
+        Exudyn's linearization does not include the derivative of ``C_q' lambda``.
+        """
+        frames, columns = self.clamped_frames, [q.T for q in moved]
+        if not frames.has_arms:
+            return None
+        inner = internal_forces(self.model, moved)
+        dead.add_forces([force.T for force in inner], columns)
+        beside = [load - force for load, force in zip(loads, inner, strict=True)]
+        by_rotation = dead.by_link(columns)
+        for push in self.connectors.point_forces(motion, moved, radial=True):
+            link, q = push.point.link, moved[push.point.link]
+            beside[link] += push.point.force(motion, push.force, push.torque, q, finite=True)
+            if push.point.rigid:
+                arm = push.point.x * direction(motion.angle[:, link] + q[:, 2])
+                by_rotation[link] = by_rotation[link] + np.sum(push.force * arm, axis=1)
+        ties = frames.displaced_ties_by(motion, moved)
+        return ties.geometric_stiffness(beside, by_rotation)
 
     def simulate(
         self,

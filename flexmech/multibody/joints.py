@@ -43,8 +43,6 @@ class TieJoint:
     Parameters
     ----------
     tie : Pin or Weld
-    leader : LinkEnd
-        The end that carries the place of the joint.
     position : ItemNumber
         Constraint on the places; its multipliers are minus the force on the follower.
     rotation : ItemNumber, optional
@@ -54,7 +52,6 @@ class TieJoint:
     """
 
     tie: Pin | Weld
-    leader: LinkEnd
     position: ItemNumber
     rotation: ItemNumber | None = None
     turns_nodes: bool = False
@@ -130,7 +127,7 @@ def _tie(assembly: LinkAssembly, tie: Pin | Weld, angle: FloatArray) -> TieJoint
     ]
     position = assembly.items.add("RevoluteJoint2D", name, markerNumbers=markers)
     if isinstance(tie, Pin):
-        return TieJoint(tie, leader, position)
+        return TieJoint(tie, position)
     links = [assembly.topology.index(end.link) for end in (tie.leader, tie.follower)]
     between = float(angle[links[1]] - angle[links[0]])
     ends, rotation = (tie.leader, tie.follower), f"{name}_rotation"
@@ -148,12 +145,12 @@ def _tie(assembly: LinkAssembly, tie: Pin | Weld, angle: FloatArray) -> TieJoint
         constraint = assembly.items.add(
             "CoordinateConstraint", rotation, markerNumbers=angles, offset=between
         )
-        return TieJoint(tie, leader, position, constraint, turns_nodes=True)
+        return TieJoint(tie, position, constraint, turns_nodes=True)
     frames = [
         assembly.add_frame_marker(end, f"{name}_axis_of_{end.link}", turn)
         for end, turn in zip(ends, (0.0, -between), strict=True)
     ]
-    return TieJoint(tie, leader, position, assembly.items.keep_angle(rotation, frames))
+    return TieJoint(tie, position, assembly.items.keep_angle(rotation, frames))
 
 
 def add_sliders(assembly: LinkAssembly) -> list[SliderJoint]:

@@ -1,15 +1,8 @@
-"""Linearization in link frames from Exudyn's absolute coordinates, and static equilibrium.
-
-Exudyn's linearization does not include the derivative of ``C_q' lambda``. A dead load F at the
-point r of a rigid link rotated by phi does the work ``F . R(phi) r``; its second derivative gives
-the stiffness ``F . R(phi) r``. Where F is the force of a joint, this is that derivative by the
-link's angle.
-"""
+"""Linearization in link frames from Exudyn's absolute coordinates, and static equilibrium."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -26,8 +19,7 @@ from flexmech.linear_system import (
     rigid_link,
 )
 from flexmech.linear_system.links.link_model import NONE
-from flexmech.linkages import LinkEnd, RigidMotion, turned
-from flexmech.linkages.motion import direction
+from flexmech.linkages import RigidMotion, turned
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import ROUND_OFF, load_exudyn
 from flexmech.multibody.links import BeamPart, turn_vectors
@@ -72,31 +64,13 @@ def linearized(
     return mass, stiffness, damping
 
 
-@dataclass(frozen=True)
-class StaticEquilibrium:
-    """Quasi-static equilibrium over a batch of positions, link by link, in link frames.
-
-    Parameters
-    ----------
-    displacement : list of ndarray, shape (B, n_link)
-    tangent, damping : list of ndarray, shape (B, n_link, n_link)
-    line_force : ndarray, shape (B, n_sliders)
-        Force of each line on the end that slides on it, along the line's normal, in N.
-    """
-
-    displacement: list[FloatArray]
-    tangent: list[FloatArray]
-    damping: list[FloatArray]
-    line_force: FloatArray
-
-
 def static_equilibrium(
     model: StaticModel,
     motion: RigidMotion,
     loads: list[FloatArray],
     dead: DeadMoments,
-) -> StaticEquilibrium:
-    """Quasi-static equilibrium of each position and its tangent stiffness.
+) -> tuple[list[FloatArray], list[FloatArray], list[FloatArray]]:
+    """Quasi-static equilibrium of each position, and tangents of its links alone.
 
     Parameters
     ----------
@@ -110,7 +84,12 @@ def static_equilibrium(
 
     Returns
     -------
-    StaticEquilibrium
+    list of ndarray, shape (B, n_link)
+        Displacement of each link in its frame.
+    list of ndarray, shape (B, n_link, n_link)
+        Stiffness, without that of dead moments and joint forces.
+    list of ndarray, shape (B, n_link, n_link)
+        Damping.
 
     Raises
     ------
@@ -122,7 +101,7 @@ def static_equilibrium(
     poses, relative = model.poses(motion)
     applied, settings = _applied(model, relative, loads, dead), static_settings()
     round_off = ROUND_OFF * assembly.nodal_force_scale
-    deformation, line_force = np.zeros((1, assembly.size)), np.zeros((batch, len(model.sliders)))
+    deformation = np.zeros((1, assembly.size))
     displacement = np.empty((batch, assembly.size))
     for number in range(batch):
         one = slice(number, number + 1)
@@ -142,13 +121,10 @@ def static_equilibrium(
             solved = np.array(assembly.mbs.systemData.GetODE2Coordinates())
             solve_static(assembly, settings, solved)
         state = assembly.nodes.to_axis(assembly.mbs.systemData.GetODE2Coordinates())
-        turning = geometric_stiffness(model, state, couples)
-        line_force[number] = line_forces(model)
         deformation = assembly.turned(assembly.deformation(state[None], pose), -angle)
         displacement[number] = deformation[0]
-        tangents.linearize_at(number, settings[0], state, forces, turning)
-    stiffness, damping = tangents.in_link_frames(relative)
-    return StaticEquilibrium(assembly.by_links(displacement), stiffness, damping, line_force)
+        tangents.linearize_at(number, settings[0], state, forces)
+    return assembly.by_links(displacement), *tangents.in_link_frames(relative)
 
 
 def _applied(
@@ -357,7 +333,7 @@ class _Tangents:
         self._matrices = [
             np.empty((2, batch, *2 * (len(part.straight),))) for part in assembly.parts
         ]
-        self._state, self._outer, self._turning = np.zeros((3, batch, assembly.size))
+        self._state, self._outer = np.zeros((2, batch, assembly.size))
 
     def linearize_at(
         self,
@@ -365,7 +341,6 @@ class _Tangents:
         settings: Any,
         state: FloatArray,
         outer: FloatArray | float = 0.0,
-        turning: FloatArray | float = 0.0,
     ) -> None:
         """Linearize about a state.
 
@@ -377,13 +352,11 @@ class _Tangents:
         state : ndarray, shape (size,)
         outer : ndarray, shape (size,), optional
             Forces on Exudyn's coordinates that keep their direction.
-        turning : ndarray, shape (size,), optional
-            Stiffness of rigid links and attached bodies against turning.
         """
         assembly = self._assembly
         with self._model.links_alone():
             _, stiffness, damping = linearized(assembly, settings, assembly.nodes.to_nodes(state))
-        self._state[number], self._outer[number], self._turning[number] = state, outer, turning
+        self._state[number], self._outer[number] = state, outer
         for matrices, part in zip(self._matrices, assembly.parts, strict=True):
             for matrix, whole in zip(matrices, (stiffness, damping), strict=True):
                 matrix[number] = whole[part.coordinates, part.coordinates]
@@ -403,8 +376,6 @@ class _Tangents:
                 damping = mapped.matrix(state, damping)
             for matrices, matrix in zip(result, (stiffness, damping), strict=True):
                 matrices.append(_to_link_frame(matrix, angle[:, link], *part.vectors))
-            every = np.arange(len(part.straight))
-            result[0][link][:, every, every] += self._turning[:, own]
         return result
 
 
@@ -459,118 +430,3 @@ def _to_link_frame(matrix: FloatArray, angle: FloatArray, x: IntArray, y: IntArr
         turned[:, :, y] = cosine * matrix[:, :, y] - sine * matrix[:, :, x]
         matrix = np.swapaxes(turned, 1, 2)
     return matrix
-
-
-def joint_forces(
-    model: StaticModel, state: FloatArray
-) -> Iterator[tuple[int, FloatArray, FloatArray]]:
-    """Forces of pins, welds, sliders and ground pins off nodes, and of radial springs.
-
-    After a static solution.
-
-    Parameters
-    ----------
-    model : StaticModel
-    state : ndarray, shape (size,)
-        Coordinates of all links.
-
-    Returns
-    -------
-    iterator of tuple of int, ndarray and ndarray
-        Number of a link, where a joint acts on it in the model's axes in m, (2,), and its force
-        in N, (2,).
-    """
-    assembly, multipliers = model.assembly, _multipliers(model)
-
-    def own(constraint: int) -> FloatArray:
-        return multipliers[list(assembly.mbs.systemData.GetObjectLTGAE(int(constraint)))]
-
-    def at(end: LinkEnd) -> tuple[int, FloatArray]:
-        link = assembly.topology.index(end.link)
-        return link, assembly.parts[link].end_place(end.end, state)
-
-    for end, _, pin in model.grounds:
-        yield *at(end), -own(pin)
-    for joint in model.ties:
-        force = -own(joint.position)
-        yield *at(joint.tie.follower), force
-        yield *at(joint.leader), -force
-    for line in model.sliders:
-        x, y, _ = assembly.mbs.GetObjectParameter(line.constraint, "normalMarker1")
-        force, place = own(line.constraint)[0] * np.array([x, y]), at(line.slider.link_end)
-        if line.slider.guide:
-            guide = assembly.topology.index(line.slider.guide)
-            force = turned(force, state[assembly.parts[guide].coordinates][2])
-            yield guide, place[1], -force
-        yield *place, force
-    for item in () if model.connectors is None else model.connectors.joints:
-        if item.radial is None:
-            continue
-        follower, leader = item.ends
-        if leader is None:
-            ground = assembly.mbs.GetObjectParameter(item.ground, "referencePosition")
-            before = np.array(ground)[:2]
-        else:
-            before = at(leader)[1]
-        force = -(item.spring.radial_stiffness or 0.0) * (at(follower)[1] - before)
-        yield *at(follower), force
-        if leader is not None:
-            yield *at(leader), -force
-
-
-def geometric_stiffness(model: StaticModel, state: FloatArray, couples: FloatArray) -> FloatArray:
-    """Geometric stiffness of rigid links, hubs and bodies at nodes after a static solution.
-
-    Loads and springs on points of rigid links are not counted.
-
-    Parameters
-    ----------
-    model : StaticModel
-    state : ndarray, shape (size,)
-        Coordinates of all links.
-    couples : ndarray, shape (n_turning, 2)
-        As :meth:`flexmech.multibody.static_model.StaticLoads.set` took them.
-
-    Returns
-    -------
-    ndarray, shape (size,)
-        By the angles among the coordinates of all links, in N m/rad.
-    """
-    parts = model.assembly.parts
-    stiffness = np.zeros(model.assembly.size)
-    for body, couple in zip(model.loads.turning, couples, strict=True):
-        arm = parts[body.link].length * direction(state[body.angle])
-        stiffness[body.angle] += couple @ arm
-    if any(not isinstance(part, BeamPart) for part in parts):
-        for link, place, force in joint_forces(model, state):
-            if not isinstance(part := parts[link], BeamPart):
-                own = part.coordinates
-                stiffness[own.stop - 1] += force @ (place - state[own][:2])
-    multipliers = _multipliers(model)
-    for constraint, angle, radius in model.hubs:
-        [row] = model.assembly.mbs.systemData.GetObjectLTGAE(int(constraint))
-        stiffness[angle] += radius * multipliers[row]
-    return stiffness
-
-
-def line_forces(model: StaticModel) -> FloatArray:
-    """Force of each line on the end that slides on it, along the line's normal.
-
-    Parameters
-    ----------
-    model : StaticModel
-        After a static solution.
-
-    Returns
-    -------
-    ndarray, shape (n_sliders,)
-        In N.
-    """
-    data, multipliers = model.assembly.mbs.systemData, _multipliers(model)
-    rows = [data.GetObjectLTGAE(int(line.constraint))[0] for line in model.sliders]
-    return np.array([multipliers[row] for row in rows])
-
-
-def _multipliers(model: StaticModel) -> FloatArray:
-    """Lagrange multipliers with the sign of a running system, opposite to the static solver's."""
-    return -np.array(model.assembly.mbs.systemData.GetAECoordinates())

@@ -186,11 +186,8 @@ class StaticModel:
         The links in the frame of the clamped one.
     loads : StaticLoads
         Forces on the links.
-    grounds : list of tuple of LinkEnd, ItemNumber and ItemNumber
-        Link ends that are pinned to the ground, the ground and the pin of each.
-    hubs : list of tuple of ItemNumber, int and float
-        What holds each end that is clamped to a hub along the crank's frame, number of the end's
-        angle among the coordinates of all links, and distance of the end from the shaft's axis.
+    grounds : list of tuple of LinkEnd and ItemNumber
+        Link ends that are pinned to the ground, and the ground of each.
     connectors : StaticConnectors or None
         Loads and springs, in the current position of the model.
     ties : list of TieJoint
@@ -201,14 +198,13 @@ class StaticModel:
         self, mechanism: Mechanism, elements: int, kind: str, *, connects: bool = False
     ) -> None:
         self.assembly = assembly = LinkAssembly(mechanism, elements, kind, bodies_have_mass=False)
-        self.grounds: list[tuple[LinkEnd, ItemNumber, ItemNumber]] = []
-        self.hubs: list[tuple[ItemNumber, int, float]] = []
+        self.grounds: list[tuple[LinkEnd, ItemNumber]] = []
         self.loads = StaticLoads(assembly)
         fixed = assembly.add_fixed_coordinate()
         for pivot in assembly.topology.pivots:
             if not (pivot.sprung and connects):
                 name, end = f"pivot_{pivot.joint}", pivot.link_end
-                self.grounds.append((end, *assembly.add_ground_pin(name, end, (0.0, 0.0))))
+                self.grounds.append((end, assembly.add_ground_pin(name, end, (0.0, 0.0))[0]))
         # Constraints of clamps and their coordinates.
         self._offsets: list[tuple[ItemNumber, int]] = []
         for number, clamp in enumerate(assembly.topology.clamps):
@@ -269,7 +265,7 @@ class StaticModel:
         nodes = assembly.nodes.to_nodes(pose)
         for constraint, coordinate in self._offsets:
             set_parameter(constraint, "offset", float(nodes[coordinate]))
-        for end, ground, _ in self.grounds:
+        for end, ground in self.grounds:
             place = assembly.part_of(end).end_place(end.end, pose)
             set_parameter(ground, "referencePosition", [*map(float, place), 0.0])
         for tie in self.ties:
@@ -316,8 +312,6 @@ class StaticModel:
             name = f"support_{node.name}_{coordinate}"
             constraint = assembly.add_constraint(name, fixed, node, coordinate)
             self._offsets.append((constraint, first + coordinate))
-            if clamp.hub and not coordinate:
-                self.hubs.append((constraint, assembly.angle_coordinate(end), clamp.hub))
 
     def _add_further_clamps(self, angle: FloatArray) -> None:
         """Keep the slopes of further clamped cables from turning; the angle is of all links."""

@@ -175,7 +175,7 @@ class JoinedEnd:
             position[turn] += angle
 
     def add_row(self, position: Any, row: Any, x: float, y: float, turn: float) -> None:
-        """Add the derivative of the place's part along a vector and of the angle to a row.
+        """Add the derivatives of the place along a vector and of the angle to a row.
 
         Parameters
         ----------
@@ -382,7 +382,8 @@ class LineGap:
 class ClosedJoints:
     """Joints of a linkage, closed after a step by the least change of coordinates.
 
-    With one clamp and pins alone it is enough to move the nodes of followers, joint by joint.
+    With one clamp and pins alone it is enough to move the nodes of followers, joint by
+    joint.
 
     Parameters
     ----------
@@ -411,8 +412,8 @@ class ClosedJoints:
         """Correct the system's coordinates, in place, by Gauss-Newton steps.
 
         What a correction leaves is of the square of the gap, in m and rad; of gaps
-        below 1e-9 it is a hundredth or so, which the next step corrects. The hub's angle is the
-        last coordinate.
+        below 1e-9 it is a hundredth or so, which the next step corrects. The hub's
+        angle is the last coordinate.
         """
         position[-1] = turn = self.shaft.hub_angle(position, t)
         if self.in_turn:
