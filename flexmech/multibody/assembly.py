@@ -25,7 +25,7 @@ from flexmech.multibody.links import (
     turn_vectors,
     turned_bodies,
 )
-from flexmech.multibody.node_maps import LinkNodes
+from flexmech.multibody.node_maps import Arms, LinkNodes, PolarSlopes
 from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.user_functions import turned_frame
 
@@ -93,10 +93,9 @@ class LinkAssembly:
                     body_coordinates += [body.place, body.place + 1, body.angle]
             self.system_size = self.size + len(body_coordinates)
         self.bodies += [attached.body for attached in self.attached]
-        maps = [
-            (part.node_map, part.coordinates) for _, part in self.beams if part.node_map is not None
-        ]
-        self.nodes = LinkNodes(maps, self.size, body_coordinates)
+        maps = [(part.node_map, part.coordinates.start) for _, part in self.beams]
+        mapped = (Arms if self.kind.has_angles else PolarSlopes).joined(maps)
+        self.nodes = LinkNodes(mapped, self.size, body_coordinates)
 
     @property
     def beams(self) -> Iterator[tuple[int, BeamPart]]:

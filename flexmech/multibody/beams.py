@@ -32,6 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import SAME_PLACE, FloatArray, IntArray
+from flexmech.beams.beam_shapes import hermite
 from flexmech.errors import InputError
 from flexmech.linear_system import RigidFields
 from flexmech.mechanism import Mechanism
@@ -252,19 +253,9 @@ class AncfCable(BeamKind):
 
     def shape_functions(self, fraction: FloatArray, length: FloatArray) -> FloatArray:
         """Cubic Hermite in both directions; see :class:`BeamKind`."""
-        s = fraction
-        hermite = np.stack(
-            [
-                1 - 3 * s**2 + 2 * s**3,
-                length * (s - 2 * s**2 + s**3),
-                3 * s**2 - 2 * s**3,
-                length * (s**3 - s**2),
-            ],
-            axis=-1,
-        )
-        values = np.zeros((len(s), 2, 8))
-        values[:, 0, 0::2] = hermite
-        values[:, 1, 1::2] = hermite
+        [cubics] = hermite(fraction, np.broadcast_to(length, fraction.shape), 0)
+        values = np.zeros((len(fraction), 2, 8))
+        values[:, 0, 0::2] = values[:, 1, 1::2] = cubics
         return values
 
     def strains(
@@ -428,16 +419,10 @@ def refuse_sections(mechanism: Mechanism, kind: str) -> None:
         )
 
 
-def _cubic_derivatives(points: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _cubic_derivatives(points: FloatArray, length: FloatArray) -> list[FloatArray]:
     """First and second derivatives of the cubics at points (g,) from -1 to 1, (e, g, 4)."""
-    s = (points + 1) / 2
-    first = np.stack([6 * s**2 - 6 * s, 1 - 4 * s + 3 * s**2, 6 * s - 6 * s**2, 3 * s**2 - 2 * s])
-    second = np.stack([12 * s - 6, 6 * s - 4, 6 - 12 * s, 6 * s - 2])
-    h = length[:, None, None]
-    unit = np.ones_like(h)
-    # A displacement's derivative is divided by the length once more than a slope's.
-    scale = np.concatenate([1 / h, unit, 1 / h, unit], axis=-1)
-    return first.T * scale, second.T * scale / h
+    places = np.tile((points + 1) / 2, len(length)), np.repeat(length, len(points))
+    return [shapes.reshape(len(length), len(points), 4) for shapes in hermite(*places, 2)[1:]]
 
 
 def _interpolated(chain: FloatArray, shapes: FloatArray) -> FloatArray:

@@ -18,7 +18,6 @@ from flexmech.linear_system import (
     refuse_positions,
     rigid_link,
 )
-from flexmech.linear_system.links.link_model import NONE
 from flexmech.linkages import RigidMotion, turned
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import ROUND_OFF, load_exudyn
@@ -200,9 +199,8 @@ def internal_forces(model: StaticModel, displacement: Sequence[FloatArray]) -> l
         if not isinstance(part, BeamPart):
             forces.append(np.zeros_like(q))
             continue
-        mapped = part.node_map
-        force = _internal_force(part, q if mapped is None else mapped.to_nodes(q))
-        forces.append(force if mapped is None else mapped.force(q, force))
+        force = _internal_force(part, part.node_map.to_nodes(q))
+        forces.append(part.node_map.force(q, force))
     return forces
 
 
@@ -226,8 +224,7 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
             continue
         count, size = len(part.nodes), len(part.straight)
         own = [matrix[part.coordinates, part.coordinates] for matrix in (mass, stiffness, damping)]
-        if part.arms is not None:
-            own = [part.arms.matrix(np.zeros(size), matrix) for matrix in own]
+        own = [part.node_map.matrix(np.zeros(size), matrix) for matrix in own]
         x, y = kind.vector_pairs(count)
         gyroscopic, centrifugal_mass, first_moment = _inertia(own[0], x, y)
         if part.mass is not None:
@@ -255,7 +252,7 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
                 kind.shape_functions,
                 slope=kind.clamped,
                 deflection=kind.deflection,
-                polar=NONE if part.polar is None else part.polar.first,
+                polar=part.stretches,
             ),
             fields=part.fields,
             vectors=np.stack([x, y]),
@@ -367,10 +364,11 @@ class _Tangents:
         for link, part in enumerate(self._assembly.parts):
             own = part.coordinates
             stiffness, damping = self._matrices[link]
-            if isinstance(part, BeamPart) and (mapped := part.node_map) is not None:
+            mapped = part.node_map
+            if isinstance(part, BeamPart) and len(mapped.first):
                 state = self._state[:, own]
                 force = _internal_force(part, mapped.to_nodes(state))
-                if part.polar is not None:
+                if not part.bodies:
                     force -= self._outer[:, own]
                 stiffness = mapped.tangent(state, stiffness, force)
                 damping = mapped.matrix(state, damping)

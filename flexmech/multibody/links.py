@@ -19,6 +19,7 @@ import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system import RigidBody, RigidFields, body_nodes
+from flexmech.linear_system.links.link_model import NONE
 from flexmech.linkages import LinkBody, LinkEnd, LinkMass, Load
 from flexmech.linkages.link_mass import LEAST_DISTANCE
 from flexmech.linkages.motion import direction
@@ -35,7 +36,7 @@ from flexmech.multibody.beams import (
     point_masses_at,
 )
 from flexmech.multibody.items import ItemNumber, SystemItems
-from flexmech.multibody.node_maps import Arms, PolarSlopes
+from flexmech.multibody.node_maps import Arms, NodeMap, PolarSlopes
 from flexmech.sections import BeamSection
 
 
@@ -57,6 +58,9 @@ class LinkPart:
         At the nodes, with all mass; of cables, whose elements carry it, there are none.
     coordinates : slice
         Where the link's coordinates are in those of all links.
+    node_map : NodeMap
+        Map from them to those of the nodes, on the neutral axis. Of a cable it is of nodes at
+        which something holds the direction of the slope.
     """
 
     name: str
@@ -66,16 +70,12 @@ class LinkPart:
     nodes: list[ItemNumber]
     bodies: list[ItemNumber]
     coordinates: slice
-
-    @property
-    def node_map(self) -> Arms | PolarSlopes | None:
-        """Map from the link's coordinates to those of its nodes; None where they are the same."""
-        return None
+    node_map: NodeMap
 
     @property
     def axis_below(self) -> float:
         """Distance of the nodes from the pins' axis, across the link, in m."""
-        return self.node_map.length if isinstance(self.node_map, Arms) else 0.0
+        return float(self.node_map.length)
 
     @property
     def firsts(self) -> IntArray:
@@ -93,10 +93,17 @@ class LinkPart:
         """X and y coordinates of all vectors among the forces on Exudyn's coordinates."""
         return self.kind.vector_pairs(len(self.nodes))
 
-    @property
+    @cached_property
     def vectors(self) -> tuple[IntArray, IntArray]:
         """X and y coordinates of all vectors in the link frame, (k,) each."""
-        return self.force_vectors
+        x, y = self.force_vectors
+        kept = ~np.isin(x, self.stretches)
+        return x[kept], y[kept]
+
+    @property
+    def stretches(self) -> IntArray:
+        """Coordinates that are stretches of slopes, next to their angles."""
+        return self.node_map.first if isinstance(self.node_map, PolarSlopes) else NONE
 
     @cached_property
     def rotation(self) -> FloatArray:
@@ -162,39 +169,17 @@ class BeamPart(LinkPart):
 
     Parameters
     ----------
-    name, length, kind, positions, nodes, bodies, coordinates
+    name, length, kind, positions, nodes, bodies, coordinates, node_map
         See :class:`LinkPart`.
     section : BeamSection
     elements : list of ItemNumber
     mass : DistributedMass or None
         Of the bodies at its nodes; None of cables.
-    arms : Arms or None
-        From the pins' axis to the nodes; None where the section is not eccentric and the
-        nodes are on it.
-    polar : PolarSlopes or None
-        Nodes at which something holds the direction of a cable's slope; None where there is no
-        such node.
     """
 
     section: BeamSection
     elements: list[ItemNumber]
     mass: DistributedMass | None
-    arms: Arms | None
-    polar: PolarSlopes | None
-
-    @property
-    def node_map(self) -> Arms | PolarSlopes | None:
-        """See :class:`LinkPart`."""
-        return self.arms or self.polar
-
-    @cached_property
-    def vectors(self) -> tuple[IntArray, IntArray]:
-        """X and y coordinates of all vectors in the link frame, (k,) each."""
-        x, y = self.force_vectors
-        if self.polar is None:
-            return x, y
-        kept = ~np.isin(x, self.polar.first)
-        return x[kept], y[kept]
 
 
 def turn_vectors(values: FloatArray, pairs: tuple[IntArray, IntArray], angle: FloatArray) -> None:
@@ -371,17 +356,16 @@ def _add_beam(
         bodies, distributed = add_node_bodies(items, name, nodes, positions, section, points, start)
     part = BeamPart(
         name,
-        float(positions[-1]),
+        mass.length,
         kind,
         positions,
         nodes,
         [body.number for body in bodies],
         slice(start, start + kind.per_node * len(nodes)),
-        section=section,
-        elements=beams,
-        mass=distributed,
-        arms=Arms(section.neutral_axis, len(nodes)) if section.is_eccentric else None,
-        polar=_polar_slopes(kind, positions, _places_with_angles(mechanism, mass, name)),
+        _node_map(kind, section, positions, _places_with_angles(mechanism, mass, name)),
+        section,
+        beams,
+        distributed,
     )
     return part, bodies
 
@@ -396,15 +380,19 @@ def _add_rigid(
     total, (along, across) = inertia.mass, inertia.first_moment
     centre = (along / total, across / total) if total else (0.0, 0.0)
     body = add_body(items, f"{name}_body", node, start, total, centre, inertia.second_moment)
-    own = slice(start, start + kind.per_node)
-    return LinkPart(name, mass.length, kind, np.zeros(1), [node], [body.number], own), [body]
+    own, straight = slice(start, start + kind.per_node), Arms(NONE)
+    nodes, bodies = [node], [body.number]
+    return LinkPart(name, mass.length, kind, np.zeros(1), nodes, bodies, own, straight), [body]
 
 
-def _polar_slopes(kind: BeamKind, positions: FloatArray, places: list[float]) -> PolarSlopes | None:
-    """Nodes of a link of cables with stretch and angle as coordinates."""
-    if kind.has_angles or not places:
-        return None
-    nodes = np.unique(np.abs(positions - np.array(places)[:, None]).argmin(axis=1))
+def _node_map(
+    kind: BeamKind, section: BeamSection, positions: FloatArray, places: list[float]
+) -> NodeMap:
+    """Arms of eccentric links, and stretch and angle of cables at places along the link in m."""
+    if kind.has_angles:
+        nodes = np.arange(len(positions)) if section.is_eccentric else NONE
+        return Arms(kind.per_node * nodes, section.neutral_axis)
+    nodes = np.unique([np.abs(positions - place).argmin() for place in places]).astype(np.intp)
     return PolarSlopes(kind.per_node * nodes + 2)
 
 

@@ -117,7 +117,7 @@ class StaticLoads:
             if not part.bodies:
                 for at in (part.firsts, part.firsts + 1):
                     mass[at, at] = assembly.point_masses(part)
-            if part.arms is not None:
+            if part.bodies and len(part.node_map.first):
                 self._add_points(link, part)
         if not elastic:
             return None

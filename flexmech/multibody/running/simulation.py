@@ -192,9 +192,8 @@ class Simulation:
         kinetic = energies.kinetic(nodes, assembly.nodes.rate_to_nodes(position, velocity))
         strain, dissipation = np.zeros((2, len(time)))
         for number, beam in assembly.beams:
-            moved, speed = displacement[number], rate[number]
-            if (mapped := beam.node_map) is not None:
-                moved, speed = mapped.to_nodes(moved), mapped.rate_to_nodes(moved, speed)
+            moved = beam.node_map.to_nodes(displacement[number])
+            speed = beam.node_map.rate_to_nodes(displacement[number], rate[number])
             for part_of in beam.kind.strains(moved, speed, np.diff(beam.positions), beam.section):
                 strain += part_of.energy
                 dissipation += part_of.dissipation
