@@ -239,9 +239,7 @@ class LinkAssembly:
     def add_fixed_coordinate(self) -> ItemNumber:
         """Add a coordinate that stays zero; returns its marker."""
         ground = self.items.add("NodePointGround", "ground_node")
-        return self.items.add(
-            "MarkerNodeCoordinate", "ground_coordinate", nodeNumber=ground, coordinate=0
-        )
+        return self.items.mark_coordinate("ground_coordinate", ground, 0)
 
     def add_constraint(
         self, name: str, fixed: ItemNumber, node: ItemNumber, coordinate: int, **offset: Any
@@ -263,9 +261,7 @@ class LinkAssembly:
         -------
         ItemNumber
         """
-        marker = self.items.add(
-            "MarkerNodeCoordinate", f"{name}_coordinate", nodeNumber=node, coordinate=coordinate
-        )
+        marker = self.items.mark_coordinate(f"{name}_coordinate", node, coordinate)
         return self.items.add("CoordinateConstraint", name, markerNumbers=[fixed, marker], **offset)
 
     def add_ground(self, name: str, place: Sequence[float]) -> tuple[ItemNumber, ItemNumber]:
@@ -289,7 +285,7 @@ class LinkAssembly:
         if self.frame is not None:
             return self.frame.body, self.frame.add_marker((x, y), f"{name}_on_frame")
         ground = self.items.add("ObjectGround", f"{name}_ground", referencePosition=[x, y, 0.0])
-        return ground, self.items.add("MarkerBodyRigid", f"{name}_on_ground", bodyNumber=ground)
+        return ground, self.items.mark_place(f"{name}_on_ground", ground)
 
     def add_ground_pin(
         self, name: str, end: LinkEnd, place: Sequence[float]
@@ -328,6 +324,15 @@ class LinkAssembly:
         """
         part = self.part_of(place)
         return self.add_axis_marker(part, 0.0 if place.end == "start" else part.length, name, angle)
+
+    def add_angle_marker(self, end: LinkEnd, name: str) -> ItemNumber:
+        """Add a marker of the angle at a link end; at a cable's a body has a node of its own."""
+        turning, node = self.turning_coordinate(end), self.end_node(end)
+        if turning is None:
+            place = self.first_coordinate(end)
+            [node] = [b.own_node for b in self.attached if b.place == place and b.own_node][:1]
+            turning = 2
+        return self.items.mark_coordinate(name, node, turning)
 
     def add_axis_marker(
         self, part: LinkPart, x: float, name: str, angle: float = 0.0
@@ -378,8 +383,6 @@ class LinkAssembly:
         ItemNumber
         """
         if not angle:
-            return self.items.add(
-                "MarkerBodyRigid", name, bodyNumber=body, localPosition=[x, y, 0.0]
-            )
+            return self.items.mark_place(name, body, x, y)
         frame = Made(turned_frame, (x, y, angle))
         return self.items.add("MarkerBodyRigid", name, bodyNumber=body, localHT=frame)

@@ -173,7 +173,7 @@ class ConnectorItems:
         drag: list[ItemNumber] = []
         if spring.torsional_stiffness or spring.torsional_damping:
             angles = [
-                self._fixed if end is None else self._add_angle(end, f"{name}_{which}_angle")
+                assembly.add_angle_marker(end, f"{name}_{which}_angle") if end else self._fixed
                 for which, end in (("leading", leader), ("following", follower))
             ]
             turning = items.add(
@@ -209,20 +209,6 @@ class ConnectorItems:
             )
         ends = follower, leader
         return JointSpringItem(spring, ends, turning, radial, tuple(drag), ground)
-
-    def _add_angle(self, end: LinkEnd, name: str) -> ItemNumber:
-        """Marker of the angle at a link end; at a cable's a body has a node of its own."""
-        assembly = self.assembly
-        turning, node = assembly.turning_coordinate(end), assembly.end_node(end)
-        if turning is None:
-            link, place = self._topology.index(end.link), assembly.first_coordinate(end)
-            node = next(
-                body.own_node
-                for body in assembly.attached
-                if body.link == link and body.place == place and body.own_node is not None
-            )
-            turning = 2
-        return assembly.items.add("MarkerNodeCoordinate", name, nodeNumber=node, coordinate=turning)
 
     def _offset_at_start(self, spring: JointSpring) -> float:
         """Free angle of a spring in a joint, beside whole turns in the angles of a start."""

@@ -380,7 +380,7 @@ class ExudynEngine(Engine):
         check_choice(integrator, INTEGRATORS, "integrator")
         model = self._running(drive, steps * step)
         simulation = Simulation(model, step, steps, integrator)
-        return ExudynSystem.of(simulation, drive, start, stride)
+        return ExudynSystem.of(simulation, start, stride)
 
     def running_clamped_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]

@@ -14,14 +14,14 @@ import numpy as np
 
 from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.files import given_path, moved_into
-from flexmech.linkages import Drive, Link
+from flexmech.linkages import Link
 from flexmech.model_text import short_repr
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import Choice, Item, ItemKind, ItemNumber, SystemItems, applied
 from flexmech.multibody.joints import SliderJoint
 from flexmech.multibody.links import BeamPart
 from flexmech.multibody.running.model import RunningModel
-from flexmech.multibody.running.script import ScriptSource, linkage_script
+from flexmech.multibody.running.script import linkage_script
 from flexmech.multibody.running.simulation import Simulation
 from flexmech.multibody.running.user_functions import (
     constraint_force,
@@ -204,15 +204,12 @@ class ExudynSystem:
     remarks: tuple[str, ...] = ()
 
     @classmethod
-    def of(
-        cls, simulation: Simulation, drive: Drive, start: LinkState, stride: int
-    ) -> ExudynSystem:
+    def of(cls, simulation: Simulation, start: LinkState, stride: int) -> ExudynSystem:
         """System of a simulation's model, with sensors added.
 
         Parameters
         ----------
         simulation : Simulation
-        drive : Drive
         start : LinkState
         stride : int
 
@@ -231,20 +228,6 @@ class ExudynSystem:
             "solution.sensors.active": True,
             "solution.sensors.writePeriod": float(simulation.step),
         }
-        script = linkage_script(
-            ScriptSource(
-                provenance=model.assembly.mechanism.provenance,
-                drive=drive,
-                items=items.listed,
-                joints=model.joints,
-                drifts=simulation.drifts,
-                coordinates=coordinates,
-                rates=rates,
-                settings=settings,
-                step=float(simulation.step),
-                stride=stride,
-            )
-        )
         return cls(
             items.container,
             items.mbs,
@@ -252,7 +235,7 @@ class ExudynSystem:
             tuple(items.listed),
             float(simulation.step),
             simulation.steps,
-            script,
+            linkage_script(simulation, coordinates, rates, settings, stride),
         )
 
     @property

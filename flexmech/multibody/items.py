@@ -203,19 +203,24 @@ class SystemItems:
         return ItemNumber(number, kind, name)
 
     def keep_angle(self, name: str, markers: list[ItemNumber]) -> ItemNumber:
-        """Keep two markers from turning against each other.
-
-        Parameters
-        ----------
-        name : str
-        markers : list of ItemNumber
-
-        Returns
-        -------
-        ItemNumber
-        """
+        """Keep two markers from turning against each other."""
         axes = [0, 0, 0, 0, 0, 1]
         return self.add("GenericJoint", name, markerNumbers=markers, constrainedAxes=axes)
+
+    def mark_place(self, name: str, body: ItemNumber, x: float = 0.0, y: float = 0.0) -> ItemNumber:
+        """Add a marker at a place of a body in m, which turns with it."""
+        return self.add("MarkerBodyRigid", name, bodyNumber=body, localPosition=[x, y, 0.0])
+
+    def mark_coordinate(self, name: str, node: ItemNumber, coordinate: int) -> ItemNumber:
+        """Add a marker of one of a node's coordinates."""
+        return self.add("MarkerNodeCoordinate", name, nodeNumber=node, coordinate=coordinate)
+
+    def add_force(
+        self, name: str, marker: ItemNumber, x: float = 0.0, y: float = 0.0, **given: Any
+    ) -> ItemNumber:
+        """Add a force at a marker in N; further arguments are what the load's class is given."""
+        vector = [float(x), float(y), 0.0]
+        return self.add("LoadForceVector", name, markerNumber=marker, loadVector=vector, **given)
 
 
 def _kind_of(type_: str) -> ItemKind:

@@ -131,17 +131,8 @@ def _tie(assembly: LinkAssembly, tie: Pin | Weld, angle: FloatArray) -> TieJoint
     links = [assembly.topology.index(end.link) for end in (tie.leader, tie.follower)]
     between = float(angle[links[1]] - angle[links[0]])
     ends, rotation = (tie.leader, tie.follower), f"{name}_rotation"
-    turning = [assembly.turning_coordinate(end) for end in ends]
-    if all(coordinate is not None for coordinate in turning):
-        angles = [
-            assembly.items.add(
-                "MarkerNodeCoordinate",
-                f"{name}_angle_of_{end.link}",
-                nodeNumber=assembly.end_node(end),
-                coordinate=coordinate,
-            )
-            for end, coordinate in zip(ends, turning, strict=True)
-        ]
+    if all(assembly.part_of(end).kind.has_angles for end in ends):
+        angles = [assembly.add_angle_marker(end, f"{name}_angle_of_{end.link}") for end in ends]
         constraint = assembly.items.add(
             "CoordinateConstraint", rotation, markerNumbers=angles, offset=between
         )

@@ -23,8 +23,8 @@ from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import ROUND_OFF, load_exudyn
 from flexmech.multibody.links import BeamPart, turn_vectors
 from flexmech.multibody.static_model import (
+    RELATIVE_RESIDUAL,
     StaticModel,
-    set_tolerance,
     simulation_settings,
     solve_static,
     static_settings,
@@ -110,7 +110,8 @@ def static_equilibrium(
         model.loads.set(forces, couples)
         loaded = float(np.abs(forces).sum()) + model.swelling_force
         loaded += 0.0 if model.connectors is None else model.connectors.scale_of_forces
-        set_tolerance(settings, loaded, round_off)
+        allowed = max(RELATIVE_RESIDUAL * loaded, round_off)
+        settings[1].staticSolver.newton.absoluteTolerance = allowed
         start = pose + assembly.turned(deformation, angle)
         if not solve_static(assembly, settings, assembly.nodes.to_nodes(start[0])):
             _solve_in_steps(model, settings, pose[0], forces, couples, motion, number)

@@ -279,17 +279,12 @@ def _fix(items: SystemItems, part: BeamPart, attached: AttachedPart, name: str) 
     """Pin a body to a cable's node and keep it from turning against the slope there."""
     places = [
         items.add("MarkerNodePosition", f"{name}_place", nodeNumber=part.nodes[attached.node]),
-        items.add("MarkerBodyRigid", f"{name}_on_body", bodyNumber=attached.body.number),
+        items.mark_place(f"{name}_on_body", attached.body.number),
     ]
     items.add("RevoluteJoint2D", f"{name}_pin", markerNumbers=places)
     element = max(attached.node - 1, 0)
     x = float(part.positions[attached.node] - part.positions[element])
-    axis = items.add(
-        "MarkerBodyRigid",
-        f"{name}_axis",
-        bodyNumber=part.elements[element],
-        localPosition=[x, 0.0, 0.0],
-    )
+    axis = items.mark_place(f"{name}_axis", part.elements[element], x)
     items.keep_angle(f"{name}_rotation", [axis, places[1]])
 
 

@@ -134,7 +134,7 @@ class StaticLoads:
         for number, coordinate in enumerate(part.firsts.tolist()):
             name = f"load_{link}_{number}"
             marker = self._assembly.add_axis_marker(part, part.positions[number], f"{name}_point")
-            self._at_points.append((self._add_load(name, marker), coordinate))
+            self._at_points.append((self._assembly.items.add_force(name, marker), coordinate))
 
     def _turning_bodies(self, link: int, part: LinkPart) -> dict[int, ItemNumber]:
         """Bodies of a link on which dead loads have moments, by their angle coordinate."""
@@ -147,19 +147,12 @@ class StaticLoads:
 
     def _add_couple(self, link: int, angle: int, body: ItemNumber) -> TurningBody:
         """Forces at the node of a body and at a link's length from it along the link."""
-        name, length = f"load_{link}_{angle}", self._assembly.parts[link].length
+        name, items = f"load_{link}_{angle}", self._assembly.items
         start, end = (
-            self._add_load(
-                f"{name}_at_{i}", self._assembly.add_body_frame(body, f"{name}_point_{i}", x)
-            )
-            for i, x in enumerate((0.0, length))
+            items.add_force(f"{name}_at_{i}", items.mark_place(f"{name}_point_{i}", body, x))
+            for i, x in enumerate((0.0, self._assembly.parts[link].length))
         )
         return TurningBody(link, angle, start, end)
-
-    def _add_load(self, name: str, marker: ItemNumber) -> ItemNumber:
-        return self._assembly.items.add(
-            "LoadForceVector", name, markerNumber=marker, loadVector=[0.0, 0.0, 0.0]
-        )
 
 
 def _set_load(mbs: Any, load: ItemNumber, force: FloatArray) -> None:
@@ -323,7 +316,7 @@ class StaticModel:
             ground = items.add("ObjectGround", f"{name}_ground")
             turn = float(angle[assembly.topology.index(clamp.link_end.link)] - angle[assembly.base])
             frames = [
-                assembly.add_body_frame(ground, f"{name}_on_ground", 0.0),
+                items.mark_place(f"{name}_on_ground", ground),
                 assembly.add_frame_marker(clamp.link_end, f"{name}_axis", -turn),
             ]
             items.keep_angle(name, frames)
@@ -364,28 +357,14 @@ def static_settings() -> tuple[Any, Any]:
 
     Forces out of balance are no measure beside a stiff link: what its round-off hides may bend a
     soft one that is pinned to it. So Newton's method goes on until its step is small, and is
-    content with forces that are round-off only where no step ever is; see :func:`set_tolerance`.
+    content with forces that are round-off, the absolute tolerance of the second ones, only where no
+    step ever is.
 
     Returns
     -------
     tuple of exudyn.SimulationSettings
     """
     return simulation_settings(LAST_STEP, of_steps=True), simulation_settings()
-
-
-def set_tolerance(settings: tuple[Any, Any], loaded: float, round_off: float) -> None:
-    """Set which forces out of balance :func:`static_settings` are content with.
-
-    Parameters
-    ----------
-    settings : tuple of exudyn.SimulationSettings
-    loaded : float
-        Size of the loads in N.
-    round_off : float
-        Of forces between nodes in N.
-    """
-    allowed = max(RELATIVE_RESIDUAL * loaded, round_off)
-    settings[1].staticSolver.newton.absoluteTolerance = allowed
 
 
 def solve_static(assembly: LinkAssembly, settings: Sequence[Any], start: FloatArray) -> bool:

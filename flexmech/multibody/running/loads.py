@@ -157,19 +157,14 @@ class SectionCouples:
             series = _angle_over_crank(linkage, number, first, last)
             if drive.is_constant and np.abs(series.deriv(2).coef).max() < UNIFORM:
                 continue
-            part = self._assembly.parts[number]
-            self._assembly.items.begin(f"{part.name}: couples that accelerate its sections")
+            part, items = self._assembly.parts[number], self._assembly.items
+            items.begin(f"{part.name}: couples that accelerate its sections")
             for end, node, sign in (("start", part.nodes[0], -1), ("end", part.nodes[-1], 1)):
                 name = f"{part.name}_sections_{end}"
-                marker = self._assembly.items.add("MarkerNodePosition", name, nodeNumber=node)
+                marker = items.add("MarkerNodePosition", name, nodeNumber=node)
                 given = (shaft, lead, [first, last], series.coef.tolist(), sign * rotary)
-                self._assembly.items.add(
-                    "LoadForceVector",
-                    f"{name}_force",
-                    markerNumber=marker,
-                    loadVector=[0.0, 0.0, 0.0],
-                    loadVectorUserFunction=Made(section_couples, given),
-                )
+                force = Made(section_couples, given)
+                items.add_force(f"{name}_force", marker, loadVectorUserFunction=force)
 
     def energy_and_power(
         self,
@@ -407,9 +402,8 @@ def add_running_loads(assembly: LinkAssembly, energies: LinkEnergies) -> None:
         if body.mass:
             name = f"{body.number.name}_weight"
             assembly.items.begin(f"{body.number.name}: weight")
-            marker = assembly.add_body_frame(body.number, f"{name}_centre", *body.centre)
-            force = [float(body.mass * x), float(body.mass * y), 0.0]
-            assembly.items.add("LoadForceVector", name, markerNumber=marker, loadVector=force)
+            marker = assembly.items.mark_place(f"{name}_centre", body.number, *body.centre)
+            assembly.items.add_force(name, marker, body.mass * x, body.mass * y)
     for _, part in assembly.beams:
         if part.bodies:
             continue
@@ -447,21 +441,14 @@ def add_impacts(assembly: LinkAssembly, drive: Drive, impacts: Sequence[Impact])
     for count, impact in enumerate(impacts):
         assembly.items.begin(f"impact on {impact.point}")
         link = impact.point.index(assembly.topology)
-        force = _PulseForce(impact, drive, assembly.mechanism.linkage, link)
         part = assembly.parts[link]
         if not isinstance(part, BeamPart):
             raise InputError(
                 f"the impact is on the {part.name}, which is rigid; strike an elastic link"
             )
-        shares = _shares(assembly, part, impact.point.fraction, f"impact_{count}")
-        for marker, share in shares:
-            assembly.items.add(
-                "LoadForceVector",
-                f"{marker.name}_force",
-                markerNumber=marker,
-                loadVector=[0.0, 0.0, 0.0],
-                loadVectorUserFunction=force.times(share),
-            )
+        for marker, share in _shares(assembly, part, impact.point.fraction, f"impact_{count}"):
+            force = _pulse_force(impact, drive, assembly.mechanism.linkage, link, share)
+            assembly.items.add_force(f"{marker.name}_force", marker, loadVectorUserFunction=force)
 
 
 def _shares(
@@ -481,27 +468,18 @@ def _shares(
         yield assembly.add_axis_marker(part, float(part.positions[number]), node_name), share
 
 
-@dataclass(frozen=True)
-class _PulseForce:
-    """Force of an impact in ground axes, as a user function."""
+def _pulse_force(impact: Impact, drive: Drive, linkage: Linkage, link: int, share: float) -> Any:
+    """User function of a load that carries a share of an impact's force in ground axes."""
 
-    impact: Impact
-    drive: Drive
-    linkage: Linkage
-    link: int
+    def force(mbs: Any, t: float, load: Any) -> list[float]:
+        # Exudyn asks for it several times a step, nearly always outside the pulse.
+        pulse = impact.pulse
+        if not pulse.start < t < pulse.end:
+            return [0.0, 0.0, 0.0]
+        size = share * float(pulse.force(t))
+        angle = float(drive.motion(linkage, np.array([t])).angle[0, link])
+        if impact.direction == "transverse":
+            angle += math.pi / 2
+        return [size * math.cos(angle), size * math.sin(angle), 0.0]
 
-    def times(self, share: float) -> Any:
-        """User function of a load that carries a share of the force."""
-
-        def force(mbs: Any, t: float, load: Any) -> list[float]:
-            # Exudyn asks for it several times a step, nearly always outside the pulse.
-            pulse = self.impact.pulse
-            if not pulse.start < t < pulse.end:
-                return [0.0, 0.0, 0.0]
-            size = share * float(pulse.force(t))
-            angle = float(self.drive.motion(self.linkage, np.array([t])).angle[0, self.link])
-            if self.impact.direction == "transverse":
-                angle += math.pi / 2
-            return [size * math.cos(angle), size * math.sin(angle), 0.0]
-
-        return force
+    return force

@@ -87,9 +87,6 @@ class RunningModel:
         What the integration rule leaves to drift.
     frame : FrameBody or None
         The frame on springs that carries the linkage and the hub.
-    total_size : int
-        Coordinates of the links, of attached bodies, of a motor or of a frame on springs, and of
-        the hub, which come last.
     """
 
     def __init__(
@@ -107,15 +104,10 @@ class RunningModel:
         self.assembly = assembly = LinkAssembly(mechanism, elements, kind, bodies_have_mass=True)
         self.energies = LinkEnergies(assembly, links)
         self._motor = torque if isinstance(torque, MotorOnHub) else None
-        self.total_size = assembly.system_size + 3
-        if self._motor is not None:
-            self.total_size += self._motor.count
         self.frame = FrameBody.of(mechanism, assembly.items, assembly.system_size)
         assembly.frame = self.frame
-        if self.frame is not None:
-            if torque is not None:
-                require_standing_frame(mechanism.frame, "a run with a free shaft")
-            self.total_size += 3
+        if torque is not None:
+            require_standing_frame(mechanism.frame, "a run with a free shaft")
         self._start = mechanism.linkage.motion(drive.crank_angle(0.0))
         self.shaft = Shaft(
             float(self._start.angle[assembly.base]),
@@ -199,11 +191,6 @@ class RunningModel:
                 force[:, names.index(joint)] += sprung[name]
         return force
 
-    @property
-    def multiplier_count(self) -> int:
-        """Number of Lagrange multipliers."""
-        return len(self.assembly.mbs.systemData.GetAECoordinates())
-
     def driving_torque(
         self, time: FloatArray, position: FloatArray, velocity: FloatArray, multiplier: FloatArray
     ) -> FloatArray:
@@ -212,7 +199,7 @@ class RunningModel:
         Parameters
         ----------
         time : ndarray, shape (m,)
-        position, velocity : ndarray, shape (m, total_size)
+        position, velocity : ndarray, shape (m, n)
         multiplier : ndarray, shape (m, n_multipliers)
         """
         if isinstance(self.torque, MotorOnHub):
@@ -235,9 +222,10 @@ class RunningModel:
 
         Returns
         -------
-        ndarray, shape (total_size,)
-            Exudyn's coordinates, those of the hub last.
-        ndarray, shape (total_size,)
+        ndarray, shape (n,)
+            Exudyn's coordinates: of links and attached bodies, of a motor or of a frame on
+            springs, and of the hub, which come last.
+        ndarray, shape (n,)
             Their rates.
         """
         nodes = self.assembly.nodes.to_nodes(position)
@@ -287,47 +275,40 @@ class RunningModel:
         )
 
     def _add_hub(self, fixed: ItemNumber) -> tuple[ItemNumber, ItemNumber | None]:
-        """Body that turns with the shaft, and the constraint on its angle, if there is one."""
-        assembly, items = self.assembly, self.assembly.items
-        if self.torque is not None:
-            return self._add_free_hub(self.torque), None
-        items.begin("crank drive: a hub without mass, turned by the shaft")
-        node = self._add_hub_node()
-        if self.frame is not None:
-            # The drive stands on the frame: what it prescribes is the angle against that.
-            fixed = self.frame.add_angle_marker("frame_angle")
-        drive = assembly.add_constraint("crank_drive", fixed, node, 2, **self._turning())
-        return items.add("ObjectRigidBody2D", "hub", nodeNumber=node, mass=0.0, inertia=0.0), drive
+        """Body that turns with the shaft, and the constraint on its angle, if there is one.
 
-    def _add_hub_node(self) -> ItemNumber:
-        """Node of the hub, pinned to the shaft's axis."""
-        assembly, items = self.assembly, self.assembly.items
+        Without that it has the shaft's inertia, and a torque over time or a motor turns it.
+        """
+        assembly, items, torque = self.assembly, self.assembly.items, self.torque
+        items.begin(
+            "crank drive: a hub without mass, turned by the shaft"
+            if torque is None
+            else "crank drive: a free hub with the shaft's inertia, turned by a torque"
+        )
+        of_motor = torque.add_node(items) if isinstance(torque, MotorOnHub) else []
         node = items.add("NodeRigidBody2D", "hub_node")
         on_hub = items.add("MarkerNodeRigid", "hub_axis", nodeNumber=node)
         markers = [assembly.add_ground("hub_bearing", _AXIS)[1], on_hub]
         items.add("RevoluteJoint2D", "hub_bearing", markerNumbers=markers)
-        return node
-
-    def _add_free_hub(self, torque: TorqueTable | MotorOnHub) -> ItemNumber:
-        """Body with the shaft's inertia, turned by a torque over time or a motor."""
-        assembly, items = self.assembly, self.assembly.items
-        items.begin("crank drive: a free hub with the shaft's inertia, turned by a torque")
-        of_motor = torque.add_node(items) if isinstance(torque, MotorOnHub) else []
-        node = self._add_hub_node()
-        inertia = float(assembly.mechanism.shaft_inertia)
+        drive = None
+        if torque is None:
+            if self.frame is not None:
+                # The drive stands on the frame: what it prescribes is the angle against that.
+                fixed = self.frame.add_angle_marker("frame_angle")
+            drive = assembly.add_constraint("crank_drive", fixed, node, 2, **self._turning())
+        inertia = 0.0 if torque is None else float(assembly.mechanism.shaft_inertia)
         hub = items.add("ObjectRigidBody2D", "hub", nodeNumber=node, mass=0.0, inertia=inertia)
         if isinstance(torque, MotorOnHub):
             torque.add_object(items, of_motor, node)
-            return hub
-        marker = items.add("MarkerNodeRigid", "hub_marker", nodeNumber=node)
-        items.add(
-            "LoadTorqueVector",
-            "crank_drive",
-            markerNumber=marker,
-            loadVector=[0.0, 0.0, 1.0],
-            loadVectorUserFunction=torque.user_function(),
-        )
-        return hub
+        elif torque is not None:
+            items.add(
+                "LoadTorqueVector",
+                "crank_drive",
+                markerNumber=on_hub,
+                loadVector=[0.0, 0.0, 1.0],
+                loadVectorUserFunction=torque.user_function(),
+            )
+        return hub, drive
 
     def _turning(self) -> dict[str, Any]:
         """Constraint on the hub's angle: a constant speed, or angle and speed of time."""

@@ -6,10 +6,10 @@ of one type that follow each other stand in a table.
 
 from __future__ import annotations
 
-import inspect
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
+from inspect import getmodule, getsource
 from itertools import groupby
 from textwrap import wrap
 from types import MethodType
@@ -22,40 +22,11 @@ from flexmech.errors import one_line
 from flexmech.linkages import Drive
 from flexmech.mechanism import Provenance
 from flexmech.multibody.items import Choice, Item, ItemNumber, Made, Setting
-from flexmech.multibody.running.user_functions import (
-    AngleGap,
-    ClosedJoints,
-    JoinedEnd,
-    LineGap,
-    PlaceGap,
-    Shaft,
-    constraint_force,
-    difference_mass,
-    guide_line_force,
-    load_history,
-    middle_deflection,
-    section_couples,
-    torque_history,
-    turned_frame,
-)
+from flexmech.multibody.running import user_functions
+from flexmech.multibody.running.simulation import Simulation
 
-# In the order in which they need each other.
-SHARED = (
-    Shaft,
-    JoinedEnd,
-    PlaceGap,
-    AngleGap,
-    LineGap,
-    ClosedJoints,
-    difference_mass,
-    turned_frame,
-    load_history,
-    section_couples,
-    torque_history,
-    middle_deflection,
-    constraint_force,
-    guide_line_force,
-)
+# All that a script may hold, in the order in which they need each other.
+SHARED = [item for item in vars(user_functions).values() if getmodule(item) is user_functions]
 
 
 # Columns of a script, as the usual formatter of Python leaves it.
@@ -263,65 +234,44 @@ for name, history in table.items():
         )"""
 
 
-@dataclass(frozen=True)
-class ScriptSource:
-    """Data from which a script is written.
-
-    Parameters
-    ----------
-    provenance : Provenance
-        Of the mechanism.
-    drive : Drive
-    items : sequence of Item
-    joints : ClosedJoints
-    drifts : bool
-        Whether these need to be put in place after every step.
-    coordinates, rates : ndarray, shape (n,)
-        Exudyn's at time zero, node by node.
-    settings : mapping of str to Setting
-    step : float
-        In s.
-    stride : int
-        Steps from one written sample to the next.
-    """
-
-    provenance: Provenance
-    drive: Drive
-    items: Sequence[Item]
-    joints: ClosedJoints
-    drifts: bool
-    coordinates: FloatArray
-    rates: FloatArray
-    settings: Mapping[str, Setting]
-    step: float
-    stride: int
-
-
-def linkage_script(source: ScriptSource) -> str:
+def linkage_script(
+    simulation: Simulation,
+    coordinates: FloatArray,
+    rates: FloatArray,
+    settings: Mapping[str, Setting],
+    stride: int,
+) -> str:
     """Write the script.
 
     Parameters
     ----------
-    source : ScriptSource
+    simulation : Simulation
+    coordinates, rates : ndarray, shape (n,)
+        Exudyn's at time zero, node by node.
+    settings : mapping of str to Setting
+    stride : int
+        Steps from one written sample to the next.
 
     Returns
     -------
     str
     """
-    body = "\n".join(_body(source))
+    model = simulation.model
+    start = _start(model.assembly.items.listed, coordinates, rates)
+    body = "\n".join(_body(simulation, start, settings, stride))
     needed: list[str] = []
-    for each in reversed(SHARED):
-        if each.__name__ in "\n".join([body, *needed]):
-            needed.insert(0, inspect.getsource(each).rstrip())
-    return "\n\n\n".join([_head(source), *needed, body]) + "\n"
+    for shared in reversed(SHARED):
+        if shared.__name__ in "\n".join([body, *needed]):
+            needed.insert(0, getsource(shared).rstrip())
+    head = _head(model.assembly.mechanism.provenance, model.drive)
+    return "\n\n\n".join([head, *needed, body]) + "\n"
 
 
-def _head(source: ScriptSource) -> str:
+def _head(provenance: Provenance, drive: Drive) -> str:
     """Docstring and imports."""
-    provenance = source.provenance
     origin = f" from {provenance.file} (SHA-256 {provenance.sha256})" if provenance.file else ""
     texts = [
-        f"{provenance.name}, running at {source.drive.words}, as an Exudyn model.",
+        f"{provenance.name}, running at {drive.words}, as an Exudyn model.",
         f"Written by flexmech{origin}. All numbers are in SI units, angles in rad. It prints the "
         "greatest deflection of every link and writes the histories beside itself, as a CSV "
         "file; with --view it shows the linkage while it runs.",
@@ -330,29 +280,34 @@ def _head(source: ScriptSource) -> str:
     return HEAD.format("\n\n".join("\n".join(wrap(text, WIDTH - 3)) for text in safe))
 
 
-def _body(source: ScriptSource) -> Iterator[str]:
+def _body(
+    simulation: Simulation,
+    start: Iterable[Expression],
+    settings: Mapping[str, Setting],
+    stride: int,
+) -> Iterator[str]:
     """Lines of the program itself."""
-    joints = source.joints
+    joints, listed = simulation.model.joints, simulation.model.assembly.items.listed
     yield "# Parameters: how the shaft turns, the time step, and steps between written samples."
     yield from statement("shaft = ", expression(joints.shaft))
-    steps = source.settings["timeIntegration.numberOfSteps"]
-    yield from (f"STEP = {source.step!r}  # s", f"STEPS = {steps}", f"STRIDE = {source.stride}")
+    step, steps = float(simulation.step), settings["timeIntegration.numberOfSteps"]
+    yield from (f"STEP = {step!r}  # s", f"STEPS = {steps}", f"STRIDE = {stride}")
     yield SYSTEM
-    for subject, items in groupby(source.items, key=lambda item: item.subject):
+    for subject, items in groupby(listed, key=lambda item: item.subject):
         yield f"\n# {subject[:1].upper()}{subject[1:]}."
         for _, alike in groupby(items, key=lambda item: (item.type, tuple(item.values))):
             yield from _added(list(alike))
     yield "\n# Displacement from the undeformed links along x, and velocity, at time zero."
-    yield from statement("start = ", Brackets("{", tuple(_start(source)), "}"))
+    yield from statement("start = ", Brackets("{", tuple(start), "}"))
     yield START
-    if source.drifts:
+    if simulation.drifts:
         yield "\n# What constraints on velocities leave to drift."
         fixed = {"shaft": "shaft"}
         given = (
             pair(f.name, fixed.get(f.name, expression(getattr(joints, f.name))))
             for f in fields(joints)
         )
-        yield from statement("joints = ", call(type(joints).__name__, *given))
+        yield from statement("joints = ", call("ClosedJoints", *given))
         yield "mbs.SetPostStepUserFunction(joints.after_step)"
     yield "\n# Settings."
     yield "settings = exu.SimulationSettings()"
@@ -361,11 +316,11 @@ def _body(source: ScriptSource) -> Iterator[str]:
         "timeIntegration.endTime": "STEPS * STEP",
         "solution.sensors.writePeriod": "STEP",
     }
-    for path, value in source.settings.items():
+    for path, value in settings.items():
         yield from statement(f"settings.{path} = ", named.get(path, expression(value)))
     yield SOLVE
     yield "\n# Histories: column, sensor, component. Forces hold all frequencies, unfiltered."
-    rows = tuple(expression(column) for column in _columns(source.items))
+    rows = tuple(expression(column) for column in _columns(listed))
     yield from statement("columns = ", Brackets("[", rows, "]"))
     yield PRINT
 
@@ -395,14 +350,15 @@ def _one(item: Item, name: str, values: Mapping[str, Expression], depth: int = 0
     yield from statement(f"{item.kind}s[{name}] = ", added, depth=depth)
 
 
-def _start(source: ScriptSource) -> Iterator[Expression]:
+def _start(
+    items: Sequence[Item], coordinates: FloatArray, rates: FloatArray
+) -> Iterator[Expression]:
     """Entry of each node: its coordinates and velocities."""
     first = 0
-    for item in source.items:
-        count = _COORDINATES.get(item.type, 0) if item.kind == "node" else 0
-        if count:
+    for item in items:
+        if count := _COORDINATES.get(item.type, 0):
             own = slice(first, first + count)
-            both = (expression(source.coordinates[own]), expression(source.rates[own]))
+            both = expression(coordinates[own]), expression(rates[own])
             yield Brackets("(", both, ")", f"{quoted(item.name)}: ")
             first += count
 

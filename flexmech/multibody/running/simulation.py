@@ -16,6 +16,7 @@ from flexmech.errors import InputError
 from flexmech.linear_system import LinkModel, LinkPoint, displacement_row
 from flexmech.linkages import MotorRun, RigidMotion, Topology, carried_motion
 from flexmech.multibody.items import Setting, applied, load_exudyn, solver_settings
+from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.loads import SectionCouples
 from flexmech.multibody.running.model import RunningModel
 from flexmech.time_domain import (
@@ -148,7 +149,7 @@ class Simulation:
         Parameters
         ----------
         time : ndarray, shape (m,)
-        position : ndarray, shape (m, total_size)
+        position : ndarray, shape (m, n)
             Exudyn's coordinates.
 
         Returns
@@ -167,7 +168,7 @@ class Simulation:
         Parameters
         ----------
         time : ndarray, shape (m,)
-        position, velocity : ndarray, shape (m, total_size)
+        position, velocity : ndarray, shape (m, n)
             Exudyn's coordinates.
         multiplier : ndarray, shape (m, n_multipliers)
 
@@ -179,11 +180,10 @@ class Simulation:
         shaft = self._shaft_motion(time, position, velocity)
         torque = self.model.driving_torque(time, position, velocity, multiplier)
         motion = self._motion(time) if shaft is None else self._displaced_motion(time, shaft)
-        frame = self._frame_motion(position, velocity)
-        carried, turn = motion, np.zeros(len(time))
-        if frame is not None:
-            carried = self._carried(motion, frame)
-            turn = frame.displacement[:, 2]
+        frame, carried, turn = None, motion, np.zeros(len(time))
+        if (body := self.model.frame) is not None:
+            frame = body.motion(position, velocity)
+            carried, turn = _carried(body, motion, frame), frame.displacement[:, 2]
         links = slice(0, assembly.size)
         velocity = assembly.nodes.rate_to_axis(position[:, links], velocity[:, links])
         position = assembly.nodes.to_axis(position[:, links])
@@ -221,19 +221,8 @@ class Simulation:
             prestress_power=work.power + power,
             shaft=shaft,
         )
-        body, weight = self.model.frame, assembly.mechanism.gravity
+        weight = assembly.mechanism.gravity
         return block if body is None or frame is None else body.added(block, frame, weight)
-
-    def _frame_motion(self, position: FloatArray, velocity: FloatArray) -> FrameMotion | None:
-        """Motion of a frame on springs; None of one that stands."""
-        frame = self.model.frame
-        return None if frame is None else frame.motion(position, velocity)
-
-    def _carried(self, motion: RigidMotion, moved: FrameMotion) -> RigidMotion:
-        """Motion of the rigid linkage on its frame, whose acceleration does not count here."""
-        assert self.model.frame is not None
-        centre = self.model.frame.frame.centre
-        return carried_motion(centre, motion, moved.displacement, moved.rate)
 
     def _shaft_motion(
         self, time: FloatArray, position: FloatArray, velocity: FloatArray
@@ -262,9 +251,9 @@ class Simulation:
 
         Returns
         -------
-        ndarray, shape (total_size,)
+        ndarray, shape (n,)
             Exudyn's coordinates.
-        ndarray, shape (total_size,)
+        ndarray, shape (n,)
             Their rates.
 
         Raises
@@ -276,7 +265,7 @@ class Simulation:
         motion, moved = self._motion(np.zeros(1)), None
         if self.model.frame is not None:
             moved = start.moved
-            motion = self._carried(motion, moved)
+            motion = _carried(self.model.frame, motion, moved)
         position, velocity = self.model.assembly.in_ground_axes(motion, *batch)
         gap = self.model.greatest_gap(position[0], moved)
         allowed = START_GAP * sum(link.length for link in self.model.assembly.topology.links)
@@ -316,19 +305,15 @@ class _Steps:
         self._recorder = recorder
         self._progress = progress
         self._out = sys.stdout
-        self._first = self._count = 0
-        size = simulation.model.total_size
-        multipliers = simulation.model.multiplier_count
-        # Exudyn's own time, the sum of its steps, at which the shaft's angle is prescribed.
-        self._time: FloatArray = np.empty(BLOCK_STEPS)
-        self._position: FloatArray = np.empty((BLOCK_STEPS, size))
-        self._velocity: FloatArray = np.empty((BLOCK_STEPS, size))
-        self._multiplier: FloatArray = np.empty((BLOCK_STEPS, multipliers))
+        self._first = 0
+        # Exudyn's own time, the sum of its steps, at which the shaft's angle is prescribed; its
+        # coordinates, their rates and the multipliers.
+        self._rows: list[tuple[float, FloatArray, FloatArray, FloatArray]] = []
 
     @property
     def last(self) -> int:
         """Number of the last step taken; 0 is the start."""
-        return self._first + self._count - 1
+        return self._first + len(self._rows) - 1
 
     def take(self, mbs: Any, time: float) -> bool:
         """Exudyn's user function after the start and after every step; false stops it.
@@ -337,7 +322,7 @@ class _Steps:
         """
         try:
             self._copy(mbs.systemData, time)
-            if self._count == BLOCK_STEPS:
+            if len(self._rows) == BLOCK_STEPS:
                 self.hand_over()
             if self._progress is not None and self.last % PROGRESS_STEPS == 0:
                 with contextlib.redirect_stdout(self._out):
@@ -349,11 +334,10 @@ class _Steps:
 
     def hand_over(self) -> None:
         """Give the block to the recorder; its last step becomes the first of the next."""
-        count = self._count
-        if count < 2:
+        if len(self._rows) < 2:
             return
-        blocks = (self._time, self._position, self._velocity, self._multiplier)
-        time, position, velocity, multiplier = (values[:count].copy() for values in blocks)
+        columns = zip(*self._rows, strict=True)
+        time, position, velocity, multiplier = (np.array(values) for values in columns)
         finite = np.isfinite([position.sum(1), velocity.sum(1), multiplier.sum(1)]).all(axis=0)
         if not finite.all():
             first_bad = self._first + int(np.argmin(finite))
@@ -365,21 +349,19 @@ class _Steps:
             if block.shaft is not None and not isinstance(self._simulation.model.drive, MotorRun):
                 block.shaft.refuse_runaway(self._simulation.model.drive, time)
             self._recorder.add(block)
-        for values in blocks:
-            values[0] = values[count - 1]
-        self._first, self._count = self._first + count - 1, 1
+        self._first, self._rows = self.last, self._rows[-1:]
 
     def _copy(self, data: Any, time: float) -> None:
-        row = self._count
         position = data.GetODE2Coordinates()
         if self._simulation.drifts:
             self._simulation.model.joints.correct_coordinates(position, time)
             data.SetODE2Coordinates(position)
-        self._time[row] = time
-        self._position[row] = position
-        self._velocity[row] = data.GetODE2Coordinates_t()
-        self._multiplier[row] = data.GetAECoordinates()
-        self._count += 1
+        self._rows.append((time, position, data.GetODE2Coordinates_t(), data.GetAECoordinates()))
+
+
+def _carried(body: FrameBody, motion: RigidMotion, moved: FrameMotion) -> RigidMotion:
+    """Motion of the rigid linkage on its frame, whose acceleration does not count here."""
+    return carried_motion(body.frame.centre, motion, moved.displacement, moved.rate)
 
 
 def _step_error(simulation: Simulation, number: int, cause: str) -> UnbalancedStepError:
