@@ -7,6 +7,7 @@ assembly, add these to it in their own order, and assemble the system.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -236,23 +237,24 @@ class LinkAssembly:
         ]
         return np.concatenate(carried, axis=1)
 
-    def add_fixed_coordinate(self) -> ItemNumber:
-        """Add a coordinate that stays zero; returns its marker."""
+    @cached_property
+    def fixed(self) -> ItemNumber:
+        """Marker of a coordinate that stays zero, added where it is first needed."""
         ground = self.items.add("NodePointGround", "ground_node")
         return self.items.mark_coordinate("ground_coordinate", ground, 0)
 
     def add_constraint(
-        self, name: str, fixed: ItemNumber, node: ItemNumber, coordinate: int, **offset: Any
+        self, name: str, before: ItemNumber, node: ItemNumber, coordinate: int, **offset: Any
     ) -> ItemNumber:
-        """Keep a node's coordinate at an offset from the fixed one.
+        """Keep a node's coordinate at an offset from another one.
 
         Further arguments go to Exudyn's constraint and prescribe the offset; it is zero without.
 
         Parameters
         ----------
         name : str
-        fixed : ItemNumber
-            Marker of :meth:`add_fixed_coordinate`.
+        before : ItemNumber
+            Marker of the other coordinate, such as :attr:`fixed`.
         node : ItemNumber
         coordinate : int
             Which of the node's coordinates.
@@ -261,8 +263,8 @@ class LinkAssembly:
         -------
         ItemNumber
         """
-        marker = self.items.mark_coordinate(f"{name}_coordinate", node, coordinate)
-        return self.items.add("CoordinateConstraint", name, markerNumbers=[fixed, marker], **offset)
+        markers = [before, self.items.mark_coordinate(f"{name}_coordinate", node, coordinate)]
+        return self.items.add("CoordinateConstraint", name, markerNumbers=markers, **offset)
 
     def add_ground(self, name: str, place: Sequence[float]) -> tuple[ItemNumber, ItemNumber]:
         """Add a place of the ground, or of a frame on springs.
@@ -286,23 +288,6 @@ class LinkAssembly:
             return self.frame.body, self.frame.add_marker((x, y), f"{name}_on_frame")
         ground = self.items.add("ObjectGround", f"{name}_ground", referencePosition=[x, y, 0.0])
         return ground, self.items.mark_place(f"{name}_on_ground", ground)
-
-    def add_ground_pin(
-        self, name: str, end: LinkEnd, place: Sequence[float]
-    ) -> tuple[ItemNumber, ItemNumber]:
-        """Pin a link end to a place of the ground; returns the ground and the pin.
-
-        Parameters
-        ----------
-        name : str
-            Of the pin.
-        end : LinkEnd
-        place : sequence of float
-            See :meth:`add_ground`.
-        """
-        ground, before = self.add_ground(name, place)
-        markers = [before, self.add_end_marker(end, f"{name}_on_{end.link}")]
-        return ground, self.items.add("RevoluteJoint2D", name, markerNumbers=markers)
 
     def add_end_marker(self, place: LinkEnd, name: str) -> ItemNumber:
         """Add a marker of the point on the pins' axis at a link end."""
@@ -352,17 +337,29 @@ class LinkAssembly:
         -------
         ItemNumber
         """
-        if not isinstance(part, BeamPart):
-            return self.add_body_frame(part.bodies[0], name, x, 0.0, angle)
-        if not part.bodies:
-            element = int(np.searchsorted(part.positions, x, side="right")) - 1
-            element = min(max(element, 0), len(part.elements) - 1)
-            place = float(x - part.positions[element])
-            return self.add_body_frame(part.elements[element], name, place, 0.0, angle)
-        number = int(np.argmin(np.abs(part.positions - x)))
-        if not (part.axis_below or angle):
+        if part.bodies and isinstance(part, BeamPart) and not (part.axis_below or angle):
+            number = int(np.argmin(np.abs(part.positions - x)))
             return self.items.add("MarkerNodeRigid", name, nodeNumber=part.nodes[number])
-        return self.add_body_frame(part.bodies[number], name, 0.0, -part.axis_below, angle)
+        body, along, across = self.body_place(part, x)
+        return self.add_body_frame(body, name, along, across, angle)
+
+    def body_place(self, part: LinkPart, x: float) -> tuple[ItemNumber, float, float]:
+        """Body at a point on the pins' axis of a link, and the point's place on it in m.
+
+        Parameters
+        ----------
+        part : LinkPart
+        x : float
+            As of :meth:`add_axis_marker`.
+        """
+        if not isinstance(part, BeamPart):
+            return part.bodies[0], x, 0.0
+        if part.bodies:
+            number = int(np.argmin(np.abs(part.positions - x)))
+            return part.bodies[number], 0.0, -part.axis_below
+        element = int(np.searchsorted(part.positions, x, side="right")) - 1
+        element = min(max(element, 0), len(part.elements) - 1)
+        return part.elements[element], float(x - part.positions[element]), 0.0
 
     def add_body_frame(
         self, body: ItemNumber, name: str, x: float, y: float = 0.0, angle: float = 0.0

@@ -84,8 +84,6 @@ class ConnectorItems:
     Parameters
     ----------
     assembly : LinkAssembly
-    fixed : ItemNumber
-        Marker of a coordinate that stays zero.
     shaft : Shaft, optional
         Of a system that runs: loads over time then are among them.
     start : RigidMotion, optional
@@ -102,12 +100,11 @@ class ConnectorItems:
     def __init__(
         self,
         assembly: LinkAssembly,
-        fixed: ItemNumber,
         shaft: Shaft | None = None,
         start: RigidMotion | None = None,
     ) -> None:
         self.assembly, self._topology = assembly, assembly.topology
-        self._fixed, self._shaft, self._start = fixed, shaft, start
+        self._shaft, self._start = shaft, start
         # By how much the clamped link is ahead of the crank.
         self._lead = 0.0
         if shaft is not None and start is not None:
@@ -173,7 +170,7 @@ class ConnectorItems:
         drag: list[ItemNumber] = []
         if spring.torsional_stiffness or spring.torsional_damping:
             angles = [
-                assembly.add_angle_marker(end, f"{name}_{which}_angle") if end else self._fixed
+                assembly.add_angle_marker(end, f"{name}_{which}_angle") if end else assembly.fixed
                 for which, end in (("leading", leader), ("following", follower))
             ]
             turning = items.add(
@@ -227,12 +224,11 @@ class StaticConnectors(ConnectorItems):
     Parameters
     ----------
     assembly : LinkAssembly
-    fixed : ItemNumber
-        As of :class:`ConnectorItems`.
+        Not assembled yet.
     """
 
-    def __init__(self, assembly: LinkAssembly, fixed: ItemNumber) -> None:
-        super().__init__(assembly, fixed)
+    def __init__(self, assembly: LinkAssembly) -> None:
+        super().__init__(assembly)
         self._motion: RigidMotion | None = None
         self._angles: FloatArray = np.zeros((0, 0))
         self._values: dict[str, FloatArray] = {}
@@ -345,7 +341,6 @@ class RunningConnectors(ConnectorItems):
     Parameters
     ----------
     assembly : LinkAssembly
-    fixed : ItemNumber
     shaft : Shaft
     start : RigidMotion
         As of :class:`ConnectorItems`.
@@ -356,12 +351,11 @@ class RunningConnectors(ConnectorItems):
     def __init__(
         self,
         assembly: LinkAssembly,
-        fixed: ItemNumber,
         shaft: Shaft,
         start: RigidMotion,
         links: Sequence[LinkModel],
     ) -> None:
-        super().__init__(assembly, fixed, shaft, start)
+        super().__init__(assembly, shaft, start)
         self._all = Connectors(assembly.mechanism, links)
         self._angle = shaft.angle
         # A radial spring's marker is on the end that carries the place of the leading one.

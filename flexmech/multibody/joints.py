@@ -46,15 +46,13 @@ class TieJoint:
     position : ItemNumber
         Constraint on the places; its multipliers are minus the force on the follower.
     rotation : ItemNumber, optional
-        Constraint on the angle between the links, of a weld.
-    turns_nodes : bool
-        Whether that is a condition on coordinates of two nodes, the second less the first.
+        Of a weld that is a condition on angles of two nodes: the constraint on the second less the
+        first.
     """
 
     tie: Pin | Weld
     position: ItemNumber
     rotation: ItemNumber | None = None
-    turns_nodes: bool = False
 
 
 @dataclass(frozen=True)
@@ -75,19 +73,58 @@ class SliderJoint:
     constraint: ItemNumber
     ground: ItemNumber | None = None
 
-    @property
-    def normal(self) -> FloatArray:
-        """Normal of the line in the axes of its guide, shape (2,)."""
-        return normal(np.array(self.slider.direction))
 
-    @property
-    def place(self) -> FloatArray:
-        """A point of the line in the axes of its guide in m, shape (2,)."""
-        return _line_place(self.slider)
+def add_pivots(
+    assembly: LinkAssembly, *, sprung_alone: bool, start: RigidMotion | None = None
+) -> dict[str, tuple[LinkEnd, ItemNumber, ItemNumber]]:
+    """Pin links to the ground.
+
+    Parameters
+    ----------
+    assembly : LinkAssembly
+    sprung_alone : bool
+        Whether springs alone hold sprung pivots; they are rigid otherwise.
+    start : RigidMotion, optional
+        At time zero, of shape (), with the place of each; they are moved later without it.
+
+    Returns
+    -------
+    dict of str to tuple of LinkEnd, ItemNumber and ItemNumber
+        Pinned end, ground and pin of each pivot by its name.
+    """
+    pivots = {}
+    for pivot in assembly.topology.pivots:
+        if not (pivot.sprung and sprung_alone):
+            end, name, place = pivot.link_end, f"pivot_{pivot.joint}", np.zeros(2)
+            if start is not None:
+                place = start.position(*assembly.topology.end_place(end))
+            assembly.items.begin(f"pivot {pivot.joint}")
+            ground, before = assembly.add_ground(name, place.tolist())
+            markers = [before, assembly.add_end_marker(end, f"{name}_on_{end.link}")]
+            pin = assembly.items.add("RevoluteJoint2D", name, markerNumbers=markers)
+            pivots[pivot.joint] = end, ground, pin
+    return pivots
 
 
-def _line_place(slider: Slider) -> FloatArray:
-    return slider.offset * normal(np.array(slider.direction))
+def hold_axis(
+    assembly: LinkAssembly, name: str, body: ItemNumber, end: LinkEnd, angle: float
+) -> None:
+    """Keep the axis at a link end at an angle in rad to a body.
+
+    Parameters
+    ----------
+    assembly : LinkAssembly
+    name : str
+        Of what holds it.
+    body : ItemNumber
+    end : LinkEnd
+    angle : float
+    """
+    frames = [
+        assembly.add_body_frame(body, f"{name}_direction", 0.0, 0.0, angle),
+        assembly.add_frame_marker(end, f"{name}_axis"),
+    ]
+    assembly.items.keep_angle(f"{name}_rotation", frames)
 
 
 def add_ties(
@@ -136,12 +173,13 @@ def _tie(assembly: LinkAssembly, tie: Pin | Weld, angle: FloatArray) -> TieJoint
         constraint = assembly.items.add(
             "CoordinateConstraint", rotation, markerNumbers=angles, offset=between
         )
-        return TieJoint(tie, position, constraint, turns_nodes=True)
+        return TieJoint(tie, position, constraint)
     frames = [
         assembly.add_frame_marker(end, f"{name}_axis_of_{end.link}", turn)
         for end, turn in zip(ends, (0.0, -between), strict=True)
     ]
-    return TieJoint(tie, position, assembly.items.keep_angle(rotation, frames))
+    assembly.items.keep_angle(rotation, frames)
+    return TieJoint(tie, position)
 
 
 def add_sliders(assembly: LinkAssembly) -> list[SliderJoint]:
@@ -160,7 +198,8 @@ def add_sliders(assembly: LinkAssembly) -> list[SliderJoint]:
     for slider in assembly.topology.sliders:
         name, items = f"slider_{slider.joint}", assembly.items
         items.begin(f"slider {slider.joint}")
-        x, y = _line_place(slider).tolist()
+        across = normal(np.array(slider.direction))
+        x, y = (slider.offset * across).tolist()
         end = assembly.add_frame_marker(slider.link_end, f"{name}_on_{slider.link_end.link}")
         ground = None
         if slider.guide:
@@ -173,7 +212,7 @@ def add_sliders(assembly: LinkAssembly) -> list[SliderJoint]:
             "PrismaticJoint2D",
             name,
             markerNumbers=[end, line],
-            normalMarker1=[*normal(np.array(slider.direction)).tolist(), 0.0],
+            normalMarker1=[*across.tolist(), 0.0],
             constrainRotation=False,
         )
         joints.append(SliderJoint(slider, constraint, ground))
@@ -240,7 +279,7 @@ def joint_gaps(
     for body, node in _attached_nodes(assembly):
         gaps += [PlaceGap(body, node, (0.0, 0.0), False), AngleGap(body, node, 0.0)]
     for slider in topology.sliders:
-        place, guide = _pair(_line_place(slider)), None
+        place, guide = _pair(slider.offset * normal(np.array(slider.direction))), None
         if slider.guide:
             guide = replace(joined(LinkEnd(slider.guide, "start")), lever=place)
         elif frame is not None:

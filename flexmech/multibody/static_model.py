@@ -23,12 +23,20 @@ import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import LAST_STEP, MAX_ITERATIONS
-from flexmech.linkages import Clamp, LinkEnd, RigidMotion, picture_crank_angle, turned
+from flexmech.linkages import Clamp, RigidMotion, picture_crank_angle, turned
+from flexmech.linkages.motion import normal
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.connectors import StaticConnectors
 from flexmech.multibody.items import ItemNumber, load_exudyn
-from flexmech.multibody.joints import SliderJoint, TieJoint, add_sliders, add_ties
+from flexmech.multibody.joints import (
+    SliderJoint,
+    TieJoint,
+    add_pivots,
+    add_sliders,
+    add_ties,
+    hold_axis,
+)
 from flexmech.multibody.links import BeamPart, LinkPart
 
 RELATIVE_RESIDUAL = 1e-10
@@ -191,18 +199,14 @@ class StaticModel:
         self, mechanism: Mechanism, elements: int, kind: str, *, connects: bool = False
     ) -> None:
         self.assembly = assembly = LinkAssembly(mechanism, elements, kind, bodies_have_mass=False)
-        self.grounds: list[tuple[LinkEnd, ItemNumber]] = []
         self.loads = StaticLoads(assembly)
-        fixed = assembly.add_fixed_coordinate()
-        for pivot in assembly.topology.pivots:
-            if not (pivot.sprung and connects):
-                name, end = f"pivot_{pivot.joint}", pivot.link_end
-                self.grounds.append((end, assembly.add_ground_pin(name, end, (0.0, 0.0))[0]))
+        pivots = add_pivots(assembly, sprung_alone=connects)
+        self.grounds = [(end, ground) for end, ground, _ in pivots.values()]
         # Constraints of clamps and their coordinates.
         self._offsets: list[tuple[ItemNumber, int]] = []
         for number, clamp in enumerate(assembly.topology.clamps):
-            self._add_clamp(fixed, clamp, is_first=not number)
-        self.connectors = StaticConnectors(assembly, fixed) if connects else None
+            self._add_clamp(clamp, is_first=not number)
+        self.connectors = StaticConnectors(assembly) if connects else None
         self.ties: list[TieJoint] = []
         self.sliders: list[SliderJoint] = []
         topology = assembly.topology
@@ -262,16 +266,17 @@ class StaticModel:
             place = assembly.part_of(end).end_place(end.end, pose)
             set_parameter(ground, "referencePosition", [*map(float, place), 0.0])
         for tie in self.ties:
-            if tie.turns_nodes:
+            if tie.rotation is not None:
                 ends = tie.tie.leader, tie.tie.follower
                 leading, following = (pose[assembly.angle_coordinate(end)] for end in ends)
                 set_parameter(tie.rotation, "offset", float(following - leading))
         turn = -motion.angle[number, assembly.base]
         for slider in self.sliders:
             if slider.ground is not None:
-                place, normal = turned(np.stack([slider.place, slider.normal]), turn)
-                set_parameter(slider.ground, "referencePosition", [*map(float, place), 0.0])
-                set_parameter(slider.constraint, "normalMarker1", [*map(float, normal), 0.0])
+                across = normal(slider.slider.direction + turn)
+                place = (slider.slider.offset * across).tolist()
+                set_parameter(slider.ground, "referencePosition", [*place, 0.0])
+                set_parameter(slider.constraint, "normalMarker1", [*across.tolist(), 0.0])
         if self.connectors is not None:
             self.connectors.move_to(motion, number, pose)
 
@@ -293,7 +298,7 @@ class StaticModel:
                 for name, strain in strains.items():
                     self.assembly.mbs.SetObjectParameter(element, name, part * strain)
 
-    def _add_clamp(self, fixed: ItemNumber, clamp: Clamp, is_first: bool) -> None:
+    def _add_clamp(self, clamp: Clamp, is_first: bool) -> None:
         """Fix the place of a clamped end, and its angle where that is a coordinate."""
         assembly, end = self.assembly, clamp.link_end
         turning = assembly.turning_coordinate(end)
@@ -303,7 +308,7 @@ class StaticModel:
         node, first = assembly.end_node(end), assembly.first_coordinate(end)
         for coordinate in (0, 1) if turning is None else (0, 1, turning):
             name = f"support_{node.name}_{coordinate}"
-            constraint = assembly.add_constraint(name, fixed, node, coordinate)
+            constraint = assembly.add_constraint(name, assembly.fixed, node, coordinate)
             self._offsets.append((constraint, first + coordinate))
 
     def _add_further_clamps(self, angle: FloatArray) -> None:
@@ -312,14 +317,10 @@ class StaticModel:
         for clamp in assembly.topology.clamps[1:]:
             if assembly.turning_coordinate(clamp.link_end) is not None:
                 continue
-            name, items = f"clamp_{clamp.joint}_rotation", assembly.items
-            ground = items.add("ObjectGround", f"{name}_ground")
+            name = f"clamp_{clamp.joint}"
+            ground = assembly.items.add("ObjectGround", f"{name}_ground")
             turn = float(angle[assembly.topology.index(clamp.link_end.link)] - angle[assembly.base])
-            frames = [
-                items.mark_place(f"{name}_on_ground", ground),
-                assembly.add_frame_marker(clamp.link_end, f"{name}_axis", -turn),
-            ]
-            items.keep_angle(name, frames)
+            hold_axis(assembly, name, ground, clamp.link_end, turn)
 
 
 def simulation_settings(absolute_tolerance: float = 1e-8, *, of_steps: bool = False) -> Any:

@@ -40,7 +40,6 @@ from flexmech.multibody.running.user_functions import (
     Shaft,
     difference_mass,
     section_couples,
-    torque_history,
 )
 from flexmech.time_domain import Impact, rigid_torque
 
@@ -254,10 +253,6 @@ class TorqueTable:
     def at(self, time: FloatArray) -> FloatArray:
         """Torque at times (m,) in N m."""
         return np.asarray(np.interp(time, self.time, self.torque))
-
-    def user_function(self) -> Made:
-        """User function of the torque, for Exudyn and for exported scripts."""
-        return Made(torque_history, (self.time.tolist(), self.torque.tolist()))
 
 
 @dataclass(frozen=True)

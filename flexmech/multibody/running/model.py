@@ -20,12 +20,14 @@ from flexmech.linkages.motion import normal
 from flexmech.mechanism import Mechanism, require_standing_frame
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.connectors import RunningConnectors
-from flexmech.multibody.items import ItemNumber, load_exudyn
+from flexmech.multibody.items import ItemNumber, Made, load_exudyn
 from flexmech.multibody.joints import (
+    add_pivots,
     add_sliders,
     add_ties,
     closed_joints,
     dependent_joints,
+    hold_axis,
     joint_gaps,
     place_on_hub,
 )
@@ -38,7 +40,7 @@ from flexmech.multibody.running.loads import (
     add_impacts,
     add_running_loads,
 )
-from flexmech.multibody.running.user_functions import AngleGap, Shaft
+from flexmech.multibody.running.user_functions import AngleGap, Shaft, load_history
 from flexmech.time_domain import FrameMotion, Impact
 
 # Of the shaft, in ground axes in m.
@@ -117,11 +119,11 @@ class RunningModel:
         )
         add_running_loads(assembly, self.energies)
         SectionCouples(assembly, links).add(drive, self.shaft, duration)
-        fixed = assembly.add_fixed_coordinate()
-        hub, self.drive_constraint = self._add_hub(fixed)
+        hub, self.drive_constraint = self._add_hub()
         clamps = assembly.topology.clamps
         self.constraints = {clamp.joint: [self._add_clamp(hub, clamp)] for clamp in clamps}
-        self.constraints |= self._add_pivots()
+        pivots = add_pivots(assembly, sprung_alone=True, start=self._start)
+        self.constraints |= {joint: [pin] for joint, (_, _, pin) in pivots.items()}
         ties = {tie.tie.joint: tie for tie in add_ties(assembly, self._start.angle)}
         self._dependent_joints = {
             joint: dependent_joints(assembly.topology, tie.tie.follower)
@@ -133,7 +135,7 @@ class RunningModel:
         lines = add_sliders(assembly)
         self.sliders = {line.slider.joint: line for line in lines}
         self.constraints |= {joint: [line.constraint] for joint, line in self.sliders.items()}
-        self.connectors = RunningConnectors(assembly, fixed, self.shaft, self._start, links)
+        self.connectors = RunningConnectors(assembly, self.shaft, self._start, links)
         self.sprung = {
             item.spring.joint: item.radial
             for item in self.connectors.joints
@@ -274,7 +276,7 @@ class RunningModel:
             for gap in self._gaps
         )
 
-    def _add_hub(self, fixed: ItemNumber) -> tuple[ItemNumber, ItemNumber | None]:
+    def _add_hub(self) -> tuple[ItemNumber, ItemNumber | None]:
         """Body that turns with the shaft, and the constraint on its angle, if there is one.
 
         Without that it has the shaft's inertia, and a torque over time or a motor turns it.
@@ -292,21 +294,24 @@ class RunningModel:
         items.add("RevoluteJoint2D", "hub_bearing", markerNumbers=markers)
         drive = None
         if torque is None:
+            before = assembly.fixed
             if self.frame is not None:
                 # The drive stands on the frame: what it prescribes is the angle against that.
-                fixed = self.frame.add_angle_marker("frame_angle")
-            drive = assembly.add_constraint("crank_drive", fixed, node, 2, **self._turning())
+                before = self.frame.add_angle_marker("frame_angle")
+            drive = assembly.add_constraint("crank_drive", before, node, 2, **self._turning())
         inertia = 0.0 if torque is None else float(assembly.mechanism.shaft_inertia)
         hub = items.add("ObjectRigidBody2D", "hub", nodeNumber=node, mass=0.0, inertia=inertia)
         if isinstance(torque, MotorOnHub):
             torque.add_object(items, of_motor, node)
         elif torque is not None:
+            rows = np.pad(torque.torque[:, None], ((0, 0), (2, 0))).tolist()
+            history = self.shaft, 0.0, "time", torque.time.tolist(), rows, True
             items.add(
                 "LoadTorqueVector",
                 "crank_drive",
                 markerNumber=on_hub,
                 loadVector=[0.0, 0.0, 1.0],
-                loadVectorUserFunction=torque.user_function(),
+                loadVectorUserFunction=Made(load_history, history),
             )
         return hub, drive
 
@@ -336,23 +341,8 @@ class RunningModel:
         pin = items.add("RevoluteJoint2D", name, markerNumbers=[on_hub, on_link])
         link = assembly.topology.index(clamp.link_end.link)
         turn = float(self._start.angle[link] - self._start.angle[assembly.base])
-        if turn:
-            on_hub = assembly.add_body_frame(hub, f"{name}_direction", 0.0, 0.0, turn)
-        axis = assembly.add_frame_marker(clamp.link_end, f"{name}_axis")
-        items.keep_angle(f"{name}_rotation", [on_hub, axis])
+        hold_axis(assembly, name, hub, clamp.link_end, turn)
         return pin
-
-    def _add_pivots(self) -> dict[str, list[ItemNumber]]:
-        """Pin links to the ground; returns the constraint of each pivot."""
-        assembly, constraints = self.assembly, {}
-        for pivot in assembly.topology.pivots:
-            if not pivot.sprung:
-                at_start = self._start.position(*assembly.topology.end_place(pivot.link_end))
-                place = at_start.tolist()
-                assembly.items.begin(f"pivot {pivot.joint}")
-                pin = assembly.add_ground_pin(f"pivot_{pivot.joint}", pivot.link_end, place)[1]
-                constraints[pivot.joint] = [pin]
-        return constraints
 
     def _multipliers(self, constraint: ItemNumber) -> list[int]:
         return list(self.assembly.mbs.systemData.GetObjectLTGAE(int(constraint)))

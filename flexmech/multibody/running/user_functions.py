@@ -618,24 +618,6 @@ def section_couples(
     return force
 
 
-def torque_history(times: Any, torques: Any) -> Any:
-    """User function of the torque on a shaft that is free, linear between its times.
-
-    Parameters
-    ----------
-    times : list of float
-        Increasing, in s.
-    torques : list of float
-        In N m.
-    """
-    at, values = np.array(times), np.array(torques)
-
-    def torque(mbs: Any, t: float, load: Any) -> list[float]:
-        return [0.0, 0.0, float(np.interp(t, at, values))]
-
-    return torque
-
-
 def turned_frame(x: float, y: float, angle: float) -> Any:
     """Frame of a marker in its body's.
 
