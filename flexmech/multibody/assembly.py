@@ -7,7 +7,6 @@ assembly, add these to it in their own order, and assemble the system.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -63,6 +62,10 @@ class LinkAssembly:
     system_size : int
         Number of Exudyn's coordinates of links and attached bodies.
     nodes : LinkNodes
+    ground : ItemNumber
+        A body that stands still, with a marker for all that is joined to it.
+    fixed : ItemNumber
+        Marker of a coordinate that stays zero.
     base : int
         The clamped link.
     frame : FrameBody or None
@@ -78,6 +81,10 @@ class LinkAssembly:
         self.items = SystemItems()
         self.frame: FrameBody | None = None
         self.mbs = self.items.mbs
+        self.items.begin("the ground")
+        self.ground = self.items.add("ObjectGround", "ground")
+        ground_node = self.items.add("NodePointGround", "ground_node")
+        self.fixed = self.items.mark_coordinate("ground_coordinate", ground_node, 0)
         self.base = self.topology.index(self.topology.clamps[0].link_end.link)
         self.parts, self.bodies = add_links(self.items, mechanism, self.kind, elements)
         self.size = self.system_size = self.parts[-1].coordinates.stop
@@ -237,12 +244,6 @@ class LinkAssembly:
         ]
         return np.concatenate(carried, axis=1)
 
-    @cached_property
-    def fixed(self) -> ItemNumber:
-        """Marker of a coordinate that stays zero, added where it is first needed."""
-        ground = self.items.add("NodePointGround", "ground_node")
-        return self.items.mark_coordinate("ground_coordinate", ground, 0)
-
     def add_constraint(
         self, name: str, before: ItemNumber, node: ItemNumber, coordinate: int, **offset: Any
     ) -> ItemNumber:
@@ -266,8 +267,8 @@ class LinkAssembly:
         markers = [before, self.items.mark_coordinate(f"{name}_coordinate", node, coordinate)]
         return self.items.add("CoordinateConstraint", name, markerNumbers=markers, **offset)
 
-    def add_ground(self, name: str, place: Sequence[float]) -> tuple[ItemNumber, ItemNumber]:
-        """Add a place of the ground, or of a frame on springs.
+    def add_ground(self, name: str, place: Sequence[float]) -> ItemNumber:
+        """Add a marker of a place of the ground, or of a frame on springs.
 
         Parameters
         ----------
@@ -279,15 +280,11 @@ class LinkAssembly:
         Returns
         -------
         ItemNumber
-            Of the ground or the frame.
-        ItemNumber
-            Of a marker there.
         """
         x, y = map(float, place)
         if self.frame is not None:
-            return self.frame.body, self.frame.add_marker((x, y), f"{name}_on_frame")
-        ground = self.items.add("ObjectGround", f"{name}_ground", referencePosition=[x, y, 0.0])
-        return ground, self.items.mark_place(f"{name}_on_ground", ground)
+            return self.frame.add_marker((x, y), f"{name}_on_frame")
+        return self.items.mark_place(f"{name}_on_ground", self.ground, x, y)
 
     def add_end_marker(self, place: LinkEnd, name: str) -> ItemNumber:
         """Add a marker of the point on the pins' axis at a link end."""

@@ -42,16 +42,13 @@ class SpringItem:
     ----------
     spring : Spring
     number : ItemNumber
-    markers : tuple of ItemNumber
+    markers : list of ItemNumber
         Of its first and its second end.
-    grounds : tuple
-        Ends on the ground and the ground of each.
     """
 
     spring: Spring
     number: ItemNumber
-    markers: tuple[ItemNumber, ...]
-    grounds: tuple[tuple[AttachmentPoint, ItemNumber], ...]
+    markers: list[ItemNumber]
 
 
 @dataclass(frozen=True)
@@ -66,8 +63,6 @@ class JointSpringItem:
     turning, radial : ItemNumber or None
     drag : tuple of ItemNumber
         Torques on the following and the leading end, for what a damper carries at standstill.
-    ground : ItemNumber or None
-        Of a sprung pivot.
     """
 
     spring: JointSpring
@@ -75,7 +70,6 @@ class JointSpringItem:
     turning: ItemNumber | None
     radial: ItemNumber | None
     drag: tuple[ItemNumber, ...]
-    ground: ItemNumber | None
 
 
 class ConnectorItems:
@@ -84,10 +78,10 @@ class ConnectorItems:
     Parameters
     ----------
     assembly : LinkAssembly
+    start : RigidMotion
+        In any one position, of shape (); of a system that runs at time zero.
     shaft : Shaft, optional
         Of a system that runs: loads over time then are among them.
-    start : RigidMotion, optional
-        Of a system that runs, at time zero, of shape ().
 
     Attributes
     ----------
@@ -98,17 +92,12 @@ class ConnectorItems:
     """
 
     def __init__(
-        self,
-        assembly: LinkAssembly,
-        shaft: Shaft | None = None,
-        start: RigidMotion | None = None,
+        self, assembly: LinkAssembly, start: RigidMotion, shaft: Shaft | None = None
     ) -> None:
         self.assembly, self._topology = assembly, assembly.topology
-        self._shaft, self._start = shaft, start
+        self._start, self._shaft = start, shaft
         # By how much the clamped link is ahead of the crank.
-        self._lead = 0.0
-        if shaft is not None and start is not None:
-            self._lead = shaft.start_angle - float(start.crank_angle)
+        self._lead = 0.0 if shaft is None else shaft.start_angle - float(start.crank_angle)
         self.loads: list[tuple[Load, ItemNumber, bool]] = []
         mechanism = assembly.mechanism
         for load in mechanism.loads:
@@ -137,21 +126,17 @@ class ConnectorItems:
             self.loads.append((load, number, is_torque))
 
     def _add_point(self, point: AttachmentPoint, name: str) -> ItemNumber:
-        """Marker of a point on a link's axis, which turns with the link there."""
+        """Marker of a point of the ground, or on a link's axis, which turns with the link there."""
+        if point.is_ground:
+            return self.assembly.add_ground(name, (point.x, point.y))
         part = self.assembly.parts[self._topology.index(point.link)]
         return self.assembly.add_axis_marker(part, point.x, name)
 
     def _add_spring(self, spring: Spring) -> SpringItem:
         items, name = self.assembly.items, f"spring_{spring.name}"
         items.begin(f"spring {spring.name}")
-        markers, grounds = [], []
-        for end, point in (("first", spring.first), ("second", spring.second)):
-            if point.is_ground:
-                ground, marker = self.assembly.add_ground(f"{name}_{end}", (point.x, point.y))
-                grounds.append((point, ground))
-            else:
-                marker = self._add_point(point, f"{name}_{end}")
-            markers.append(marker)
+        ends = ("first", spring.first), ("second", spring.second)
+        markers = [self._add_point(point, f"{name}_{end}") for end, point in ends]
         number = items.add(
             "SpringDamper",
             name,
@@ -160,13 +145,13 @@ class ConnectorItems:
             damping=spring.damping,
             referenceLength=spring.free_length,
         )
-        return SpringItem(spring, number, tuple(markers), tuple(grounds))
+        return SpringItem(spring, number, markers)
 
     def _add_joint_spring(self, spring: JointSpring) -> JointSpringItem:
         assembly, items, name = self.assembly, self.assembly.items, f"spring_in_{spring.joint}"
         follower, leader = self._topology.pinned_ends[spring.joint]
         items.begin(f"spring in joint {spring.joint}")
-        turning = radial = ground = None
+        turning = radial = None
         drag: list[ItemNumber] = []
         if spring.torsional_stiffness or spring.torsional_damping:
             angles = [
@@ -188,10 +173,8 @@ class ConnectorItems:
                 ]
         if spring.joint in self._topology.sprung_joints:
             if leader is None:
-                place, start = np.zeros(2), self._start
-                if start is not None:
-                    place = start.position(*self._topology.end_place(follower))
-                ground, before = assembly.add_ground(name, place.tolist())
+                place = self._start.position(*self._topology.end_place(follower))
+                before = assembly.add_ground(name, place.tolist())
             else:
                 root = leading_end(leader, self._topology.rigid_ties)
                 before = assembly.add_end_marker(root, f"{name}_on_{root.link}")
@@ -205,12 +188,10 @@ class ConnectorItems:
                 damping=[spring.radial_damping] * 2 + [0.0],
             )
         ends = follower, leader
-        return JointSpringItem(spring, ends, turning, radial, tuple(drag), ground)
+        return JointSpringItem(spring, ends, turning, radial, tuple(drag))
 
     def _offset_at_start(self, spring: JointSpring) -> float:
         """Free angle of a spring in a joint, beside whole turns in the angles of a start."""
-        if self._start is None:
-            return 0.0
         angles = continuous_angles(self.assembly.mechanism.linkage, self._start)
         jumped = self._topology.joint_angle(spring.joint, self._start.angle - angles)
         return float(jumped) + spring.free_angle
@@ -223,12 +204,12 @@ class StaticConnectors(ConnectorItems):
 
     Parameters
     ----------
-    assembly : LinkAssembly
-        Not assembled yet.
+    assembly, start
+        As of :class:`ConnectorItems`.
     """
 
-    def __init__(self, assembly: LinkAssembly) -> None:
-        super().__init__(assembly)
+    def __init__(self, assembly: LinkAssembly, start: RigidMotion) -> None:
+        super().__init__(assembly, start)
         self._motion: RigidMotion | None = None
         self._angles: FloatArray = np.zeros((0, 0))
         self._values: dict[str, FloatArray] = {}
@@ -304,8 +285,6 @@ class StaticConnectors(ConnectorItems):
 
     def _set_spring(self, item: SpringItem, motion: RigidMotion) -> None:
         spring = item.spring
-        for point, ground in item.grounds:
-            self._put(ground, np.array([point.x, point.y]))
         if spring.damping:
             line = SpringLine.of(spring, self._topology, motion)
             force = spring.damping * float(line.rate[0])
@@ -326,13 +305,6 @@ class StaticConnectors(ConnectorItems):
             for load, sign in zip(item.drag, (-1.0, 1.0), strict=False):
                 torque = float(sign * spring.torsional_damping * rates[0, 2])
                 assembly.mbs.SetLoadParameter(load, "load", torque)
-        if item.ground is not None:
-            self._put(item.ground, motion.position(*self._topology.end_place(follower))[0])
-
-    def _put(self, ground: ItemNumber, place: FloatArray) -> None:
-        """Set a ground point in the model's axes."""
-        position = [*turned(place, self._turn).tolist(), 0.0]
-        self.assembly.mbs.SetObjectParameter(ground, "referencePosition", position)
 
 
 class RunningConnectors(ConnectorItems):
@@ -340,9 +312,7 @@ class RunningConnectors(ConnectorItems):
 
     Parameters
     ----------
-    assembly : LinkAssembly
-    shaft : Shaft
-    start : RigidMotion
+    assembly, start, shaft
         As of :class:`ConnectorItems`.
     links : sequence of LinkModel
         In the system's coordinates.
@@ -351,11 +321,11 @@ class RunningConnectors(ConnectorItems):
     def __init__(
         self,
         assembly: LinkAssembly,
-        shaft: Shaft,
         start: RigidMotion,
+        shaft: Shaft,
         links: Sequence[LinkModel],
     ) -> None:
-        super().__init__(assembly, shaft, start)
+        super().__init__(assembly, start, shaft)
         self._all = Connectors(assembly.mechanism, links)
         self._angle = shaft.angle
         # A radial spring's marker is on the end that carries the place of the leading one.

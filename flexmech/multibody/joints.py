@@ -65,44 +65,40 @@ class SliderJoint:
     constraint : ItemNumber
         Its first multiplier is the force on the held end along the line's normal, which is a
         quarter turn ahead of its direction.
-    ground : ItemNumber, optional
-        Of a line on the ground.
     """
 
     slider: Slider
     constraint: ItemNumber
-    ground: ItemNumber | None = None
 
 
 def add_pivots(
-    assembly: LinkAssembly, *, sprung_alone: bool, start: RigidMotion | None = None
-) -> dict[str, tuple[LinkEnd, ItemNumber, ItemNumber]]:
+    assembly: LinkAssembly, motion: RigidMotion, *, sprung_alone: bool = True
+) -> dict[str, ItemNumber]:
     """Pin links to the ground.
 
     Parameters
     ----------
     assembly : LinkAssembly
+    motion : RigidMotion
+        In any one position, of shape ().
     sprung_alone : bool
         Whether springs alone hold sprung pivots; they are rigid otherwise.
-    start : RigidMotion, optional
-        At time zero, of shape (), with the place of each; they are moved later without it.
 
     Returns
     -------
-    dict of str to tuple of LinkEnd, ItemNumber and ItemNumber
-        Pinned end, ground and pin of each pivot by its name.
+    dict of str to ItemNumber
+        Pin of each pivot by its name.
     """
     pivots = {}
     for pivot in assembly.topology.pivots:
         if not (pivot.sprung and sprung_alone):
-            end, name, place = pivot.link_end, f"pivot_{pivot.joint}", np.zeros(2)
-            if start is not None:
-                place = start.position(*assembly.topology.end_place(end))
+            end, name = pivot.link_end, f"pivot_{pivot.joint}"
             assembly.items.begin(f"pivot {pivot.joint}")
-            ground, before = assembly.add_ground(name, place.tolist())
+            place = motion.position(*assembly.topology.end_place(end))
+            before = assembly.add_ground(name, place.tolist())
             markers = [before, assembly.add_end_marker(end, f"{name}_on_{end.link}")]
             pin = assembly.items.add("RevoluteJoint2D", name, markerNumbers=markers)
-            pivots[pivot.joint] = end, ground, pin
+            pivots[pivot.joint] = pin
     return pivots
 
 
@@ -192,7 +188,7 @@ def add_sliders(assembly: LinkAssembly) -> list[SliderJoint]:
     Returns
     -------
     list of SliderJoint
-        In the topology's order; lines of the ground are where they are in ground axes.
+        In the topology's order.
     """
     joints = []
     for slider in assembly.topology.sliders:
@@ -201,12 +197,11 @@ def add_sliders(assembly: LinkAssembly) -> list[SliderJoint]:
         across = normal(np.array(slider.direction))
         x, y = (slider.offset * across).tolist()
         end = assembly.add_frame_marker(slider.link_end, f"{name}_on_{slider.link_end.link}")
-        ground = None
         if slider.guide:
             [guide] = assembly.parts[assembly.topology.index(slider.guide)].bodies
             line = assembly.add_body_frame(guide, f"{name}_on_{slider.guide}", x, y)
         else:
-            ground, line = assembly.add_ground(name, (x, y))
+            line = assembly.add_ground(name, (x, y))
         # The normal of this joint is that of the second marker: the line's.
         constraint = items.add(
             "PrismaticJoint2D",
@@ -215,7 +210,7 @@ def add_sliders(assembly: LinkAssembly) -> list[SliderJoint]:
             normalMarker1=[*across.tolist(), 0.0],
             constrainRotation=False,
         )
-        joints.append(SliderJoint(slider, constraint, ground))
+        joints.append(SliderJoint(slider, constraint))
     return joints
 
 

@@ -30,8 +30,6 @@ from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.connectors import StaticConnectors
 from flexmech.multibody.items import ItemNumber, load_exudyn
 from flexmech.multibody.joints import (
-    SliderJoint,
-    TieJoint,
     add_pivots,
     add_sliders,
     add_ties,
@@ -187,12 +185,9 @@ class StaticModel:
         The links in the frame of the clamped one.
     loads : StaticLoads
         Forces on the links.
-    grounds : list of tuple of LinkEnd and ItemNumber
-        Link ends that are pinned to the ground, and the ground of each.
     connectors : StaticConnectors or None
         Loads and springs, in the current position of the model.
     ties : list of TieJoint
-    sliders : list of SliderJoint
     """
 
     def __init__(
@@ -200,22 +195,16 @@ class StaticModel:
     ) -> None:
         self.assembly = assembly = LinkAssembly(mechanism, elements, kind, bodies_have_mass=False)
         self.loads = StaticLoads(assembly)
-        pivots = add_pivots(assembly, sprung_alone=connects)
-        self.grounds = [(end, ground) for end, ground, _ in pivots.values()]
+        motion = mechanism.linkage.motion(picture_crank_angle(mechanism.linkage))
+        add_pivots(assembly, motion, sprung_alone=connects)
         # Constraints of clamps and their coordinates.
         self._offsets: list[tuple[ItemNumber, int]] = []
         for number, clamp in enumerate(assembly.topology.clamps):
             self._add_clamp(clamp, is_first=not number)
-        self.connectors = StaticConnectors(assembly) if connects else None
-        self.ties: list[TieJoint] = []
-        self.sliders: list[SliderJoint] = []
-        topology = assembly.topology
-        if topology.ties or topology.sliders or topology.clamps[1:]:
-            linkage = mechanism.linkage
-            angle = linkage.motion(picture_crank_angle(linkage)).angle
-            self.ties = add_ties(assembly, angle, sprung_alone=connects)
-            self.sliders = add_sliders(assembly)
-            self._add_further_clamps(angle)
+        self.connectors = StaticConnectors(assembly, motion) if connects else None
+        self.ties = add_ties(assembly, motion.angle, sprung_alone=connects)
+        add_sliders(assembly)
+        self._add_further_clamps(motion.angle)
         assembly.mbs.Assemble()
 
     @property
@@ -262,21 +251,14 @@ class StaticModel:
         nodes = assembly.nodes.to_nodes(pose)
         for constraint, coordinate in self._offsets:
             set_parameter(constraint, "offset", float(nodes[coordinate]))
-        for end, ground in self.grounds:
-            place = assembly.part_of(end).end_place(end.end, pose)
-            set_parameter(ground, "referencePosition", [*map(float, place), 0.0])
         for tie in self.ties:
             if tie.rotation is not None:
                 ends = tie.tie.leader, tie.tie.follower
                 leading, following = (pose[assembly.angle_coordinate(end)] for end in ends)
                 set_parameter(tie.rotation, "offset", float(following - leading))
-        turn = -motion.angle[number, assembly.base]
-        for slider in self.sliders:
-            if slider.ground is not None:
-                across = normal(slider.slider.direction + turn)
-                place = (slider.slider.offset * across).tolist()
-                set_parameter(slider.ground, "referencePosition", [*place, 0.0])
-                set_parameter(slider.constraint, "normalMarker1", [*across.tolist(), 0.0])
+        along, across = np.eye(3), normal(-motion.angle[number, assembly.base])
+        along[:2, 0], along[:2, 1] = (across[1], -across[0]), across
+        set_parameter(assembly.ground, "referenceRotation", along)
         if self.connectors is not None:
             self.connectors.move_to(motion, number, pose)
 

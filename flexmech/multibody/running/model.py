@@ -122,8 +122,8 @@ class RunningModel:
         hub, self.drive_constraint = self._add_hub()
         clamps = assembly.topology.clamps
         self.constraints = {clamp.joint: [self._add_clamp(hub, clamp)] for clamp in clamps}
-        pivots = add_pivots(assembly, sprung_alone=True, start=self._start)
-        self.constraints |= {joint: [pin] for joint, (_, _, pin) in pivots.items()}
+        pivots = add_pivots(assembly, self._start)
+        self.constraints |= {joint: [pin] for joint, pin in pivots.items()}
         ties = {tie.tie.joint: tie for tie in add_ties(assembly, self._start.angle)}
         self._dependent_joints = {
             joint: dependent_joints(assembly.topology, tie.tie.follower)
@@ -135,7 +135,7 @@ class RunningModel:
         lines = add_sliders(assembly)
         self.sliders = {line.slider.joint: line for line in lines}
         self.constraints |= {joint: [line.constraint] for joint, line in self.sliders.items()}
-        self.connectors = RunningConnectors(assembly, self.shaft, self._start, links)
+        self.connectors = RunningConnectors(assembly, self._start, self.shaft, links)
         self.sprung = {
             item.spring.joint: item.radial
             for item in self.connectors.joints
@@ -290,7 +290,7 @@ class RunningModel:
         of_motor = torque.add_node(items) if isinstance(torque, MotorOnHub) else []
         node = items.add("NodeRigidBody2D", "hub_node")
         on_hub = items.add("MarkerNodeRigid", "hub_axis", nodeNumber=node)
-        markers = [assembly.add_ground("hub_bearing", _AXIS)[1], on_hub]
+        markers = [assembly.add_ground("hub_bearing", _AXIS), on_hub]
         items.add("RevoluteJoint2D", "hub_bearing", markerNumbers=markers)
         drive = None
         if torque is None:
