@@ -143,7 +143,7 @@ class ExudynEngine(Engine):
 
     @cached_property
     def _unit_tension(self) -> list[FloatArray]:
-        return unit_tension_stiffness(self.model.assembly)
+        return unit_tension_stiffness(self.model)
 
     def stressed_clamped_links(
         self,

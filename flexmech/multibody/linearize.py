@@ -19,7 +19,6 @@ from flexmech.linear_system import (
     rigid_link,
 )
 from flexmech.linkages import RigidMotion, turned
-from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import ROUND_OFF, load_exudyn
 from flexmech.multibody.links import BeamPart, turn_vectors
 from flexmech.multibody.static_model import (
@@ -36,15 +35,15 @@ DAMPER_TURNS = 8
 
 
 def linearized(
-    assembly: LinkAssembly, settings: Any, state: FloatArray
+    model: StaticModel, settings: Any, state: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Mass, stiffness and damping matrix in Exudyn's coordinates.
+    """Mass, stiffness and damping matrix of links in Exudyn's coordinates, without their springs.
 
     Exudyn linearizes about the initial state, whatever was solved before.
 
     Parameters
     ----------
-    assembly : LinkAssembly
+    model : StaticModel
     settings : exudyn.SimulationSettings
     state : ndarray, shape (size,)
         Exudyn's coordinates, less the reference ones.
@@ -53,10 +52,14 @@ def linearized(
     -------
     mass, stiffness, damping : ndarray, shape (size, size)
     """
-    initial = load_exudyn().ConfigurationType.Initial
-    assembly.mbs.systemData.SetODE2Coordinates(state, initial)
-    mass, stiffness, damping = map(np.array, assembly.mbs.ComputeLinearizedSystem(settings)[:3])
-    for _, part in assembly.beams:
+    initial, mbs = load_exudyn().ConfigurationType.Initial, model.assembly.mbs
+    mbs.systemData.SetODE2Coordinates(state, initial)
+    if model.connectors is not None:
+        model.connectors.activate(False)
+    mass, stiffness, damping = map(np.array, mbs.ComputeLinearizedSystem(settings)[:3])
+    if model.connectors is not None:
+        model.connectors.activate(True)
+    for _, part in model.assembly.beams:
         if not part.section.damping.any:
             # Bodies off their nodes leave the round-off of differences by velocities.
             damping[part.coordinates] = 0.0
@@ -215,8 +218,7 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
     assembly = model.assembly
     straight = np.zeros(assembly.system_size)
     model.swell(0.0)
-    with model.links_alone():
-        mass, stiffness, damping = linearized(assembly, simulation_settings(), straight)
+    mass, stiffness, damping = linearized(model, simulation_settings(), straight)
     model.swell(1.0)
     kind, models = assembly.kind, []
     for part in assembly.parts:
@@ -263,7 +265,7 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
     return tuple(models)
 
 
-def unit_tension_stiffness(assembly: LinkAssembly) -> list[FloatArray]:
+def unit_tension_stiffness(model: StaticModel) -> list[FloatArray]:
     """Geometric stiffness that unit tension in each element adds, in link frames.
 
     A cable element at rest in its straight shape carries tension when its reference axial
@@ -271,16 +273,16 @@ def unit_tension_stiffness(assembly: LinkAssembly) -> list[FloatArray]:
 
     Parameters
     ----------
-    assembly : LinkAssembly
+    model : StaticModel
         Of ANCF cables.
 
     Returns
     -------
     list of ndarray, shape (e, n_link, n_link)
     """
+    assembly, settings = model.assembly, simulation_settings()
     straight = np.zeros(assembly.system_size)
-    settings = simulation_settings()
-    relaxed = linearized(assembly, settings, straight)[1]
+    relaxed = linearized(model, settings, straight)[1]
     parts = []
     for part in assembly.parts:
         if not isinstance(part, BeamPart):
@@ -289,7 +291,7 @@ def unit_tension_stiffness(assembly: LinkAssembly) -> list[FloatArray]:
         unit = []
         for element in part.elements:
             assembly.mbs.SetObjectParameter(element, "referenceAxialStrain", -1.0)
-            tense = linearized(assembly, settings, straight)[1]
+            tense = linearized(model, settings, straight)[1]
             assembly.mbs.SetObjectParameter(element, "referenceAxialStrain", 0.0)
             change = (tense - relaxed)[part.coordinates, part.coordinates]
             unit.append(change / part.section.axial_stiffness)
@@ -352,8 +354,8 @@ class _Tangents:
             Forces on Exudyn's coordinates that keep their direction.
         """
         assembly = self._assembly
-        with self._model.links_alone():
-            _, stiffness, damping = linearized(assembly, settings, assembly.nodes.to_nodes(state))
+        nodes = assembly.nodes.to_nodes(state)
+        _, stiffness, damping = linearized(self._model, settings, nodes)
         self._state[number], self._outer[number] = state, outer
         for matrices, part in zip(self._matrices, assembly.parts, strict=True):
             for matrix, whole in zip(matrices, (stiffness, damping), strict=True):

@@ -2,8 +2,7 @@
 
 The model is in the crank's frame: the shaft's clamp is then a constraint on single
 coordinates with a constant constraint Jacobian, whatever the crank angle. What changes
-from one position to the next are the coordinates, the ground pivots, the lines of the ground
-and the loads.
+from one position to the next are the coordinates, the angle of the ground and the loads.
 
 A rigid link may rotate under dead loads on it. The effect of distributed dead loads is given by
 their resultant, their moment and their virial about the link's start, the sum of force times place:
@@ -15,7 +14,7 @@ from __future__ import annotations
 
 import contextlib
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -80,7 +79,20 @@ class StaticLoads:
     def __init__(self, assembly: LinkAssembly) -> None:
         self._assembly = assembly
         self._at_points: list[tuple[ItemNumber, int]] = []
-        self._nodal = self._add_nodal_forces()
+        mass = np.zeros((assembly.size, assembly.size))
+        for link, part in assembly.beams:
+            if not part.bodies:
+                for at in (part.firsts, part.firsts + 1):
+                    mass[at, at] = assembly.point_masses(part)
+            elif len(part.node_map.first):
+                self._add_points(link, part)
+        self._nodal = assembly.items.add(
+            "ObjectGenericODE2",
+            "loads",
+            nodeNumbers=[node for part in assembly.parts for node in part.nodes],
+            massMatrix=mass if mass.any() else None,
+            forceVector=np.zeros(assembly.size),
+        )
         self.turning = [
             self._add_couple(link, angle, body)
             for link, part in enumerate(assembly.parts)
@@ -104,36 +116,11 @@ class StaticLoads:
             _set_load(mbs, load, at_nodes[first : first + 2])
             at_nodes[first : first + 2] = 0.0
         for body, couple in zip(self.turning, couples, strict=True):
-            part, start_force = self._assembly.parts[body.link], np.zeros(2)
-            if not isinstance(part, BeamPart):
-                start_force = forces[part.coordinates][:2]
-                at_nodes[part.coordinates] = 0.0
-            _set_load(mbs, body.at_start, start_force - couple)
+            _set_load(mbs, body.at_start, -couple)
             _set_load(mbs, body.at_end, couple)
-        if self._nodal is not None:
-            mbs.SetObjectParameter(self._nodal, "forceVector", at_nodes[self._elastic])
-
-    def _add_nodal_forces(self) -> ItemNumber | None:
-        """Object with generalized forces on every coordinate and with the point masses."""
-        assembly = self._assembly
-        elastic = [np.arange(assembly.size)[part.coordinates] for _, part in assembly.beams]
-        self._elastic = np.concatenate(elastic) if elastic else np.zeros(0, dtype=np.intp)
-        mass = np.zeros((assembly.size, assembly.size))
-        for link, part in assembly.beams:
-            if not part.bodies:
-                for at in (part.firsts, part.firsts + 1):
-                    mass[at, at] = assembly.point_masses(part)
-            if part.bodies and len(part.node_map.first):
-                self._add_points(link, part)
-        if not elastic:
-            return None
-        return assembly.items.add(
-            "ObjectGenericODE2",
-            "loads",
-            nodeNumbers=[node for _, part in assembly.beams for node in part.nodes],
-            massMatrix=mass[np.ix_(self._elastic, self._elastic)] if mass.any() else None,
-            forceVector=np.zeros(len(self._elastic)),
-        )
+            if not isinstance(self._assembly.parts[body.link], BeamPart):
+                at_nodes[body.angle] = 0.0
+        mbs.SetObjectParameter(self._nodal, "forceVector", at_nodes)
 
     def _add_points(self, link: int, part: BeamPart) -> None:
         """Forces on points of the pins' axis, off the nodes of an eccentric link."""
@@ -261,16 +248,6 @@ class StaticModel:
         set_parameter(assembly.ground, "referenceRotation", along)
         if self.connectors is not None:
             self.connectors.move_to(motion, number, pose)
-
-    @contextlib.contextmanager
-    def links_alone(self) -> Iterator[None]:
-        """Context without the springs between links, for a linearization of the links."""
-        if self.connectors is None:
-            yield
-            return
-        self.connectors.activate(False)
-        yield
-        self.connectors.activate(True)
 
     def swell(self, part: float) -> None:
         """Give all elements a part of the free strains of their sections; 1 for all of it."""
