@@ -250,8 +250,8 @@ class TorqueTable:
         time = step * np.arange(steps + 2, dtype=float)
         return cls(time, rigid_torque(mechanism, drive, time))
 
-    def at(self, time: FloatArray) -> FloatArray:
-        """Torque at times (m,) in N m."""
+    def torque_at(self, time: FloatArray, position: FloatArray, velocity: FloatArray) -> FloatArray:
+        """Torque at times (m,) in N m, whatever the system's coordinates and rates."""
         return np.asarray(np.interp(time, self.time, self.torque))
 
 
@@ -289,17 +289,12 @@ class MotorOnHub:
         """Add the node of the coordinates, if there are any, before that of the hub."""
         if not self.count:
             return []
-        zeros = [0.0] * self.count
-        return [
-            items.add(
-                "NodeGenericODE2",
-                "motor_node",
-                numberOfODE2Coordinates=self.count,
-                referenceCoordinates=zeros,
-                initialCoordinates=zeros,
-                initialCoordinates_t=zeros,
-            )
-        ]
+        names = ("referenceCoordinates", "initialCoordinates", "initialCoordinates_t")
+        given = dict.fromkeys(names, [0.0] * self.count)
+        node = items.add(
+            "NodeGenericODE2", "motor_node", numberOfODE2Coordinates=self.count, **given
+        )
+        return [node]
 
     def add_object(self, items: SystemItems, own: list[ItemNumber], hub: ItemNumber) -> None:
         """Add the motor between its node and that of the hub.
@@ -344,8 +339,8 @@ class MotorOnHub:
             **function,
         )
 
-    def torque(self, position: FloatArray, velocity: FloatArray) -> FloatArray:
-        """Torque on the hub in N m, (m,), by the system's coordinates (m, total_size) and rates."""
+    def torque_at(self, time: FloatArray, position: FloatArray, velocity: FloatArray) -> FloatArray:
+        """Torque on the hub in N m, (m,), by the system's coordinates (m, n) and rates."""
         motion = position[:, -1], velocity[:, -1]
         return self._train.on_crank(*motion, self._states(position.T, velocity.T))[0]
 

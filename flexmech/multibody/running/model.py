@@ -204,10 +204,8 @@ class RunningModel:
         position, velocity : ndarray, shape (m, n)
         multiplier : ndarray, shape (m, n_multipliers)
         """
-        if isinstance(self.torque, MotorOnHub):
-            return self.torque.torque(position, velocity)
         if self.torque is not None:
-            return self.torque.at(time)
+            return self.torque.torque_at(time, position, velocity)
         assert self.drive_constraint is not None
         return -multiplier[:, self._multipliers(self.drive_constraint)[0]]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import math
 import sys
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -98,6 +99,10 @@ class Simulation:
         self.model, self.integrator = model, integrator
         self.step, self.steps = step, steps
         self._couples = SectionCouples(model.assembly, model.links)
+        # Number of the first step kept. Kept are Exudyn's own time, the sum of its steps, at which
+        # the shaft's angle is prescribed, its coordinates, their rates and the multipliers.
+        self._first = 0
+        self._rows: list[tuple[float, FloatArray, FloatArray, FloatArray]] = []
 
     def run(
         self,
@@ -122,21 +127,39 @@ class Simulation:
             If a step does not converge; names its time and the crank angle.
         """
         self.set_start(start)
-        steps = _Steps(self, recorder, progress)
-        self.model.assembly.mbs.SetPostStepUserFunction(steps.take)
-        settings = applied(self.settings())
-        exudyn = load_exudyn()
+        system, exudyn, out = self.model.assembly.mbs, load_exudyn(), sys.stdout
+        failures: list[BaseException] = []
+
+        def take(mbs: Any, time: float) -> bool:
+            """Keep the start, or a step; false stops the run.
+
+            An exception must not pass through Exudyn, which would turn it into one of its own.
+            """
+            try:
+                self._keep(mbs.systemData, time)
+                if len(self._rows) == BLOCK_STEPS:
+                    self._hand_over(recorder)
+                if progress is not None and self._last % PROGRESS_STEPS == 0:
+                    with contextlib.redirect_stdout(out):
+                        progress(self._last, self.steps)
+            except BaseException as failure:
+                failures.append(failure)
+                return False
+            return True
+
+        system.SetPostStepUserFunction(take)
         refused = False
         with contextlib.redirect_stdout(io.StringIO()):
             try:
-                self.model.assembly.mbs.SolveDynamic(settings)
+                system.SolveDynamic(applied(self.settings()))
             except (exudyn.SolverError, exudyn.InternalError):  # the latter if values overflow
                 refused = True
-        if steps.failure is not None:
-            raise steps.failure
-        steps.hand_over()
-        if refused or steps.last < self.steps:
-            raise self._failure(steps.last + 1)
+        if failures:
+            raise failures[0]
+        self._hand_over(recorder)
+        if refused or self._last < self.steps:
+            residual = float(system.sys["dynamicSolver"].conv.residual)
+            raise self._error_of_step(self._last + 1, residual)
 
     @property
     def drifts(self) -> bool:
@@ -282,92 +305,49 @@ class Simulation:
             self.step, self.steps, self.integrator, self.model.assembly.nodal_force_scale
         )
 
-    def _failure(self, number: int) -> UnbalancedStepError:
-        """Error for a step that did not converge."""
-        residual = float(self.model.assembly.mbs.sys["dynamicSolver"].conv.residual)
-        cause = f"Newton's method does not converge (residual {residual:.3g} N)"
-        if not np.isfinite(residual):
-            cause = "the values are not finite"
-        return _step_error(self, number, cause)
-
-
-class _Steps:
-    """Copies every step into a block and hands full blocks to the recorder."""
-
-    def __init__(
-        self,
-        simulation: Simulation,
-        recorder: Recorder | PointRecorder,
-        progress: Callable[[int, int], None] | None,
-    ) -> None:
-        self.failure: BaseException | None = None
-        self._simulation = simulation
-        self._recorder = recorder
-        self._progress = progress
-        self._out = sys.stdout
-        self._first = 0
-        # Exudyn's own time, the sum of its steps, at which the shaft's angle is prescribed; its
-        # coordinates, their rates and the multipliers.
-        self._rows: list[tuple[float, FloatArray, FloatArray, FloatArray]] = []
-
     @property
-    def last(self) -> int:
+    def _last(self) -> int:
         """Number of the last step taken; 0 is the start."""
         return self._first + len(self._rows) - 1
 
-    def take(self, mbs: Any, time: float) -> bool:
-        """Exudyn's user function after the start and after every step; false stops it.
+    def _keep(self, data: Any, time: float) -> None:
+        position = data.GetODE2Coordinates()
+        if self.drifts:
+            self.model.joints.correct_coordinates(position, time)
+            data.SetODE2Coordinates(position)
+        self._rows.append((time, position, data.GetODE2Coordinates_t(), data.GetAECoordinates()))
 
-        An exception must not pass through Exudyn, which would turn it into one of its own.
-        """
-        try:
-            self._copy(mbs.systemData, time)
-            if len(self._rows) == BLOCK_STEPS:
-                self.hand_over()
-            if self._progress is not None and self.last % PROGRESS_STEPS == 0:
-                with contextlib.redirect_stdout(self._out):
-                    self._progress(self.last, self._simulation.steps)
-        except BaseException as failure:
-            self.failure = failure
-            return False
-        return True
-
-    def hand_over(self) -> None:
-        """Give the block to the recorder; its last step becomes the first of the next."""
+    def _hand_over(self, recorder: Recorder | PointRecorder) -> None:
+        """Give what is kept to the recorder; its last step becomes the first of the next."""
         if len(self._rows) < 2:
             return
         columns = zip(*self._rows, strict=True)
         time, position, velocity, multiplier = (np.array(values) for values in columns)
         finite = np.isfinite([position.sum(1), velocity.sum(1), multiplier.sum(1)]).all(axis=0)
         if not finite.all():
-            first_bad = self._first + int(np.argmin(finite))
-            raise _step_error(self._simulation, first_bad, "the values are not finite")
-        if isinstance(self._recorder, PointRecorder):
-            self._recorder.add(self._simulation.displacement(time, position))
+            raise self._error_of_step(self._first + int(np.argmin(finite)))
+        if isinstance(recorder, PointRecorder):
+            recorder.add(self.displacement(time, position))
         else:
-            block = self._simulation.block(time, position, velocity, multiplier)
-            if block.shaft is not None and not isinstance(self._simulation.model.drive, MotorRun):
-                block.shaft.refuse_runaway(self._simulation.model.drive, time)
-            self._recorder.add(block)
-        self._first, self._rows = self.last, self._rows[-1:]
+            block = self.block(time, position, velocity, multiplier)
+            if block.shaft is not None and not isinstance(self.model.drive, MotorRun):
+                block.shaft.refuse_runaway(self.model.drive, time)
+            recorder.add(block)
+        self._first, self._rows = self._last, self._rows[-1:]
 
-    def _copy(self, data: Any, time: float) -> None:
-        position = data.GetODE2Coordinates()
-        if self._simulation.drifts:
-            self._simulation.model.joints.correct_coordinates(position, time)
-            data.SetODE2Coordinates(position)
-        self._rows.append((time, position, data.GetODE2Coordinates_t(), data.GetAECoordinates()))
+    def _error_of_step(self, number: int, residual: float = math.inf) -> UnbalancedStepError:
+        """Error for a step that did not converge, or gave no finite values."""
+        cause = f"Newton's method does not converge (residual {residual:.3g} N)"
+        if not math.isfinite(residual):
+            cause = "the values are not finite"
+        time = number * self.step
+        angle = float(np.degrees(self.model.drive.crank_angle(time)))
+        return UnbalancedStepError(
+            f"the simulation stops at {time:.6g} s, crank angle {angle:.6g} deg: {cause}; take a "
+            f"step smaller than {self.step:.3g} s or a lower crank speed"
+        )
 
 
 def _carried(body: FrameBody, motion: RigidMotion, moved: FrameMotion) -> RigidMotion:
     """Motion of the rigid linkage on its frame, whose acceleration does not count here."""
     return carried_motion(body.frame.centre, motion, moved.displacement, moved.rate)
-
-
-def _step_error(simulation: Simulation, number: int, cause: str) -> UnbalancedStepError:
-    time = number * simulation.step
-    angle = float(np.degrees(simulation.model.drive.crank_angle(time)))
-    return UnbalancedStepError(
-        f"the simulation stops at {time:.6g} s, crank angle {angle:.6g} deg: {cause}; take a "
-        f"step smaller than {simulation.step:.3g} s or a lower crank speed"
-    )
