@@ -55,8 +55,6 @@ class LinkAssembly:
         In the topology's order.
     attached : list of AttachedPart
         Bodies on elastic links.
-    bodies : list of SystemBody
-        All rigid bodies: rigid links, those at nodes, and attached ones.
     size : int
         Number of coordinates of all links.
     system_size : int
@@ -86,7 +84,7 @@ class LinkAssembly:
         ground_node = self.items.add("NodePointGround", "ground_node")
         self.fixed = self.items.mark_coordinate("ground_coordinate", ground_node, 0)
         self.base = self.topology.index(self.topology.clamps[0].link_end.link)
-        self.parts, self.bodies = add_links(self.items, mechanism, self.kind, elements)
+        self.parts = add_links(self.items, mechanism, self.kind, elements)
         self.size = self.system_size = self.parts[-1].coordinates.stop
         self._angles = np.flatnonzero(np.concatenate([part.rotation for part in self.parts]))
         self.attached: list[AttachedPart] = []
@@ -96,11 +94,9 @@ class LinkAssembly:
                 self.items, link, part, self._bodies(part), bodies_have_mass, self.system_size
             )
             self.attached += added
-            for body in added:
-                if body.own_node is not None:
-                    body_coordinates += [body.place, body.place + 1, body.angle]
+            for body in added if not self.kind.has_angles else ():
+                body_coordinates += [body.place, body.place + 1, body.angle]
             self.system_size = self.size + len(body_coordinates)
-        self.bodies += [attached.body for attached in self.attached]
         maps = [(part.node_map, part.coordinates.start) for _, part in self.beams]
         mapped = (Arms if self.kind.has_angles else PolarSlopes).joined(maps)
         self.nodes = LinkNodes(mapped, self.size, body_coordinates)
@@ -312,7 +308,7 @@ class LinkAssembly:
         turning, node = self.turning_coordinate(end), self.end_node(end)
         if turning is None:
             place = self.first_coordinate(end)
-            [node] = [b.own_node for b in self.attached if b.place == place and b.own_node][:1]
+            [node] = [body.body.node for body in self.attached if body.place == place][:1]
             turning = 2
         return self.items.mark_coordinate(name, node, turning)
 

@@ -448,59 +448,6 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class SystemBody:
-    """A rigid body at a node with an angle: at a node of exact beams, attached, or a rigid link.
-
-    Parameters
-    ----------
-    number : ItemNumber
-    first : int
-        First coordinate of its node among Exudyn's of links and attached bodies.
-    mass : float
-        In kg.
-    centre : tuple of float
-        Its centre of mass from the node, along and across the link, in m.
-    inertia : float
-        About the node in kg m^2.
-    """
-
-    number: ItemNumber
-    first: int
-    mass: float
-    centre: tuple[float, float]
-    inertia: float
-
-
-def add_body(
-    items: SystemItems,
-    name: str,
-    node: ItemNumber,
-    first: int,
-    mass: float,
-    centre: tuple[float, float],
-    inertia: float,
-) -> SystemBody:
-    """Add a rigid body; parameters besides as of :class:`SystemBody`.
-
-    Parameters
-    ----------
-    items : SystemItems
-    name : str
-    node : ItemNumber
-    first, mass, centre, inertia
-    """
-    number = items.add(
-        "ObjectRigidBody2D",
-        name,
-        nodeNumber=node,
-        mass=mass,
-        inertia=inertia,
-        centerOfMass=list(centre),
-    )
-    return SystemBody(number, first, mass, centre, inertia)
-
-
-@dataclass(frozen=True)
 class DistributedMass:
     """What a chain of bodies at nodes has besides them, and of what they consist.
 
@@ -526,7 +473,7 @@ def add_node_bodies(
     section: BeamSection,
     point_masses: FloatArray,
     first: int,
-) -> tuple[list[SystemBody], DistributedMass]:
+) -> tuple[list[ItemNumber], DistributedMass]:
     """Add bodies at the nodes of a link, and masses of the differences between nodes.
 
     Parameters
@@ -545,7 +492,8 @@ def add_node_bodies(
 
     Returns
     -------
-    list of SystemBody
+    list of ItemNumber
+        Of the bodies.
     DistributedMass
     """
     length = np.diff(positions)
@@ -576,7 +524,7 @@ def add_node_bodies(
     items.begin(f"{link}: bodies at the nodes, which carry its mass and point masses")
     values = np.stack([mass, along / mass, across / mass, inertia], axis=1).tolist()
     bodies = [
-        add_body(items, f"{link}_body_{i}", node, first + 3 * i, m, (x, y), about)
+        items.add_body(f"{link}_body_{i}", node, first + 3 * i, m, (x, y), about).number
         for i, (node, (m, x, y, about)) in enumerate(zip(nodes, values, strict=True))
     ]
     items.begin(f"{link}: mass by the differences between nodes, for fourth order")

@@ -152,6 +152,32 @@ class Item:
     subject: str
 
 
+@dataclass(frozen=True)
+class SystemBody:
+    """A rigid body at a node with an angle: at a node of exact beams, attached, or a rigid link.
+
+    Parameters
+    ----------
+    number, node : ItemNumber
+        Of the body and its node.
+    first : int
+        First coordinate of its node among Exudyn's of links and attached bodies.
+    mass : float
+        In kg.
+    centre : tuple of float
+        Its centre of mass from the node, along and across the link, in m.
+    inertia : float
+        About the node in kg m^2.
+    """
+
+    number: ItemNumber
+    node: ItemNumber
+    first: int
+    mass: float
+    centre: tuple[float, float]
+    inertia: float
+
+
 class SystemItems:
     """An Exudyn system that grows item by item.
 
@@ -161,12 +187,15 @@ class SystemItems:
     mbs : exudyn.MainSystem
     listed : list of Item
         In the order in which they were added.
+    bodies : list of SystemBody
+        All rigid bodies of links and on them.
     """
 
     def __init__(self) -> None:
         self.container: Any = load_exudyn().SystemContainer()
         self.mbs: Any = self.container.AddSystem()
         self.listed: list[Item] = []
+        self.bodies: list[SystemBody] = []
         self._subject = ""
         # Looked up at each of thousands of items.
         self._taken: set[tuple[ItemKind, str]] = set()
@@ -201,6 +230,21 @@ class SystemItems:
         number = int(add(make(name=name, **given)))
         self.listed.append(Item(kind, type_, name, number, values, self._subject))
         return ItemNumber(number, kind, name)
+
+    def add_body(
+        self,
+        name: str,
+        node: ItemNumber,
+        first: int,
+        mass: float,
+        centre: tuple[float, float],
+        inertia: float,
+    ) -> SystemBody:
+        """Add a rigid body; parameters besides its name as of :class:`SystemBody`."""
+        given = {"mass": mass, "inertia": inertia, "centerOfMass": list(centre)}
+        number = self.add("ObjectRigidBody2D", name, nodeNumber=node, **given)
+        self.bodies.append(SystemBody(number, node, first, mass, centre, inertia))
+        return self.bodies[-1]
 
     def keep_angle(self, name: str, markers: list[ItemNumber]) -> ItemNumber:
         """Keep two markers from turning against each other."""

@@ -320,11 +320,10 @@ def _stays_closed(gap: JointGap) -> bool:
 
 def _attached_nodes(assembly: LinkAssembly) -> Iterator[tuple[JoinedEnd, JoinedEnd]]:
     """Nodes of attached bodies that have one of their own, and the nodes that they are fixed to."""
-    for body in assembly.attached:
-        if body.own_node is not None:
-            node = (float(assembly.parts[body.link].positions[body.node]), 0.0)
-            on_body = JoinedEnd(body.body.first, node, (0.0, 0.0), has_slope=False)
-            yield on_body, JoinedEnd(body.place, node, (0.0, 0.0), has_slope=True)
+    for body in assembly.attached if not assembly.kind.has_angles else ():
+        node = (float(assembly.parts[body.link].positions[body.node]), 0.0)
+        on_body = JoinedEnd(body.body.first, node, (0.0, 0.0), has_slope=False)
+        yield on_body, JoinedEnd(body.place, node, (0.0, 0.0), has_slope=True)
 
 
 def _joined_end(assembly: LinkAssembly, end: LinkEnd) -> JoinedEnd:

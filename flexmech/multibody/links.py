@@ -30,12 +30,10 @@ from flexmech.multibody.beams import (
     BEAM_KINDS,
     BeamKind,
     DistributedMass,
-    SystemBody,
-    add_body,
     add_node_bodies,
     point_masses_at,
 )
-from flexmech.multibody.items import ItemNumber, SystemItems
+from flexmech.multibody.items import ItemNumber, SystemBody, SystemItems
 from flexmech.multibody.node_maps import Arms, NodeMap, PolarSlopes
 from flexmech.sections import BeamSection
 
@@ -212,8 +210,6 @@ class AttachedPart:
     place, angle : int
         First coordinate of that node, and its angle, among those of all links.
     body : SystemBody
-    own_node : ItemNumber or None
-        Its own node, if it has one.
     """
 
     link: int
@@ -221,7 +217,6 @@ class AttachedPart:
     place: int
     angle: int
     body: SystemBody
-    own_node: ItemNumber | None
 
 
 def add_attached_bodies(
@@ -255,22 +250,18 @@ def add_attached_bodies(
     nodes = body_nodes(part.positions, bodies).tolist()
     for count, (body, node) in enumerate(zip(bodies, nodes, strict=True)):
         name, number = f"{part.name}_attached_{count}", part.nodes[node]
-        place, own_node = int(part.firsts[node]), None
-        first = place
+        first = place = int(part.firsts[node])
         if not part.kind.has_angles:
             where = [float(part.positions[node]), 0.0, 0.0]
-            number = own_node = items.add(
-                "NodeRigidBody2D", f"{name}_node", referenceCoordinates=where
-            )
+            number = items.add("NodeRigidBody2D", f"{name}_node", referenceCoordinates=where)
             first, free = free, free + 3
         # The node of an eccentric link is off the axis from which the offset counts.
         x, y = body.offset[0], body.offset[1] - part.axis_below
         total, inertia = (body.mass, body.inertia) if has_mass else (0.0, 0.0)
         about_node = inertia + total * (x**2 + y**2)
-        made = add_body(items, name, number, first, total, (x, y), about_node)
-        angle = place + part.kind.clamped
-        attached.append(AttachedPart(link, node, place, angle, made, own_node))
-        if own_node is not None:
+        made = items.add_body(name, number, first, total, (x, y), about_node)
+        attached.append(AttachedPart(link, node, place, place + part.kind.clamped, made))
+        if not part.kind.has_angles:
             _fix(items, part, attached[-1], name)
     return attached
 
@@ -290,7 +281,7 @@ def _fix(items: SystemItems, part: BeamPart, attached: AttachedPart, name: str) 
 
 def add_links(
     items: SystemItems, mechanism: Mechanism, kind: BeamKind, elements: int
-) -> tuple[list[LinkPart], list[SystemBody]]:
+) -> list[LinkPart]:
     """Add nodes, beams and bodies of all links, each along the global x axis.
 
     Parameters
@@ -306,26 +297,22 @@ def add_links(
     -------
     list of LinkPart
         In the topology's order.
-    list of SystemBody
-        Rigid links and bodies at nodes.
     """
     parts: list[LinkPart] = []
-    bodies: list[SystemBody] = []
     start = 0
     for link in mechanism.linkage.topology.links:
-        if link.rigid:
-            part, carrying = _add_rigid(items, mechanism, link.name, start)
-        else:
-            part, carrying = _add_beam(items, mechanism, kind, link.name, elements, start)
-        parts.append(part)
-        bodies += carrying
-        start = part.coordinates.stop
-    return parts, bodies
+        parts.append(
+            _add_rigid(items, mechanism, link.name, start)
+            if link.rigid
+            else _add_beam(items, mechanism, kind, link.name, elements, start)
+        )
+        start = parts[-1].coordinates.stop
+    return parts
 
 
 def _add_beam(
     items: SystemItems, mechanism: Mechanism, kind: BeamKind, name: str, elements: int, start: int
-) -> tuple[LinkPart, list[SystemBody]]:
+) -> LinkPart:
     mass = mechanism.link_mass(name)
     section = mechanism.sections[name].shearing_over(mass.length)
     places = [*_required_nodes(mechanism, mass, name, kind), *mechanism.acting_at(name)]
@@ -344,40 +331,37 @@ def _add_beam(
         kind.add_element(items, f"{name}_element_{i}", nodes[i : i + 2], float(h), section)
         for i, h in enumerate(np.diff(positions))
     ]
-    bodies: list[SystemBody] = []
+    bodies: list[ItemNumber] = []
     distributed = None
     if kind.has_angles:
         points = point_masses_at(mechanism, name, positions)
         bodies, distributed = add_node_bodies(items, name, nodes, positions, section, points, start)
-    part = BeamPart(
+    return BeamPart(
         name,
         mass.length,
         kind,
         positions,
         nodes,
-        [body.number for body in bodies],
+        bodies,
         slice(start, start + kind.per_node * len(nodes)),
         _node_map(kind, section, positions, _places_with_angles(mechanism, mass, name)),
         section,
         beams,
         distributed,
     )
-    return part, bodies
 
 
-def _add_rigid(
-    items: SystemItems, mechanism: Mechanism, name: str, start: int
-) -> tuple[LinkPart, list[SystemBody]]:
+def _add_rigid(items: SystemItems, mechanism: Mechanism, name: str, start: int) -> LinkPart:
     mass, kind = mechanism.link_mass(name), BEAM_KINDS["geometrically-exact"]
     inertia = RigidBody.of_link(mass)
     items.begin(f"{name}: a rigid body, its node at the start of the link")
     node = items.add(kind.node, f"{name}_node", referenceCoordinates=[0.0, 0.0, *kind.straight])
     total, (along, across) = inertia.mass, inertia.first_moment
     centre = (along / total, across / total) if total else (0.0, 0.0)
-    body = add_body(items, f"{name}_body", node, start, total, centre, inertia.second_moment)
+    body = items.add_body(f"{name}_body", node, start, total, centre, inertia.second_moment)
     own, straight = slice(start, start + kind.per_node), Arms(NONE)
     nodes, bodies = [node], [body.number]
-    return LinkPart(name, mass.length, kind, np.zeros(1), nodes, bodies, own, straight), [body]
+    return LinkPart(name, mass.length, kind, np.zeros(1), nodes, bodies, own, straight)
 
 
 def _node_map(

@@ -69,7 +69,7 @@ class LinkEnergies:
 
     def __init__(self, assembly: LinkAssembly, links: Sequence[LinkModel]) -> None:
         self._pull = np.array(assembly.mechanism.gravity)
-        bodies = assembly.bodies
+        bodies = assembly.items.bodies
         self._angles = np.array([body.first + 2 for body in bodies], dtype=np.intp)
         self._places = self._angles[:, None] + [-2, -1]
         self._masses = np.array([body.mass for body in bodies])
@@ -388,7 +388,7 @@ def add_running_loads(assembly: LinkAssembly, energies: LinkEnergies) -> None:
         Of its links, for their weight.
     """
     x, y = assembly.mechanism.gravity
-    for body in assembly.bodies if x or y else ():
+    for body in assembly.items.bodies if x or y else ():
         if body.mass:
             name = f"{body.number.name}_weight"
             assembly.items.begin(f"{body.number.name}: weight")
