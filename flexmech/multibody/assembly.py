@@ -12,18 +12,16 @@ from typing import Any
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linkages import LinkBody, LinkEnd, RigidMotion
+from flexmech.linkages import LinkEnd, RigidMotion
 from flexmech.mechanism import Mechanism
-from flexmech.multibody.beams import BEAM_KINDS, BeamKind, point_masses_at
+from flexmech.multibody.beams import BEAM_KINDS, BeamKind
 from flexmech.multibody.items import ItemNumber, Made, SystemItems
 from flexmech.multibody.links import (
-    AttachedPart,
     BeamPart,
     LinkPart,
     add_attached_bodies,
     add_links,
     turn_vectors,
-    turned_bodies,
 )
 from flexmech.multibody.node_maps import Arms, LinkNodes, PolarSlopes
 from flexmech.multibody.running.frame_body import FrameBody
@@ -85,18 +83,15 @@ class LinkAssembly:
         self.fixed = self.items.mark_coordinate("ground_coordinate", ground_node, 0)
         self.base = self.topology.index(self.topology.clamps[0].link_end.link)
         self.parts = add_links(self.items, mechanism, self.kind, elements)
-        self.size = self.system_size = self.parts[-1].coordinates.stop
+        self.size = self.parts[-1].coordinates.stop
         self._angles = np.flatnonzero(np.concatenate([part.rotation for part in self.parts]))
-        self.attached: list[AttachedPart] = []
-        body_coordinates: list[int] = []
-        for link, part in self.beams:
-            added = add_attached_bodies(
-                self.items, link, part, self._bodies(part), bodies_have_mass, self.system_size
-            )
-            self.attached += added
-            for body in added if not self.kind.has_angles else ():
-                body_coordinates += [body.place, body.place + 1, body.angle]
-            self.system_size = self.size + len(body_coordinates)
+        self.attached = add_attached_bodies(self.items, mechanism, self.parts, bodies_have_mass)
+        body_coordinates = [
+            coordinate
+            for body in (() if self.kind.has_angles else self.attached)
+            for coordinate in (body.place, body.place + 1, body.angle)
+        ]
+        self.system_size = self.size + len(body_coordinates)
         maps = [(part.node_map, part.coordinates.start) for _, part in self.beams]
         mapped = (Arms if self.kind.has_angles else PolarSlopes).joined(maps)
         self.nodes = LinkNodes(mapped, self.size, body_coordinates)
@@ -107,12 +102,6 @@ class LinkAssembly:
         for number, part in enumerate(self.parts):
             if isinstance(part, BeamPart):
                 yield number, part
-
-    def _bodies(self, part: BeamPart) -> list[LinkBody]:
-        """Bodies on a link, and massless ones that give a cable's end an angle."""
-        mass = self.mechanism.link_mass(part.name)
-        turned = [] if self.kind.has_angles else turned_bodies(self.mechanism, mass, part.name)
-        return [*mass.bodies, *turned]
 
     @property
     def nodal_force_scale(self) -> float:
@@ -125,10 +114,6 @@ class LinkAssembly:
             stiffness = max(section.axial_stiffness, section.shear_stiffness, bending) / length
             scales.append(stiffness * extent)
         return max(scales, default=0.0)
-
-    def point_masses(self, part: BeamPart) -> FloatArray:
-        """Point mass at each node of a link in kg, shape (e + 1,)."""
-        return point_masses_at(self.mechanism, part.name, part.positions)
 
     def part_of(self, place: LinkEnd) -> LinkPart:
         """Part of the link of an end."""

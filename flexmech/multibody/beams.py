@@ -447,22 +447,16 @@ def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
     return np.asarray(a[0] * b[1] - a[1] * b[0])
 
 
-@dataclass(frozen=True)
-class DistributedMass:
-    """What a chain of bodies at nodes has besides them, and of what they consist.
+def segment_inertia(section: BeamSection, positions: FloatArray) -> FloatArray:
+    """Rotary inertia of a rigid segment around each node, as a line, in kg m^2, (e + 1,).
 
     Parameters
     ----------
-    segment : ndarray, shape (e + 1,)
-        Rotary inertia of a rigid segment around each node, as a line, in kg m^2.
-    velocity, spin : ndarray, shape (e,)
-        Mass in kg that is subtracted, and inertia in kg m^2 that is added, by the difference of
-        the velocities and spins of each element's nodes.
+    section : BeamSection
+    positions : ndarray, shape (e + 1,)
+        Of the nodes in m.
     """
-
-    segment: FloatArray
-    velocity: FloatArray
-    spin: FloatArray
+    return section.mass_per_length * _halves(np.diff(positions) ** 3 / 12)
 
 
 def add_node_bodies(
@@ -473,7 +467,7 @@ def add_node_bodies(
     section: BeamSection,
     point_masses: FloatArray,
     first: int,
-) -> tuple[list[ItemNumber], DistributedMass]:
+) -> list[ItemNumber]:
     """Add bodies at the nodes of a link, and masses of the differences between nodes.
 
     Parameters
@@ -494,13 +488,9 @@ def add_node_bodies(
     -------
     list of ItemNumber
         Of the bodies.
-    DistributedMass
     """
-    length = np.diff(positions)
-    per_length, soft = (
-        section.mass_per_length,
-        section.bending_stiffness / section.shear_stiffness,
-    )
+    length, per_length = np.diff(positions), section.mass_per_length
+    soft = section.bending_stiffness / section.shear_stiffness
     # Mass of each node, and its first moment along the link about the node.
     share, along = per_length * _halves(length), np.zeros(len(positions))
     velocity = per_length * length / 12
@@ -511,16 +501,13 @@ def add_node_bodies(
             share[[end, end + inwards]] += [-moved, moved]
             along[end] += inwards * moved * length[element]
             velocity[element] += moved
-    rotary, segment = (
-        section.rotary_inertia * _halves(length),
-        per_length * _halves(length**3 / 12),
-    )
+    rotary = section.rotary_inertia * _halves(length) + segment_inertia(section, positions)
     velocity = _kept(section, float(length.min())) * velocity
     spin = soft * per_length * length / 12
     at, pins = section.mass_axis - section.neutral_axis, -section.neutral_axis
     mass = share + point_masses
     across = share * at + point_masses * pins
-    inertia = rotary + segment + share * at**2 + point_masses * pins**2
+    inertia = rotary + share * at**2 + point_masses * pins**2
     items.begin(f"{link}: bodies at the nodes, which carry its mass and point masses")
     values = np.stack([mass, along / mass, across / mass, inertia], axis=1).tolist()
     bodies = [
@@ -531,34 +518,8 @@ def add_node_bodies(
     differences = zip(pairwise(nodes), velocity, spin, strict=True)
     for number, (pair, less, more) in enumerate(differences):
         matrix = Made(difference_mass, (-float(less), float(more)))
-        items.add(
-            "ObjectGenericODE2",
-            f"{link}_difference_{number}",
-            nodeNumbers=list(pair),
-            massMatrix=matrix,
-        )
-    return bodies, DistributedMass(segment, velocity, spin)
-
-
-def point_masses_at(mechanism: Mechanism, link: str, positions: FloatArray) -> FloatArray:
-    """Point mass at each node of a link.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-    link : str
-    positions : ndarray, shape (e + 1,)
-        Of the nodes in m.
-
-    Returns
-    -------
-    ndarray, shape (e + 1,)
-        In kg.
-    """
-    points, masses = mechanism.link_mass(link), np.zeros(len(positions))
-    for x, value in zip(points.point_positions, points.point_masses, strict=True):
-        masses[np.argmin(np.abs(positions - x))] += value
-    return masses
+        items.add_mass(f"{link}_difference_{number}", list(pair), first + 3 * number, matrix)
+    return bodies
 
 
 def _halves(values: FloatArray) -> FloatArray:

@@ -20,6 +20,7 @@ from typing import Any, Literal, Self
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.choices import Integrator
 from flexmech.errors import InputError
 
@@ -189,6 +190,8 @@ class SystemItems:
         In the order in which they were added.
     bodies : list of SystemBody
         All rigid bodies of links and on them.
+    masses : list of tuple of int and ndarray
+        Mass matrices between nodes of links, each with its first coordinate.
     """
 
     def __init__(self) -> None:
@@ -196,6 +199,7 @@ class SystemItems:
         self.mbs: Any = self.container.AddSystem()
         self.listed: list[Item] = []
         self.bodies: list[SystemBody] = []
+        self.masses: list[tuple[int, FloatArray]] = []
         self._subject = ""
         # Looked up at each of thousands of items.
         self._taken: set[tuple[ItemKind, str]] = set()
@@ -245,6 +249,11 @@ class SystemItems:
         number = self.add("ObjectRigidBody2D", name, nodeNumber=node, **given)
         self.bodies.append(SystemBody(number, node, first, mass, centre, inertia))
         return self.bodies[-1]
+
+    def add_mass(self, name: str, nodes: list[ItemNumber], first: int, matrix: Made) -> None:
+        """Add a mass matrix by the velocities of nodes, whose coordinates follow on the first."""
+        self.add("ObjectGenericODE2", name, nodeNumbers=nodes, massMatrix=matrix)
+        self.masses.append((first, _plain(matrix)))
 
     def keep_angle(self, name: str, markers: list[ItemNumber]) -> ItemNumber:
         """Keep two markers from turning against each other."""

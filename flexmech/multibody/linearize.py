@@ -19,6 +19,7 @@ from flexmech.linear_system import (
     rigid_link,
 )
 from flexmech.linkages import RigidMotion, turned
+from flexmech.multibody.beams import segment_inertia
 from flexmech.multibody.items import ROUND_OFF, load_exudyn
 from flexmech.multibody.links import BeamPart, turn_vectors
 from flexmech.multibody.static_model import (
@@ -230,10 +231,10 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
         own = [part.node_map.matrix(np.zeros(size), matrix) for matrix in own]
         x, y = kind.vector_pairs(count)
         gyroscopic, centrifugal_mass, first_moment = _inertia(own[0], x, y)
-        if part.mass is not None:
+        if part.bodies:
             # Mass along a rigid segment is mass of displacements, no rotary inertia.
             turns = np.arange(2, size, kind.per_node)
-            centrifugal_mass[turns, turns] += part.mass.segment
+            centrifugal_mass[turns, turns] += segment_inertia(part.section, part.positions)
         last = size - kind.per_node
         link_mass = assembly.mechanism.link_mass(part.name)
         link = LinkModel(

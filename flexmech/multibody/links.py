@@ -26,13 +26,7 @@ from flexmech.linkages.motion import direction
 from flexmech.linkages.topology import End
 from flexmech.mechanism import Mechanism
 from flexmech.mesh import node_positions
-from flexmech.multibody.beams import (
-    BEAM_KINDS,
-    BeamKind,
-    DistributedMass,
-    add_node_bodies,
-    point_masses_at,
-)
+from flexmech.multibody.beams import BEAM_KINDS, BeamKind, add_node_bodies
 from flexmech.multibody.items import ItemNumber, SystemBody, SystemItems
 from flexmech.multibody.node_maps import Arms, NodeMap, PolarSlopes
 from flexmech.sections import BeamSection
@@ -171,13 +165,13 @@ class BeamPart(LinkPart):
         See :class:`LinkPart`.
     section : BeamSection
     elements : list of ItemNumber
-    mass : DistributedMass or None
-        Of the bodies at its nodes; None of cables.
+    point_masses : ndarray, shape (e + 1,)
+        At the nodes in kg.
     """
 
     section: BeamSection
     elements: list[ItemNumber]
-    mass: DistributedMass | None
+    point_masses: FloatArray
 
 
 def turn_vectors(values: FloatArray, pairs: tuple[IntArray, IntArray], angle: FloatArray) -> None:
@@ -220,49 +214,46 @@ class AttachedPart:
 
 
 def add_attached_bodies(
-    items: SystemItems,
-    link: int,
-    part: BeamPart,
-    bodies: Sequence[LinkBody],
-    has_mass: bool,
-    free: int,
+    items: SystemItems, mechanism: Mechanism, parts: Sequence[LinkPart], has_mass: bool
 ) -> list[AttachedPart]:
-    """Add the bodies of a link to a system.
+    """Add the bodies on links of beams, and massless ones that give a cable's end an angle.
 
     Parameters
     ----------
     items : SystemItems
-    link : int
-    part : BeamPart
-    bodies : sequence of LinkBody
+    mechanism : Mechanism
+    parts : sequence of LinkPart
+        All links.
     has_mass : bool
         Whether the system moves; at standstill a body is where forces act.
-    free : int
-        Number of coordinates that the system has.
 
     Returns
     -------
     list of AttachedPart
     """
-    if bodies:
+    attached, free = list[AttachedPart](), parts[-1].coordinates.stop
+    for link, part in enumerate(parts):
+        if not isinstance(part, BeamPart):
+            continue
+        link_mass = mechanism.link_mass(part.name)
+        turned = [] if part.kind.has_angles else _turned_bodies(mechanism, link_mass, part.name)
+        bodies = [*link_mass.bodies, *turned]
         items.begin(f"{part.name}: attached bodies")
-    attached = []
-    nodes = body_nodes(part.positions, bodies).tolist()
-    for count, (body, node) in enumerate(zip(bodies, nodes, strict=True)):
-        name, number = f"{part.name}_attached_{count}", part.nodes[node]
-        first = place = int(part.firsts[node])
-        if not part.kind.has_angles:
-            where = [float(part.positions[node]), 0.0, 0.0]
-            number = items.add("NodeRigidBody2D", f"{name}_node", referenceCoordinates=where)
-            first, free = free, free + 3
-        # The node of an eccentric link is off the axis from which the offset counts.
-        x, y = body.offset[0], body.offset[1] - part.axis_below
-        total, inertia = (body.mass, body.inertia) if has_mass else (0.0, 0.0)
-        about_node = inertia + total * (x**2 + y**2)
-        made = items.add_body(name, number, first, total, (x, y), about_node)
-        attached.append(AttachedPart(link, node, place, place + part.kind.clamped, made))
-        if not part.kind.has_angles:
-            _fix(items, part, attached[-1], name)
+        nodes = body_nodes(part.positions, bodies).tolist()
+        for count, (body, node) in enumerate(zip(bodies, nodes, strict=True)):
+            name, number = f"{part.name}_attached_{count}", part.nodes[node]
+            first = place = int(part.firsts[node])
+            if not part.kind.has_angles:
+                where = [float(part.positions[node]), 0.0, 0.0]
+                number = items.add("NodeRigidBody2D", f"{name}_node", referenceCoordinates=where)
+                first, free = free, free + 3
+            # The node of an eccentric link is off the axis from which the offset counts.
+            x, y = body.offset[0], body.offset[1] - part.axis_below
+            mass, inertia = (body.mass, body.inertia) if has_mass else (0.0, 0.0)
+            made = items.add_body(name, number, first, mass, (x, y), inertia + mass * (x**2 + y**2))
+            attached.append(AttachedPart(link, node, place, place + part.kind.clamped, made))
+            if not part.kind.has_angles:
+                _fix(items, part, attached[-1], name)
     return attached
 
 
@@ -332,10 +323,9 @@ def _add_beam(
         for i, h in enumerate(np.diff(positions))
     ]
     bodies: list[ItemNumber] = []
-    distributed = None
+    points = _point_masses(mass, positions)
     if kind.has_angles:
-        points = point_masses_at(mechanism, name, positions)
-        bodies, distributed = add_node_bodies(items, name, nodes, positions, section, points, start)
+        bodies = add_node_bodies(items, name, nodes, positions, section, points, start)
     return BeamPart(
         name,
         mass.length,
@@ -347,7 +337,7 @@ def _add_beam(
         _node_map(kind, section, positions, _places_with_angles(mechanism, mass, name)),
         section,
         beams,
-        distributed,
+        points,
     )
 
 
@@ -362,6 +352,14 @@ def _add_rigid(items: SystemItems, mechanism: Mechanism, name: str, start: int) 
     own, straight = slice(start, start + kind.per_node), Arms(NONE)
     nodes, bodies = [node], [body.number]
     return LinkPart(name, mass.length, kind, np.zeros(1), nodes, bodies, own, straight)
+
+
+def _point_masses(mass: LinkMass, positions: FloatArray) -> FloatArray:
+    """Point mass at each node in kg, (e + 1,)."""
+    masses = np.zeros(len(positions))
+    for x, value in zip(mass.point_positions, mass.point_masses, strict=True):
+        masses[np.argmin(np.abs(positions - x))] += value
+    return masses
 
 
 def _node_map(
@@ -401,20 +399,12 @@ def _places_with_angles(mechanism: Mechanism, mass: LinkMass, link: str) -> list
     ends += [clamp.link_end for clamp in topology.clamps[1:]]
     places = [0.0 if end.end == "start" else mass.length for end in ends if end.link == link]
     places += [load.point.x for load in _turned_loads(mechanism, link)]
-    bodies = [*mass.bodies, *turned_bodies(mechanism, mass, link)]
+    bodies = [*mass.bodies, *_turned_bodies(mechanism, mass, link)]
     return [*places, *(body.position for body in bodies)]
 
 
-def turned_bodies(mechanism: Mechanism, mass: LinkMass, link: str) -> list[LinkBody]:
-    """Massless bodies at ends of a link of cables on which torsional springs act.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-    mass : LinkMass
-        Of the link.
-    link : str
-    """
+def _turned_bodies(mechanism: Mechanism, mass: LinkMass, link: str) -> list[LinkBody]:
+    """Massless bodies at ends of a link of cables on which torsional springs act."""
     ends: set[LinkEnd] = set()
     for spring in mechanism.joint_springs:
         if spring.torsional_stiffness or spring.torsional_damping:

@@ -83,7 +83,7 @@ class StaticLoads:
         for link, part in assembly.beams:
             if not part.bodies:
                 for at in (part.firsts, part.firsts + 1):
-                    mass[at, at] = assembly.point_masses(part)
+                    mass[at, at] = part.point_masses
             elif len(part.node_map.first):
                 self._add_points(link, part)
         self._nodal = assembly.items.add(

@@ -38,7 +38,6 @@ from flexmech.multibody.items import ItemNumber, Made, SystemItems
 from flexmech.multibody.links import BeamPart
 from flexmech.multibody.running.user_functions import (
     Shaft,
-    difference_mass,
     section_couples,
 )
 from flexmech.time_domain import Impact, rigid_torque
@@ -82,14 +81,13 @@ class LinkEnergies:
         )
         self._constant = np.zeros((assembly.system_size, assembly.system_size))
         self.weight: FloatArray = np.zeros(assembly.system_size)
+        for first, matrix in assembly.items.masses:
+            between = slice(first, first + len(matrix))
+            self._constant[between, between] += matrix
         for number, part in assembly.beams:
-            own, mass = part.coordinates, links[number].mass
-            if part.mass is not None:
-                differences = zip(part.firsts, part.mass.velocity, part.mass.spin, strict=False)
-                for first, less, more in differences:
-                    element = slice(first, first + 6)
-                    self._constant[element, element] += difference_mass(-less, more)
+            if part.bodies:
                 continue
+            own, mass = part.coordinates, links[number].mass
             for body in links[number].bodies:
                 mass = mass - body.rows.T @ body.matrices(np.zeros(()))[0] @ body.rows
             self._constant[own, own] = mass
@@ -398,10 +396,9 @@ def add_running_loads(assembly: LinkAssembly, energies: LinkEnergies) -> None:
         if part.bodies:
             continue
         assembly.items.begin(f"{part.name}: point masses and weight")
-        masses = assembly.point_masses(part)
         weights = energies.weight[part.coordinates].reshape(len(part.nodes), -1)
         for number, (node, mass, weight) in enumerate(
-            zip(part.nodes, masses, weights, strict=True)
+            zip(part.nodes, part.point_masses, weights, strict=True)
         ):
             if mass or weight.any():
                 assembly.items.add(

@@ -239,7 +239,7 @@ class RunningModel:
             hub[:2], turning[:2] = self.frame.at(_AXIS, moved)
             hub[2], turning[2] = own[0][2], own[1][2]
         hub[2] += self.shaft.angle(0.0)
-        turning[2] += self.shaft.speed(0.0)
+        turning[2] += self.shaft.motion(0.0)[1]
         coordinates = np.concatenate([nodes, own[0], hub])
         rates = np.concatenate([velocity, own[1], turning])
         initial = load_exudyn().ConfigurationType.Initial

@@ -61,10 +61,11 @@ class PointRecorder:
         links: Sequence[LinkModel],
         points: Sequence[tuple[LinkPoint, LinkDirection]],
     ) -> None:
-        self._rows = []
-        for point, direction in points:
-            link = point.index(topology)
-            self._rows.append((link, displacement_row(links[link], point.fraction, direction)))
+        numbers = [point.index(topology) for point, _ in points]
+        self._rows = [
+            (number, displacement_row(links[number], point.fraction, direction))
+            for number, (point, direction) in zip(numbers, points, strict=True)
+        ]
         self._parts: list[FloatArray] = []
 
     def add(self, displacement: Sequence[FloatArray]) -> None:

@@ -52,10 +52,6 @@ class Shaft:
         """Angle at a time in s."""
         return self.motion(t)[0]
 
-    def speed(self, t: float) -> float:
-        """Angular speed at a time in s."""
-        return self.motion(t)[1]
-
     def motion(self, t: float) -> tuple[float, float, float]:
         """Angle, angular speed and angular acceleration at a time in s."""
         if not self.pieces:
@@ -100,7 +96,7 @@ class Shaft:
         mbs, t, number, offset
             What Exudyn gives to a constraint.
         """
-        return self.speed(t)
+        return self.motion(t)[1]
 
     def tip_deflection(
         self, mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any
