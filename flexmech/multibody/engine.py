@@ -133,16 +133,12 @@ class ExudynEngine(Engine):
         )
 
     @cached_property
-    def _links(self) -> tuple[LinkModel, ...]:
-        return link_models(self.model)
-
-    @property
     def clamped_links(self) -> tuple[LinkModel, ...]:
         """Unreduced link models in Exudyn's coordinates, node by node."""
-        return self._links
+        return link_models(self.model)
 
     @cached_property
-    def _unit_tension(self) -> list[FloatArray]:
+    def _unit_tension(self) -> dict[int, FloatArray]:
         return unit_tension_stiffness(self.model)
 
     def stressed_clamped_links(
@@ -410,12 +406,9 @@ class ExudynEngine(Engine):
         straight = self._straight(motion)
         loads, nodes = straight.loads, [link.readings.nodes for link in self.clamped_links]
         tensions = element_tensions(self.mechanism, nodes, motion, straight.links)
-        tangent: dict[int, FloatArray] = {
-            number: link.stiffness + np.tensordot(tensions[number][..., 0], unit, axes=1)
-            for number, (link, unit) in enumerate(
-                zip(self.clamped_links, self._unit_tension, strict=True)
-            )
-            if not link.rigid
+        tangent = {
+            n: self.clamped_links[n].stiffness + np.tensordot(tensions[n][..., 0], unit, axes=1)
+            for n, unit in self._unit_tension.items()
         }
         tangent = self._dead(motion, loads).add_stiffness(
             tangent, [np.zeros_like(load.T) for load in loads]

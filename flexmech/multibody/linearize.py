@@ -266,7 +266,7 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
     return tuple(models)
 
 
-def unit_tension_stiffness(model: StaticModel) -> list[FloatArray]:
+def unit_tension_stiffness(model: StaticModel) -> dict[int, FloatArray]:
     """Geometric stiffness that unit tension in each element adds, in link frames.
 
     A cable element at rest in its straight shape carries tension when its reference axial
@@ -279,16 +279,13 @@ def unit_tension_stiffness(model: StaticModel) -> list[FloatArray]:
 
     Returns
     -------
-    list of ndarray, shape (e, n_link, n_link)
+    dict of int to ndarray, shape (e, n_link, n_link)
+        By the numbers of elastic links.
     """
-    assembly, settings = model.assembly, simulation_settings()
+    assembly, settings, stiffness = model.assembly, simulation_settings(), {}
     straight = np.zeros(assembly.system_size)
     relaxed = linearized(model, settings, straight)[1]
-    parts = []
-    for part in assembly.parts:
-        if not isinstance(part, BeamPart):
-            parts.append(np.zeros((0, *2 * (len(part.straight),))))
-            continue
+    for number, part in assembly.beams:
         unit = []
         for element in part.elements:
             assembly.mbs.SetObjectParameter(element, "referenceAxialStrain", -1.0)
@@ -296,8 +293,8 @@ def unit_tension_stiffness(model: StaticModel) -> list[FloatArray]:
             assembly.mbs.SetObjectParameter(element, "referenceAxialStrain", 0.0)
             change = (tense - relaxed)[part.coordinates, part.coordinates]
             unit.append(change / part.section.axial_stiffness)
-        parts.append(np.stack(unit))
-    return parts
+        stiffness[number] = np.stack(unit)
+    return stiffness
 
 
 def _inertia(
