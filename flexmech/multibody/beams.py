@@ -74,9 +74,9 @@ class Strain:
         return np.asarray(np.einsum("meg,meg,eg->m", self.value, self.value, self.weight) / 2)
 
     @property
-    def power(self) -> FloatArray:
-        """Power of the elastic stress in W, the rate of :attr:`energy`; (m,)."""
-        return np.asarray(np.einsum("meg,meg,eg->m", self.value, self.rate, self.weight))
+    def element_power(self) -> FloatArray:
+        """Power of the elastic stress in each element in W, (m, e), the rate of :attr:`energy`."""
+        return np.asarray(np.einsum("meg,meg,eg->me", self.value, self.rate, self.weight))
 
     @property
     def dissipation(self) -> FloatArray:
@@ -213,10 +213,19 @@ class BeamKind(ABC):
         -------
         ndarray, shape (m, k * per_node)
         """
-        size = displacement.shape[1]
-        unit_rates = np.tile(np.eye(size), (len(displacement), 1))
-        strains = self.strains(np.repeat(displacement, size, axis=0), unit_rates, length, section)
-        return np.asarray(sum(strain.power for strain in strains)).reshape(displacement.shape)
+        # Each force is the power of a unit rate, at every other node at once: no element has two.
+        count, elements = self.per_node, len(length)
+        node = np.arange(elements + 1)
+        units = np.zeros((2, count, elements + 1, count))
+        for unit in range(count):
+            units[node % 2, unit, node, unit] = 1.0
+        rates = np.tile(units.reshape(2 * count, -1), (len(displacement), 1))
+        places = np.repeat(displacement, 2 * count, axis=0)
+        powers = [one.element_power for one in self.strains(places, rates, length, section)]
+        by_element = np.sum(powers, axis=0).reshape(-1, 2, count, elements)
+        padded = np.pad(by_element, ((0, 0), (0, 0), (0, 0), (1, 1)))
+        by_node = (padded[..., 1:] + padded[..., :-1])[:, node % 2, :, node]
+        return np.asarray(np.moveaxis(by_node, 0, 1)).reshape(displacement.shape)
 
     def is_axial(self, count: int) -> NDArray[np.bool_]:
         """Whether coordinates of a chain of ``count`` nodes are displacements along its axis."""
