@@ -244,34 +244,86 @@ class SystemItems:
         centre: tuple[float, float],
         inertia: float,
     ) -> SystemBody:
-        """Add a rigid body; parameters besides its name as of :class:`SystemBody`."""
+        """Add a rigid body.
+
+        Parameters
+        ----------
+        name : str
+        node : ItemNumber
+        first, mass, centre, inertia
+            As of :class:`SystemBody`.
+
+        Returns
+        -------
+        SystemBody
+        """
         given = {"mass": mass, "inertia": inertia, "centerOfMass": list(centre)}
         number = self.add("ObjectRigidBody2D", name, nodeNumber=node, **given)
         self.bodies.append(SystemBody(number, node, first, mass, centre, inertia))
         return self.bodies[-1]
 
     def add_mass(self, name: str, nodes: list[ItemNumber], first: int, matrix: Made) -> None:
-        """Add a mass matrix by the velocities of nodes, whose coordinates follow on the first."""
+        """Add a mass matrix by the velocities of nodes.
+
+        Parameters
+        ----------
+        name : str
+        nodes : list of ItemNumber
+            Whose coordinates follow on each other.
+        first : int
+            Of their coordinates.
+        matrix : Made
+        """
         self.add("ObjectGenericODE2", name, nodeNumbers=nodes, massMatrix=matrix)
         self.masses.append((first, _plain(matrix)))
 
     def keep_angle(self, name: str, markers: list[ItemNumber]) -> ItemNumber:
-        """Keep two markers from turning against each other."""
+        """Keep two markers from turning against each other.
+
+        Parameters
+        ----------
+        name : str
+        markers : list of ItemNumber
+        """
         axes = [0, 0, 0, 0, 0, 1]
         return self.add("GenericJoint", name, markerNumbers=markers, constrainedAxes=axes)
 
     def mark_place(self, name: str, body: ItemNumber, x: float = 0.0, y: float = 0.0) -> ItemNumber:
-        """Add a marker at a place of a body in m, which turns with it."""
+        """Add a marker at a place of a body, which turns with it.
+
+        Parameters
+        ----------
+        name : str
+        body : ItemNumber
+        x, y : float
+            In m.
+        """
         return self.add("MarkerBodyRigid", name, bodyNumber=body, localPosition=[x, y, 0.0])
 
     def mark_coordinate(self, name: str, node: ItemNumber, coordinate: int) -> ItemNumber:
-        """Add a marker of one of a node's coordinates."""
+        """Add a marker of one of a node's coordinates.
+
+        Parameters
+        ----------
+        name : str
+        node : ItemNumber
+        coordinate : int
+            Which of them.
+        """
         return self.add("MarkerNodeCoordinate", name, nodeNumber=node, coordinate=coordinate)
 
     def add_force(
         self, name: str, marker: ItemNumber, x: float = 0.0, y: float = 0.0, **given: Any
     ) -> ItemNumber:
-        """Add a force at a marker in N; further arguments are what the load's class is given."""
+        """Add a force at a marker; further arguments are what the load's class is given.
+
+        Parameters
+        ----------
+        name : str
+        marker : ItemNumber
+        x, y : float
+            In N.
+        """
         vector = [float(x), float(y), 0.0]
         return self.add("LoadForceVector", name, markerNumber=marker, loadVector=vector, **given)
 

@@ -249,7 +249,14 @@ class TorqueTable:
         return cls(time, rigid_torque(mechanism, drive, time))
 
     def torque_at(self, time: FloatArray, position: FloatArray, velocity: FloatArray) -> FloatArray:
-        """Torque at times (m,) in N m, whatever the system's coordinates and rates."""
+        """Torque on the hub in N m, (m,), whatever coordinates and rates.
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+        position, velocity : ndarray, shape (m, n)
+            The system's coordinates and their rates.
+        """
         return np.asarray(np.interp(time, self.time, self.torque))
 
 
@@ -338,7 +345,14 @@ class MotorOnHub:
         )
 
     def torque_at(self, time: FloatArray, position: FloatArray, velocity: FloatArray) -> FloatArray:
-        """Torque on the hub in N m, (m,), by the system's coordinates (m, n) and rates."""
+        """Torque on the hub in N m, (m,).
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+        position, velocity : ndarray, shape (m, n)
+            The system's coordinates and their rates.
+        """
         motion = position[:, -1], velocity[:, -1]
         return self._train.on_crank(*motion, self._states(position.T, velocity.T))[0]
 
