@@ -4,8 +4,8 @@ Where it is exact, a joint is a condition whose Jacobian is constant: that on th
 nodes, on the difference of two angles, or on the distance of a node from a line of the ground.
 Then the constraint's force adds nothing to the tangent stiffness. A weld between cables holds
 directions of slopes, a guide turns with its link, and a rigid link's end is off its node: what
-the forces of these add is in the maps of :mod:`flexmech.multibody.node_maps` and in
-:mod:`flexmech.multibody.rigid_tangents`.
+the forces of these add is in the maps of :mod:`flexmech.multibody.node_maps` and in the geometric
+stiffness of rigid links, which all engines share.
 """
 
 from __future__ import annotations
