@@ -362,7 +362,8 @@ class LineGap:
         cosine, sine, x, y = self._from_line(position)
         self.end.add_row(position, rows[0], -sine, cosine, 0.0)
         if self.guide is not None:
-            self.guide.add_row(position, rows[0], sine, -cosine, -(cosine * x + sine * y))
+            along = cosine * x + sine * y
+            self.guide.add_row(position, rows[0], sine, -cosine, -along)
 
     def _from_line(self, position: Any) -> tuple[float, float, float, float]:
         """The line's direction, and where the end is from the line's point in m."""
