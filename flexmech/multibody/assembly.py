@@ -12,14 +12,18 @@ from typing import Any
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linkages import LinkBody, LinkEnd
+from flexmech.linkages import LinkEnd, RigidMotion
 from flexmech.mechanism import Mechanism
-from flexmech.multibody.added_links import add_attached_bodies, add_links, turned_bodies
 from flexmech.multibody.beams import BEAM_KINDS, BeamKind
 from flexmech.multibody.items import ItemNumber, Made, SystemItems
-from flexmech.multibody.link_parts import RIGID_SIZE, BeamPart, LinkPart, RigidPart, turn_vectors
-from flexmech.multibody.node_bodies import point_masses_at
-from flexmech.multibody.node_maps import LinkNodes
+from flexmech.multibody.links import (
+    BeamPart,
+    LinkPart,
+    add_attached_bodies,
+    add_links,
+    turn_vectors,
+)
+from flexmech.multibody.node_maps import Arms, LinkNodes, PolarSlopes
 from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.user_functions import turned_frame
 
@@ -54,6 +58,10 @@ class LinkAssembly:
     system_size : int
         Number of Exudyn's coordinates of links and attached bodies.
     nodes : LinkNodes
+    ground : ItemNumber
+        A body that stands still, with a marker for all that is joined to it.
+    fixed : ItemNumber
+        Marker of a coordinate that stays zero.
     base : int
         The clamped link.
     frame : FrameBody or None
@@ -69,27 +77,24 @@ class LinkAssembly:
         self.items = SystemItems()
         self.frame: FrameBody | None = None
         self.mbs = self.items.mbs
+        self.items.begin("the ground")
+        self.ground = self.items.add("ObjectGround", "ground")
+        ground_node = self.items.add("NodePointGround", "ground_node")
+        self.fixed = self.items.mark_coordinate("ground_coordinate", ground_node, 0)
         self.base = self.topology.index(self.topology.clamps[0].link_end.link)
         self.parts = add_links(self.items, mechanism, self.kind, elements)
         self.size = self.parts[-1].coordinates.stop
-        self.attached = [
-            attached
-            for link, part in self.beams
-            for attached in add_attached_bodies(
-                self.items, link, part, self._bodies(part), bodies_have_mass
-            )
-        ]
+        self._angles = np.flatnonzero(np.concatenate([part.rotation for part in self.parts]))
+        self.attached = add_attached_bodies(self.items, mechanism, self.parts, bodies_have_mass)
         body_coordinates = [
             coordinate
-            for body in self.attached
+            for body in (() if self.kind.has_angles else self.attached)
             for coordinate in (body.place, body.place + 1, body.angle)
-            if body.own_node is not None
         ]
         self.system_size = self.size + len(body_coordinates)
-        maps = [
-            (part.node_map, part.coordinates) for _, part in self.beams if part.node_map is not None
-        ]
-        self.nodes = LinkNodes(maps, self.size, body_coordinates)
+        maps = [(part.node_map, part.coordinates.start) for _, part in self.beams]
+        mapped = (Arms if self.kind.has_angles else PolarSlopes).joined(maps)
+        self.nodes = LinkNodes(mapped, self.size, body_coordinates)
 
     @property
     def beams(self) -> Iterator[tuple[int, BeamPart]]:
@@ -97,13 +102,6 @@ class LinkAssembly:
         for number, part in enumerate(self.parts):
             if isinstance(part, BeamPart):
                 yield number, part
-
-    def _bodies(self, part: BeamPart) -> list[LinkBody]:
-        """Bodies on a link, and massless ones that give a cable's end an angle."""
-        mass = self.mechanism.link_mass(part.name)
-        if self.kind.turns_arms:
-            return list(mass.bodies)
-        return [*mass.bodies, *turned_bodies(self.mechanism, mass, part.name)]
 
     @property
     def nodal_force_scale(self) -> float:
@@ -117,10 +115,6 @@ class LinkAssembly:
             scales.append(stiffness * extent)
         return max(scales, default=0.0)
 
-    def point_masses(self, part: BeamPart) -> FloatArray:
-        """Point mass at each node of a link in kg, shape (e + 1,)."""
-        return point_masses_at(self.mechanism, part.name, part.positions)
-
     def part_of(self, place: LinkEnd) -> LinkPart:
         """Part of the link of an end."""
         return self.parts[self.topology.index(place.link)]
@@ -131,71 +125,118 @@ class LinkAssembly:
 
     def turning_coordinate(self, place: LinkEnd) -> int | None:
         """Coordinate of that node that is its angle; None where it has a slope vector."""
-        part = self.part_of(place)
-        is_angle = isinstance(part, RigidPart) or self.kind.turns_arms
-        return RIGID_SIZE - 1 if is_angle else None
+        kind = self.part_of(place).kind
+        return kind.clamped if kind.has_angles else None
 
     def angle_coordinate(self, place: LinkEnd) -> int:
-        """Number of that angle among the coordinates of all links."""
-        turning = self.turning_coordinate(place)
-        assert turning is not None
-        return self.first_coordinate(place) + turning
+        """Number of the angle at a link end among the coordinates of all links."""
+        return self.first_coordinate(place) + self.part_of(place).kind.clamped
 
     def first_coordinate(self, place: LinkEnd) -> int:
         """First coordinate of that node among those of all links."""
-        part = self.part_of(place)
-        own = part.coordinates
-        is_first = isinstance(part, RigidPart) or place.end == "start"
-        return int(own.start if is_first else own.stop - self.kind.per_node)
+        return int(self.part_of(place).firsts[0 if place.end == "start" else -1])
 
-    def reference_place(self, place: LinkEnd) -> FloatArray:
-        """Reference position of the node at a link end, (2,)."""
-        part = self.part_of(place)
-        if isinstance(part, RigidPart) or place.end == "start":
-            return np.zeros(2)
-        return np.array([part.length, 0.0])
+    def poses(self, origin: FloatArray, angle: FloatArray) -> FloatArray:
+        """Coordinates of undeformed links, less the reference ones, (m, size).
 
-    def is_at_node(self, place: LinkEnd) -> bool:
-        """Whether the point on the pins' axis at a link end is a node."""
-        part = self.part_of(place)
-        if isinstance(part, RigidPart):
-            return place.end == "start"
-        return part.arms is None
+        Parameters
+        ----------
+        origin : ndarray, shape (m, n_links, 2)
+            Of the starts of the links in m.
+        angle : ndarray, shape (m, n_links)
+            In rad.
+        """
+        poses = [part.pose(origin[:, n], angle[:, n]) for n, part in enumerate(self.parts)]
+        return np.concatenate(poses, axis=1)
 
-    def turned(self, vector: FloatArray, angles: FloatArray) -> FloatArray:
-        """Coordinates (size,) of all links with the vectors of each link rotated by its angle."""
-        turned = vector.copy()
-        for part, angle in zip(self.parts, angles, strict=True):
-            turn_vectors(turned[None, part.coordinates], part.vectors, angle[None])
+    def turned(self, values: FloatArray, angle: FloatArray) -> FloatArray:
+        """Coordinates (m, size) with the vectors of each link rotated by its angle (m, n_links)."""
+        turned = values.copy()
+        for number, part in enumerate(self.parts):
+            turn_vectors(turned[:, part.coordinates], part.vectors, angle[:, number])
         return turned
 
     def deformation(self, state: FloatArray, pose: FloatArray) -> FloatArray:
-        """Difference of coordinates (size,), with angles within half a turn."""
+        """Difference of coordinates (m, size), with angles within half a turn."""
         change = state - pose
-        for part in self.parts:
-            own, angles = change[part.coordinates], np.flatnonzero(part.rotation)
-            own[angles] -= 2 * np.pi * np.round(own[angles] / (2 * np.pi))
+        angles = self._angles
+        change[:, angles] -= 2 * np.pi * np.round(change[:, angles] / (2 * np.pi))
         return np.asarray(change)
 
-    def add_fixed_coordinate(self) -> ItemNumber:
-        """Add a coordinate that stays zero; returns its marker."""
-        ground = self.items.add("NodePointGround", "ground_node")
-        return self.items.add(
-            "MarkerNodeCoordinate", "ground_coordinate", nodeNumber=ground, coordinate=0
-        )
+    def by_links(self, values: FloatArray) -> list[FloatArray]:
+        """Coordinates (..., size) of all links as those of each, (..., n_link)."""
+        return [values[..., part.coordinates] for part in self.parts]
+
+    def in_ground_axes(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray], rate: Sequence[FloatArray]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Coordinates and velocities of links that are displaced in their moving frames.
+
+        They are Exudyn's where the nodes are on the pins' axis, and lead to them by
+        :attr:`nodes` where not.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (m,).
+        displacement, rate : sequence of ndarray, shape (m, n_link)
+
+        Returns
+        -------
+        position, velocity : ndarray, shape (m, size)
+        """
+        local = np.concatenate(displacement, axis=1)
+        moving = np.concatenate(rate, axis=1) + self._carried(motion, local)
+        position = self.poses(motion.origin, motion.angle) + self.turned(local, motion.angle)
+        return position, self._drift(motion) + self.turned(moving, motion.angle)
+
+    def in_link_frames(
+        self, motion: RigidMotion, position: FloatArray, velocity: FloatArray
+    ) -> tuple[list[FloatArray], list[FloatArray]]:
+        """Displacement and rate of links in their frames; undoes :meth:`in_ground_axes`.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (m,).
+        position, velocity : ndarray, shape (m, size)
+
+        Returns
+        -------
+        displacement, rate : list of ndarray, shape (m, n_link)
+        """
+        change = self.deformation(position, self.poses(motion.origin, motion.angle))
+        local = self.turned(change, -motion.angle)
+        moving = self.turned(velocity - self._drift(motion), -motion.angle)
+        return self.by_links(local), self.by_links(moving - self._carried(motion, local))
+
+    def _drift(self, motion: RigidMotion) -> FloatArray:
+        """Velocities by the origins and the spins of the links' frames, (m, size)."""
+        place, spin = motion.origin_velocity, motion.angular_velocity
+        drifts = [part.rigid(place[:, n], spin[:, n]) for n, part in enumerate(self.parts)]
+        return np.concatenate(drifts, axis=1)
+
+    def _carried(self, motion: RigidMotion, local: FloatArray) -> FloatArray:
+        """Velocities of vectors, displaced by ``local``, in frames that turn, (m, size)."""
+        moved = zip(self.parts, motion.angular_velocity.T, self.by_links(local), strict=True)
+        carried = [
+            spin[:, None] * part.quarter_turned(part.straight + values)
+            for part, spin, values in moved
+        ]
+        return np.concatenate(carried, axis=1)
 
     def add_constraint(
-        self, name: str, fixed: ItemNumber, node: ItemNumber, coordinate: int, **offset: Any
+        self, name: str, before: ItemNumber, node: ItemNumber, coordinate: int, **offset: Any
     ) -> ItemNumber:
-        """Keep a node's coordinate at an offset from the fixed one.
+        """Keep a node's coordinate at an offset from another one.
 
         Further arguments go to Exudyn's constraint and prescribe the offset; it is zero without.
 
         Parameters
         ----------
         name : str
-        fixed : ItemNumber
-            Marker of :meth:`add_fixed_coordinate`.
+        before : ItemNumber
+            Marker of the other coordinate, such as :attr:`fixed`.
         node : ItemNumber
         coordinate : int
             Which of the node's coordinates.
@@ -204,13 +245,11 @@ class LinkAssembly:
         -------
         ItemNumber
         """
-        marker = self.items.add(
-            "MarkerNodeCoordinate", f"{name}_coordinate", nodeNumber=node, coordinate=coordinate
-        )
-        return self.items.add("CoordinateConstraint", name, markerNumbers=[fixed, marker], **offset)
+        markers = [before, self.items.mark_coordinate(f"{name}_coordinate", node, coordinate)]
+        return self.items.add("CoordinateConstraint", name, markerNumbers=markers, **offset)
 
-    def add_ground(self, name: str, place: Sequence[float]) -> tuple[ItemNumber, ItemNumber]:
-        """Add a place of the ground, or of a frame on springs.
+    def add_ground(self, name: str, place: Sequence[float]) -> ItemNumber:
+        """Add a marker of a place of the ground, or of a frame on springs.
 
         Parameters
         ----------
@@ -222,36 +261,17 @@ class LinkAssembly:
         Returns
         -------
         ItemNumber
-            Of the ground or the frame.
-        ItemNumber
-            Of a marker there.
         """
         x, y = map(float, place)
         if self.frame is not None:
-            return self.frame.body, self.frame.add_marker((x, y), f"{name}_on_frame")
-        ground = self.items.add("ObjectGround", f"{name}_ground", referencePosition=[x, y, 0.0])
-        return ground, self.items.add("MarkerBodyRigid", f"{name}_on_ground", bodyNumber=ground)
-
-    def add_ground_pin(
-        self, name: str, end: LinkEnd, place: Sequence[float]
-    ) -> tuple[ItemNumber, ItemNumber]:
-        """Pin a link end to a place of the ground; returns the ground and the pin.
-
-        Parameters
-        ----------
-        name : str
-            Of the pin.
-        end : LinkEnd
-        place : sequence of float
-            See :meth:`add_ground`.
-        """
-        ground, before = self.add_ground(name, place)
-        markers = [before, self.add_end_marker(end, f"{name}_on_{end.link}")]
-        return ground, self.items.add("RevoluteJoint2D", name, markerNumbers=markers)
+            return self.frame.add_marker((x, y), f"{name}_on_frame")
+        return self.items.mark_place(f"{name}_on_ground", self.ground, x, y)
 
     def add_end_marker(self, place: LinkEnd, name: str) -> ItemNumber:
         """Add a marker of the point on the pins' axis at a link end."""
-        if not self.is_at_node(place):
+        part = self.part_of(place)
+        beyond_nodes = place.end == "end" and part.length != part.positions[-1]
+        if beyond_nodes or part.axis_below:
             return self.add_frame_marker(place, name)
         return self.items.add("MarkerNodePosition", name, nodeNumber=self.end_node(place))
 
@@ -267,6 +287,15 @@ class LinkAssembly:
         """
         part = self.part_of(place)
         return self.add_axis_marker(part, 0.0 if place.end == "start" else part.length, name, angle)
+
+    def add_angle_marker(self, end: LinkEnd, name: str) -> ItemNumber:
+        """Add a marker of the angle at a link end; at a cable's a body has a node of its own."""
+        turning, node = self.turning_coordinate(end), self.end_node(end)
+        if turning is None:
+            place = self.first_coordinate(end)
+            [node] = [body.body.node for body in self.attached if body.place == place][:1]
+            turning = 2
+        return self.items.mark_coordinate(name, node, turning)
 
     def add_axis_marker(
         self, part: LinkPart, x: float, name: str, angle: float = 0.0
@@ -286,18 +315,29 @@ class LinkAssembly:
         -------
         ItemNumber
         """
-        if isinstance(part, RigidPart):
-            return self.add_body_frame(part.body, name, x, 0.0, angle)
-        if part.bodies is None:
-            element = int(np.searchsorted(part.positions, x, side="right")) - 1
-            element = min(max(element, 0), len(part.elements) - 1)
-            place = float(x - part.positions[element])
-            return self.add_body_frame(part.elements[element], name, place, 0.0, angle)
-        number = int(np.argmin(np.abs(part.positions - x)))
-        if part.arms is None and not angle:
+        if part.bodies and isinstance(part, BeamPart) and not (part.axis_below or angle):
+            number = int(np.argmin(np.abs(part.positions - x)))
             return self.items.add("MarkerNodeRigid", name, nodeNumber=part.nodes[number])
-        below = 0.0 if part.arms is None else part.arms.length
-        return self.add_body_frame(part.bodies.numbers[number], name, 0.0, -below, angle)
+        body, along, across = self.body_place(part, x)
+        return self.add_body_frame(body, name, along, across, angle)
+
+    def body_place(self, part: LinkPart, x: float) -> tuple[ItemNumber, float, float]:
+        """Body at a point on the pins' axis of a link, and the point's place on it in m.
+
+        Parameters
+        ----------
+        part : LinkPart
+        x : float
+            As of :meth:`add_axis_marker`.
+        """
+        if not isinstance(part, BeamPart):
+            return part.bodies[0], x, 0.0
+        if part.bodies:
+            number = int(np.argmin(np.abs(part.positions - x)))
+            return part.bodies[number], 0.0, -part.axis_below
+        element = int(np.searchsorted(part.positions, x, side="right")) - 1
+        element = min(max(element, 0), len(part.elements) - 1)
+        return part.elements[element], float(x - part.positions[element]), 0.0
 
     def add_body_frame(
         self, body: ItemNumber, name: str, x: float, y: float = 0.0, angle: float = 0.0
@@ -318,8 +358,6 @@ class LinkAssembly:
         ItemNumber
         """
         if not angle:
-            return self.items.add(
-                "MarkerBodyRigid", name, bodyNumber=body, localPosition=[x, y, 0.0]
-            )
+            return self.items.mark_place(name, body, x, y)
         frame = Made(turned_frame, (x, y, angle))
         return self.items.add("MarkerBodyRigid", name, bodyNumber=body, localHT=frame)

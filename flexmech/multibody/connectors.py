@@ -3,16 +3,19 @@
 Each is one load or one connector: a spring between two points, a spring on the angle between two
 nodes, or one in both directions between two link ends. Their stiffness is taken off when Exudyn
 linearizes the links: springs join links and belong to the linkage. In a static model they are moved
-through the crank angles.
+through the crank angles; in a running one they act by themselves, with user functions for loads.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from flexmech.arrays import ROUND_OFF, FloatArray
+from flexmech.linear_system import Connectors, LinkModel, deformations
 from flexmech.linkages import (
     AttachmentPoint,
     JointSpring,
@@ -21,59 +24,14 @@ from flexmech.linkages import (
     RigidMotion,
     Spring,
     continuous_angles,
+    turned,
 )
-from flexmech.linkages.applied_forces import SpringLine, joint_gap
-from flexmech.linkages.motion import direction, normal
+from flexmech.linkages.applied_forces import Moved, SpringLine, forces_of_loads, joint_gap
 from flexmech.linkages.topology import leading_end
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.items import ItemNumber
-from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.link_parts import BeamPart
-
-
-def add_angle_marker(assembly: LinkAssembly, end: LinkEnd, name: str) -> ItemNumber:
-    """Add a marker of the angle at a link end, as a coordinate.
-
-    Parameters
-    ----------
-    assembly : LinkAssembly
-    end : LinkEnd
-        At a cable, one at which a body has a node of its own.
-    name : str
-
-    Returns
-    -------
-    ItemNumber
-    """
-    turning, node = assembly.turning_coordinate(end), assembly.end_node(end)
-    if turning is None:
-        part = assembly.part_of(end)
-        assert isinstance(part, BeamPart)
-        number = 0 if end.end == "start" else len(part.nodes) - 1
-        link = assembly.topology.index(end.link)
-        node = next(
-            body.own_node
-            for body in assembly.attached
-            if body.link == link and body.node == number and body.own_node is not None
-        )
-        turning = 2
-    return assembly.items.add("MarkerNodeCoordinate", name, nodeNumber=node, coordinate=turning)
-
-
-def angle_of_end(assembly: LinkAssembly, end: LinkEnd) -> int:
-    """Number of the angle at a link end among the coordinates of all links."""
-    turning = assembly.turning_coordinate(end)
-    first = assembly.first_coordinate(end)
-    return first + (assembly.kind.clamped if turning is None else turning)
-
-
-@dataclass(frozen=True)
-class LoadItem:
-    """A load: its force and its torque, each if it has one."""
-
-    load: Load
-    force: ItemNumber | None
-    torque: ItemNumber | None
+from flexmech.multibody.items import ItemNumber, Made, load_exudyn
+from flexmech.multibody.running.user_functions import Shaft, load_history
+from flexmech.time_domain import ConnectorWork
 
 
 @dataclass(frozen=True)
@@ -84,16 +42,13 @@ class SpringItem:
     ----------
     spring : Spring
     number : ItemNumber
-    markers : tuple of ItemNumber
+    markers : list of ItemNumber
         Of its first and its second end.
-    grounds : tuple
-        Ends on the ground and the ground of each.
     """
 
     spring: Spring
     number: ItemNumber
-    markers: tuple[ItemNumber, ...]
-    grounds: tuple[tuple[AttachmentPoint, ItemNumber], ...]
+    markers: list[ItemNumber]
 
 
 @dataclass(frozen=True)
@@ -103,23 +58,18 @@ class JointSpringItem:
     Parameters
     ----------
     spring : JointSpring
-    follower : LinkEnd
-    leader : LinkEnd or None
-        None at a pivot.
+    ends : tuple of LinkEnd and LinkEnd or None
+        The follower, and the leader; None at a pivot.
     turning, radial : ItemNumber or None
     drag : tuple of ItemNumber
         Torques on the following and the leading end, for what a damper carries at standstill.
-    ground : ItemNumber or None
-        Of a sprung pivot.
     """
 
     spring: JointSpring
-    follower: LinkEnd
-    leader: LinkEnd | None
+    ends: tuple[LinkEnd, LinkEnd | None]
     turning: ItemNumber | None
     radial: ItemNumber | None
     drag: tuple[ItemNumber, ...]
-    ground: ItemNumber | None
 
 
 class ConnectorItems:
@@ -128,79 +78,65 @@ class ConnectorItems:
     Parameters
     ----------
     assembly : LinkAssembly
-    fixed : ItemNumber
-        Marker of a coordinate that stays zero.
-    runs : bool
-        Whether the system moves: loads over time then are among them.
+    start : RigidMotion
+        In any one position, of shape (); of a system that runs at time zero.
+    shaft : Shaft, optional
+        Of a system that runs: loads over time then are among them.
 
     Attributes
     ----------
-    loads : list of LoadItem
+    loads : list of tuple of Load, ItemNumber and bool
+        Forces, and torques, for which the last is true.
     springs : list of SpringItem
     joints : list of JointSpringItem
     """
 
-    def __init__(self, assembly: LinkAssembly, fixed: ItemNumber, runs: bool) -> None:
-        self.assembly = assembly
-        self._runs = runs
+    def __init__(
+        self, assembly: LinkAssembly, start: RigidMotion, shaft: Shaft | None = None
+    ) -> None:
+        self.assembly, self._topology = assembly, assembly.topology
+        self._start, self._shaft = start, shaft
+        # By how much the clamped link is ahead of the crank.
+        self._lead = 0.0 if shaft is None else shaft.start_angle - float(start.crank_angle)
+        self.loads: list[tuple[Load, ItemNumber, bool]] = []
         mechanism = assembly.mechanism
-        self.loads = [
-            self._add_load(load) for load in mechanism.loads if runs or load.over != "time"
-        ]
+        for load in mechanism.loads:
+            if shaft is not None or load.over != "time":
+                self._add_load(load)
         self.springs = [self._add_spring(spring) for spring in mechanism.springs]
-        self.joints = [self._add_joint_spring(own, fixed) for own in mechanism.joint_springs]
+        self.joints = [self._add_joint_spring(spring) for spring in mechanism.joint_springs]
 
-    @property
-    def any(self) -> bool:
-        """Whether there is a load or a spring."""
-        return bool(self.loads or self.springs or self.joints)
-
-    def activate(self, active: bool) -> None:
-        """Activate or deactivate the springs."""
-        numbers = [item.number for item in self.springs]
-        for item in self.joints:
-            numbers += [number for number in (item.turning, item.radial) if number is not None]
-        for number in numbers:
-            self.assembly.mbs.SetObjectParameter(number, "activeConnector", active)
-
-    def _add_load(self, load: Load) -> LoadItem:
+    def _add_load(self, load: Load) -> None:
         items, name = self.assembly.items, f"load_{load.name}"
         items.begin(f"load {load.name}")
         marker = self._add_point(load.point, f"{name}_point")
-        force = torque = None
-        if np.any(load.force):
-            force = items.add(
-                "LoadForceVector",
-                f"{name}_force",
-                markerNumber=marker,
-                bodyFixed=load.axes == "link",
-                loadVector=[0.0, 0.0, 0.0],
-            )
-        if np.any(load.torque):
-            torque = items.add(
-                "LoadTorqueVector",
-                f"{name}_torque",
-                markerNumber=marker,
-                loadVector=[0.0, 0.0, 0.0],
-            )
-        return LoadItem(load, force, torque)
+        given: dict[str, Any] = {"markerNumber": marker, "loadVector": [0.0, 0.0, 0.0]}
+        rows = np.column_stack([load.force, load.torque]).tolist()
+        for is_torque, values in ((False, load.force), (True, load.torque)):
+            if not np.any(values):
+                continue
+            if self._shaft is not None:
+                over = self._shaft, self._lead, load.over, list(map(float, load.at))
+                given["loadVectorUserFunction"] = Made(load_history, (*over, rows, is_torque))
+            if is_torque:
+                number = items.add("LoadTorqueVector", f"{name}_torque", **given)
+            else:
+                follows = {"bodyFixed": load.axes == "link"}
+                number = items.add("LoadForceVector", f"{name}_force", **given, **follows)
+            self.loads.append((load, number, is_torque))
 
     def _add_point(self, point: AttachmentPoint, name: str) -> ItemNumber:
-        """Marker of a point on a link's axis, which turns with the link there."""
-        part = self.assembly.parts[self.assembly.topology.index(point.link)]
+        """Marker of a point of the ground, or on a link's axis, which turns with the link there."""
+        if point.is_ground:
+            return self.assembly.add_ground(name, (point.x, point.y))
+        part = self.assembly.parts[self._topology.index(point.link)]
         return self.assembly.add_axis_marker(part, point.x, name)
 
     def _add_spring(self, spring: Spring) -> SpringItem:
         items, name = self.assembly.items, f"spring_{spring.name}"
         items.begin(f"spring {spring.name}")
-        markers, grounds = [], []
-        for end, point in (("first", spring.first), ("second", spring.second)):
-            if point.is_ground:
-                ground, marker = self.assembly.add_ground(f"{name}_{end}", (point.x, point.y))
-                grounds.append((point, ground))
-            else:
-                marker = self._add_point(point, f"{name}_{end}")
-            markers.append(marker)
+        ends = ("first", spring.first), ("second", spring.second)
+        markers = [self._add_point(point, f"{name}_{end}") for end, point in ends]
         number = items.add(
             "SpringDamper",
             name,
@@ -209,36 +145,38 @@ class ConnectorItems:
             damping=spring.damping,
             referenceLength=spring.free_length,
         )
-        return SpringItem(spring, number, tuple(markers), tuple(grounds))
+        return SpringItem(spring, number, markers)
 
-    def _add_joint_spring(self, own: JointSpring, fixed: ItemNumber) -> JointSpringItem:
-        assembly, items, name = self.assembly, self.assembly.items, f"spring_in_{own.joint}"
-        follower, leader = assembly.topology.pinned_ends[own.joint]
-        items.begin(f"spring in joint {own.joint}")
-        turning = radial = ground = None
+    def _add_joint_spring(self, spring: JointSpring) -> JointSpringItem:
+        assembly, items, name = self.assembly, self.assembly.items, f"spring_in_{spring.joint}"
+        follower, leader = self._topology.pinned_ends[spring.joint]
+        items.begin(f"spring in joint {spring.joint}")
+        turning = radial = None
         drag: list[ItemNumber] = []
-        if own.torsional_stiffness or own.torsional_damping:
+        if spring.torsional_stiffness or spring.torsional_damping:
             angles = [
-                fixed if end is None else add_angle_marker(assembly, end, f"{name}_{which}_angle")
+                assembly.add_angle_marker(end, f"{name}_{which}_angle") if end else assembly.fixed
                 for which, end in (("leading", leader), ("following", follower))
             ]
             turning = items.add(
                 "CoordinateSpringDamper",
                 f"{name}_torsional",
                 markerNumbers=angles,
-                stiffness=own.torsional_stiffness,
-                damping=own.torsional_damping,
+                stiffness=spring.torsional_stiffness,
+                damping=spring.torsional_damping,
+                offset=self._offset_at_start(spring),
             )
-            if own.torsional_damping and not self._runs:
+            if spring.torsional_damping and self._shaft is None:
                 drag = [
                     items.add("LoadCoordinate", f"{name}_drag_{i}", markerNumber=marker, load=0.0)
                     for i, marker in enumerate(reversed(angles[-2 if leader else -1 :]))
                 ]
-        if own.joint in assembly.topology.sprung_joints:
+        if spring.joint in self._topology.sprung_joints:
             if leader is None:
-                ground, before = assembly.add_ground(name, (0.0, 0.0))
+                place = self._start.position(*self._topology.end_place(follower))
+                before = assembly.add_ground(name, place.tolist())
             else:
-                root = leading_end(leader, assembly.topology.rigid_ties)
+                root = leading_end(leader, self._topology.rigid_ties)
                 before = assembly.add_end_marker(root, f"{name}_on_{root.link}")
             # In this order Exudyn's sensor gives the force on the follower.
             markers = [assembly.add_end_marker(follower, f"{name}_on_{follower.link}"), before]
@@ -246,30 +184,44 @@ class ConnectorItems:
                 "CartesianSpringDamper",
                 f"{name}_radial",
                 markerNumbers=markers,
-                stiffness=[own.radial_stiffness or 0.0] * 2 + [0.0],
-                damping=[own.radial_damping] * 2 + [0.0],
+                stiffness=[spring.radial_stiffness or 0.0] * 2 + [0.0],
+                damping=[spring.radial_damping] * 2 + [0.0],
             )
-        return JointSpringItem(own, follower, leader, turning, radial, tuple(drag), ground)
+        ends = follower, leader
+        return JointSpringItem(spring, ends, turning, radial, tuple(drag))
+
+    def _offset_at_start(self, spring: JointSpring) -> float:
+        """Free angle of a spring in a joint, beside whole turns in the angles of a start."""
+        angles = continuous_angles(self.assembly.mechanism.linkage, self._start)
+        jumped = self._topology.joint_angle(spring.joint, self._start.angle - angles)
+        return float(jumped) + spring.free_angle
 
 
-class StaticConnectors:
+class StaticConnectors(ConnectorItems):
     """Connectors with the forces of a chosen position.
 
     Dampers carry what the rigid motion puts on them. Loads over time are not among them.
 
     Parameters
     ----------
-    connectors : ConnectorItems
-        Of the model.
+    assembly, start
+        As of :class:`ConnectorItems`.
     """
 
-    def __init__(self, connectors: ConnectorItems) -> None:
-        self._all = connectors
+    def __init__(self, assembly: LinkAssembly, start: RigidMotion) -> None:
+        super().__init__(assembly, start)
         self._motion: RigidMotion | None = None
         self._angles: FloatArray = np.zeros((0, 0))
-        self._part = 1.0
-        self._values: list[FloatArray] = []
+        self._values: dict[str, FloatArray] = {}
         self._approach: dict[str, FloatArray] = {}
+
+    def activate(self, active: bool) -> None:
+        """Activate or deactivate the springs."""
+        numbers = [item.number for item in self.springs]
+        for item in self.joints:
+            numbers += [number for number in (item.turning, item.radial) if number is not None]
+        for number in numbers:
+            self.assembly.mbs.SetObjectParameter(number, "activeConnector", active)
 
     def move_to(self, motion: RigidMotion, number: int, pose: FloatArray) -> None:
         """Set forces, free lengths and places of the ground.
@@ -283,31 +235,32 @@ class StaticConnectors:
         pose : ndarray, shape (size,)
             Coordinates of the undeformed links in the model's axes.
         """
-        assembly = self._all.assembly
-        self._turn = float(motion.angle[number, assembly.base])
+        self._turn = -motion.angle[number, self.assembly.base]
         angle = motion.crank_angle[number]
-        self._values = [item.load.values(angle) for item in self._all.loads]
+        self._values = {load.name: load.values(angle) for load, _, _ in self.loads}
         self.scale(1.0)
-        for item in self._all.springs:
-            self._set_spring(item, motion, number)
-        for joint in self._all.joints:
-            self._set_joint(joint, motion, number, pose)
+        if self._motion is not motion:
+            linkage = self.assembly.mechanism.linkage
+            self._motion, self._angles = motion, continuous_angles(linkage, motion)
+        one = slice(number, number + 1)
+        for spring in self.springs:
+            self._set_spring(spring, motion.at(one))
+        for joint in self.joints:
+            self._set_joint(joint, motion.at(one), self._angles[one], pose)
 
     def scale(self, part: float) -> None:
         """Apply a part of the loads."""
-        mbs, base = self._all.assembly.mbs, self._turn
-        for item, (x, y, torque) in zip(self._all.loads, self._values, strict=True):
-            if item.load.axes == "ground":
-                x, y = _turned(np.array([x, y]), -base)
-            if item.force is not None:
-                mbs.SetLoadParameter(item.force, "loadVector", [part * x, part * y, 0.0])
-            if item.torque is not None:
-                mbs.SetLoadParameter(item.torque, "loadVector", [0.0, 0.0, part * torque])
+        for load, number, is_torque in self.loads:
+            x, y, torque = self._values[load.name]
+            if load.axes == "ground":
+                x, y = turned(np.array([x, y]), self._turn)
+            value = [0.0, 0.0, part * torque] if is_torque else [part * x, part * y, 0.0]
+            self.assembly.mbs.SetLoadParameter(number, "loadVector", value)
 
     def converge(self) -> bool:
         """Update the directions of damper forces; returns whether the forces change."""
-        mbs, changed = self._all.assembly.mbs, False
-        for item in self._all.springs:
+        mbs, changed = self.assembly.mbs, False
+        for item in self.springs:
             if item.spring.damping:
                 along = self._along(item)
                 before = mbs.GetObjectParameter(item.number, "force")
@@ -320,7 +273,7 @@ class StaticConnectors:
         """Direction from the first to the second end in the model's axes."""
         kind = load_exudyn().OutputVariableType.Position
         first, second = (
-            np.array(self._all.assembly.mbs.GetMarkerOutput(int(marker), kind))[:2]
+            np.array(self.assembly.mbs.GetMarkerOutput(int(marker), kind))[:2]
             for marker in item.markers
         )
         return np.asarray((second - first) / np.linalg.norm(second - first))
@@ -328,52 +281,131 @@ class StaticConnectors:
     @property
     def scale_of_forces(self) -> float:
         """Sum of the absolute loads, in N and N m."""
-        return float(sum(np.abs(value).sum() for value in self._values))
+        return float(sum(np.abs(value).sum() for value in self._values.values()))
 
-    def _set_spring(self, item: SpringItem, motion: RigidMotion, number: int) -> None:
-        mbs, spring = self._all.assembly.mbs, item.spring
-        for point, ground in item.grounds:
-            self._put(ground, np.array([point.x, point.y]))
+    def _set_spring(self, item: SpringItem, motion: RigidMotion) -> None:
+        spring = item.spring
         if spring.damping:
-            there = motion.at(slice(number, number + 1))
-            line = SpringLine.of(spring, self._all.assembly.topology, there)
-            mbs.SetObjectParameter(item.number, "force", spring.damping * float(line.rate[0]))
-            self._approach[spring.name] = _turned(line.relative_velocity[0], -self._turn)
+            line = SpringLine.of(spring, self._topology, motion)
+            force = spring.damping * float(line.rate[0])
+            self.assembly.mbs.SetObjectParameter(item.number, "force", force)
+            self._approach[spring.name] = turned(line.relative_velocity[0], self._turn)
 
     def _set_joint(
-        self, item: JointSpringItem, motion: RigidMotion, number: int, pose: FloatArray
+        self, item: JointSpringItem, motion: RigidMotion, angles: FloatArray, pose: FloatArray
     ) -> None:
-        assembly, own = self._all.assembly, item.spring
-        ends = [(1.0, item.follower)]
-        if item.leader is not None:
-            ends.append((-1.0, item.leader))
+        assembly, spring, (follower, leader) = self.assembly, item.spring, item.ends
         if item.turning is not None:
-            there = motion.at(slice(number, number + 1))
-            angles = self._continuous(motion)[number : number + 1]
-            joint_angle, rate = (x[0, 2] for x in joint_gap(assembly.topology, there, own, angles))
-            model_angle = sum(sign * pose[angle_of_end(assembly, end)] for sign, end in ends)
-            offset = model_angle - joint_angle + own.free_angle
+            gap, rates = joint_gap(self._topology, motion, spring, angles)
+            model_angle = pose[assembly.angle_coordinate(follower)]
+            if leader is not None:
+                model_angle -= pose[assembly.angle_coordinate(leader)]
+            offset = float(model_angle - gap[0, 2] + spring.free_angle)
+            assembly.mbs.SetObjectParameter(item.turning, "offset", offset)
             for load, sign in zip(item.drag, (-1.0, 1.0), strict=False):
-                torque = float(sign * own.torsional_damping * rate)
+                torque = float(sign * spring.torsional_damping * rates[0, 2])
                 assembly.mbs.SetLoadParameter(load, "load", torque)
-            assembly.mbs.SetObjectParameter(item.turning, "offset", float(offset))
-        if item.ground is not None:
-            place = assembly.topology.end_place(item.follower)
-            self._put(item.ground, motion.position(*place)[number])
-
-    def _continuous(self, motion: RigidMotion) -> FloatArray:
-        if self._motion is not motion:
-            linkage = self._all.assembly.mechanism.linkage
-            self._motion, self._angles = motion, continuous_angles(linkage, motion)
-        return self._angles
-
-    def _put(self, ground: ItemNumber, place: FloatArray) -> None:
-        """Set a ground point in the model's axes."""
-        x, y = _turned(place, -self._turn)
-        position = [float(x), float(y), 0.0]
-        self._all.assembly.mbs.SetObjectParameter(ground, "referencePosition", position)
 
 
-def _turned(vector: FloatArray, angle: float) -> FloatArray:
-    turn = np.array(angle)
-    return np.asarray(vector[0] * direction(turn) + vector[1] * normal(turn))
+class RunningConnectors(ConnectorItems):
+    """Connectors of a running system, and the energy and power that they give.
+
+    Parameters
+    ----------
+    assembly, start, shaft
+        As of :class:`ConnectorItems`.
+    links : sequence of LinkModel
+        In the system's coordinates.
+    """
+
+    def __init__(
+        self,
+        assembly: LinkAssembly,
+        start: RigidMotion,
+        shaft: Shaft,
+        links: Sequence[LinkModel],
+    ) -> None:
+        super().__init__(assembly, start, shaft)
+        self._all = Connectors(assembly.mechanism, links)
+        self._angle = shaft.angle
+        # A radial spring's marker is on the end that carries the place of the leading one.
+        self._leading_places = {
+            self._topology.end_place(leader): self._topology.end_place(
+                leading_end(leader, self._topology.rigid_ties)
+            )
+            for item in self.joints
+            if item.radial is not None and (leader := item.ends[1]) is not None
+        }
+
+    def work(
+        self,
+        time: FloatArray,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        rate: Sequence[FloatArray],
+    ) -> ConnectorWork:
+        """Energy and power at instants of a run.
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+        motion : RigidMotion
+            At these times.
+        displacement, rate : sequence of ndarray, shape (m, n_link)
+            Of the links in its frames.
+
+        Returns
+        -------
+        ConnectorWork
+        """
+        power, moved = np.zeros(len(time)), self._moved(motion, displacement, rate)
+        prescribed = np.array([self._angle(t) for t in time]) - self._lead
+        mechanism = self.assembly.mechanism
+        for one in forces_of_loads(
+            self._topology, replace(motion, crank_angle=prescribed), mechanism.loads, time, moved
+        ):
+            drift = moved(one.link, float(one.x))[1]
+            power += one.power(motion) + np.sum(one.force * drift[:, :2], axis=1)
+            power += one.torque * drift[:, 2]
+        return ConnectorWork.of(deformations(mechanism, motion, moved), power)
+
+    def joint_forces(
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        rate: Sequence[FloatArray],
+    ) -> dict[str, FloatArray]:
+        """Force of each sprung joint on its grounded or following link, (m, 2), by name.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (m,).
+        displacement, rate : sequence of ndarray, shape (m, n_link)
+            Of the links in its frames.
+        """
+        forces, moved = {}, self._moved(motion, displacement, rate)
+        for item in self.joints:
+            if item.radial is not None:
+                spring = item.spring
+                gap, drift = joint_gap(self._topology, motion, spring, motion.angle, moved)
+                force = (spring.radial_stiffness or 0.0) * gap + spring.radial_damping * drift
+                forces[spring.joint] = -force[:, :2]
+        return forces
+
+    def _moved(
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        rate: Sequence[FloatArray],
+    ) -> Moved:
+        by_links = self._all.moved(motion, displacement, rate)
+
+        def moved(link: int, x: float) -> tuple[FloatArray, FloatArray]:
+            values = by_links(link, x)
+            place = by_links(*self._leading_places.get((link, x), (link, x)))
+            for value, leading in zip(values, place, strict=True):
+                value[:, :2] = leading[:, :2]
+            return values
+
+        return moved

@@ -23,10 +23,12 @@ from flexmech.choices import (
 from flexmech.errors import InputError
 from flexmech.linear_system import (
     BalancedLoads,
+    DeadMoments,
     Engine,
     LinkModel,
     LinkPoint,
     Prestress,
+    RigidGeometricStiffness,
     StraightForces,
     StressedLinks,
     TheoryComparison,
@@ -38,17 +40,22 @@ from flexmech.linear_system import (
     with_rigid_links,
 )
 from flexmech.linkages import Drive, LockedCrank, MotorRun, RigidMotion
+from flexmech.linkages.motion import direction
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.beams import refuse_sections
 from flexmech.multibody.exudyn_system import ExudynSystem
-from flexmech.multibody.library import check_exudyn
-from flexmech.multibody.linearize import internal_forces, running_tangents, static_equilibrium
-from flexmech.multibody.running.loads import TorqueTable
+from flexmech.multibody.items import check_exudyn
+from flexmech.multibody.linearize import (
+    internal_forces,
+    link_models,
+    running_tangents,
+    static_equilibrium,
+    unit_tension_stiffness,
+)
+from flexmech.multibody.running.loads import MotorOnHub, TorqueTable
 from flexmech.multibody.running.model import RunningModel
-from flexmech.multibody.running.motor import MotorOnHub
 from flexmech.multibody.running.simulation import PointRecorder, Simulation
 from flexmech.multibody.static_model import StaticModel
-from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
 from flexmech.time_domain import Impact, LinkState, Recorder, Trajectory
 from flexmech.validation import POSITIVE, check_choice, check_number, checked_array
 
@@ -126,17 +133,13 @@ class ExudynEngine(Engine):
         )
 
     @cached_property
-    def _links(self) -> tuple[LinkModel, ...]:
-        return link_models(self.model)
-
-    @property
     def clamped_links(self) -> tuple[LinkModel, ...]:
         """Unreduced link models in Exudyn's coordinates, node by node."""
-        return self._links
+        return link_models(self.model)
 
     @cached_property
-    def _unit_tension(self) -> list[FloatArray]:
-        return unit_tension_stiffness(self.model.assembly)
+    def _unit_tension(self) -> dict[int, FloatArray]:
+        return unit_tension_stiffness(self.model)
 
     def stressed_clamped_links(
         self,
@@ -163,29 +166,47 @@ class ExudynEngine(Engine):
 
         def displaced(under: BalancedLoads) -> list[FloatArray]:
             dead = self._dead(motion, under.loads, under.at)
-            return static_equilibrium(self.model, motion, under.loads, dead).displacement
+            return static_equilibrium(self.model, motion, under.loads, dead)[0]
 
         under = self._quasi_static_loads(motion, displaced)
         loads, dead = under.loads, self._dead(motion, under.loads, under.at)
-        equilibrium = static_equilibrium(self.model, motion, loads, dead)
-        if (connectors := self.connectors).any:
-            moved = equilibrium.displacement
-            virial, acting = connectors.virial(motion, moved), connectors.forces(motion, moved)
-            for number, link in enumerate(self.clamped_links):
-                if link.rigid:
-                    cosine, sine = np.cos(moved[number][:, 2]), np.sin(moved[number][:, 2])
-                    turning = virial[:, number] * cosine + acting[number][:, 2] * sine
-                    equilibrium.tangent[number][:, 2, 2] += turning
+        moved, tangent, damping = static_equilibrium(self.model, motion, loads, dead)
+        if self.connectors.any:
+            acting = self.connectors.forces(motion, moved)
             loads = [load + force for load, force in zip(loads, acting, strict=True)]
-        topology = self.mechanism.linkage.topology
-        refuse_large_displacements(self.clamped_links, motion, equilibrium.displacement)
-        return StressedLinks(
-            equilibrium.tangent,
-            equilibrium.displacement,
-            damping=equilibrium.damping,
-            loads=loads,
-            guide_stiffness=equilibrium.line_force * [bool(s.guide) for s in topology.sliders],
-        )
+        refuse_large_displacements(self.clamped_links, motion, moved)
+        elastic = {n: tangent[n] for n, link in enumerate(self.clamped_links) if not link.rigid}
+        elastic = dead.add_stiffness(elastic, [q.T for q in moved])
+        found = self._stiffness_of_rigid(motion, moved, under.loads, dead)
+        stressed = with_rigid_links(self.clamped_frames, elastic, found, loads)
+        return replace(stressed, displacement=moved, damping=damping)
+
+    def _stiffness_of_rigid(
+        self,
+        motion: RigidMotion,
+        moved: list[FloatArray],
+        loads: list[FloatArray],
+        dead: DeadMoments,
+    ) -> RigidGeometricStiffness | None:
+        """Geometric stiffness of rigid links, hubs and guides under loads, springs and joints.
+
+        Exudyn's linearization does not include the derivative of ``C_q' lambda``.
+        """
+        frames, columns = self.clamped_frames, [q.T for q in moved]
+        if not frames.has_arms:
+            return None
+        inner = internal_forces(self.model, moved)
+        dead.add_forces([force.T for force in inner], columns)
+        beside = [load - force for load, force in zip(loads, inner, strict=True)]
+        by_rotation = dead.by_link(columns)
+        for push in self.connectors.point_forces(motion, moved, radial=True):
+            link, q = push.point.link, moved[push.point.link]
+            beside[link] += push.point.force(motion, push.force, push.torque, q, finite=True)
+            if push.point.rigid:
+                arm = push.point.x * direction(motion.angle[:, link] + q[:, 2])
+                by_rotation[link] = by_rotation[link] + np.sum(push.force * arm, axis=1)
+        ties = frames.displaced_ties_by(motion, moved)
+        return ties.geometric_stiffness(beside, by_rotation)
 
     def simulate(
         self,
@@ -355,7 +376,7 @@ class ExudynEngine(Engine):
         check_choice(integrator, INTEGRATORS, "integrator")
         model = self._running(drive, steps * step)
         simulation = Simulation(model, step, steps, integrator)
-        return ExudynSystem.of(simulation, drive, start, stride)
+        return ExudynSystem.of(simulation, start, stride)
 
     def running_clamped_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
@@ -385,12 +406,9 @@ class ExudynEngine(Engine):
         straight = self._straight(motion)
         loads, nodes = straight.loads, [link.readings.nodes for link in self.clamped_links]
         tensions = element_tensions(self.mechanism, nodes, motion, straight.links)
-        tangent: dict[int, FloatArray] = {
-            number: link.stiffness + np.tensordot(tensions[number][..., 0], unit, axes=1)
-            for number, (link, unit) in enumerate(
-                zip(self.clamped_links, self._unit_tension, strict=True)
-            )
-            if not link.rigid
+        tangent = {
+            n: self.clamped_links[n].stiffness + np.tensordot(tensions[n][..., 0], unit, axes=1)
+            for n, unit in self._unit_tension.items()
         }
         tangent = self._dead(motion, loads).add_stiffness(
             tangent, [np.zeros_like(load.T) for load in loads]

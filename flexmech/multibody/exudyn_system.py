@@ -6,6 +6,7 @@ Sensors of a running Exudyn system: deflections, forces of the joints, driving t
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,14 +15,13 @@ import numpy as np
 
 from flexmech.arrays import SAME_PLACE, FloatArray
 from flexmech.files import given_path, moved_into
-from flexmech.linkages import Drive, Link
 from flexmech.model_text import short_repr
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import Choice, Item, ItemKind, ItemNumber, SystemItems, applied
 from flexmech.multibody.joints import SliderJoint
-from flexmech.multibody.link_parts import BeamPart, RigidPart
+from flexmech.multibody.links import BeamPart
 from flexmech.multibody.running.model import RunningModel
-from flexmech.multibody.running.script import ScriptSource, linkage_script
+from flexmech.multibody.running.script import linkage_script
 from flexmech.multibody.running.simulation import Simulation
 from flexmech.multibody.running.user_functions import (
     constraint_force,
@@ -46,34 +46,21 @@ def add_sensors(model: RunningModel) -> None:
     ----------
     model : RunningModel
     """
-    assembly, items, topology = model.assembly, model.assembly.items, model.assembly.topology
-    clamped = {clamp.link_end.link for clamp in topology.clamps}
-    for link, part in zip(topology.links, assembly.parts, strict=True):
-        if isinstance(part, RigidPart):
-            continue
-        points = _LinkPoints(assembly, part, link)
-        items.begin(f"{link.name}: sensors of its deflection")
-        around: list[ItemNumber] = []
-        given: dict[str, Any] = {"sensorUserFunction": model.shaft.tip_deflection}
-        if link.name not in clamped:
-            around, fraction = points.around_middle()
-            given = {"factors": [fraction], "sensorUserFunction": middle_deflection}
-        ends = points.at_node(0), points.at_node(len(part.nodes) - 1)
-        numbers = [ends[0], *around, ends[1]]
-        name = f"{link.name}_deflection"
-        items.add("SensorUserFunction", name, sensorNumbers=numbers, **given, **_KEPT)
+    items, topology = model.assembly.items, model.assembly.topology
+    for _, part in model.assembly.beams:
+        items.begin(f"{part.name}: sensors of its deflection")
+        _add_deflection(model, part)
     items.begin("sensors of forces and torque")
-    kinds = dict(zip(topology.joint_names, topology.joint_kinds, strict=True))
-    for joint in topology.joint_names:
-        name = f"{kinds[joint]}_{joint}_force"
+    for joint, kind in zip(topology.joint_names, topology.joint_kinds, strict=True):
+        name = f"{kind}_{joint}_force"
         if joint in model.sprung:
             _add(items, "SensorObject", name, "Force", objectNumber=model.sprung[joint])
         elif joint in model.sliders:
-            _add_line_force(assembly, name, model.sliders[joint])
+            _add_line_force(model.assembly, name, model.sliders[joint])
         else:
-            _add_force(items, name, model.constraints[joint])
+            _compute(items, name, constraint_force, factors=model.constraints[joint])
     if model.drive_constraint is not None:
-        _add_force(items, "driving_torque", [model.drive_constraint])
+        _compute(items, "driving_torque", constraint_force, factors=[model.drive_constraint])
 
 
 def _add(items: SystemItems, type_: str, name: str, output: str, **values: Any) -> ItemNumber:
@@ -82,76 +69,50 @@ def _add(items: SystemItems, type_: str, name: str, output: str, **values: Any) 
     return items.add(type_, name, **values, outputVariableType=variable, **_KEPT)
 
 
-class _LinkPoints:
-    """Position sensors of points on the pins' axis of a link."""
+def _compute(items: SystemItems, name: str, function: Callable[..., Any], **given: Any) -> None:
+    """Sensor of what a function makes of other sensors and of numbers."""
+    items.add("SensorUserFunction", name, **given, sensorUserFunction=function, **_KEPT)
 
-    def __init__(self, assembly: LinkAssembly, part: BeamPart, link: Link) -> None:
-        self._items = assembly.items
-        self._is_curved = assembly.kind.carries_mass
-        self._part = part
-        self._link = link
-        self._at_node: dict[int, ItemNumber] = {}
 
-    def at_node(self, number: int) -> ItemNumber:
-        """Point on the axis at a node."""
-        if number not in self._at_node:
-            self._at_node[number] = self._added(number)
-        return self._at_node[number]
+def _add_deflection(model: RunningModel, part: BeamPart) -> None:
+    """Sensor of the middle of a link, or of a clamped one's tip, and of the places it needs."""
+    assembly, known, near = model.assembly, dict[float, ItemNumber](), SAME_PLACE * part.length
 
-    def around_middle(self) -> tuple[list[ItemNumber], float]:
-        """Points before and behind the middle, and how far from the one to the other it is."""
-        positions, middle = self._part.positions, self._link.length / 2
-        nearest = int(np.argmin(np.abs(positions - middle)))
-        if math.isclose(positions[nearest], middle, abs_tol=SAME_PLACE * self._link.length):
-            return [self.at_node(nearest)] * 2, 0.0
-        before = int(np.searchsorted(positions, middle)) - 1
-        x = float(middle - positions[before])
-        if self._is_curved:
-            name, body = f"{self._link.name}_middle", self._part.elements[before]
-            inside = self._of_body(name, body, x, 0.0)
-            return [inside, inside], 0.0
+    def at(x: float) -> ItemNumber:
+        if x not in known:
+            number = int(np.abs(part.positions - x).argmin())
+            at_node = abs(part.positions[number] - x) <= near
+            name = f"{part.name}_place_{number}" if at_node else f"{part.name}_middle"
+            body, *place = assembly.body_place(part, x)
+            given = {"bodyNumber": body, "localPosition": [*place, 0.0]}
+            known[x] = _add(assembly.items, "SensorBody", name, "Position", **given)
+        return known[x]
+
+    name, ends = f"{part.name}_deflection", (0.0, part.length)
+    if any(clamp.link_end.link == part.name for clamp in assembly.topology.clamps):
+        places = [at(x) for x in ends]
+        _compute(assembly.items, name, model.shaft.tip_deflection, sensorNumbers=places)
+        return
+    middle = part.length / 2
+    around, fraction = [middle, middle], 0.0
+    behind = int(np.searchsorted(part.positions, middle - near))
+    if part.kind.has_angles and part.positions[behind] > middle + near:
         # Between its nodes an exact beam is straight, and so is the pins' axis.
-        around = [self.at_node(before), self.at_node(before + 1)]
-        return around, x / float(positions[before + 1] - positions[before])
-
-    def _added(self, number: int) -> ItemNumber:
-        name, part = f"{self._link.name}_place_{number}", self._part
-        if part.arms is None:
-            number = part.nodes[number]
-            return _add(self._items, "SensorNode", name, "Position", nodeNumber=number)
-        assert part.bodies is not None
-        return self._of_body(name, part.bodies.numbers[number], 0.0, -part.arms.length)
-
-    def _of_body(self, name: str, body: ItemNumber, x: float, y: float) -> ItemNumber:
-        where = {"bodyNumber": body, "localPosition": [x, y, 0.0]}
-        return _add(self._items, "SensorBody", name, "Position", **where)
-
-
-def _add_force(items: SystemItems, name: str, constraints: list[ItemNumber]) -> None:
-    items.add(
-        "SensorUserFunction",
-        name,
-        factors=list(constraints),
-        sensorUserFunction=constraint_force,
-        **_KEPT,
-    )
+        around = part.positions[behind - 1 : behind + 1].tolist()
+        fraction = (middle - around[0]) / (around[1] - around[0])
+    places = [at(x) for x in (ends[0], *around, ends[1])]
+    given = {"sensorNumbers": places, "factors": [fraction]}
+    _compute(assembly.items, name, middle_deflection, **given)
 
 
 def _add_line_force(assembly: LinkAssembly, name: str, line: SliderJoint) -> None:
     """Force of a line on the end that slides on it."""
-    turning = []
+    turning, items = [], assembly.items
     if line.slider.guide:
-        guide = assembly.parts[assembly.topology.index(line.slider.guide)]
-        node = guide.nodes[0]
-        turning = [_add(assembly.items, "SensorNode", f"{name}_guide", "Rotation", nodeNumber=node)]
-    assembly.items.add(
-        "SensorUserFunction",
-        name,
-        sensorNumbers=turning,
-        factors=[line.constraint, line.slider.direction + math.pi / 2],
-        sensorUserFunction=guide_line_force,
-        **_KEPT,
-    )
+        [node] = assembly.parts[assembly.topology.index(line.slider.guide)].nodes
+        turning = [_add(items, "SensorNode", f"{name}_guide", "Rotation", nodeNumber=node)]
+    factors = [line.constraint, line.slider.direction + math.pi / 2]
+    _compute(items, name, guide_line_force, sensorNumbers=turning, factors=factors)
 
 
 SCRIPT = "linkage.py"
@@ -205,15 +166,12 @@ class ExudynSystem:
     remarks: tuple[str, ...] = ()
 
     @classmethod
-    def of(
-        cls, simulation: Simulation, drive: Drive, start: LinkState, stride: int
-    ) -> ExudynSystem:
+    def of(cls, simulation: Simulation, start: LinkState, stride: int) -> ExudynSystem:
         """System of a simulation's model, with sensors added.
 
         Parameters
         ----------
         simulation : Simulation
-        drive : Drive
         start : LinkState
         stride : int
 
@@ -232,20 +190,6 @@ class ExudynSystem:
             "solution.sensors.active": True,
             "solution.sensors.writePeriod": float(simulation.step),
         }
-        script = linkage_script(
-            ScriptSource(
-                provenance=model.assembly.mechanism.provenance,
-                drive=drive,
-                items=items.listed,
-                joints=model.joints,
-                drifts=simulation.drifts,
-                coordinates=coordinates,
-                rates=rates,
-                settings=settings,
-                step=float(simulation.step),
-                stride=stride,
-            )
-        )
         return cls(
             items.container,
             items.mbs,
@@ -253,7 +197,7 @@ class ExudynSystem:
             tuple(items.listed),
             float(simulation.step),
             simulation.steps,
-            script,
+            linkage_script(simulation, coordinates, rates, settings, stride),
         )
 
     @property

@@ -1,4 +1,6 @@
-"""An Exudyn system with a list of its items.
+"""An Exudyn system with a list of its items, and the one import of exudyn.
+
+It is imported quiet, without range checks, and with its log kept in.
 
 Every item is described once, by its type, its name and its values: the system gets it, and the
 list keeps it, from which a script can be written that makes the same system.
@@ -6,15 +8,21 @@ list keeps it, from which a script can be written that makes the same system.
 
 from __future__ import annotations
 
+import contextlib
+import io
+import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from importlib.util import find_spec
 from itertools import count
+from types import ModuleType
 from typing import Any, Literal, Self
 
 import numpy as np
 
+from flexmech.arrays import FloatArray
 from flexmech.choices import Integrator
-from flexmech.multibody.library import load_exudyn
+from flexmech.errors import InputError
 
 ROUND_OFF = 8 * float(np.finfo(float).eps)
 """Round-off of a sum of cancelling forces between nodes, relative to these forces.
@@ -24,6 +32,46 @@ Four forces meet at a node, each of a product and a sum.
 
 ItemKind = Literal["node", "object", "marker", "load", "sensor"]
 _KINDS: tuple[ItemKind, ...] = ("node", "marker", "load", "sensor")
+
+
+def check_exudyn() -> None:
+    """Refuse the engine where exudyn is not installed; it is not imported for that.
+
+    Raises
+    ------
+    InputError
+        With what to do.
+    """
+    if "exudyn" in sys.modules:
+        installed = sys.modules["exudyn"] is not None
+    else:
+        installed = find_spec("exudyn") is not None
+    if not installed:
+        raise InputError(
+            "the exudyn engine needs exudyn, which is not installed: pip install exudyn, or choose "
+            "the reference engine (--engine reference, flexmech.ReferenceEngine)"
+        )
+
+
+def load_exudyn() -> ModuleType:
+    """Exudyn's module.
+
+    The core without range checks is about a third faster; it must be asked for before the
+    first import, which announces the choice on the standard output: a library stays quiet.
+
+    Raises
+    ------
+    InputError
+        If it is not installed.
+    """
+    check_exudyn()
+    if "exudyn" not in sys.modules:
+        sys.exudynFast = True  # type: ignore[attr-defined]  # exudyn's own switch
+    with contextlib.redirect_stdout(io.StringIO()):
+        import exudyn
+        import exudyn.itemInterface
+
+    return exudyn
 
 
 class ItemNumber(int):
@@ -70,7 +118,7 @@ class Made:
     Parameters
     ----------
     function : callable
-        One of :data:`flexmech.multibody.running.script_text.SHARED`.
+        One of :data:`flexmech.multibody.running.script.SHARED`.
     arguments : tuple
         Numbers, text, lists of them, or records that a script holds.
     """
@@ -105,6 +153,32 @@ class Item:
     subject: str
 
 
+@dataclass(frozen=True)
+class SystemBody:
+    """A rigid body at a node with an angle: at a node of exact beams, attached, or a rigid link.
+
+    Parameters
+    ----------
+    number, node : ItemNumber
+        Of the body and its node.
+    first : int
+        First coordinate of its node among Exudyn's of links and attached bodies.
+    mass : float
+        In kg.
+    centre : tuple of float
+        Its centre of mass from the node, along and across the link, in m.
+    inertia : float
+        About the node in kg m^2.
+    """
+
+    number: ItemNumber
+    node: ItemNumber
+    first: int
+    mass: float
+    centre: tuple[float, float]
+    inertia: float
+
+
 class SystemItems:
     """An Exudyn system that grows item by item.
 
@@ -114,12 +188,18 @@ class SystemItems:
     mbs : exudyn.MainSystem
     listed : list of Item
         In the order in which they were added.
+    bodies : list of SystemBody
+        All rigid bodies of links and on them.
+    masses : list of tuple of int and ndarray
+        Mass matrices between nodes of links, each with its first coordinate.
     """
 
     def __init__(self) -> None:
         self.container: Any = load_exudyn().SystemContainer()
         self.mbs: Any = self.container.AddSystem()
         self.listed: list[Item] = []
+        self.bodies: list[SystemBody] = []
+        self.masses: list[tuple[int, FloatArray]] = []
         self._subject = ""
         # Looked up at each of thousands of items.
         self._taken: set[tuple[ItemKind, str]] = set()
@@ -155,31 +235,97 @@ class SystemItems:
         self.listed.append(Item(kind, type_, name, number, values, self._subject))
         return ItemNumber(number, kind, name)
 
-    def change(self, number: ItemNumber, key: str, value: Any) -> None:
-        """Change a value of an item before the system is assembled.
+    def add_body(
+        self,
+        name: str,
+        node: ItemNumber,
+        first: int,
+        mass: float,
+        centre: tuple[float, float],
+        inertia: float,
+    ) -> SystemBody:
+        """Add a rigid body.
 
         Parameters
         ----------
-        number : ItemNumber
-        key : str
-        value : object
+        name : str
+        node : ItemNumber
+        first, mass, centre, inertia
+            As of :class:`SystemBody`.
+
+        Returns
+        -------
+        SystemBody
         """
-        place = self._place(number)
-        item = self.listed[place]
-        self.listed[place] = replace(item, values={**item.values, key: value})
-        change = getattr(self.mbs, f"Set{item.kind.capitalize()}Parameter")
-        change(int(number), key, _plain(value))
+        given = {"mass": mass, "inertia": inertia, "centerOfMass": list(centre)}
+        number = self.add("ObjectRigidBody2D", name, nodeNumber=node, **given)
+        self.bodies.append(SystemBody(number, node, first, mass, centre, inertia))
+        return self.bodies[-1]
 
-    def value(self, number: ItemNumber | None, key: str) -> Any:
-        """A value that an item was given."""
-        assert number is not None
-        return self.listed[self._place(number)].values[key]
+    def add_mass(self, name: str, nodes: list[ItemNumber], first: int, matrix: Made) -> None:
+        """Add a mass matrix by the velocities of nodes.
 
-    def _place(self, number: ItemNumber) -> int:
-        wanted = number.kind, int(number)
-        return next(
-            place for place, item in enumerate(self.listed) if (item.kind, item.number) == wanted
-        )
+        Parameters
+        ----------
+        name : str
+        nodes : list of ItemNumber
+            Whose coordinates follow on each other.
+        first : int
+            Of their coordinates.
+        matrix : Made
+        """
+        self.add("ObjectGenericODE2", name, nodeNumbers=nodes, massMatrix=matrix)
+        self.masses.append((first, _plain(matrix)))
+
+    def keep_angle(self, name: str, markers: list[ItemNumber]) -> ItemNumber:
+        """Keep two markers from turning against each other.
+
+        Parameters
+        ----------
+        name : str
+        markers : list of ItemNumber
+        """
+        axes = [0, 0, 0, 0, 0, 1]
+        return self.add("GenericJoint", name, markerNumbers=markers, constrainedAxes=axes)
+
+    def mark_place(self, name: str, body: ItemNumber, x: float = 0.0, y: float = 0.0) -> ItemNumber:
+        """Add a marker at a place of a body, which turns with it.
+
+        Parameters
+        ----------
+        name : str
+        body : ItemNumber
+        x, y : float
+            In m.
+        """
+        return self.add("MarkerBodyRigid", name, bodyNumber=body, localPosition=[x, y, 0.0])
+
+    def mark_coordinate(self, name: str, node: ItemNumber, coordinate: int) -> ItemNumber:
+        """Add a marker of one of a node's coordinates.
+
+        Parameters
+        ----------
+        name : str
+        node : ItemNumber
+        coordinate : int
+            Which of them.
+        """
+        return self.add("MarkerNodeCoordinate", name, nodeNumber=node, coordinate=coordinate)
+
+    def add_force(
+        self, name: str, marker: ItemNumber, x: float = 0.0, y: float = 0.0, **given: Any
+    ) -> ItemNumber:
+        """Add a force at a marker; further arguments are what the load's class is given.
+
+        Parameters
+        ----------
+        name : str
+        marker : ItemNumber
+        x, y : float
+            In N.
+        """
+        vector = [float(x), float(y), 0.0]
+        return self.add("LoadForceVector", name, markerNumber=marker, loadVector=vector, **given)
 
 
 def _kind_of(type_: str) -> ItemKind:

@@ -4,35 +4,33 @@ Where it is exact, a joint is a condition whose Jacobian is constant: that on th
 nodes, on the difference of two angles, or on the distance of a node from a line of the ground.
 Then the constraint's force adds nothing to the tangent stiffness. A weld between cables holds
 directions of slopes, a guide turns with its link, and a rigid link's end is off its node: what
-the forces of these add is in the maps of :mod:`flexmech.multibody.node_maps` and in
-:mod:`flexmech.multibody.rigid_tangents`.
+the forces of these add is in the maps of :mod:`flexmech.multibody.node_maps` and in the geometric
+stiffness of rigid links, which all engines share.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
 
 from flexmech.arrays import FloatArray
-from flexmech.linkages import LinkEnd, Pin, RigidMotion, Slider, Topology, Weld
+from flexmech.linkages import LinkEnd, Pin, RigidMotion, Slider, Topology, Weld, turned
+from flexmech.linkages.motion import normal
 from flexmech.linkages.topology import leading_end
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import ItemNumber
-from flexmech.multibody.link_parts import RigidPart
-from flexmech.multibody.running.closure import (
+from flexmech.multibody.running.frame_body import FrameBody
+from flexmech.multibody.running.user_functions import (
     AngleGap,
     ClosedJoints,
     JoinedEnd,
-    JointsClosedInTurn,
     LineGap,
     PlaceGap,
+    Shaft,
 )
-from flexmech.multibody.running.frame_body import FrameBody
-from flexmech.multibody.running.user_functions import Shaft
 
 JointGap: TypeAlias = PlaceGap | AngleGap | LineGap
 """What a joint has to close."""
@@ -45,21 +43,16 @@ class TieJoint:
     Parameters
     ----------
     tie : Pin or Weld
-    leader : LinkEnd
-        The end that carries the place of the joint.
     position : ItemNumber
         Constraint on the places; its multipliers are minus the force on the follower.
     rotation : ItemNumber, optional
-        Constraint on the angle between the links, of a weld.
-    turns_nodes : bool
-        Whether that is a condition on coordinates of two nodes, the second less the first.
+        Of a weld that is a condition on angles of two nodes: the constraint on the second less the
+        first.
     """
 
     tie: Pin | Weld
-    leader: LinkEnd
     position: ItemNumber
     rotation: ItemNumber | None = None
-    turns_nodes: bool = False
 
 
 @dataclass(frozen=True)
@@ -72,23 +65,62 @@ class SliderJoint:
     constraint : ItemNumber
         Its first multiplier is the force on the held end along the line's normal, which is a
         quarter turn ahead of its direction.
-    ground : ItemNumber, optional
-        Of a line on the ground.
     """
 
     slider: Slider
     constraint: ItemNumber
-    ground: ItemNumber | None = None
 
-    @property
-    def normal(self) -> FloatArray:
-        """Normal of the line in the axes of its guide, shape (2,)."""
-        return np.array([-np.sin(self.slider.direction), np.cos(self.slider.direction)])
 
-    @property
-    def place(self) -> FloatArray:
-        """A point of the line in the axes of its guide in m, shape (2,)."""
-        return self.slider.offset * self.normal
+def add_pivots(
+    assembly: LinkAssembly, motion: RigidMotion, *, sprung_alone: bool = True
+) -> dict[str, ItemNumber]:
+    """Pin links to the ground.
+
+    Parameters
+    ----------
+    assembly : LinkAssembly
+    motion : RigidMotion
+        In any one position, of shape ().
+    sprung_alone : bool
+        Whether springs alone hold sprung pivots; they are rigid otherwise.
+
+    Returns
+    -------
+    dict of str to ItemNumber
+        Pin of each pivot by its name.
+    """
+    pivots = {}
+    for pivot in assembly.topology.pivots:
+        if not (pivot.sprung and sprung_alone):
+            end, name = pivot.link_end, f"pivot_{pivot.joint}"
+            assembly.items.begin(f"pivot {pivot.joint}")
+            place = motion.position(*assembly.topology.end_place(end))
+            before = assembly.add_ground(name, place.tolist())
+            markers = [before, assembly.add_end_marker(end, f"{name}_on_{end.link}")]
+            pin = assembly.items.add("RevoluteJoint2D", name, markerNumbers=markers)
+            pivots[pivot.joint] = pin
+    return pivots
+
+
+def hold_axis(
+    assembly: LinkAssembly, name: str, body: ItemNumber, end: LinkEnd, angle: float
+) -> None:
+    """Keep the axis at a link end at an angle in rad to a body.
+
+    Parameters
+    ----------
+    assembly : LinkAssembly
+    name : str
+        Of what holds it.
+    body : ItemNumber
+    end : LinkEnd
+    angle : float
+    """
+    frames = [
+        assembly.add_body_frame(body, f"{name}_direction", 0.0, 0.0, angle),
+        assembly.add_frame_marker(end, f"{name}_axis"),
+    ]
+    assembly.items.keep_angle(f"{name}_rotation", frames)
 
 
 def add_ties(
@@ -128,33 +160,22 @@ def _tie(assembly: LinkAssembly, tie: Pin | Weld, angle: FloatArray) -> TieJoint
     ]
     position = assembly.items.add("RevoluteJoint2D", name, markerNumbers=markers)
     if isinstance(tie, Pin):
-        return TieJoint(tie, leader, position)
+        return TieJoint(tie, position)
     links = [assembly.topology.index(end.link) for end in (tie.leader, tie.follower)]
     between = float(angle[links[1]] - angle[links[0]])
-    turning = [assembly.turning_coordinate(end) for end in (tie.leader, tie.follower)]
-    rotation = f"{name}_rotation"
-    if all(coordinate is not None for coordinate in turning):
-        angles = [
-            assembly.items.add(
-                "MarkerNodeCoordinate",
-                f"{name}_angle_of_{end.link}",
-                nodeNumber=assembly.end_node(end),
-                coordinate=coordinate,
-            )
-            for end, coordinate in zip((tie.leader, tie.follower), turning, strict=True)
-        ]
+    ends, rotation = (tie.leader, tie.follower), f"{name}_rotation"
+    if all(assembly.part_of(end).kind.has_angles for end in ends):
+        angles = [assembly.add_angle_marker(end, f"{name}_angle_of_{end.link}") for end in ends]
         constraint = assembly.items.add(
             "CoordinateConstraint", rotation, markerNumbers=angles, offset=between
         )
-        return TieJoint(tie, leader, position, constraint, turns_nodes=True)
+        return TieJoint(tie, position, constraint)
     frames = [
         assembly.add_frame_marker(end, f"{name}_axis_of_{end.link}", turn)
-        for end, turn in ((tie.leader, 0.0), (tie.follower, -between))
+        for end, turn in zip(ends, (0.0, -between), strict=True)
     ]
-    constraint = assembly.items.add(
-        "GenericJoint", rotation, markerNumbers=frames, constrainedAxes=[0, 0, 0, 0, 0, 1]
-    )
-    return TieJoint(tie, leader, position, constraint)
+    assembly.items.keep_angle(rotation, frames)
+    return TieJoint(tie, position)
 
 
 def add_sliders(assembly: LinkAssembly) -> list[SliderJoint]:
@@ -167,49 +188,30 @@ def add_sliders(assembly: LinkAssembly) -> list[SliderJoint]:
     Returns
     -------
     list of SliderJoint
-        In the topology's order; lines of the ground are where they are in ground axes.
+        In the topology's order.
     """
     joints = []
     for slider in assembly.topology.sliders:
         name, items = f"slider_{slider.joint}", assembly.items
         items.begin(f"slider {slider.joint}")
-        joint = SliderJoint(slider, ItemNumber(-1, "object", name))
-        x, y = map(float, joint.place)
+        across = normal(np.array(slider.direction))
+        x, y = (slider.offset * across).tolist()
         end = assembly.add_frame_marker(slider.link_end, f"{name}_on_{slider.link_end.link}")
-        ground = None
         if slider.guide:
-            guide = assembly.parts[assembly.topology.index(slider.guide)]
-            assert isinstance(guide, RigidPart)
-            line = assembly.add_body_frame(guide.body, f"{name}_on_{slider.guide}", x, y)
+            [guide] = assembly.parts[assembly.topology.index(slider.guide)].bodies
+            line = assembly.add_body_frame(guide, f"{name}_on_{slider.guide}", x, y)
         else:
-            ground, line = assembly.add_ground(name, (x, y))
+            line = assembly.add_ground(name, (x, y))
         # The normal of this joint is that of the second marker: the line's.
         constraint = items.add(
             "PrismaticJoint2D",
             name,
             markerNumbers=[end, line],
-            normalMarker1=[*map(float, joint.normal), 0.0],
+            normalMarker1=[*across.tolist(), 0.0],
             constrainRotation=False,
         )
-        joints.append(SliderJoint(slider, constraint, ground))
+        joints.append(SliderJoint(slider, constraint))
     return joints
-
-
-def place_at_start(assembly: LinkAssembly, start: RigidMotion, end: LinkEnd) -> FloatArray:
-    """Position of a link end of the rigid linkage at time zero in m, shape (2,).
-
-    Parameters
-    ----------
-    assembly : LinkAssembly
-    start : RigidMotion
-        At time zero, of shape ().
-    end : LinkEnd
-
-    Returns
-    -------
-    ndarray, shape (2,)
-    """
-    return start.position(*assembly.topology.end_place(end))
 
 
 def place_on_hub(assembly: LinkAssembly, start: RigidMotion, end: LinkEnd) -> tuple[float, float]:
@@ -221,15 +223,9 @@ def place_on_hub(assembly: LinkAssembly, start: RigidMotion, end: LinkEnd) -> tu
     start : RigidMotion
         At time zero, of shape ().
     end : LinkEnd
-
-    Returns
-    -------
-    tuple of float
     """
-    turn = -float(start.angle[assembly.base])
-    cosine, sine = math.cos(turn), math.sin(turn)
-    x, y = map(float, place_at_start(assembly, start, end))
-    return cosine * x - sine * y, sine * x + cosine * y
+    place = start.position(*assembly.topology.end_place(end))
+    return _pair(turned(place, -start.angle[assembly.base]))
 
 
 def joint_gaps(
@@ -258,7 +254,7 @@ def joint_gaps(
         return float(start.angle[topology.index(end.link)])
 
     def on_ground(end: LinkEnd) -> PlaceGap:
-        place = _pair(place_at_start(assembly, start, end))
+        place = _pair(start.position(*topology.end_place(end)))
         return PlaceGap(joined(end), None if frame is None else frame.joined(place), place, False)
 
     gaps: list[JointGap] = []
@@ -278,8 +274,7 @@ def joint_gaps(
     for body, node in _attached_nodes(assembly):
         gaps += [PlaceGap(body, node, (0.0, 0.0), False), AngleGap(body, node, 0.0)]
     for slider in topology.sliders:
-        x, y = slider.offset * np.array([-np.sin(slider.direction), np.cos(slider.direction)])
-        place, guide = (float(x), float(y)), None
+        place, guide = _pair(slider.offset * normal(np.array(slider.direction))), None
         if slider.guide:
             guide = replace(joined(LinkEnd(slider.guide, "start")), lever=place)
         elif frame is not None:
@@ -289,9 +284,9 @@ def joint_gaps(
 
 
 def closed_joints(
-    assembly: LinkAssembly, shaft: Shaft, gaps: Sequence[JointGap], frame: FrameBody | None
-) -> JointsClosedInTurn | ClosedJoints:
-    """Joints that are closed after every step.
+    assembly: LinkAssembly, shaft: Shaft, gaps: list[JointGap], frame: FrameBody | None
+) -> ClosedJoints:
+    """Joints that are closed after every step: all at once, or in turn where that does.
 
     A pin between nodes, or of a node on the ground, is linear in their coordinates: it stays
     closed unless another joint of its nodes has to be closed with it.
@@ -300,52 +295,43 @@ def closed_joints(
     ----------
     assembly : LinkAssembly
     shaft : Shaft
-    gaps : sequence of PlaceGap, AngleGap or LineGap
+    gaps : list of PlaceGap, AngleGap or LineGap
         Of all joints.
     frame : FrameBody or None
         On springs, which carries the linkage.
 
     Returns
     -------
-    JointsClosedInTurn or ClosedJoints
-        The latter where moving nodes one by one does not do.
+    ClosedJoints
     """
     turns = sum(isinstance(gap, AngleGap) for gap in gaps)
-    rigid = any(isinstance(part, RigidPart) for part in assembly.parts)
+    rigid = any(link.rigid for link in assembly.topology.links)
     if rigid or frame is not None or turns > 1 or assembly.topology.sliders:
         axis = None if frame is None else frame.joined((0.0, 0.0))
-        return ClosedJoints(shaft, list(gaps), axis)
-    in_turn = [gap for gap in gaps if not isinstance(gap, LineGap) and not _stays_closed(gap)]
-    return JointsClosedInTurn(shaft, in_turn)
+        return ClosedJoints(shaft, gaps, axis)
+    return ClosedJoints(shaft, [gap for gap in gaps if not _stays_closed(gap)], in_turn=True)
 
 
-def _stays_closed(gap: PlaceGap | AngleGap) -> bool:
-    if isinstance(gap, AngleGap) or gap.on_hub:
+def _stays_closed(gap: JointGap) -> bool:
+    if not isinstance(gap, PlaceGap) or gap.on_hub:
         return False
     return not any(gap.follower.lever) and (gap.leader is None or not any(gap.leader.lever))
 
 
 def _attached_nodes(assembly: LinkAssembly) -> Iterator[tuple[JoinedEnd, JoinedEnd]]:
     """Nodes of attached bodies that have one of their own, and the nodes that they are fixed to."""
-    first = assembly.size
-    for body in assembly.attached:
-        if body.own_node is not None:
-            part = assembly.parts[body.link]
-            assert not isinstance(part, RigidPart)
-            node = (float(part.positions[body.node]), 0.0)
-            on_body = JoinedEnd(first, node, (0.0, 0.0), has_slope=False)
-            yield on_body, JoinedEnd(body.place, node, (0.0, 0.0), has_slope=True)
-            first += 3
+    for body in assembly.attached if not assembly.kind.has_angles else ():
+        node = (float(assembly.parts[body.link].positions[body.node]), 0.0)
+        on_body = JoinedEnd(body.body.first, node, (0.0, 0.0), has_slope=False)
+        yield on_body, JoinedEnd(body.place, node, (0.0, 0.0), has_slope=True)
 
 
 def _joined_end(assembly: LinkAssembly, end: LinkEnd) -> JoinedEnd:
     part, first = assembly.part_of(end), assembly.first_coordinate(end)
-    node = _pair(assembly.reference_place(end))
-    if isinstance(part, RigidPart):
-        lever = (0.0 if end.end == "start" else part.length, 0.0)
-        return JoinedEnd(first, node, lever, has_slope=False)
-    arm = 0.0 if part.arms is None else float(part.arms.length)
-    return JoinedEnd(first, (node[0], arm), (0.0, -arm), len(part.kind.vectors) == 2)
+    at_node = 0.0 if end.end == "start" else float(part.positions[-1])
+    beyond = 0.0 if end.end == "start" else part.length - at_node
+    arm = part.axis_below
+    return JoinedEnd(first, (at_node, arm), (beyond, -arm), not part.kind.has_angles)
 
 
 def _pair(place: FloatArray) -> tuple[float, float]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,17 +13,18 @@ from flexmech.linear_system import (
     LOAD_STEPS,
     DeadMoments,
     EquilibriumError,
+    LinkModel,
+    LinkReadings,
     refuse_positions,
+    rigid_link,
 )
-from flexmech.linkages import RigidMotion
-from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.items import ROUND_OFF
-from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.link_parts import BeamPart, RigidPart, turn_vectors
-from flexmech.multibody.rigid_tangents import geometric_stiffness, line_forces
+from flexmech.linkages import RigidMotion, turned
+from flexmech.multibody.beams import segment_inertia
+from flexmech.multibody.items import ROUND_OFF, load_exudyn
+from flexmech.multibody.links import BeamPart, turn_vectors
 from flexmech.multibody.static_model import (
+    RELATIVE_RESIDUAL,
     StaticModel,
-    set_tolerance,
     simulation_settings,
     solve_static,
     static_settings,
@@ -36,15 +36,15 @@ DAMPER_TURNS = 8
 
 
 def linearized(
-    assembly: LinkAssembly, settings: Any, state: FloatArray
+    model: StaticModel, settings: Any, state: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Mass, stiffness and damping matrix in Exudyn's coordinates.
+    """Mass, stiffness and damping matrix of links in Exudyn's coordinates, without their springs.
 
     Exudyn linearizes about the initial state, whatever was solved before.
 
     Parameters
     ----------
-    assembly : LinkAssembly
+    model : StaticModel
     settings : exudyn.SimulationSettings
     state : ndarray, shape (size,)
         Exudyn's coordinates, less the reference ones.
@@ -53,32 +53,18 @@ def linearized(
     -------
     mass, stiffness, damping : ndarray, shape (size, size)
     """
-    initial = load_exudyn().ConfigurationType.Initial
-    assembly.mbs.systemData.SetODE2Coordinates(state, initial)
-    mass, stiffness, damping = map(np.array, assembly.mbs.ComputeLinearizedSystem(settings)[:3])
-    for _, part in assembly.beams:
+    initial, mbs = load_exudyn().ConfigurationType.Initial, model.assembly.mbs
+    mbs.systemData.SetODE2Coordinates(state, initial)
+    if model.connectors is not None:
+        model.connectors.activate(False)
+    mass, stiffness, damping = map(np.array, mbs.ComputeLinearizedSystem(settings)[:3])
+    if model.connectors is not None:
+        model.connectors.activate(True)
+    for _, part in model.assembly.beams:
         if not part.section.damping.any:
             # Bodies off their nodes leave the round-off of differences by velocities.
             damping[part.coordinates] = 0.0
     return mass, stiffness, damping
-
-
-@dataclass(frozen=True)
-class StaticEquilibrium:
-    """Quasi-static equilibrium over a batch of positions, link by link, in link frames.
-
-    Parameters
-    ----------
-    displacement : list of ndarray, shape (B, n_link)
-    tangent, damping : list of ndarray, shape (B, n_link, n_link)
-    line_force : ndarray, shape (B, n_sliders)
-        Force of each line on the end that slides on it, along the line's normal, in N.
-    """
-
-    displacement: list[FloatArray]
-    tangent: list[FloatArray]
-    damping: list[FloatArray]
-    line_force: FloatArray
 
 
 def static_equilibrium(
@@ -86,8 +72,8 @@ def static_equilibrium(
     motion: RigidMotion,
     loads: list[FloatArray],
     dead: DeadMoments,
-) -> StaticEquilibrium:
-    """Quasi-static equilibrium of each position and its tangent stiffness.
+) -> tuple[list[FloatArray], list[FloatArray], list[FloatArray]]:
+    """Quasi-static equilibrium of each position, and tangents of its links alone.
 
     Parameters
     ----------
@@ -101,7 +87,12 @@ def static_equilibrium(
 
     Returns
     -------
-    StaticEquilibrium
+    list of ndarray, shape (B, n_link)
+        Displacement of each link in its frame.
+    list of ndarray, shape (B, n_link, n_link)
+        Stiffness, without that of dead moments and joint forces.
+    list of ndarray, shape (B, n_link, n_link)
+        Damping.
 
     Raises
     ------
@@ -110,66 +101,58 @@ def static_equilibrium(
     """
     assembly, batch = model.assembly, len(motion.crank_angle)
     tangents = _Tangents(model, batch)
-    relative = motion.angle - motion.angle[:, assembly.base, None]
-    applied, settings = _applied(model, motion, loads, dead), static_settings()
+    poses, relative = model.poses(motion)
+    applied, settings = _applied(model, relative, loads, dead), static_settings()
     round_off = ROUND_OFF * assembly.nodal_force_scale
-    deformation = np.zeros(assembly.size)
+    deformation = np.zeros((1, assembly.size))
     displacement = np.empty((batch, assembly.size))
-    line_force = np.zeros((batch, len(model.sliders)))
     for number in range(batch):
-        pose = model.move_to(motion, number)
+        one = slice(number, number + 1)
+        pose, angle = poses[one], relative[one]
+        model.move_to(motion, number, pose[0])
         forces, couples = (values[number] for values in applied)
         model.loads.set(forces, couples)
         loaded = float(np.abs(forces).sum()) + model.swelling_force
-        loaded += 0.0 if model.applied is None else model.applied.scale_of_forces
-        set_tolerance(settings, loaded, round_off)
-        start = pose + assembly.turned(deformation, relative[number])
-        if not solve_static(assembly, settings, assembly.nodes.to_nodes(start)):
-            _solve_in_steps(model, settings, pose, forces, couples, motion, number)
+        loaded += 0.0 if model.connectors is None else model.connectors.scale_of_forces
+        allowed = max(RELATIVE_RESIDUAL * loaded, round_off)
+        settings[1].staticSolver.newton.absoluteTolerance = allowed
+        start = pose + assembly.turned(deformation, angle)
+        if not solve_static(assembly, settings, assembly.nodes.to_nodes(start[0])):
+            _solve_in_steps(model, settings, pose[0], forces, couples, motion, number)
         for _ in range(DAMPER_TURNS):
-            if model.applied is None or not model.applied.converge():
+            if model.connectors is None or not model.connectors.converge():
                 break
             solved = np.array(assembly.mbs.systemData.GetODE2Coordinates())
             solve_static(assembly, settings, solved)
         state = assembly.nodes.to_axis(assembly.mbs.systemData.GetODE2Coordinates())
-        turning = geometric_stiffness(model, state, couples)
-        line_force[number] = line_forces(model)
-        moved = assembly.deformation(state, pose)
-        deformation = displacement[number] = assembly.turned(moved, -relative[number])
-        tangents.linearize_at(number, settings[0], state, forces, turning)
-    stiffness, damping = tangents.in_link_frames(relative)
-    return StaticEquilibrium(
-        displacement=[displacement[:, part.coordinates] for part in assembly.parts],
-        tangent=stiffness,
-        damping=damping,
-        line_force=line_force,
-    )
+        deformation = assembly.turned(assembly.deformation(state[None], pose), -angle)
+        displacement[number] = deformation[0]
+        tangents.linearize_at(number, settings[0], state, forces)
+    return assembly.by_links(displacement), *tangents.in_link_frames(relative)
 
 
 def _applied(
-    model: StaticModel, motion: RigidMotion, loads: list[FloatArray], dead: DeadMoments
+    model: StaticModel, relative: FloatArray, loads: list[FloatArray], dead: DeadMoments
 ) -> tuple[FloatArray, FloatArray]:
-    """Arguments over a batch of :meth:`flexmech.multibody.static_loads.StaticLoads.set`.
+    """Arguments over a batch of :meth:`flexmech.multibody.static_model.StaticLoads.set`.
 
-    Forces (B, n_link) transformed from link frames to the crank's frame, and couples.
+    Forces (B, n_link) transformed from link frames, at angles to the crank's frame, into that one,
+    and couples.
     """
     assembly = model.assembly
-    relative = motion.angle - motion.angle[:, assembly.base, None]
     forces = np.concatenate(loads, axis=1)
-    places = {turned.angle: number for number, turned in enumerate(model.loads.turning)}
+    places = {body.angle: number for number, body in enumerate(model.loads.turning)}
     couples = np.zeros((len(forces), len(places), 2))
     for number, (link, row) in enumerate(zip(dead.links.tolist(), dead.rows, strict=True)):
         part = assembly.parts[link]
         angle = part.coordinates.start + row
-        if not isinstance(part, RigidPart):
+        if isinstance(part, BeamPart):
             # What turns with the body is not on the node as well.
             forces[:, angle] -= dead.moment[number]
-        couple = couples[:, places[angle]]
-        couple[:] = np.transpose([dead.virial[number], dead.moment[number]]) / part.length
-        turn_vectors(couple, (np.array([0]), np.array([1])), relative[:, link])
+        couple = np.transpose([dead.virial[number], dead.moment[number]]) / part.length
+        couples[:, places[angle]] = turned(couple, relative[:, link])
     for link, part in enumerate(assembly.parts):
-        own, angle = forces[:, part.coordinates], relative[:, link]
-        turn_vectors(own, part.force_vectors, angle)
+        turn_vectors(forces[:, part.coordinates], part.force_vectors, relative[:, link])
     return forces, couples
 
 
@@ -193,12 +176,11 @@ def running_tangents(
     list of ndarray, shape (B, n_link, n_link)
         Damping.
     """
-    assembly = model.assembly
-    relative = motion.angle - motion.angle[:, assembly.base, None]
-    together = np.concatenate(displacement, axis=1)
-    settings, tangents = simulation_settings(), _Tangents(model, len(together))
-    for number, q in enumerate(together):
-        state = model.move_to(motion, number) + assembly.turned(q, relative[number])
+    poses, relative = model.poses(motion)
+    states = poses + model.assembly.turned(np.concatenate(displacement, axis=1), relative)
+    settings, tangents = simulation_settings(), _Tangents(model, len(states))
+    for number, state in enumerate(states):
+        model.move_to(motion, number, poses[number])
         tangents.linearize_at(number, settings, state)
     return tangents.in_link_frames(relative)
 
@@ -219,13 +201,125 @@ def internal_forces(model: StaticModel, displacement: Sequence[FloatArray]) -> l
     """
     forces = []
     for part, q in zip(model.assembly.parts, displacement, strict=True):
-        if isinstance(part, RigidPart):
+        if not isinstance(part, BeamPart):
             forces.append(np.zeros_like(q))
             continue
-        mapped = part.node_map
-        force = _internal_force(part, q if mapped is None else mapped.to_nodes(q))
-        forces.append(force if mapped is None else mapped.force(q, force))
+        force = _internal_force(part, part.node_map.to_nodes(q))
+        forces.append(part.node_map.force(q, force))
     return forces
+
+
+def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
+    """Link models from the linearization of the undeformed system.
+
+    In the reference configuration every link lies along the global x axis, so absolute
+    coordinates are those of the link frames. A link that swelling bends is taken as if it
+    had no free curvature yet: held straight against it, it would be under stress.
+    """
+    assembly = model.assembly
+    straight = np.zeros(assembly.system_size)
+    model.swell(0.0)
+    mass, stiffness, damping = linearized(model, simulation_settings(), straight)
+    model.swell(1.0)
+    kind, models = assembly.kind, []
+    for part in assembly.parts:
+        if not isinstance(part, BeamPart):
+            models.append(rigid_link(part.name, assembly.mechanism.link_mass(part.name)))
+            continue
+        count, size = len(part.nodes), len(part.straight)
+        own = [matrix[part.coordinates, part.coordinates] for matrix in (mass, stiffness, damping)]
+        own = [part.node_map.matrix(np.zeros(size), matrix) for matrix in own]
+        x, y = kind.vector_pairs(count)
+        gyroscopic, centrifugal_mass, first_moment = _inertia(own[0], x, y)
+        if part.bodies:
+            # Mass along a rigid segment is mass of displacements, no rotary inertia.
+            turns = np.arange(2, size, kind.per_node)
+            centrifugal_mass[turns, turns] += segment_inertia(part.section, part.positions)
+        last = size - kind.per_node
+        link_mass = assembly.mechanism.link_mass(part.name)
+        link = LinkModel(
+            name=part.name,
+            mass=own[0],
+            gyroscopic=gyroscopic,
+            centrifugal_mass=centrifugal_mass,
+            first_moment=first_moment,
+            stiffness=own[1],
+            damping=own[2],
+            is_axial=kind.is_axial(count),
+            start=np.array([0, 1]),
+            end=np.array([last, last + 1]),
+            start_rotation=np.array([kind.clamped]),
+            end_rotation=np.array([last + kind.clamped]),
+            readings=LinkReadings(
+                part.positions,
+                kind.per_node,
+                kind.shape_functions,
+                slope=kind.clamped,
+                deflection=kind.deflection,
+                polar=part.stretches,
+            ),
+            fields=part.fields,
+            vectors=np.stack([x, y]),
+            uncounted_rotary_inertia=0.0 if kind.has_angles else link_mass.rotary_inertia,
+        )
+        models.append(link.carrying(link_mass))
+    return tuple(models)
+
+
+def unit_tension_stiffness(model: StaticModel) -> dict[int, FloatArray]:
+    """Geometric stiffness that unit tension in each element adds, in link frames.
+
+    A cable element at rest in its straight shape carries tension when its reference axial
+    strain is negative; its stiffness is linear in that tension.
+
+    Parameters
+    ----------
+    model : StaticModel
+        Of ANCF cables.
+
+    Returns
+    -------
+    dict of int to ndarray, shape (e, n_link, n_link)
+        By the numbers of elastic links.
+    """
+    assembly, settings, stiffness = model.assembly, simulation_settings(), {}
+    straight = np.zeros(assembly.system_size)
+    relaxed = linearized(model, settings, straight)[1]
+    for number, part in assembly.beams:
+        unit = []
+        for element in part.elements:
+            assembly.mbs.SetObjectParameter(element, "referenceAxialStrain", -1.0)
+            tense = linearized(model, settings, straight)[1]
+            assembly.mbs.SetObjectParameter(element, "referenceAxialStrain", 0.0)
+            change = (tense - relaxed)[part.coordinates, part.coordinates]
+            unit.append(change / part.section.axial_stiffness)
+        stiffness[number] = np.stack(unit)
+    return stiffness
+
+
+def _inertia(
+    mass: FloatArray, x: IntArray, y: IntArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Gyroscopic and centrifugal mass matrix and first moment of a straight link.
+
+    See :class:`LinkModel`; integrals of the same shapes as its mass matrix. Vectors, at ``x`` and
+    ``y``, and rotations are coupled in it where the centre of mass is off the pins' axis, and
+    where that of a body at a node is off the node along the link, which is no first moment of
+    the link.
+    """
+    # It rotates every vector by 90 deg and drops the other coordinates.
+    quarter = np.zeros_like(mass)
+    quarter[x, y], quarter[y, x] = -1.0, 1.0
+    turned_mass = quarter.T @ mass @ quarter
+    coupling = mass - mass @ quarter @ quarter.T  # what rotations exert on vectors
+    coupling = quarter @ quarter.T @ coupling
+    moment = -coupling.sum(axis=1)
+    moment[y] = 0.0
+    return (
+        turned_mass @ quarter + quarter @ coupling - (quarter @ coupling).T,
+        turned_mass + coupling + coupling.T,
+        np.stack([moment, quarter @ moment]),
+    )
 
 
 class _Tangents:
@@ -235,9 +329,9 @@ class _Tangents:
         self._assembly = assembly = model.assembly
         self._model = model
         self._matrices = [
-            np.empty((2, batch, len(part.straight), len(part.straight))) for part in assembly.parts
+            np.empty((2, batch, *2 * (len(part.straight),))) for part in assembly.parts
         ]
-        self._state, self._outer, self._turning = np.zeros((3, batch, assembly.size))
+        self._state, self._outer = np.zeros((2, batch, assembly.size))
 
     def linearize_at(
         self,
@@ -245,7 +339,6 @@ class _Tangents:
         settings: Any,
         state: FloatArray,
         outer: FloatArray | float = 0.0,
-        turning: FloatArray | float = 0.0,
     ) -> None:
         """Linearize about a state.
 
@@ -257,13 +350,11 @@ class _Tangents:
         state : ndarray, shape (size,)
         outer : ndarray, shape (size,), optional
             Forces on Exudyn's coordinates that keep their direction.
-        turning : ndarray, shape (size,), optional
-            Stiffness of rigid links and attached bodies against turning.
         """
         assembly = self._assembly
-        with self._model.links_alone():
-            _, stiffness, damping = linearized(assembly, settings, assembly.nodes.to_nodes(state))
-        self._state[number], self._outer[number], self._turning[number] = state, outer, turning
+        nodes = assembly.nodes.to_nodes(state)
+        _, stiffness, damping = linearized(self._model, settings, nodes)
+        self._state[number], self._outer[number] = state, outer
         for matrices, part in zip(self._matrices, assembly.parts, strict=True):
             for matrix, whole in zip(matrices, (stiffness, damping), strict=True):
                 matrix[number] = whole[part.coordinates, part.coordinates]
@@ -274,17 +365,16 @@ class _Tangents:
         for link, part in enumerate(self._assembly.parts):
             own = part.coordinates
             stiffness, damping = self._matrices[link]
-            if isinstance(part, BeamPart) and (mapped := part.node_map) is not None:
+            mapped = part.node_map
+            if isinstance(part, BeamPart) and len(mapped.first):
                 state = self._state[:, own]
                 force = _internal_force(part, mapped.to_nodes(state))
-                if part.polar is not None:
+                if not part.bodies:
                     force -= self._outer[:, own]
                 stiffness = mapped.tangent(state, stiffness, force)
                 damping = mapped.matrix(state, damping)
             for matrices, matrix in zip(result, (stiffness, damping), strict=True):
                 matrices.append(_to_link_frame(matrix, angle[:, link], *part.vectors))
-            every = np.arange(len(part.straight))
-            result[0][link][:, every, every] += self._turning[:, own]
         return result
 
 
@@ -304,8 +394,8 @@ def _solve_in_steps(
         start = nodes
         for part in np.arange(1, steps + 1) / steps:
             model.loads.set(part * forces, part * couples)
-            if model.applied is not None:
-                model.applied.scale(float(part))
+            if model.connectors is not None:
+                model.connectors.scale(float(part))
             model.swell(float(part))
             if not solve_static(assembly, settings, start):
                 break
@@ -314,7 +404,7 @@ def _solve_in_steps(
             return
     model.swell(1.0)
     residual = float(assembly.mbs.sys["staticSolver"].conv.residual)
-    other = "none" if assembly.kind.turns_arms else "axial"  # only cables carry tension straight
+    other = "none" if assembly.kind.has_angles else "axial"  # only cables carry tension straight
     refuse_positions(
         motion,
         np.arange(len(motion.crank_angle)) == number,

@@ -20,7 +20,8 @@ Both maps hold in every frame if phi is the angle against that frame.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -28,15 +29,30 @@ from flexmech.arrays import FloatArray, IntArray
 
 
 class NodeMap(ABC):
-    """Map of one link, block by block of its coordinates, less the reference ones.
+    """Map of links, block by block of their coordinates, less the reference ones.
 
-    Attributes
+    Parameters
     ----------
-    at : ndarray of int, shape (k, b)
-        Coordinates of each block; all others are the nodes' own.
+    first : ndarray of int, shape (k,)
+        First coordinate of each block; all coordinates in no block are the nodes' own.
+    length : float or ndarray, shape (k,)
+        Distance of the nodes from the axis along the link frame's y in m.
     """
 
-    at: IntArray
+    block: ClassVar[int]
+    """Coordinates of a block."""
+
+    def __init__(self, first: IntArray, length: float | FloatArray = 0.0) -> None:
+        self.first, self.length = first, length
+        self.at = first[:, None] + np.arange(self.block)
+
+    @classmethod
+    def joined(cls, maps: Sequence[tuple[NodeMap, int]]) -> Self:
+        """Map of several links, each with its first coordinate among those of all."""
+        none: list[IntArray] = [np.zeros(0, dtype=np.intp)]
+        first = [one.first + start for one, start in maps]
+        length = [np.full(len(one.first), one.length) for one, _ in maps]
+        return cls(np.concatenate(first or none), np.concatenate(length or none))
 
     @abstractmethod
     def of_nodes(self, q: FloatArray) -> FloatArray:
@@ -169,25 +185,18 @@ class NodeMap(ABC):
 class Arms(NodeMap):
     """Rigid arms from points on the pins' axis to the nodes, which turn with the sections.
 
-    Parameters
-    ----------
-    length : float
-        Distance of the nodes from the axis along the link frame's y in m.
-    count : int
-        Number of nodes.
+    The blocks are the coordinates of each node; see :class:`NodeMap`.
     """
 
-    def __init__(self, length: float, count: int) -> None:
-        self.length = length
-        self.at = np.arange(3 * count).reshape(count, 3)
+    block = 3
 
     def of_nodes(self, q: FloatArray) -> FloatArray:
         """See :class:`NodeMap`."""
-        return self._moved(q, self.length)
+        return self._moved(q, 1.0)
 
     def of_axis(self, nodes: FloatArray) -> FloatArray:
         """See :class:`NodeMap`."""
-        return self._moved(nodes, -self.length)
+        return self._moved(nodes, -1.0)
 
     def gradient(self, q: FloatArray) -> FloatArray:
         """See :class:`NodeMap`."""
@@ -204,9 +213,8 @@ class Arms(NodeMap):
         curvature[..., 2, 2] = self.length * turned
         return curvature
 
-    @staticmethod
-    def _moved(q: FloatArray, length: float) -> FloatArray:
-        moved = q.copy()
+    def _moved(self, q: FloatArray, sign: float) -> FloatArray:
+        moved, length = q.copy(), sign * self.length
         moved[..., 0] -= length * np.sin(q[..., 2])
         moved[..., 1] -= 2 * length * np.sin(q[..., 2] / 2) ** 2
         return moved
@@ -215,15 +223,10 @@ class Arms(NodeMap):
 class PolarSlopes(NodeMap):
     """Stretch and angle of the slope as coordinates of nodes of cables.
 
-    Parameters
-    ----------
-    first : ndarray of int, shape (k,)
-        Coordinate of the link that is the stretch of each; the angle comes next to it.
+    The blocks are the stretch and the angle of each; see :class:`NodeMap`.
     """
 
-    def __init__(self, first: IntArray) -> None:
-        self.first = first
-        self.at = np.stack([first, first + 1], axis=1)
+    block = 2
 
     def of_nodes(self, q: FloatArray) -> FloatArray:
         """See :class:`NodeMap`."""
@@ -260,55 +263,31 @@ class LinkNodes:
 
     Parameters
     ----------
-    maps : sequence of tuple of NodeMap and slice
-        Of links whose coordinates are not those of their nodes, and where theirs are.
+    mapped : NodeMap
+        Of all links.
     size : int
         Number of coordinates of all links.
-    body_coordinates : sequence of int
+    bodies : sequence of int
         Coordinates of links that those of attached bodies are, in order: they come after those
         of all links among Exudyn's.
     """
 
-    def __init__(
-        self, maps: Sequence[tuple[NodeMap, slice]], size: int, body_coordinates: Sequence[int]
-    ) -> None:
-        self._maps = maps
-        self._size = size
-        self._body_coordinates = list(body_coordinates)
+    def __init__(self, mapped: NodeMap, size: int, bodies: Sequence[int]) -> None:
+        self._map, self._links, self._bodies = mapped, slice(0, size), list(bodies)
 
     def to_nodes(self, axis: FloatArray) -> FloatArray:
         """Exudyn's coordinates (..., system_size) of links (..., size)."""
-        nodes = self._mapped(axis, lambda one, own: one.to_nodes(axis[..., own]))
-        return self._with_bodies(nodes, axis)
+        return np.concatenate([self._map.to_nodes(axis), axis[..., self._bodies]], axis=-1)
 
     def to_axis(self, nodes: FloatArray) -> FloatArray:
         """Inverse of :meth:`to_nodes`, (..., size)."""
-        nodes = nodes[..., : self._size]
-        return self._mapped(nodes, lambda one, own: one.to_axis(nodes[..., own]))
+        return self._map.to_axis(nodes[..., self._links])
 
     def rate_to_nodes(self, axis: FloatArray, rate: FloatArray) -> FloatArray:
         """Exudyn's velocities (..., system_size) of links (..., size)."""
-        moved = self._mapped(
-            rate, lambda one, own: one.rate_to_nodes(axis[..., own], rate[..., own])
-        )
-        return self._with_bodies(moved, rate)
+        moved = self._map.rate_to_nodes(axis, rate)
+        return np.concatenate([moved, rate[..., self._bodies]], axis=-1)
 
     def rate_to_axis(self, nodes: FloatArray, rate: FloatArray) -> FloatArray:
         """Inverse of :meth:`rate_to_nodes`, (..., size)."""
-        rate = rate[..., : self._size]
-        return self._mapped(
-            rate, lambda one, own: one.rate_to_axis(nodes[..., own], rate[..., own])
-        )
-
-    def _mapped(
-        self, values: FloatArray, mapped: Callable[[NodeMap, slice], FloatArray]
-    ) -> FloatArray:
-        result = values.copy() if self._maps else values
-        for one, own in self._maps:
-            result[..., own] = mapped(one, own)
-        return result
-
-    def _with_bodies(self, nodes: FloatArray, links: FloatArray) -> FloatArray:
-        if not self._body_coordinates:
-            return nodes
-        return np.concatenate([nodes, links[..., self._body_coordinates]], axis=-1)
+        return self._map.rate_to_axis(nodes[..., self._links], rate[..., self._links])

@@ -2,31 +2,39 @@
 
 The model is in the crank's frame: the shaft's clamp is then a constraint on single
 coordinates with a constant constraint Jacobian, whatever the crank angle. What changes
-from one position to the next are the coordinates, the ground pivots, the lines of the ground
-and the loads.
+from one position to the next are the coordinates, the angle of the ground and the loads.
 
-Convergence criteria of Exudyn's static solver.
+A rigid link may rotate under dead loads on it. The effect of distributed dead loads is given by
+their resultant, their moment and their virial about the link's start, the sum of force times place:
+the resultant acts at the start, and a couple of forces at start and end has the moment and the
+virial.
 """
 
 from __future__ import annotations
 
 import contextlib
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.linear_system import LAST_STEP, MAX_ITERATIONS
-from flexmech.linkages import LinkEnd, RigidMotion, picture_crank_angle
+from flexmech.linkages import Clamp, RigidMotion, picture_crank_angle, turned
+from flexmech.linkages.motion import normal
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.connectors import ConnectorItems, StaticConnectors, angle_of_end
-from flexmech.multibody.items import ItemNumber
-from flexmech.multibody.joints import SliderJoint, TieJoint, add_sliders, add_ties
-from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.static_loads import StaticLoads
+from flexmech.multibody.connectors import StaticConnectors
+from flexmech.multibody.items import ItemNumber, load_exudyn
+from flexmech.multibody.joints import (
+    add_pivots,
+    add_sliders,
+    add_ties,
+    hold_axis,
+)
+from flexmech.multibody.links import BeamPart, LinkPart
 
 RELATIVE_RESIDUAL = 1e-10
 """Part of the load that may be out of balance where Exudyn's static solver takes no small step.
@@ -34,6 +42,114 @@ RELATIVE_RESIDUAL = 1e-10
 Its second criterion, beside the round-off of the model. Convergence is quadratic: the last
 iteration brings far more than that.
 """
+
+
+@dataclass(frozen=True)
+class TurningBody:
+    """A rigid link, or a body at a node, on which dead loads have a moment.
+
+    Parameters
+    ----------
+    link : int
+    angle : int
+        Its angle among the coordinates of all links.
+    at_start, at_end : ItemNumber
+        Loads as far apart as the ends of the link.
+    """
+
+    link: int
+    angle: int
+    at_start: ItemNumber
+    at_end: ItemNumber
+
+
+class StaticLoads:
+    """Loads on every coordinate of the links, set anew for each position.
+
+    Parameters
+    ----------
+    assembly : LinkAssembly
+        Not assembled yet; the point masses of its cables are added along.
+
+    Attributes
+    ----------
+    turning : list of TurningBody
+    """
+
+    def __init__(self, assembly: LinkAssembly) -> None:
+        self._assembly = assembly
+        self._at_points: list[tuple[ItemNumber, int]] = []
+        mass = np.zeros((assembly.size, assembly.size))
+        for link, part in assembly.beams:
+            if not part.bodies:
+                for at in (part.firsts, part.firsts + 1):
+                    mass[at, at] = part.point_masses
+            elif len(part.node_map.first):
+                self._add_points(link, part)
+        self._nodal = assembly.items.add(
+            "ObjectGenericODE2",
+            "loads",
+            nodeNumbers=[node for part in assembly.parts for node in part.nodes],
+            massMatrix=mass if mass.any() else None,
+            forceVector=np.zeros(assembly.size),
+        )
+        self.turning = [
+            self._add_couple(link, angle, body)
+            for link, part in enumerate(assembly.parts)
+            for angle, body in self._turning_bodies(link, part).items()
+        ]
+
+    def set(self, forces: FloatArray, couples: FloatArray) -> None:
+        """Set the forces.
+
+        Parameters
+        ----------
+        forces : ndarray, shape (size,)
+            Generalized forces on the coordinates of all links, in the crank's frame. The moment
+            on a rigid link is not read.
+        couples : ndarray, shape (n_turning, 2)
+            Force on each of :attr:`turning` at its end, with its opposite at the start, in the
+            crank's frame.
+        """
+        mbs, at_nodes = self._assembly.mbs, forces.copy()
+        for load, first in self._at_points:
+            _set_load(mbs, load, at_nodes[first : first + 2])
+            at_nodes[first : first + 2] = 0.0
+        for body, couple in zip(self.turning, couples, strict=True):
+            _set_load(mbs, body.at_start, -couple)
+            _set_load(mbs, body.at_end, couple)
+            if not isinstance(self._assembly.parts[body.link], BeamPart):
+                at_nodes[body.angle] = 0.0
+        mbs.SetObjectParameter(self._nodal, "forceVector", at_nodes)
+
+    def _add_points(self, link: int, part: BeamPart) -> None:
+        """Forces on points of the pins' axis, off the nodes of an eccentric link."""
+        for number, coordinate in enumerate(part.firsts.tolist()):
+            name = f"load_{link}_{number}"
+            marker = self._assembly.add_axis_marker(part, part.positions[number], f"{name}_point")
+            self._at_points.append((self._assembly.items.add_force(name, marker), coordinate))
+
+    def _turning_bodies(self, link: int, part: LinkPart) -> dict[int, ItemNumber]:
+        """Bodies of a link on which dead loads have moments, by their angle coordinate."""
+        found: dict[int, ItemNumber] = {}
+        if not isinstance(part, BeamPart) or (part.bodies and part.section.mass_axis):
+            angles = (part.firsts + part.kind.clamped).tolist()
+            found = dict(zip(angles, part.bodies, strict=True))
+        attached = (body for body in self._assembly.attached if body.link == link)
+        return found | {body.angle: body.body.number for body in attached}
+
+    def _add_couple(self, link: int, angle: int, body: ItemNumber) -> TurningBody:
+        """Forces at the node of a body and at a link's length from it along the link."""
+        name, items = f"load_{link}_{angle}", self._assembly.items
+        start, end = (
+            items.add_force(f"{name}_at_{i}", items.mark_place(f"{name}_point_{i}", body, x))
+            for i, x in enumerate((0.0, self._assembly.parts[link].length))
+        )
+        return TurningBody(link, angle, start, end)
+
+
+def _set_load(mbs: Any, load: ItemNumber, force: FloatArray) -> None:
+    mbs.SetLoadParameter(load, "loadVector", [float(force[0]), float(force[1]), 0.0])
 
 
 class StaticModel:
@@ -56,39 +172,26 @@ class StaticModel:
         The links in the frame of the clamped one.
     loads : StaticLoads
         Forces on the links.
-    grounds : list of tuple of LinkEnd, ItemNumber and ItemNumber
-        Link ends that are pinned to the ground, the ground and the pin of each.
-    hubs : list of tuple of ItemNumber, int and float
-        What holds each end that is clamped to a hub along the crank's frame, number of the end's
-        angle among the coordinates of all links, and distance of the end from the shaft's axis.
-    connectors : ConnectorItems or None
-        Loads and springs.
-    applied : StaticConnectors or None
-        The same, in the current position of the model.
+    connectors : StaticConnectors or None
+        Loads and springs, in the current position of the model.
     ties : list of TieJoint
-    sliders : list of SliderJoint
     """
 
     def __init__(
         self, mechanism: Mechanism, elements: int, kind: str, *, connects: bool = False
     ) -> None:
         self.assembly = assembly = LinkAssembly(mechanism, elements, kind, bodies_have_mass=False)
-        self.grounds: list[tuple[LinkEnd, ItemNumber, ItemNumber]] = []
-        self.hubs: list[tuple[ItemNumber, int, float]] = []
         self.loads = StaticLoads(assembly)
-        fixed = assembly.add_fixed_coordinate()
-        self._offsets = self._add_supports(fixed, sprung_alone=connects)
-        self.connectors = ConnectorItems(assembly, fixed, runs=False) if connects else None
-        self.applied = None if self.connectors is None else StaticConnectors(self.connectors)
-        self.ties: list[TieJoint] = []
-        self.sliders: list[SliderJoint] = []
-        topology = assembly.topology
-        if topology.ties or topology.sliders or topology.clamps[1:]:
-            linkage = mechanism.linkage
-            angle = linkage.motion(picture_crank_angle(linkage)).angle
-            self.ties = add_ties(assembly, angle, sprung_alone=connects)
-            self.sliders = add_sliders(assembly)
-            self._add_further_clamps(angle)
+        motion = mechanism.linkage.motion(picture_crank_angle(mechanism.linkage))
+        add_pivots(assembly, motion, sprung_alone=connects)
+        # Constraints of clamps and their coordinates.
+        self._offsets: list[tuple[ItemNumber, int]] = []
+        for number, clamp in enumerate(assembly.topology.clamps):
+            self._add_clamp(clamp, is_first=not number)
+        self.connectors = StaticConnectors(assembly, motion) if connects else None
+        self.ties = add_ties(assembly, motion.angle, sprung_alone=connects)
+        add_sliders(assembly)
+        self._add_further_clamps(motion.angle)
         assembly.mbs.Assemble()
 
     @property
@@ -101,7 +204,26 @@ class StaticModel:
             forces.append(bending + abs(section.free_strain) * section.axial_stiffness)
         return max(forces)
 
-    def move_to(self, motion: RigidMotion, number: int) -> FloatArray:
+    def poses(self, motion: RigidMotion) -> tuple[FloatArray, FloatArray]:
+        """Undeformed links in the crank's frame.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+
+        Returns
+        -------
+        ndarray, shape (B, size)
+            Their coordinates, less the reference ones.
+        ndarray, shape (B, n_links)
+            Their angles in rad.
+        """
+        turn = motion.angle[:, self.assembly.base, None]
+        origin, relative = turned(motion.origin, -turn), motion.angle - turn
+        return self.assembly.poses(origin, relative), relative
+
+    def move_to(self, motion: RigidMotion, number: int, pose: FloatArray) -> None:
         """Move the supports to position ``number`` of a batch.
 
         Parameters
@@ -109,92 +231,44 @@ class StaticModel:
         motion : RigidMotion
             Batch of shape (B,).
         number : int
-
-        Returns
-        -------
-        ndarray, shape (size,)
-            Coordinates of the undeformed links, less the reference ones.
+        pose : ndarray, shape (size,)
+            Its row of :meth:`poses`.
         """
-        assembly = self.assembly
-        turn = motion.angle[number, assembly.base]
-        cosine, sine = np.cos(turn), np.sin(turn)
-        back = np.array([[cosine, sine], [-sine, cosine]])
-        pose = np.empty(assembly.size)
-        for link, part in enumerate(assembly.parts):
-            origin = back @ motion.origin[number, link]
-            angle = float(motion.angle[number, link] - turn)
-            pose[part.coordinates] = part.pose(origin, angle)
+        assembly, set_parameter = self.assembly, self.assembly.mbs.SetObjectParameter
         nodes = assembly.nodes.to_nodes(pose)
-        set_parameter = assembly.mbs.SetObjectParameter
         for constraint, coordinate in self._offsets:
             set_parameter(constraint, "offset", float(nodes[coordinate]))
-        for end, ground, _ in self.grounds:
-            place = assembly.part_of(end).end_place(end.end, pose)
-            set_parameter(ground, "referencePosition", [*map(float, place), 0.0])
         for tie in self.ties:
-            if tie.rotation is not None and tie.turns_nodes:
-                leading, following = (
-                    pose[assembly.angle_coordinate(end)]
-                    for end in (tie.tie.leader, tie.tie.follower)
-                )
+            if tie.rotation is not None:
+                ends = tie.tie.leader, tie.tie.follower
+                leading, following = (pose[assembly.angle_coordinate(end)] for end in ends)
                 set_parameter(tie.rotation, "offset", float(following - leading))
-        for slider in self.sliders:
-            if slider.ground is not None:
-                place, normal = back @ slider.place, back @ slider.normal
-                set_parameter(slider.ground, "referencePosition", [*map(float, place), 0.0])
-                set_parameter(slider.constraint, "normalMarker1", [*map(float, normal), 0.0])
-        if self.applied is not None:
-            self.applied.move_to(motion, number, pose)
-        return pose
-
-    @contextlib.contextmanager
-    def links_alone(self) -> Iterator[None]:
-        """Context without the springs between links, for a linearization of the links."""
-        if self.connectors is None:
-            yield
-            return
-        self.connectors.activate(False)
-        yield
-        self.connectors.activate(True)
+        along, across = np.eye(3), normal(-motion.angle[number, assembly.base])
+        along[:2, 0], along[:2, 1] = (across[1], -across[0]), across
+        set_parameter(assembly.ground, "referenceRotation", along)
+        if self.connectors is not None:
+            self.connectors.move_to(motion, number, pose)
 
     def swell(self, part: float) -> None:
         """Give all elements a part of the free strains of their sections; 1 for all of it."""
-        assembly = self.assembly
-        for _, link in assembly.beams:
+        for _, link in self.assembly.beams:
+            strains = self.assembly.kind.free_strains(link.section)
             for element in link.elements if link.section.is_free_strained else ():
-                assembly.kind.swell(assembly.mbs, element, link.section, part)
+                for name, strain in strains.items():
+                    self.assembly.mbs.SetObjectParameter(element, name, part * strain)
 
-    def _add_supports(self, fixed: ItemNumber, sprung_alone: bool) -> list[tuple[ItemNumber, int]]:
-        """Fix clamped and pivoted ends; returns constraints of clamps and their coordinates."""
-        assembly = self.assembly
-        fixed_ends: list[tuple[LinkEnd, tuple[int, ...]]] = []
-        for number, clamp in enumerate(assembly.topology.clamps):
-            turning = assembly.turning_coordinate(clamp.link_end)
-            if turning is not None:
-                fixed_ends.append((clamp.link_end, (0, 1, turning)))
-            else:
-                # The slope of the first clamped cable lies along the frame's x axis.
-                fixed_ends.append(
-                    (clamp.link_end, (0, 1) if number else (0, 1, assembly.kind.clamped))
-                )
-        for pivot in assembly.topology.pivots:
-            if pivot.sprung and sprung_alone:
-                continue
-            name, end = f"pivot_{pivot.joint}", pivot.link_end
-            self.grounds.append((end, *assembly.add_ground_pin(name, end, (0.0, 0.0))))
-        offsets = []
-        radius = {clamp.link_end: clamp.hub for clamp in assembly.topology.clamps if clamp.hub}
-        for place, coordinates in fixed_ends:
-            node, first = assembly.end_node(place), assembly.first_coordinate(place)
-            for coordinate in coordinates:
-                constraint = assembly.add_constraint(
-                    f"support_{node.name}_{coordinate}", fixed, node, coordinate
-                )
-                offsets.append((constraint, first + coordinate))
-                if place in radius and not coordinate:
-                    angle = angle_of_end(assembly, place)
-                    self.hubs.append((constraint, angle, radius[place]))
-        return offsets
+    def _add_clamp(self, clamp: Clamp, is_first: bool) -> None:
+        """Fix the place of a clamped end, and its angle where that is a coordinate."""
+        assembly, end = self.assembly, clamp.link_end
+        turning = assembly.turning_coordinate(end)
+        if turning is None and is_first:
+            # The slope of the first clamped cable lies along the frame's x axis.
+            turning = assembly.kind.clamped
+        node, first = assembly.end_node(end), assembly.first_coordinate(end)
+        for coordinate in (0, 1) if turning is None else (0, 1, turning):
+            name = f"support_{node.name}_{coordinate}"
+            constraint = assembly.add_constraint(name, assembly.fixed, node, coordinate)
+            self._offsets.append((constraint, first + coordinate))
 
     def _add_further_clamps(self, angle: FloatArray) -> None:
         """Keep the slopes of further clamped cables from turning; the angle is of all links."""
@@ -202,16 +276,10 @@ class StaticModel:
         for clamp in assembly.topology.clamps[1:]:
             if assembly.turning_coordinate(clamp.link_end) is not None:
                 continue
-            name, items = f"clamp_{clamp.joint}_rotation", assembly.items
-            ground = items.add("ObjectGround", f"{name}_ground")
+            name = f"clamp_{clamp.joint}"
+            ground = assembly.items.add("ObjectGround", f"{name}_ground")
             turn = float(angle[assembly.topology.index(clamp.link_end.link)] - angle[assembly.base])
-            frames = [
-                assembly.add_body_frame(ground, f"{name}_on_ground", 0.0),
-                assembly.add_frame_marker(clamp.link_end, f"{name}_axis", -turn),
-            ]
-            items.add(
-                "GenericJoint", name, markerNumbers=frames, constrainedAxes=[0, 0, 0, 0, 0, 1]
-            )
+            hold_axis(assembly, name, ground, clamp.link_end, turn)
 
 
 def simulation_settings(absolute_tolerance: float = 1e-8, *, of_steps: bool = False) -> Any:
@@ -249,28 +317,14 @@ def static_settings() -> tuple[Any, Any]:
 
     Forces out of balance are no measure beside a stiff link: what its round-off hides may bend a
     soft one that is pinned to it. So Newton's method goes on until its step is small, and is
-    content with forces that are round-off only where no step ever is; see :func:`set_tolerance`.
+    content with forces that are round-off, the absolute tolerance of the second ones, only where no
+    step ever is.
 
     Returns
     -------
     tuple of exudyn.SimulationSettings
     """
     return simulation_settings(LAST_STEP, of_steps=True), simulation_settings()
-
-
-def set_tolerance(settings: tuple[Any, Any], loaded: float, round_off: float) -> None:
-    """Set which forces out of balance :func:`static_settings` are content with.
-
-    Parameters
-    ----------
-    settings : tuple of exudyn.SimulationSettings
-    loaded : float
-        Size of the loads in N.
-    round_off : float
-        Of forces between nodes in N.
-    """
-    allowed = max(RELATIVE_RESIDUAL * loaded, round_off)
-    settings[1].staticSolver.newton.absoluteTolerance = allowed
 
 
 def solve_static(assembly: LinkAssembly, settings: Sequence[Any], start: FloatArray) -> bool:

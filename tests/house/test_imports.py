@@ -163,7 +163,7 @@ def test_exudyn_is_imported_in_one_place():
         module_of(path)
         for path in files()
         if any(found.module.split(".")[0] == "exudyn" for found in imports(path))
-    } == {"flexmech.multibody.library"}
+    } == {"flexmech.multibody.items"}
 
 
 def public_names(module: str) -> set[str]:

@@ -12,7 +12,7 @@ from flexmech.linkages import turned
 from flexmech.linkages.motion import quarter_turn
 from flexmech.mechanism import Mechanism, SprungFrame
 from flexmech.multibody.items import ItemNumber, SystemItems
-from flexmech.multibody.running.closure import JoinedEnd
+from flexmech.multibody.running.user_functions import JoinedEnd
 from flexmech.time_domain import FrameMotion, StepBlock
 
 

@@ -19,29 +19,28 @@ from flexmech.linkages import Clamp, Drive
 from flexmech.linkages.motion import normal
 from flexmech.mechanism import Mechanism, require_standing_frame
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.connectors import ConnectorItems
-from flexmech.multibody.items import ItemNumber
+from flexmech.multibody.connectors import RunningConnectors
+from flexmech.multibody.items import ItemNumber, Made, load_exudyn
 from flexmech.multibody.joints import (
+    add_pivots,
     add_sliders,
     add_ties,
     closed_joints,
     dependent_joints,
+    hold_axis,
     joint_gaps,
-    place_at_start,
     place_on_hub,
 )
-from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.running.closure import AngleGap
-from flexmech.multibody.running.connectors import RunningConnectors, SectionCouples
 from flexmech.multibody.running.frame_body import FrameBody
 from flexmech.multibody.running.loads import (
     LinkEnergies,
+    MotorOnHub,
+    SectionCouples,
     TorqueTable,
     add_impacts,
     add_running_loads,
 )
-from flexmech.multibody.running.motor import MotorOnHub
-from flexmech.multibody.running.user_functions import Shaft
+from flexmech.multibody.running.user_functions import AngleGap, Shaft, load_history
 from flexmech.time_domain import FrameMotion, Impact
 
 # Of the shaft, in ground axes in m.
@@ -86,13 +85,10 @@ class RunningModel:
         Loads and springs.
     sprung : dict of str to ItemNumber
         The spring of each joint that springs alone hold.
-    joints : JointsClosedInTurn or ClosedJoints
+    joints : ClosedJoints
         What the integration rule leaves to drift.
     frame : FrameBody or None
         The frame on springs that carries the linkage and the hub.
-    total_size : int
-        Coordinates of the links, of attached bodies, of a motor or of a frame on springs, and of
-        the hub, which come last.
     """
 
     def __init__(
@@ -110,15 +106,10 @@ class RunningModel:
         self.assembly = assembly = LinkAssembly(mechanism, elements, kind, bodies_have_mass=True)
         self.energies = LinkEnergies(assembly, links)
         self._motor = torque if isinstance(torque, MotorOnHub) else None
-        self.total_size = assembly.system_size + 3
-        if self._motor is not None:
-            self.total_size += self._motor.count
         self.frame = FrameBody.of(mechanism, assembly.items, assembly.system_size)
         assembly.frame = self.frame
-        if self.frame is not None:
-            if torque is not None:
-                require_standing_frame(mechanism.frame, "a run with a free shaft")
-            self.total_size += 3
+        if torque is not None:
+            require_standing_frame(mechanism.frame, "a run with a free shaft")
         self._start = mechanism.linkage.motion(drive.crank_angle(0.0))
         self.shaft = Shaft(
             float(self._start.angle[assembly.base]),
@@ -128,11 +119,11 @@ class RunningModel:
         )
         add_running_loads(assembly, self.energies)
         SectionCouples(assembly, links).add(drive, self.shaft, duration)
-        fixed = assembly.add_fixed_coordinate()
-        hub, self.drive_constraint = self._add_hub(fixed)
+        hub, self.drive_constraint = self._add_hub()
         clamps = assembly.topology.clamps
         self.constraints = {clamp.joint: [self._add_clamp(hub, clamp)] for clamp in clamps}
-        self.constraints |= self._add_pivots()
+        pivots = add_pivots(assembly, self._start)
+        self.constraints |= {joint: [pin] for joint, pin in pivots.items()}
         ties = {tie.tie.joint: tie for tie in add_ties(assembly, self._start.angle)}
         self._dependent_joints = {
             joint: dependent_joints(assembly.topology, tie.tie.follower)
@@ -144,10 +135,11 @@ class RunningModel:
         lines = add_sliders(assembly)
         self.sliders = {line.slider.joint: line for line in lines}
         self.constraints |= {joint: [line.constraint] for joint, line in self.sliders.items()}
-        connectors = ConnectorItems(assembly, fixed, runs=True)
-        self.connectors = RunningConnectors(connectors, links, self.shaft, self._start)
+        self.connectors = RunningConnectors(assembly, self._start, self.shaft, links)
         self.sprung = {
-            item.spring.joint: item.radial for item in connectors.joints if item.radial is not None
+            item.spring.joint: item.radial
+            for item in self.connectors.joints
+            if item.radial is not None
         }
         add_impacts(assembly, drive, impacts)
         assembly.mbs.Assemble()
@@ -201,11 +193,6 @@ class RunningModel:
                 force[:, names.index(joint)] += sprung[name]
         return force
 
-    @property
-    def multiplier_count(self) -> int:
-        """Number of Lagrange multipliers."""
-        return len(self.assembly.mbs.systemData.GetAECoordinates())
-
     def driving_torque(
         self, time: FloatArray, position: FloatArray, velocity: FloatArray, multiplier: FloatArray
     ) -> FloatArray:
@@ -214,13 +201,11 @@ class RunningModel:
         Parameters
         ----------
         time : ndarray, shape (m,)
-        position, velocity : ndarray, shape (m, total_size)
+        position, velocity : ndarray, shape (m, n)
         multiplier : ndarray, shape (m, n_multipliers)
         """
-        if isinstance(self.torque, MotorOnHub):
-            return self.torque.torque(position, velocity)
         if self.torque is not None:
-            return self.torque.at(time)
+            return self.torque.torque_at(time, position, velocity)
         assert self.drive_constraint is not None
         return -multiplier[:, self._multipliers(self.drive_constraint)[0]]
 
@@ -237,9 +222,10 @@ class RunningModel:
 
         Returns
         -------
-        ndarray, shape (total_size,)
-            Exudyn's coordinates, those of the hub last.
-        ndarray, shape (total_size,)
+        ndarray, shape (n,)
+            Exudyn's coordinates: of links and attached bodies, of a motor or of a frame on
+            springs, and of the hub, which come last.
+        ndarray, shape (n,)
             Their rates.
         """
         nodes = self.assembly.nodes.to_nodes(position)
@@ -253,7 +239,7 @@ class RunningModel:
             hub[:2], turning[:2] = self.frame.at(_AXIS, moved)
             hub[2], turning[2] = own[0][2], own[1][2]
         hub[2] += self.shaft.angle(0.0)
-        turning[2] += self.shaft.speed(0.0)
+        turning[2] += self.shaft.motion(0.0)[1]
         coordinates = np.concatenate([nodes, own[0], hub])
         rates = np.concatenate([velocity, own[1], turning])
         initial = load_exudyn().ConfigurationType.Initial
@@ -288,48 +274,44 @@ class RunningModel:
             for gap in self._gaps
         )
 
-    def _add_hub(self, fixed: ItemNumber) -> tuple[ItemNumber, ItemNumber | None]:
-        """Body that turns with the shaft, and the constraint on its angle, if there is one."""
-        assembly, items = self.assembly, self.assembly.items
-        if self.torque is not None:
-            return self._add_free_hub(self.torque), None
-        items.begin("crank drive: a hub without mass, turned by the shaft")
-        node = self._add_hub_node()
-        if self.frame is not None:
-            # The drive stands on the frame: what it prescribes is the angle against that.
-            fixed = self.frame.add_angle_marker("frame_angle")
-        drive = assembly.add_constraint("crank_drive", fixed, node, 2, **self._turning())
-        return items.add("ObjectRigidBody2D", "hub", nodeNumber=node, mass=0.0, inertia=0.0), drive
+    def _add_hub(self) -> tuple[ItemNumber, ItemNumber | None]:
+        """Body that turns with the shaft, and the constraint on its angle, if there is one.
 
-    def _add_hub_node(self) -> ItemNumber:
-        """Node of the hub, pinned to the shaft's axis."""
-        assembly, items = self.assembly, self.assembly.items
+        Without that it has the shaft's inertia, and a torque over time or a motor turns it.
+        """
+        assembly, items, torque = self.assembly, self.assembly.items, self.torque
+        items.begin(
+            "crank drive: a hub without mass, turned by the shaft"
+            if torque is None
+            else "crank drive: a free hub with the shaft's inertia, turned by a torque"
+        )
+        of_motor = torque.add_node(items) if isinstance(torque, MotorOnHub) else []
         node = items.add("NodeRigidBody2D", "hub_node")
         on_hub = items.add("MarkerNodeRigid", "hub_axis", nodeNumber=node)
-        markers = [assembly.add_ground("hub_bearing", _AXIS)[1], on_hub]
+        markers = [assembly.add_ground("hub_bearing", _AXIS), on_hub]
         items.add("RevoluteJoint2D", "hub_bearing", markerNumbers=markers)
-        return node
-
-    def _add_free_hub(self, torque: TorqueTable | MotorOnHub) -> ItemNumber:
-        """Body with the shaft's inertia, turned by a torque over time or a motor."""
-        assembly, items = self.assembly, self.assembly.items
-        items.begin("crank drive: a free hub with the shaft's inertia, turned by a torque")
-        of_motor = torque.add_node(items) if isinstance(torque, MotorOnHub) else []
-        node = self._add_hub_node()
-        inertia = float(assembly.mechanism.shaft_inertia)
+        drive = None
+        if torque is None:
+            before = assembly.fixed
+            if self.frame is not None:
+                # The drive stands on the frame: what it prescribes is the angle against that.
+                before = self.frame.add_angle_marker("frame_angle")
+            drive = assembly.add_constraint("crank_drive", before, node, 2, **self._turning())
+        inertia = 0.0 if torque is None else float(assembly.mechanism.shaft_inertia)
         hub = items.add("ObjectRigidBody2D", "hub", nodeNumber=node, mass=0.0, inertia=inertia)
         if isinstance(torque, MotorOnHub):
             torque.add_object(items, of_motor, node)
-            return hub
-        marker = items.add("MarkerNodeRigid", "hub_marker", nodeNumber=node)
-        items.add(
-            "LoadTorqueVector",
-            "crank_drive",
-            markerNumber=marker,
-            loadVector=[0.0, 0.0, 1.0],
-            loadVectorUserFunction=torque.user_function(),
-        )
-        return hub
+        elif torque is not None:
+            rows = np.pad(torque.torque[:, None], ((0, 0), (2, 0))).tolist()
+            history = self.shaft, 0.0, "time", torque.time.tolist(), rows, True
+            items.add(
+                "LoadTorqueVector",
+                "crank_drive",
+                markerNumber=on_hub,
+                loadVector=[0.0, 0.0, 1.0],
+                loadVectorUserFunction=Made(load_history, history),
+            )
+        return hub, drive
 
     def _turning(self) -> dict[str, Any]:
         """Constraint on the hub's angle: a constant speed, or angle and speed of time."""
@@ -352,34 +334,13 @@ class RunningModel:
         name = f"clamp_{clamp.joint}"
         items.begin(f"clamp {clamp.joint}: the link's end on the hub, its axis parallel to it")
         lever = place_on_hub(assembly, self._start, clamp.link_end)
-        on_hub = items.add(
-            "MarkerBodyRigid", f"{name}_on_hub", bodyNumber=hub, localPosition=[*lever, 0.0]
-        )
+        on_hub = assembly.add_body_frame(hub, f"{name}_on_hub", *lever)
         on_link = assembly.add_end_marker(clamp.link_end, f"{name}_on_{clamp.link_end.link}")
         pin = items.add("RevoluteJoint2D", name, markerNumbers=[on_hub, on_link])
         link = assembly.topology.index(clamp.link_end.link)
         turn = float(self._start.angle[link] - self._start.angle[assembly.base])
-        if turn:
-            on_hub = assembly.add_body_frame(hub, f"{name}_direction", 0.0, 0.0, turn)
-        axis = assembly.add_frame_marker(clamp.link_end, f"{name}_axis")
-        items.add(
-            "GenericJoint",
-            f"{name}_rotation",
-            markerNumbers=[on_hub, axis],
-            constrainedAxes=[0, 0, 0, 0, 0, 1],
-        )
+        hold_axis(assembly, name, hub, clamp.link_end, turn)
         return pin
-
-    def _add_pivots(self) -> dict[str, list[ItemNumber]]:
-        """Pin links to the ground; returns the constraint of each pivot."""
-        assembly, constraints = self.assembly, {}
-        for pivot in assembly.topology.pivots:
-            if not pivot.sprung:
-                place = place_at_start(assembly, self._start, pivot.link_end).tolist()
-                assembly.items.begin(f"pivot {pivot.joint}")
-                pin = assembly.add_ground_pin(f"pivot_{pivot.joint}", pivot.link_end, place)[1]
-                constraints[pivot.joint] = [pin]
-        return constraints
 
     def _multipliers(self, constraint: ItemNumber) -> list[int]:
         return list(self.assembly.mbs.systemData.GetObjectLTGAE(int(constraint)))

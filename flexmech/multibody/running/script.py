@@ -6,30 +6,162 @@ of one type that follow each other stand in a table.
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
+from inspect import getmodule, getsource
 from itertools import groupby
 from textwrap import wrap
+from types import MethodType
+from typing import Any
+
+import numpy as np
 
 from flexmech.arrays import FloatArray
 from flexmech.errors import one_line
 from flexmech.linkages import Drive
 from flexmech.mechanism import Provenance
-from flexmech.multibody.items import Item, Setting
-from flexmech.multibody.running.closure import ClosedJoints, JointsClosedInTurn
-from flexmech.multibody.running.script_text import (
-    SHARED,
-    WIDTH,
-    Brackets,
-    Expression,
-    call,
-    columns,
-    expression,
-    pair,
-    quoted,
-    statement,
-)
+from flexmech.multibody.items import Choice, Item, ItemNumber, Made, Setting
+from flexmech.multibody.running import user_functions
+from flexmech.multibody.running.simulation import Simulation
+
+# All that a script may hold, in the order in which they need each other.
+SHARED = [item for item in vars(user_functions).values() if getmodule(item) is user_functions]
+
+
+# Columns of a script, as the usual formatter of Python leaves it.
+WIDTH = 88
+INDENT = "    "
+
+
+@dataclass(frozen=True)
+class Brackets:
+    """Expressions between brackets, such as a list or the arguments of a call.
+
+    Parameters
+    ----------
+    opening, closing : str
+    parts : tuple of Expression
+    prefix : str
+        Before the opening bracket, such as ``"name="``.
+    """
+
+    opening: str
+    parts: tuple[Expression, ...]
+    closing: str
+    prefix: str = ""
+
+    @property
+    def line(self) -> str:
+        """All of it in one line."""
+        inside = ", ".join(_line(part) for part in self.parts)
+        comma = "," if self.opening == "(" and self.closing == ")" and self._is_single else ""
+        return f"{self.prefix}{self.opening}{inside}{comma}{self.closing}"
+
+    @property
+    def _is_single(self) -> bool:
+        return len(self.parts) == 1
+
+
+Expression = str | Brackets
+
+
+def _line(part: Expression) -> str:
+    return part if isinstance(part, str) else part.line
+
+
+def statement(lead: str, value: Expression, end: str = "", depth: int = 0) -> list[str]:
+    """Lines of a statement: a lead such as ``"x = "``, an expression and what ends it.
+
+    Parameters
+    ----------
+    lead : str
+    value : Expression
+    end : str
+    depth : int
+        How far it is indented.
+
+    Returns
+    -------
+    list of str
+    """
+    whole = f"{INDENT * depth}{lead}{_line(value)}{end}"
+    if len(whole) <= WIDTH or isinstance(value, str) or not value.parts:
+        return [whole]
+    lines = [f"{INDENT * depth}{lead}{value.prefix}{value.opening}"]
+    for part in value.parts:
+        lines += statement("", part, ",", depth + 1)
+    return [*lines, f"{INDENT * depth}{value.closing}{end}"]
+
+
+def call(function: str, *arguments: Expression) -> Brackets:
+    """Call of a function."""
+    return Brackets(f"{function}(", arguments, ")")
+
+
+def pair(key: str, value: Expression) -> Expression:
+    """Keyword argument."""
+    if isinstance(value, str):
+        return f"{key}={value}"
+    return Brackets(value.opening, value.parts, value.closing, f"{key}={value.prefix}")
+
+
+def expression(value: Any) -> Expression:
+    """A value of an item as an expression; numbers of items by their names.
+
+    Parameters
+    ----------
+    value : object
+        Number, text, array, list, one of the values of :mod:`flexmech.multibody.items`, method
+        or function that a script holds, or record whose class it holds.
+
+    Returns
+    -------
+    Expression
+    """
+    if isinstance(value, Made):
+        return call(value.function.__name__, *map(expression, value.arguments))
+    if isinstance(value, ItemNumber):
+        return f"{value.kind}s[{quoted(value.name)}]"
+    if isinstance(value, Choice):
+        return f"exu.{value.enumeration}.{value.name}"
+    if isinstance(value, MethodType):
+        return f"{type(value.__self__).__name__.lower()}.{value.__name__}"
+    if isinstance(value, np.generic):
+        return expression(value.item())
+    if isinstance(value, np.ndarray):
+        return _array(value)
+    if isinstance(value, list):
+        return Brackets("[", tuple(map(expression, value)), "]")
+    if isinstance(value, tuple):
+        return Brackets("(", tuple(map(expression, value)), ")")
+    if is_dataclass(value):
+        given = (pair(f.name, expression(getattr(value, f.name))) for f in fields(value))
+        return call(type(value).__name__, *given)
+    if callable(value):
+        return str(value.__name__)
+    return quoted(value) if isinstance(value, str) else repr(value)
+
+
+def _array(value: np.ndarray) -> Expression:
+    """Vectors as lists; matrices as arrays, by their diagonal where that is all."""
+    if value.ndim == 1:
+        return expression(value.tolist())
+    diagonal = np.diag(value)
+    if np.array_equal(value, np.diag(diagonal)):
+        return call("np.diag", expression(diagonal.tolist()))
+    return call("np.array", expression(value.tolist()))
+
+
+def quoted(text: str) -> str:
+    """Text in quotes: double ones, unless that needs more of them to be escaped."""
+    return repr(text) if '"' in text else json.dumps(text, ensure_ascii=False)
+
+
+def columns(rows: Sequence[Sequence[Expression]]) -> tuple[Expression, ...]:
+    """Rows of a table as tuples; those of one column as they are."""
+    return tuple(row[0] if len(row) == 1 else Brackets("(", tuple(row), ")") for row in rows)
+
 
 # Coordinates of each kind of node.
 _COORDINATES = {"NodePoint2DSlope1": 4, "NodeRigidBody2D": 3, "NodePointGround": 0}
@@ -102,65 +234,44 @@ for name, history in table.items():
         )"""
 
 
-@dataclass(frozen=True)
-class ScriptSource:
-    """Data from which a script is written.
-
-    Parameters
-    ----------
-    provenance : Provenance
-        Of the mechanism.
-    drive : Drive
-    items : sequence of Item
-    joints : JointsClosedInTurn or ClosedJoints
-    drifts : bool
-        Whether these need to be put in place after every step.
-    coordinates, rates : ndarray, shape (n,)
-        Exudyn's at time zero, node by node.
-    settings : mapping of str to Setting
-    step : float
-        In s.
-    stride : int
-        Steps from one written sample to the next.
-    """
-
-    provenance: Provenance
-    drive: Drive
-    items: Sequence[Item]
-    joints: JointsClosedInTurn | ClosedJoints
-    drifts: bool
-    coordinates: FloatArray
-    rates: FloatArray
-    settings: Mapping[str, Setting]
-    step: float
-    stride: int
-
-
-def linkage_script(source: ScriptSource) -> str:
+def linkage_script(
+    simulation: Simulation,
+    coordinates: FloatArray,
+    rates: FloatArray,
+    settings: Mapping[str, Setting],
+    stride: int,
+) -> str:
     """Write the script.
 
     Parameters
     ----------
-    source : ScriptSource
+    simulation : Simulation
+    coordinates, rates : ndarray, shape (n,)
+        Exudyn's at time zero, node by node.
+    settings : mapping of str to Setting
+    stride : int
+        Steps from one written sample to the next.
 
     Returns
     -------
     str
     """
-    body = "\n".join(_body(source))
+    model = simulation.model
+    start = _start(model.assembly.items.listed, coordinates, rates)
+    body = "\n".join(_body(simulation, start, settings, stride))
     needed: list[str] = []
-    for each in reversed(SHARED):
-        if each.__name__ in "\n".join([body, *needed]):
-            needed.insert(0, inspect.getsource(each).rstrip())
-    return "\n\n\n".join([_head(source), *needed, body]) + "\n"
+    for shared in reversed(SHARED):
+        if shared.__name__ in "\n".join([body, *needed]):
+            needed.insert(0, getsource(shared).rstrip())
+    head = _head(model.assembly.mechanism.provenance, model.drive)
+    return "\n\n\n".join([head, *needed, body]) + "\n"
 
 
-def _head(source: ScriptSource) -> str:
+def _head(provenance: Provenance, drive: Drive) -> str:
     """Docstring and imports."""
-    provenance = source.provenance
     origin = f" from {provenance.file} (SHA-256 {provenance.sha256})" if provenance.file else ""
     texts = [
-        f"{provenance.name}, running at {source.drive.words}, as an Exudyn model.",
+        f"{provenance.name}, running at {drive.words}, as an Exudyn model.",
         f"Written by flexmech{origin}. All numbers are in SI units, angles in rad. It prints the "
         "greatest deflection of every link and writes the histories beside itself, as a CSV "
         "file; with --view it shows the linkage while it runs.",
@@ -169,29 +280,34 @@ def _head(source: ScriptSource) -> str:
     return HEAD.format("\n\n".join("\n".join(wrap(text, WIDTH - 3)) for text in safe))
 
 
-def _body(source: ScriptSource) -> Iterator[str]:
+def _body(
+    simulation: Simulation,
+    start: Iterable[Expression],
+    settings: Mapping[str, Setting],
+    stride: int,
+) -> Iterator[str]:
     """Lines of the program itself."""
-    joints = source.joints
+    joints, listed = simulation.model.joints, simulation.model.assembly.items.listed
     yield "# Parameters: how the shaft turns, the time step, and steps between written samples."
     yield from statement("shaft = ", expression(joints.shaft))
-    steps = source.settings["timeIntegration.numberOfSteps"]
-    yield from (f"STEP = {source.step!r}  # s", f"STEPS = {steps}", f"STRIDE = {source.stride}")
+    step, steps = float(simulation.step), settings["timeIntegration.numberOfSteps"]
+    yield from (f"STEP = {step!r}  # s", f"STEPS = {steps}", f"STRIDE = {stride}")
     yield SYSTEM
-    for subject, items in groupby(source.items, key=lambda item: item.subject):
+    for subject, items in groupby(listed, key=lambda item: item.subject):
         yield f"\n# {subject[:1].upper()}{subject[1:]}."
         for _, alike in groupby(items, key=lambda item: (item.type, tuple(item.values))):
             yield from _added(list(alike))
     yield "\n# Displacement from the undeformed links along x, and velocity, at time zero."
-    yield from statement("start = ", Brackets("{", tuple(_start(source)), "}"))
+    yield from statement("start = ", Brackets("{", tuple(start), "}"))
     yield START
-    if source.drifts:
+    if simulation.drifts:
         yield "\n# What constraints on velocities leave to drift."
         fixed = {"shaft": "shaft"}
         given = (
             pair(f.name, fixed.get(f.name, expression(getattr(joints, f.name))))
             for f in fields(joints)
         )
-        yield from statement("joints = ", call(type(joints).__name__, *given))
+        yield from statement("joints = ", call("ClosedJoints", *given))
         yield "mbs.SetPostStepUserFunction(joints.after_step)"
     yield "\n# Settings."
     yield "settings = exu.SimulationSettings()"
@@ -200,11 +316,11 @@ def _body(source: ScriptSource) -> Iterator[str]:
         "timeIntegration.endTime": "STEPS * STEP",
         "solution.sensors.writePeriod": "STEP",
     }
-    for path, value in source.settings.items():
+    for path, value in settings.items():
         yield from statement(f"settings.{path} = ", named.get(path, expression(value)))
     yield SOLVE
     yield "\n# Histories: column, sensor, component. Forces hold all frequencies, unfiltered."
-    rows = tuple(expression(column) for column in _columns(source.items))
+    rows = tuple(expression(column) for column in _columns(listed))
     yield from statement("columns = ", Brackets("[", rows, "]"))
     yield PRINT
 
@@ -234,14 +350,15 @@ def _one(item: Item, name: str, values: Mapping[str, Expression], depth: int = 0
     yield from statement(f"{item.kind}s[{name}] = ", added, depth=depth)
 
 
-def _start(source: ScriptSource) -> Iterator[Expression]:
+def _start(
+    items: Sequence[Item], coordinates: FloatArray, rates: FloatArray
+) -> Iterator[Expression]:
     """Entry of each node: its coordinates and velocities."""
     first = 0
-    for item in source.items:
-        count = _COORDINATES.get(item.type, 0) if item.kind == "node" else 0
-        if count:
+    for item in items:
+        if count := _COORDINATES.get(item.type, 0):
             own = slice(first, first + count)
-            both = (expression(source.coordinates[own]), expression(source.rates[own]))
+            both = expression(coordinates[own]), expression(rates[own])
             yield Brackets("(", both, ")", f"{quoted(item.name)}: ")
             first += count
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import math
 import sys
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -15,10 +16,9 @@ from flexmech.choices import Integrator, LinkDirection
 from flexmech.errors import InputError
 from flexmech.linear_system import LinkModel, LinkPoint, displacement_row
 from flexmech.linkages import MotorRun, RigidMotion, Topology, carried_motion
-from flexmech.multibody.items import Setting, applied, solver_settings
-from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.link_parts import MovingFrames
-from flexmech.multibody.running.connectors import SectionCouples
+from flexmech.multibody.items import Setting, applied, load_exudyn, solver_settings
+from flexmech.multibody.running.frame_body import FrameBody
+from flexmech.multibody.running.loads import SectionCouples
 from flexmech.multibody.running.model import RunningModel
 from flexmech.time_domain import (
     FrameMotion,
@@ -61,10 +61,11 @@ class PointRecorder:
         links: Sequence[LinkModel],
         points: Sequence[tuple[LinkPoint, LinkDirection]],
     ) -> None:
-        self._rows = []
-        for point, direction in points:
-            link = point.index(topology)
-            self._rows.append((link, displacement_row(links[link], point.fraction, direction)))
+        numbers = [point.index(topology) for point, _ in points]
+        self._rows = [
+            (number, displacement_row(links[number], point.fraction, direction))
+            for number, (point, direction) in zip(numbers, points, strict=True)
+        ]
         self._parts: list[FloatArray] = []
 
     def add(self, displacement: Sequence[FloatArray]) -> None:
@@ -98,8 +99,11 @@ class Simulation:
     ) -> None:
         self.model, self.integrator = model, integrator
         self.step, self.steps = step, steps
-        self._frames = MovingFrames(model.assembly.parts)
         self._couples = SectionCouples(model.assembly, model.links)
+        # Number of the first step kept. Kept are Exudyn's own time, the sum of its steps, at which
+        # the shaft's angle is prescribed, its coordinates, their rates and the multipliers.
+        self._first = 0
+        self._rows: list[tuple[float, FloatArray, FloatArray, FloatArray]] = []
 
     def run(
         self,
@@ -124,21 +128,39 @@ class Simulation:
             If a step does not converge; names its time and the crank angle.
         """
         self.set_start(start)
-        steps = _Steps(self, recorder, progress)
-        self.model.assembly.mbs.SetPostStepUserFunction(steps.take)
-        settings = applied(self.settings())
-        exudyn = load_exudyn()
+        system, exudyn, out = self.model.assembly.mbs, load_exudyn(), sys.stdout
+        failures: list[BaseException] = []
+
+        def take(mbs: Any, time: float) -> bool:
+            """Keep the start, or a step; false stops the run.
+
+            An exception must not pass through Exudyn, which would turn it into one of its own.
+            """
+            try:
+                self._keep(mbs.systemData, time)
+                if len(self._rows) == BLOCK_STEPS:
+                    self._hand_over(recorder)
+                if progress is not None and self._last % PROGRESS_STEPS == 0:
+                    with contextlib.redirect_stdout(out):
+                        progress(self._last, self.steps)
+            except BaseException as failure:
+                failures.append(failure)
+                return False
+            return True
+
+        system.SetPostStepUserFunction(take)
         refused = False
         with contextlib.redirect_stdout(io.StringIO()):
             try:
-                self.model.assembly.mbs.SolveDynamic(settings)
+                system.SolveDynamic(applied(self.settings()))
             except (exudyn.SolverError, exudyn.InternalError):  # the latter if values overflow
                 refused = True
-        if steps.failure is not None:
-            raise steps.failure
-        steps.hand_over()
-        if refused or steps.last < self.steps:
-            raise self._failure(steps.last + 1)
+        if failures:
+            raise failures[0]
+        self._hand_over(recorder)
+        if refused or self._last < self.steps:
+            residual = float(system.sys["dynamicSolver"].conv.residual)
+            raise self._error_of_step(self._last + 1, residual)
 
     @property
     def drifts(self) -> bool:
@@ -151,7 +173,7 @@ class Simulation:
         Parameters
         ----------
         time : ndarray, shape (m,)
-        position : ndarray, shape (m, total_size)
+        position : ndarray, shape (m, n)
             Exudyn's coordinates.
 
         Returns
@@ -160,7 +182,7 @@ class Simulation:
         """
         assembly = self.model.assembly
         position = assembly.nodes.to_axis(position[:, : assembly.size])
-        return self._frames.to_frames(self._motion(time), position, np.zeros_like(position))[0]
+        return assembly.in_link_frames(self._motion(time), position, np.zeros_like(position))[0]
 
     def block(
         self, time: FloatArray, position: FloatArray, velocity: FloatArray, multiplier: FloatArray
@@ -170,7 +192,7 @@ class Simulation:
         Parameters
         ----------
         time : ndarray, shape (m,)
-        position, velocity : ndarray, shape (m, total_size)
+        position, velocity : ndarray, shape (m, n)
             Exudyn's coordinates.
         multiplier : ndarray, shape (m, n_multipliers)
 
@@ -182,27 +204,20 @@ class Simulation:
         shaft = self._shaft_motion(time, position, velocity)
         torque = self.model.driving_torque(time, position, velocity, multiplier)
         motion = self._motion(time) if shaft is None else self._displaced_motion(time, shaft)
-        frame = self._frame_motion(position, velocity)
-        carried, turn = motion, np.zeros(len(time))
-        if frame is not None:
-            carried = self._carried(motion, frame)
-            turn = frame.displacement[:, 2]
+        frame, carried, turn = None, motion, np.zeros(len(time))
+        if (body := self.model.frame) is not None:
+            frame = body.motion(position, velocity)
+            carried, turn = _carried(body, motion, frame), frame.displacement[:, 2]
         links = slice(0, assembly.size)
-        position, velocity = position[:, links], velocity[:, links]
-        position, velocity = (
-            assembly.nodes.to_axis(position),
-            assembly.nodes.rate_to_axis(position, velocity),
-        )
-        displacement, rate = self._frames.to_frames(carried, position, velocity)
-        kinetic, strain, gravity, dissipation = np.zeros((4, len(time)))
-        for number, part in enumerate(assembly.parts):
-            own = part.coordinates
-            kinetic += energies.kinetic(number, position[:, own], velocity[:, own])
-            gravity += energies.gravity(number, position[:, own])
+        velocity = assembly.nodes.rate_to_axis(position[:, links], velocity[:, links])
+        position = assembly.nodes.to_axis(position[:, links])
+        displacement, rate = assembly.in_link_frames(carried, position, velocity)
+        nodes = assembly.nodes.to_nodes(position)
+        kinetic = energies.kinetic(nodes, assembly.nodes.rate_to_nodes(position, velocity))
+        strain, dissipation = np.zeros((2, len(time)))
         for number, beam in assembly.beams:
-            moved, speed = displacement[number], rate[number]
-            if (mapped := beam.node_map) is not None:
-                moved, speed = mapped.to_nodes(moved), mapped.rate_to_nodes(moved, speed)
+            moved = beam.node_map.to_nodes(displacement[number])
+            speed = beam.node_map.rate_to_nodes(displacement[number], rate[number])
             for part_of in beam.kind.strains(moved, speed, np.diff(beam.positions), beam.section):
                 strain += part_of.energy
                 dissipation += part_of.dissipation
@@ -225,24 +240,13 @@ class Simulation:
             driving_torque=torque,
             kinetic_energy=kinetic + turning,
             strain_energy=strain,
-            gravity_energy=gravity,
+            gravity_energy=energies.gravity(nodes),
             dissipation_power=dissipation,
             prestress_power=work.power + power,
             shaft=shaft,
         )
-        body, weight = self.model.frame, assembly.mechanism.gravity
+        weight = assembly.mechanism.gravity
         return block if body is None or frame is None else body.added(block, frame, weight)
-
-    def _frame_motion(self, position: FloatArray, velocity: FloatArray) -> FrameMotion | None:
-        """Motion of a frame on springs; None of one that stands."""
-        frame = self.model.frame
-        return None if frame is None else frame.motion(position, velocity)
-
-    def _carried(self, motion: RigidMotion, moved: FrameMotion) -> RigidMotion:
-        """Motion of the rigid linkage on its frame, whose acceleration does not count here."""
-        assert self.model.frame is not None
-        centre = self.model.frame.frame.centre
-        return carried_motion(centre, motion, moved.displacement, moved.rate)
 
     def _shaft_motion(
         self, time: FloatArray, position: FloatArray, velocity: FloatArray
@@ -271,9 +275,9 @@ class Simulation:
 
         Returns
         -------
-        ndarray, shape (total_size,)
+        ndarray, shape (n,)
             Exudyn's coordinates.
-        ndarray, shape (total_size,)
+        ndarray, shape (n,)
             Their rates.
 
         Raises
@@ -285,8 +289,8 @@ class Simulation:
         motion, moved = self._motion(np.zeros(1)), None
         if self.model.frame is not None:
             moved = start.moved
-            motion = self._carried(motion, moved)
-        position, velocity = self._frames.to_absolute(motion, *batch)
+            motion = _carried(self.model.frame, motion, moved)
+        position, velocity = self.model.assembly.in_ground_axes(motion, *batch)
         gap = self.model.greatest_gap(position[0], moved)
         allowed = START_GAP * sum(link.length for link in self.model.assembly.topology.links)
         if gap > allowed:
@@ -302,99 +306,49 @@ class Simulation:
             self.step, self.steps, self.integrator, self.model.assembly.nodal_force_scale
         )
 
-    def _failure(self, number: int) -> UnbalancedStepError:
-        """Error for a step that did not converge."""
-        residual = float(self.model.assembly.mbs.sys["dynamicSolver"].conv.residual)
-        cause = f"Newton's method does not converge (residual {residual:.3g} N)"
-        if not np.isfinite(residual):
-            cause = "the values are not finite"
-        return _step_error(self, number, cause)
-
-
-class _Steps:
-    """Copies every step into a block and hands full blocks to the recorder."""
-
-    def __init__(
-        self,
-        simulation: Simulation,
-        recorder: Recorder | PointRecorder,
-        progress: Callable[[int, int], None] | None,
-    ) -> None:
-        self.failure: BaseException | None = None
-        self._simulation = simulation
-        self._recorder = recorder
-        self._progress = progress
-        self._out = sys.stdout
-        self._first = self._count = 0
-        size = simulation.model.total_size
-        multipliers = simulation.model.multiplier_count
-        # Exudyn's own time, the sum of its steps, at which the shaft's angle is prescribed.
-        self._time: FloatArray = np.empty(BLOCK_STEPS)
-        self._position: FloatArray = np.empty((BLOCK_STEPS, size))
-        self._velocity: FloatArray = np.empty((BLOCK_STEPS, size))
-        self._multiplier: FloatArray = np.empty((BLOCK_STEPS, multipliers))
-
     @property
-    def last(self) -> int:
+    def _last(self) -> int:
         """Number of the last step taken; 0 is the start."""
-        return self._first + self._count - 1
+        return self._first + len(self._rows) - 1
 
-    def take(self, mbs: Any, time: float) -> bool:
-        """Exudyn's user function after the start and after every step; false stops it.
+    def _keep(self, data: Any, time: float) -> None:
+        position = data.GetODE2Coordinates()
+        if self.drifts:
+            self.model.joints.correct_coordinates(position, time)
+            data.SetODE2Coordinates(position)
+        self._rows.append((time, position, data.GetODE2Coordinates_t(), data.GetAECoordinates()))
 
-        An exception must not pass through Exudyn, which would turn it into one of its own.
-        """
-        try:
-            self._copy(mbs.systemData, time)
-            if self._count == BLOCK_STEPS:
-                self.hand_over()
-            if self._progress is not None and self.last % PROGRESS_STEPS == 0:
-                with contextlib.redirect_stdout(self._out):
-                    self._progress(self.last, self._simulation.steps)
-        except BaseException as failure:
-            self.failure = failure
-            return False
-        return True
-
-    def hand_over(self) -> None:
-        """Give the block to the recorder; its last step becomes the first of the next."""
-        count = self._count
-        if count < 2:
+    def _hand_over(self, recorder: Recorder | PointRecorder) -> None:
+        """Give what is kept to the recorder; its last step becomes the first of the next."""
+        if len(self._rows) < 2:
             return
-        blocks = (self._time, self._position, self._velocity, self._multiplier)
-        time, position, velocity, multiplier = (values[:count].copy() for values in blocks)
+        columns = zip(*self._rows, strict=True)
+        time, position, velocity, multiplier = (np.array(values) for values in columns)
         finite = np.isfinite([position.sum(1), velocity.sum(1), multiplier.sum(1)]).all(axis=0)
         if not finite.all():
-            first_bad = self._first + int(np.argmin(finite))
-            raise _step_error(self._simulation, first_bad, "the values are not finite")
-        if isinstance(self._recorder, PointRecorder):
-            self._recorder.add(self._simulation.displacement(time, position))
+            raise self._error_of_step(self._first + int(np.argmin(finite)))
+        if isinstance(recorder, PointRecorder):
+            recorder.add(self.displacement(time, position))
         else:
-            block = self._simulation.block(time, position, velocity, multiplier)
-            if block.shaft is not None and not isinstance(self._simulation.model.drive, MotorRun):
-                block.shaft.refuse_runaway(self._simulation.model.drive, time)
-            self._recorder.add(block)
-        for values in blocks:
-            values[0] = values[count - 1]
-        self._first, self._count = self._first + count - 1, 1
+            block = self.block(time, position, velocity, multiplier)
+            if block.shaft is not None and not isinstance(self.model.drive, MotorRun):
+                block.shaft.refuse_runaway(self.model.drive, time)
+            recorder.add(block)
+        self._first, self._rows = self._last, self._rows[-1:]
 
-    def _copy(self, data: Any, time: float) -> None:
-        row = self._count
-        position = data.GetODE2Coordinates()
-        if self._simulation.drifts:
-            self._simulation.model.joints.correct_coordinates(position, time)
-            data.SetODE2Coordinates(position)
-        self._time[row] = time
-        self._position[row] = position
-        self._velocity[row] = data.GetODE2Coordinates_t()
-        self._multiplier[row] = data.GetAECoordinates()
-        self._count += 1
+    def _error_of_step(self, number: int, residual: float = math.inf) -> UnbalancedStepError:
+        """Error for a step that did not converge, or gave no finite values."""
+        cause = f"Newton's method does not converge (residual {residual:.3g} N)"
+        if not math.isfinite(residual):
+            cause = "the values are not finite"
+        time = number * self.step
+        angle = float(np.degrees(self.model.drive.crank_angle(time)))
+        return UnbalancedStepError(
+            f"the simulation stops at {time:.6g} s, crank angle {angle:.6g} deg: {cause}; take a "
+            f"step smaller than {self.step:.3g} s or a lower crank speed"
+        )
 
 
-def _step_error(simulation: Simulation, number: int, cause: str) -> UnbalancedStepError:
-    time = number * simulation.step
-    angle = float(np.degrees(simulation.model.drive.crank_angle(time)))
-    return UnbalancedStepError(
-        f"the simulation stops at {time:.6g} s, crank angle {angle:.6g} deg: {cause}; take a "
-        f"step smaller than {simulation.step:.3g} s or a lower crank speed"
-    )
+def _carried(body: FrameBody, motion: RigidMotion, moved: FrameMotion) -> RigidMotion:
+    """Motion of the rigid linkage on its frame, whose acceleration does not count here."""
+    return carried_motion(body.frame.centre, motion, moved.displacement, moved.rate)
