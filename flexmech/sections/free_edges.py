@@ -30,7 +30,6 @@ has little of the plate's torsional stiffness, a wide one all.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal, get_args
 
@@ -68,23 +67,6 @@ ALIKE = 0.2
 NEGLIGIBLE = 1e-6
 
 
-@dataclass(frozen=True)
-class FreeEdges:
-    """Edges of a section whose plies are at angles against the link.
-
-    Parameters
-    ----------
-    relaxation : ndarray, shape (2, 2)
-        R by mid-plane strain and its gradient in y.
-    torsion : float
-        What a torque that takes the twist back adds to the bending stiffness, of what no twist
-        at all adds: from 0, also where bending does not twist, to 1.
-    """
-
-    relaxation: FloatArray
-    torsion: float
-
-
 def is_off_axis(laminate: Laminate) -> bool:
     """Whether a ply is neither along nor across the link.
 
@@ -101,8 +83,8 @@ def is_off_axis(laminate: Laminate) -> bool:
     return bool(np.any(sheared > ROUND_OFF * (plies[:, 0, 0] + plies[:, 1, 1])))
 
 
-def free_edges(laminate: Laminate, width: float) -> FreeEdges | None:
-    """Find what free edges do; None where all plies are along or across the link.
+def free_edges(laminate: Laminate, width: float) -> tuple[FloatArray, float]:
+    """Find what the free edges of a section do whose plies are at angles against the link.
 
     Parameters
     ----------
@@ -112,7 +94,12 @@ def free_edges(laminate: Laminate, width: float) -> FreeEdges | None:
 
     Returns
     -------
-    FreeEdges, optional
+    relaxation : ndarray, shape (2, 2)
+        R by mid-plane strain and its gradient in y; zero where all plies are along or across the
+        link.
+    torsion : float
+        What a torque that takes the twist back adds to the bending stiffness, of what no twist
+        at all adds: from 0, also where bending does not twist, to 1.
 
     Raises
     ------
@@ -120,18 +107,15 @@ def free_edges(laminate: Laminate, width: float) -> FreeEdges | None:
         If the cross-section cannot be solved.
     """
     if not is_off_axis(laminate):
-        return None
+        return np.zeros((2, 2)), 0.0
     ratio = width / laminate.thickness
-    known = _free_edges(laminate, float(np.clip(ratio, NARROWEST, WIDEST)))
-    if ratio <= WIDEST:
-        return known
-    rest = WIDEST / ratio
-    torsion = 1 - rest * (1 - known.torsion) if known.torsion else 0.0
-    return FreeEdges(rest * known.relaxation, torsion)
+    relaxation, torsion = _free_edges(laminate, float(np.clip(ratio, NARROWEST, WIDEST)))
+    rest = min(1.0, WIDEST / ratio)
+    return rest * relaxation, 1 - rest * (1 - torsion) if torsion else 0.0
 
 
 @lru_cache(maxsize=256)
-def _free_edges(laminate: Laminate, ratio: float) -> FreeEdges:
+def _free_edges(laminate: Laminate, ratio: float) -> tuple[FloatArray, float]:
     """Of a width over the thickness."""
     faces, solids = layer_runs(laminate)
     width = ratio * laminate.thickness
@@ -147,7 +131,7 @@ def _free_edges(laminate: Laminate, ratio: float) -> FreeEdges:
     twists = resisted > bending and none > bending
     torsion = min(1.0, (resisted - bending) / (none - bending)) if twists else 0.0
     lacking = _by_strains_along(plate, OTHERS) - free
-    return FreeEdges(_relaxation(laminate, lacking), torsion)
+    return _relaxation(laminate, lacking), torsion
 
 
 def laminate_solid(laminate: Laminate, width: float) -> SolidSection:

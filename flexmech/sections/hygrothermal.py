@@ -24,10 +24,9 @@ from flexmech.materials import (
     ply_in_state,
     through_thickness_strain,
 )
-from flexmech.sections.beam_reduction import Reduction
-from flexmech.sections.beam_section import BeamSection, Layers
-from flexmech.sections.changed_sections import with_layers
-from flexmech.sections.laminate_section import LaminateSection
+from flexmech.sections.beam_reduction import PlaneState, Reduction
+from flexmech.sections.beam_section import BeamSection, Layers, with_layers
+from flexmech.sections.laminate_section import LaminateSection, in_ply_axes
 from flexmech.sections.solid_section import CURVATURE, STRETCH, TWIST
 from flexmech.validation import check_fields
 
@@ -285,3 +284,44 @@ def _changed(section: BeamSection, wet: Layers, curvature: float) -> BeamSection
 def _water(slices: list[_Slice]) -> float:
     masses = np.array([s.dry.ply.density * s.dry.thickness for s in slices])
     return float(masses @ [s.water for s in slices] / masses.sum())
+
+
+def residual_ply_stresses(
+    layers: Layers, temperature_rise: float, moisture: FloatArray
+) -> FloatArray:
+    """Stresses that the layers put on each other without loads.
+
+    Parameters
+    ----------
+    layers : LaminateSection or SheetSection
+        As they are in heat and water.
+    temperature_rise : float
+        Over the temperature at which they are free of stress, in K.
+    moisture : ndarray, shape (N,)
+        Of each layer's resin, as :func:`flexmech.materials.moisture_of` gives it.
+
+    Returns
+    -------
+    ndarray, shape (N, 2, 5)
+        In Pa, at both surfaces of each layer; of plies across the width in their middle. Classical
+        lamination theory, linear in the temperature; no ply flows.
+    """
+    laminate, count = layers.laminate, len(layers.laminate.layers)
+    plies = [layer.ply for layer in laminate.layers]
+    heat, water = (
+        np.array([getattr(ply, name) for ply in plies])
+        for name in ("thermal_expansion", "moisture_expansion")
+    )
+    strains = heat * temperature_rise + water * moisture[:, None]
+    kept = np.stack([keeping_stress(*one) for one in zip(laminate.layers, strains, strict=True)])
+    free = free_strains(laminate, kept, layers.reduction)
+    faces = laminate.boundaries
+    place = np.stack([faces[:-1], faces[1:]], axis=1)
+    if not isinstance(layers, LaminateSection):
+        place = np.repeat(place.mean(axis=1, keepdims=True), 2, axis=1)
+    elif layers.twist == "held" and layers.twists:
+        free = without_twist(free, layers)
+    state = PlaneState(laminate, np.broadcast_to(free, (count, 2, 3)))
+    stress = np.zeros((count, 2, 5))
+    stress[..., :3] = state.stress(place, np.arange(count)[:, None]) - kept[:, None]
+    return in_ply_axes(laminate, stress)

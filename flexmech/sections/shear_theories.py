@@ -18,7 +18,6 @@ Krajcinovic, *J. Appl. Mech.* 39 (1972) 773; refined zigzag theory: Tessler, Di 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Literal, get_args
@@ -27,7 +26,6 @@ import numpy as np
 import scipy.linalg
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.errors import InputError
 from flexmech.materials import Laminate, Layer, Material, Ply
 from flexmech.model_text import shapes, short_repr
 from flexmech.sections.beam_reduction import (
@@ -68,23 +66,6 @@ class ThroughThickness:
 
     def __repr__(self) -> str:
         return short_repr(self, *shapes(self))
-
-
-def check_loads(loads: Sequence[float]) -> None:
-    """Refuse loads on a section that are no numbers.
-
-    Parameters
-    ----------
-    loads : sequence of float
-        In N and N m.
-
-    Raises
-    ------
-    InputError
-        If one is not finite.
-    """
-    if not np.all(np.isfinite(np.array(loads, dtype=float))):
-        raise InputError(f"loads on a section must be finite, got {list(map(float, loads))}")
 
 
 @dataclass(frozen=True)
