@@ -5,14 +5,13 @@ From the ground up: ``recorded_runs``, ``equations_of_motion``, ``integrators`` 
 """
 
 from flexmech.time_domain.equations_of_motion.driven_connectors import ConnectorWork
-from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
+from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage, static_balance
+from flexmech.time_domain.equations_of_motion.driven_shaft import RotorCoupling, ShaftTorque
 from flexmech.time_domain.equations_of_motion.reduced_links import (
     DETAIL,
     is_reduced,
     stretches_in_runs,
 )
-from flexmech.time_domain.equations_of_motion.shaft_torque import RotorCoupling, ShaftTorque
-from flexmech.time_domain.equations_of_motion.static_balance import static_balance
 from flexmech.time_domain.integrators.runs import (
     LinkageUnderImpact,
     end_state,
@@ -45,9 +44,9 @@ from flexmech.time_domain.recorded_runs.states import (
     Impact,
     LinkState,
     ShaftMotion,
+    Trajectory,
     rigid_torque,
 )
-from flexmech.time_domain.recorded_runs.trajectory import Trajectory
 
 __all__ = [
     "DETAIL",

@@ -14,12 +14,16 @@ half the square of their slopes (:class:`LinkageStretch`); then no axial mode is
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
 from flexmech.choices import MODES
-from flexmech.dynamical_systems import VibrationState
+from flexmech.dynamical_systems import EquationsOfMotion, VibrationState
+from flexmech.errors import ComputationError
 from flexmech.linear_system import (
     COORDINATES,
     CarriedLinkage,
@@ -27,22 +31,152 @@ from flexmech.linear_system import (
     LinkFrames,
     Prestress,
     RotationTerms,
+    SystemMatrices,
+    condense,
     inertia_loads,
 )
 from flexmech.linkages import Drive, RigidMotion
 from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors
-from flexmech.time_domain.equations_of_motion.driven_shaft import DrivenShaft
-from flexmech.time_domain.equations_of_motion.equations import Equations
-from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStretch
-from flexmech.time_domain.equations_of_motion.moving_guides import MovingGuides
+from flexmech.time_domain.equations_of_motion.driven_shaft import DrivenShaft, ShaftTorque
+from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStretch, MovingGuides
 from flexmech.time_domain.equations_of_motion.reduced_links import (
     DETAIL,
     prestressed_links,
     stretching_links,
 )
-from flexmech.time_domain.equations_of_motion.shaft_torque import ShaftTorque
 from flexmech.time_domain.equations_of_motion.stress_history import StressHistory
 from flexmech.time_domain.recorded_runs.states import FrameMotion, LinkState
+
+# Newton's method for a start in balance takes four passes from the linear one; 30 are a bound of
+# work. It ends at a change of the greatest displacement whose square is less than round-off. Beside
+# stiff bars of rigid links that is larger: a small change that no longer falls is made of it.
+MOST_PASSES = 30
+CONVERGED = 1e-10
+STAGNATED = 1e-7
+# Displacements in m, and slopes, that are none: links without load rest in round-off of the start.
+NOTHING = 1e-12
+
+
+@dataclass(frozen=True)
+class StaticExpansion:
+    """All coordinates of the frames by z, and by the loads, at m instants (static condensation).
+
+    Parameters
+    ----------
+    matrix : ndarray, shape (m, size, n) or (1, n, n)
+        From z to the coordinates of the frames; one unit matrix where none is condensed.
+    offset : ndarray, shape (m, size)
+        What the loads alone add to the condensed ones.
+    """
+
+    matrix: FloatArray
+    offset: FloatArray
+
+    @classmethod
+    def of_all(cls, size: int) -> Self:
+        """Expansion of ``size`` coordinates of which none is condensed."""
+        return cls(np.eye(size)[None], np.zeros((1, size)))
+
+    def under(
+        self, force: FloatArray, flexibility: FloatArray, eliminated: NDArray[np.bool_]
+    ) -> tuple[FloatArray, FloatArray]:
+        """What forces on all coordinates add to the condensed ones, and those forces on z.
+
+        Parameters
+        ----------
+        force : ndarray, shape (m, size)
+        flexibility : ndarray, shape (m, i, i)
+            Of the condensed coordinates.
+        eliminated : ndarray of bool, shape (size,)
+            Coordinates that are condensed.
+
+        Returns
+        -------
+        ndarray, shape (m, size)
+            To add to ``offset``.
+        ndarray, shape (m, n)
+        """
+        offset = np.zeros_like(force)
+        offset[:, eliminated] = (flexibility @ force[:, eliminated, None])[..., 0]
+        return offset, (force[:, None] @ self.matrix)[:, 0]
+
+    def expanded(self, vibration: VibrationState) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """All coordinates of the frames and their time derivatives, each (m, size).
+
+        Parameters
+        ----------
+        vibration : VibrationState
+            Arrays of shape (m, n).
+
+        Returns
+        -------
+        tuple of ndarray
+        """
+        parts = (vibration.position, vibration.velocity, vibration.acceleration)
+        if self.matrix.shape[1] == self.matrix.shape[2]:
+            return parts
+        position, velocity, acceleration = (
+            (self.matrix @ part[..., None])[..., 0] for part in parts
+        )
+        return position + self.offset, velocity, acceleration
+
+
+@dataclass(frozen=True)
+class Equations(EquationsOfMotion):
+    """Equations of motion of a linkage at m instants.
+
+    Parameters
+    ----------
+    mass, damping, stiffness : ndarray, shape (m, n, n)
+    force : ndarray, shape (m, n)
+    motion : RigidMotion
+        Batch of shape (m,).
+    expansion : StaticExpansion
+        To the condensed coordinates of the frames.
+    flexibility : ndarray, shape (m, i, i)
+        Of the condensed coordinates.
+    """
+
+    motion: RigidMotion
+    expansion: StaticExpansion
+    flexibility: FloatArray
+
+    @classmethod
+    def condensed(
+        cls,
+        motion: RigidMotion,
+        matrices: SystemMatrices,
+        force: FloatArray,
+        eliminated: NDArray[np.bool_],
+    ) -> Self:
+        """Equations after static condensation of some coordinates (Guyan, 1965).
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (m,).
+        matrices : SystemMatrices
+            Of all coordinates of the frames.
+        force : ndarray, shape (m, size)
+        eliminated : ndarray of bool, shape (size,)
+            Coordinates that are condensed.
+
+        Returns
+        -------
+        Equations
+        """
+        inner = np.flatnonzero(eliminated)
+        flexibility = np.asarray(
+            np.linalg.inv(matrices.stiffness[:, inner[:, None], inner]), dtype=float
+        )
+        expansion = StaticExpansion.of_all(len(eliminated))
+        if len(inner):
+            matrices, matrix = condense(matrices, eliminated)
+            expansion = StaticExpansion(matrix, np.zeros_like(force))
+            offset, force = expansion.under(force, flexibility, eliminated)
+            expansion = StaticExpansion(matrix, offset)
+        parts = matrices.mass, matrices.damping, matrices.stiffness, force
+        return cls(*parts, motion, expansion, flexibility)
 
 
 class DrivenLinkage:
@@ -367,3 +501,46 @@ class DrivenLinkage:
             own = equations.stiffness[0][np.ix_(axial, axial)]
             position[axial] = np.linalg.solve(own, force[axial])
         return position
+
+
+def static_balance(linkage: DrivenLinkage, position: FloatArray, time: float = 0.0) -> FloatArray:
+    """Static equilibrium z of links that stretch, under the loads at an instant, (n,).
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+        Whose links stretch.
+    position : ndarray, shape (n,)
+        Near it.
+    time : float
+        In s.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Raises
+    ------
+    ComputationError
+        If Newton's method does not converge.
+    """
+    assert linkage.stretch is not None
+    equations = linkage.quasi_static_equations(np.array([time]))
+    row = np.eye(linkage.size)[linkage.shaft_coordinates]
+    stiffness, force, z = equations.stiffness[0], equations.force[0], np.array(position)
+    last = np.inf
+    for _ in range(MOST_PASSES):
+        pulled, tangent = linkage.stretch.static_force(equations.motion, z)
+        gap = np.concatenate([force - stiffness @ z - pulled, -row @ z])
+        bordered = np.block([[stiffness + tangent, row.T], [row, np.zeros(2 * [len(row)])]])
+        change = np.linalg.solve(bordered, gap)[: linkage.size]
+        z += change
+        part = np.abs(change).max() / max(np.abs(z).max(), NOTHING)
+        if part <= CONVERGED or last <= 2 * part <= STAGNATED:
+            return z
+        last = part
+    raise ComputationError(
+        f"the links find no balance at time {time:.6g} s from which to start, crank angle "
+        f"{np.degrees(float(linkage.drive.crank_angle(time))):.6g} deg; lower the crank speed, or "
+        "choose start rigid"
+    )

@@ -24,8 +24,7 @@ from flexmech.linkages.connection_forces import (
 )
 from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain.equations_of_motion.driven_connectors import LinkMotion
-from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
-from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
+from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage, StaticExpansion
 from flexmech.time_domain.recorded_runs.recording import StepBlock
 from flexmech.time_domain.recorded_runs.states import FrameMotion
 

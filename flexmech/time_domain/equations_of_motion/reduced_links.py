@@ -21,8 +21,8 @@ from flexmech.linkages import Drive, Topology
 from flexmech.time_domain.equations_of_motion.natural_coordinates import (
     NaturalLink,
     natural_links,
+    with_turning_sections,
 )
-from flexmech.time_domain.equations_of_motion.turning_sections import with_turning_sections
 
 # A start at speed shakes more than the lowest modes: component modes are kept up to this
 # many times the frequency that the natural frequencies themselves would need.

@@ -21,14 +21,12 @@ from flexmech.dynamical_systems.lobatto import STAGES
 from flexmech.errors import ComputationError, InputError
 from flexmech.linear_system import Engine, LinkPoint, displacement_row
 from flexmech.linkages import Drive
-from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
+from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage, StaticExpansion
 from flexmech.time_domain.equations_of_motion.dynamics import LinkageDynamics
-from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
 from flexmech.time_domain.integrators.linear_march import LinearMarch
 from flexmech.time_domain.integrators.stretch_march import StretchMarch
 from flexmech.time_domain.recorded_runs.recording import Recorder
-from flexmech.time_domain.recorded_runs.states import Impact, LinkState
-from flexmech.time_domain.recorded_runs.trajectory import Trajectory
+from flexmech.time_domain.recorded_runs.states import Impact, LinkState, Trajectory
 
 # Steps that are recorded at once. Speed and memory alone: to record a block takes about ten
 # milliseconds besides its steps, and some 20 MB of a four-bar's matrices and forces.

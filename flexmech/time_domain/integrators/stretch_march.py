@@ -27,11 +27,9 @@ from flexmech.dynamical_systems.lobatto import (
     STAGES,
 )
 from flexmech.errors import ComputationError
-from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
-from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
+from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage, StaticExpansion
 from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStretch, StretchForces
-from flexmech.time_domain.integrators.linear_march import step_forces
-from flexmech.time_domain.integrators.position_table import PositionTable
+from flexmech.time_domain.integrators.linear_march import PositionTable, step_forces
 
 logger = logging.getLogger(__name__)
 

@@ -21,8 +21,12 @@ from flexmech.dynamical_systems import (
     sample_intervals,
 )
 from flexmech.dynamical_systems.lobatto import WEIGHTS
-from flexmech.time_domain.recorded_runs.states import FrameMotion, ShaftMotion
-from flexmech.time_domain.recorded_runs.trajectory import EnergyHistory, Trajectory
+from flexmech.time_domain.recorded_runs.states import (
+    EnergyHistory,
+    FrameMotion,
+    ShaftMotion,
+    Trajectory,
+)
 
 
 @dataclass(frozen=True)
