@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, Self
 
 import numpy as np
@@ -197,6 +197,19 @@ class EnergyHistory:
         return np.asarray(stored - stored[0] - work)
 
 
+# What a run has at each sample.
+HISTORIES = (
+    "time",
+    "displacement",
+    "rate",
+    "joint_force",
+    "driving_torque",
+    "energy",
+    "shaft",
+    "frame",
+)
+
+
 @dataclass(frozen=True)
 class Trajectory:
     """A run of the linkage at N samples.
@@ -240,21 +253,8 @@ class Trajectory:
 
     def __getitem__(self, where: slice) -> Trajectory:
         """The same run at some of the samples."""
-
-        def taken(history: FloatArray) -> FloatArray:
-            return np.asarray(history[where])
-
-        return replace(
-            self,
-            time=taken(self.time),
-            displacement=[taken(q) for q in self.displacement],
-            rate=[taken(r) for r in self.rate],
-            joint_force=taken(self.joint_force),
-            driving_torque=taken(self.driving_torque),
-            energy=_of_fields(taken, self.energy),
-            shaft=_of_fields(taken, self.shaft),
-            frame=_of_fields(taken, self.frame),
-        )
+        taken = {name: _changed(lambda x: x[where], getattr(self, name)) for name in HISTORIES}
+        return replace(self, **taken)
 
     def extrapolated(self, coarser: Trajectory, order: int) -> Trajectory:
         """Limit of vanishing steps, by a run with greater ones (Richardson).
@@ -272,32 +272,19 @@ class Trajectory:
             With this run's step. Its energies balance as they do at the samples.
         """
         gain = 1 / ((coarser.step / self.step) ** order - 1)
-
-        def limit(fine: FloatArray, coarse: FloatArray) -> FloatArray:
-            return fine + gain * (fine - coarse)
-
-        energy = _of_fields(limit, self.energy, coarser.energy)
-        return replace(
-            self,
-            displacement=list(map(limit, self.displacement, coarser.displacement)),
-            rate=list(map(limit, self.rate, coarser.rate)),
-            joint_force=limit(self.joint_force, coarser.joint_force),
-            driving_torque=limit(self.driving_torque, coarser.driving_torque),
-            peak_joint_force=limit(self.peak_joint_force, coarser.peak_joint_force),
-            peak_driving_torque=float(
-                limit(*map(np.array, (self.peak_driving_torque, coarser.peak_driving_torque)))
-            ),
-            energy=energy,
-            energy_error=float(np.abs(energy.imbalance).max() / energy.kinetic.max()),
-            shaft=_of_fields(limit, self.shaft, coarser.shaft),
-            frame=_of_fields(limit, self.frame, coarser.frame),
-        )
+        limit: Trajectory = _changed(lambda x, y: x + gain * (x - y), self, coarser)
+        energy = limit.energy
+        error = float(np.abs(energy.imbalance).max() / energy.kinetic.max())
+        return replace(limit, energy_error=error, step=self.step)
 
 
-def _of_fields(function: Callable[..., FloatArray], *histories: Any) -> Any:
-    """What a function makes of every field of the same histories of some runs; None of none."""
-    if histories[0] is None:
-        return None
-    names = [field.name for field in fields(histories[0])]
-    changed = (function(*(getattr(own, name) for own in histories)) for name in names)
-    return type(histories[0])(*changed)
+def _changed(function: Callable[..., Any], *values: Any) -> Any:
+    """What a function makes of every array and number of like records and lists; None of none."""
+    first: Any = values[0]
+    if isinstance(first, list):
+        return [_changed(function, *own) for own in zip(*values, strict=True)]
+    if is_dataclass(first) and not isinstance(first, type):
+        names = [field.name for field in fields(first)]
+        changed = (_changed(function, *(getattr(own, name) for own in values)) for name in names)
+        return type(first)(*changed)
+    return None if first is None else function(*values)
