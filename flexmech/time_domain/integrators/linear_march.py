@@ -139,8 +139,8 @@ class LinearMarch:
     linkage : DrivenLinkage
     step : float
         In s.
-    load : sequence of ndarray, shape (n_link,), optional
-        Forces on the reduced links in their frames, of which a run can take any part at any time.
+    pushed : bool
+        Whether runs take forces on the links besides those of the linkage.
 
     Attributes
     ----------
@@ -150,18 +150,19 @@ class LinearMarch:
 
     stride = 1
 
-    def __init__(
-        self, linkage: DrivenLinkage, step: float, load: Sequence[FloatArray] | None = None
-    ) -> None:
-        self._linkage, self._step, self._load = linkage, step, load
+    def __init__(self, linkage: DrivenLinkage, step: float, *, pushed: bool = False) -> None:
+        self._linkage, self._step = linkage, step
         # Not by a method of its own: what refers to itself is kept until memory is searched for it.
-        self._table = PositionTable(linkage, partial(_matrices, linkage, step, load is not None))
+        self._table = PositionTable(linkage, partial(_matrices, linkage, step, pushed))
 
     def restart(self) -> None:
         """Prepare for another run; nothing is kept between runs."""
 
     def advance(
-        self, time: FloatArray, state: VibrationState, force: FloatArray | None = None
+        self,
+        time: FloatArray,
+        state: VibrationState,
+        pushed: Sequence[FloatArray] | None = None,
     ) -> tuple[VibrationState, StaticExpansion]:
         """Advance from the first of some times to the others, in parts that fit the cache.
 
@@ -171,8 +172,8 @@ class LinearMarch:
             In s, one step apart.
         state : VibrationState
             At the first of them, arrays of shape (n,), or (n, k) for k motions at once.
-        force : ndarray, shape (m + 1,), optional
-            Amplitude of the load at these times.
+        pushed : sequence of ndarray, shape (m + 1, n_link), optional
+            Forces on the reduced links in their frames at these times.
 
         Returns
         -------
@@ -181,7 +182,7 @@ class LinearMarch:
         StaticExpansion
             At the same times.
         """
-        acting = step_forces(self._linkage, time, self._load, force)
+        acting = self._linkage.step_forces(time, pushed)
         histories, expansions = [], []
         if self._linkage.is_condensed:
             expansions.append(self._operators(time, acting, slice(1))[1])
@@ -219,7 +220,7 @@ class LinearMarch:
 
 
 def _matrices(
-    linkage: DrivenLinkage, step: float, has_load: bool, time: FloatArray
+    linkage: DrivenLinkage, step: float, pushed: bool, time: FloatArray
 ) -> list[FloatArray]:
     """What the steps of :class:`LinearMarch` are made of, at times of shape (m,)."""
     equations = linkage.equations(time, tables=False)
@@ -227,33 +228,6 @@ def _matrices(
     parts = [advance, (response @ equations.force[..., None])[..., 0]]
     if linkage.is_condensed:
         parts += [equations.expansion.matrix, equations.expansion.offset]
-    if has_load or linkage.connectors.has_tables:
+    if pushed or linkage.connectors.has_tables:
         parts += [response, equations.flexibility]
     return parts
-
-
-def step_forces(
-    linkage: DrivenLinkage,
-    time: FloatArray,
-    load: Sequence[FloatArray] | None,
-    amplitude: FloatArray | None,
-) -> FloatArray | None:
-    """Forces that are not interpolated, with those of a load that a run takes part of.
-
-    Parameters
-    ----------
-    linkage : DrivenLinkage
-    time : ndarray, shape (m,)
-        In s.
-    load : sequence of ndarray, shape (n_link,), optional
-        Forces on the reduced links in their frames.
-    amplitude : ndarray, shape (m,), optional
-        What is taken of these.
-
-    Returns
-    -------
-    ndarray, shape (m, size), or None
-    """
-    if load is None or amplitude is None:
-        return linkage.step_forces(time)
-    return linkage.step_forces(time, [np.outer(amplitude, own) for own in load])
