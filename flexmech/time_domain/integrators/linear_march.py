@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.dynamical_systems import StepOperators, VibrationState, march, step_matrices
+from flexmech.dynamical_systems import VibrationState, march, step_matrices
 from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage, StaticExpansion
 
 # Greatest angle in rad by which a link turns, or turns from another, between two positions.
@@ -185,11 +185,11 @@ class LinearMarch:
         acting = self._linkage.step_forces(time, pushed)
         histories, expansions = [], []
         if self._linkage.is_condensed:
-            expansions.append(self._operators(time, acting, slice(1))[1])
+            expansions.append(self._operators(time, acting, slice(1))[-1])
         for first in range(0, len(time) - 1, CACHED_STEPS):
             some = slice(first + 1, first + 1 + CACHED_STEPS)
-            operators, expansion = self._operators(time, acting, some)
-            history = march(operators, state)
+            advance, forced, expansion = self._operators(time, acting, some)
+            history = march(state, self._step, advance, forced)
             state = history[-1]
             histories.append(history if first == 0 else history[1:])
             expansions.append(expansion)
@@ -204,7 +204,7 @@ class LinearMarch:
 
     def _operators(
         self, time: FloatArray, acting: FloatArray | None, some: slice
-    ) -> tuple[StepOperators, StaticExpansion]:
+    ) -> tuple[FloatArray, FloatArray, StaticExpansion]:
         """Operators of the steps that end at some of the times; valid until the next call."""
         linkage, (advance, forced, *rest) = self._linkage, self._table.at(time[some])
         expansion = StaticExpansion.of_all(linkage.size)
@@ -216,7 +216,7 @@ class LinearMarch:
             pushed, on_z = expansion.under(acting[some], flexibility, linkage.condensed)
             expansion = StaticExpansion(expansion.matrix, expansion.offset + pushed)
             forced = forced + (response @ on_z[..., None])[..., 0]
-        return StepOperators(self._step, advance, forced), expansion
+        return advance, forced, expansion
 
 
 def _matrices(
