@@ -26,7 +26,6 @@ import numpy as np
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.beams.elements import BeamElements
 from flexmech.linear_system import chain_matrix
-from flexmech.sections import damping_times
 
 # Step of differences over a radian or an element's length: half the digits.
 DIFFERENCE = 1e-7
@@ -298,7 +297,7 @@ class CorotationalElements:
         """
         pure = self._pure(self._arms.moved(relative), self._numbers_at(design))
         matrix = np.empty((*relative.shape[:2], *relative.shape[1:]))
-        axial = damping_times(self.elements.section)[..., 0] * self._numbers.axial_stiffness
+        axial = self.elements.section.damping_times[..., 0] * self._numbers.axial_stiffness
         own = self._by_design(self._own_part(self.elements.neutral_damping))
         damped = replace(self._numbers, axial_stiffness=axial, bending=own)
         self._fill(matrix, pure, damped if design is None else damped.at(design), None)

@@ -5,7 +5,6 @@ from flexmech.sections.beam_section import (
     BeamSection,
     Layers,
     SectionStack,
-    damping_times,
     sections_between_joints,
     stiffened_section,
 )
@@ -46,7 +45,6 @@ __all__ = [
     "SpecificDamping",
     "ThirdOrder",
     "Zigzag",
-    "damping_times",
     "residual_ply_stresses",
     "sections_between_joints",
     "solid_section",

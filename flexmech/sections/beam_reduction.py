@@ -128,6 +128,11 @@ def lost_share(laminate: Laminate, energy: FloatArray) -> float:
     return max(0.0, float(np.sum(capacity * energy) / energy.sum()))
 
 
+def layer_powers(faces: FloatArray) -> FloatArray:
+    """Integrals of 1, y and y^2 over each of n layers between faces (n + 1,), (3, n)."""
+    return np.stack([np.diff(faces**order) / order for order in (1, 2, 3)])
+
+
 def gauss_points(laminate: Laminate, count: int = 3) -> tuple[FloatArray, FloatArray]:
     """Points in each layer and their weights, (N, count) each, in m.
 
@@ -217,9 +222,7 @@ class Strip:
     def stiffness(self) -> FloatArray:
         """By mid-plane strain and its gradient in y, (2, 2), in N/m, N and N m."""
         stress = np.einsum("nj,pnij->pni", self.laminate.transformed_stiffness[:, 0], self.strains)
-        faces = self.laminate.boundaries
-        sums = [np.diff(faces**order) / order for order in (1, 2, 3)]
-        powers = np.stack([[sums[0], sums[1]], [sums[1], sums[2]]])
+        powers = layer_powers(self.laminate.boundaries)[[[0, 1], [1, 2]]]
         reduced = np.einsum("qin,pni->qp", powers, stress)
         return np.asarray((reduced + reduced.T) / 2)
 

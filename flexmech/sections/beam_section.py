@@ -258,6 +258,12 @@ class BeamSection:
         """Whether it has a shear flexibility."""
         return self.shear_stiffness < math.inf
 
+    @property
+    def damping_times(self) -> FloatArray:
+        """Kelvin-Voigt times of stretching, bending, warping and shear in s, (4,)."""
+        times = self.damping
+        return np.array([times.axial, times.bending, times.of_warping, times.shear])
+
     def shearing_over(self, length: float) -> BeamSection:
         """The section with a shear flexibility that elements that shear can have.
 
@@ -540,30 +546,10 @@ class SectionStack:
     @classmethod
     def of(cls, sections: Sequence[BeamSection]) -> SectionStack:
         """Stack of symmetric sections, whose axes are that of the pins, without free strains."""
-        numbers = [[getattr(section, name) for section in sections] for name in _STACKED]
-        times = [damping_times(section) for section in sections]
-        return cls(*map(np.array, (*numbers, times)))
+        names = (*_STACKED, "damping_times")
+        return cls(*(np.array([getattr(own, name) for own in sections]) for name in names))
 
     def repeated(self, places: int) -> SectionStack:
         """Columns (D * places, 1) of as many places in each design."""
         columns = {name: np.repeat(getattr(self, name), places)[:, None] for name in _STACKED}
         return replace(self, **columns)
-
-
-def damping_times(section: BeamSection | SectionStack) -> FloatArray:
-    """Kelvin-Voigt times of stretching, bending, warping and shear.
-
-    Parameters
-    ----------
-    section : BeamSection or SectionStack
-        Of one design or of D.
-
-    Returns
-    -------
-    ndarray, shape (4,) or (D, 4)
-        In s.
-    """
-    if isinstance(section, SectionStack):
-        return section.damping_times
-    times = section.damping
-    return np.array([times.axial, times.bending, times.of_warping, times.shear])

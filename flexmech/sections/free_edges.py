@@ -38,7 +38,7 @@ import scipy.linalg
 
 from flexmech.arrays import ROUND_OFF, FloatArray, IntArray
 from flexmech.materials import Laminate, solid_stiffness
-from flexmech.sections.beam_reduction import ALONG, OTHERS, UNTWISTED
+from flexmech.sections.beam_reduction import ALONG, OTHERS, UNTWISTED, layer_powers
 from flexmech.sections.solid_section import CURVATURE, STRETCH, TWIST, SolidSection, solid_section
 
 Twist = Literal["free", "held"]
@@ -205,13 +205,8 @@ def _plane_stress(solids: FloatArray) -> FloatArray:
 
 def _plate(faces: FloatArray, planes: FloatArray) -> FloatArray:
     """By strains x, z and xz at the mid-plane and their gradients in y, (6, 6)."""
-    moments = np.einsum("kn,nij->kij", _powers(faces), planes)
+    moments = np.einsum("kn,nij->kij", layer_powers(faces), planes)
     return np.block([[moments[0], moments[1]], [moments[1], moments[2]]])
-
-
-def _powers(faces: FloatArray) -> FloatArray:
-    """Integrals of 1, y and y^2 over each run, (3, n)."""
-    return np.stack([np.diff(faces**order) / order for order in (1, 2, 3)])
 
 
 def _by_strains_along(plate: FloatArray, others: IntArray) -> FloatArray:
@@ -225,7 +220,7 @@ def _relaxation(laminate: Laminate, lacking: FloatArray) -> FloatArray:
     """R (2, 2) with which joined plies lack so much stiffness (2, 2) for each metre of width."""
     joined = _by_strains_along(laminate.plate_stiffness, OTHERS)
     alone = 1 / np.linalg.inv(laminate.transformed_stiffness)[:, 0, 0]
-    sums = _powers(laminate.boundaries) @ alone
+    sums = layer_powers(laminate.boundaries) @ alone
     most, vectors = scipy.linalg.eigh(joined - sums[[[0, 1], [1, 2]]], joined)
     matters = most > NEGLIGIBLE
     vectors = vectors[:, matters]

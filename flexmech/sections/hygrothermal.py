@@ -152,9 +152,9 @@ def swollen_section(section: BeamSection, profile: HygrothermalProfile) -> Swoll
         elongation += float(soft.neutral_axis * free[1, 0])
     packed = tuple(s.packed(across * (1 + elongation)) for s in slices)
     wet = soft.resized(replace(dry.laminate, layers=packed), 1.0)
-    return SwollenSection(
-        _changed(section, wet, curvature=-float(free[1, 0])), elongation, _water(slices)
-    )
+    masses = np.array([s.dry.ply.density * s.dry.thickness for s in slices])
+    water = float(masses @ [s.water for s in slices] / masses.sum())
+    return SwollenSection(_changed(section, wet, -float(free[1, 0])), elongation, water)
 
 
 @dataclass(frozen=True)
@@ -279,11 +279,6 @@ def _changed(section: BeamSection, wet: Layers, curvature: float) -> BeamSection
     if section.damping_frequency is not None:
         return result.with_damping_frequency(section.damping_frequency)
     return result
-
-
-def _water(slices: list[_Slice]) -> float:
-    masses = np.array([s.dry.ply.density * s.dry.thickness for s in slices])
-    return float(masses @ [s.water for s in slices] / masses.sum())
 
 
 def residual_ply_stresses(

@@ -46,6 +46,7 @@ from flexmech.sections.shear_theories import (
     ThroughThickness,
     Zigzag,
     parabolic_shear,
+    shear_strain,
     third_order_of,
     zigzag_of,
 )
@@ -495,12 +496,8 @@ class LaminateSection(LayeredSection):
         places, weights = gauss_points(self.laminate)
         every = np.arange(len(places))[:, None]
         stress = self._bent_inside.balancing_shear(places, every)
-        stiffness = self.laminate.transformed_shear_stiffness
-        if self.reduction == "wide":
-            squares = stress[..., 1] ** 2 / stiffness[:, 1, 1, None]
-        else:
-            squares = np.einsum("nmi,nij,nmj->nm", stress, np.linalg.inv(stiffness), stress)
-        return np.asarray(self.width * np.sum(weights * squares, axis=1))
+        strain = shear_strain(self.laminate, self.reduction, stress)
+        return np.asarray(self.width * np.einsum("nm,nmi,nmi->n", weights, stress, strain))
 
 
 # A search for the weakest place judges the same few layers hundreds of times: a fifth of its time.

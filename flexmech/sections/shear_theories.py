@@ -130,23 +130,19 @@ def third_order_of(strip: Strip, width: float) -> ThirdOrder:
     tilt = _tilt(laminate, reduction)
     moments = [laminate.shear_moment(power) for power in (0, 2, 4)]
     shear = [m[1, 1] + 2 * tilt * m[0, 1] + tilt**2 * m[0, 0] for m in moments]
-    return ThirdOrder(
-        thickness=laminate.thickness,
-        stiffness=width * _stiffness(strip),
-        shear_stiffness=width * np.array(shear),
-        inertia=width * np.array([laminate.mass_moment(power) for power in range(7)]),
-    )
-
-
-def _stiffness(strip: Strip) -> FloatArray:
-    """By the strains of e0 + y k1 + y^3 k3, (3, 3), of each metre of width."""
-    places, weights = gauss_points(strip.laminate, 4)
+    # By the strains of e0 + y k1 + y^3 k3.
+    places, weights = gauss_points(laminate, 4)
     strain = np.zeros((*places.shape, 3))
     strain[..., 0] = places**3
     slender, _, warping = strip.warping_parts(places, weights, strain)
-    coupling = strip.stiffness @ slender
-    column = coupling[:, None]
-    return np.block([[strip.stiffness, column], [column.T, coupling @ slender + warping]])
+    column = (strip.stiffness @ slender)[:, None]
+    last = slender @ column + warping
+    return ThirdOrder(
+        thickness=laminate.thickness,
+        stiffness=width * np.block([[strip.stiffness, column], [column.T, last]]),
+        shear_stiffness=width * np.array(shear),
+        inertia=width * np.array([laminate.mass_moment(power) for power in range(7)]),
+    )
 
 
 def parabolic_shear(
@@ -259,7 +255,7 @@ def zigzag_of(strip: Strip, bent: PlaneState) -> Zigzag:
     for _ in range(WARPINGS):
         # Balanced from face to face: each stress has no resultant along the link.
         shear = _from_lowest_face(laminate, stress[..., [2, 0]] / scale)
-        angle = _shear_strain(laminate, reduction, shear)
+        angle = shear_strain(laminate, reduction, shear)
         moved = _from_lowest_face(laminate, angle)
         strain = np.zeros((*place.shape, 3))
         strain[..., 0], strain[..., 2] = moved[..., 1], moved[..., 0]
@@ -328,7 +324,7 @@ def _from_lowest_face(laminate: Laminate, values: FloatArray) -> FloatArray:
     return np.asarray(below[:, None] + half * np.einsum("nmc,mp->npc", values, _TO_POINTS))
 
 
-def _shear_strain(laminate: Laminate, reduction: Reduction, stress: FloatArray) -> FloatArray:
+def shear_strain(laminate: Laminate, reduction: Reduction, stress: FloatArray) -> FloatArray:
     """Shear strains zy and xy (N, m, 2) of shear stresses; none across a wide link."""
     stiffness = laminate.transformed_shear_stiffness
     if reduction == "wide":

@@ -31,8 +31,8 @@ from numpy.typing import NDArray
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import VibrationState
 from flexmech.linear_system import Engine, LinkFrames, SystemMatrices
+from flexmech.linear_system.links.link_inertia import field_coefficients
 from flexmech.linkages import Drive, Motor, RigidMotion
-from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain.equations_of_motion.natural_coordinates import NaturalLink
 from flexmech.time_domain.recorded_runs.recording import StepBlock
 from flexmech.time_domain.recorded_runs.states import ShaftMotion, Trajectory, rigid_torque
@@ -451,20 +451,16 @@ class DrivenShaft:
         """Rigid displacement of each link as the shaft turns by 1 rad, and its rate; (m, 3)."""
         linkage = self.engine.mechanism.linkage
         unit = linkage.motion(motion.crank_angle, 1.0)
-        speed = motion.crank_speed[:, None]
+        speed, nothing = motion.crank_speed[:, None], np.zeros_like(motion.crank_speed)
         turn, change = [], []
         for link in range(len(self.fields)):
-            along, across = direction(unit.angle[:, link]), normal(unit.angle[:, link])
-            moved, moving = unit.origin_velocity[:, link], unit.origin_acceleration[:, link]
-            spin, spinning = unit.angular_velocity[:, link], unit.angular_acceleration[:, link]
-            x, y = np.sum(moved * along, axis=1), np.sum(moved * across, axis=1)
-            turn.append(np.stack([x, y, spin], axis=1))
-            rates = (
-                np.sum(moving * along, axis=1) + spin * y,
-                np.sum(moving * across, axis=1) - spin * x,
-                spinning,
-            )
-            change.append(speed * np.stack(rates, axis=1))
+            angle, spin = unit.angle[:, link], unit.angular_velocity[:, link]
+            moved = field_coefficients(angle, unit.origin_velocity[:, link], spin, nothing)[:, :3]
+            faster, spinning = unit.origin_acceleration, unit.angular_acceleration[:, link]
+            rates = field_coefficients(angle, faster[:, link], spinning, nothing)[:, :3]
+            rates += np.stack([spin * moved[:, 1], -spin * moved[:, 0], nothing], axis=1)
+            turn.append(moved)
+            change.append(speed * rates)
         return turn, change
 
 
