@@ -547,7 +547,7 @@ class SectionStack:
     def of(cls, sections: Sequence[BeamSection]) -> SectionStack:
         """Stack of symmetric sections, whose axes are that of the pins, without free strains."""
         names = (*_STACKED, "damping_times")
-        return cls(*(np.array([getattr(own, name) for own in sections]) for name in names))
+        return cls(*(np.array([getattr(s, name) for s in sections]) for name in names))
 
     def repeated(self, places: int) -> SectionStack:
         """Columns (D * places, 1) of as many places in each design."""

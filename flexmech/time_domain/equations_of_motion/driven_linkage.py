@@ -38,7 +38,7 @@ from flexmech.linear_system import (
 from flexmech.linkages import Drive, RigidMotion
 from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors
 from flexmech.time_domain.equations_of_motion.driven_shaft import DrivenShaft, ShaftTorque
-from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStretch, MovingGuides
+from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStretch
 from flexmech.time_domain.equations_of_motion.reduced_links import (
     DETAIL,
     prestressed_links,
@@ -238,16 +238,17 @@ class DrivenLinkage:
         shaft_torque: ShaftTorque | None = None,
     ) -> None:
         self.engine, self.drive, self.prestress = engine, drive, prestress
-        reduced = (
-            stretching_links(engine, modes, detail)
-            if stretches
-            else prestressed_links(engine, drive, prestress, modes, detail)
-        )
-        self.links, self.run_bases = reduced.models, reduced.bases
-        self.unreduced = tuple(link.model for link in reduced.unreduced)
-        self._from_engine = [link.from_engine for link in reduced.unreduced]
-        self.bases = reduced.engine_bases
-        self.frames = LinkFrames(reduced.topology, self.links)
+        topology = engine.topology
+        if stretches:
+            topology, links = stretching_links(engine, modes, detail)
+        else:
+            links = prestressed_links(engine, drive, prestress, modes, detail)
+        self.links = tuple(link.reduced for link in links)
+        self.unreduced = tuple(link.model for link in links)
+        self.run_bases = tuple(link.basis for link in links)
+        self.bases = tuple(link.to_engine @ link.basis for link in links)
+        self._from_engine = [link.from_engine for link in links]
+        self.frames = LinkFrames(topology, self.links)
         frame, gravity = engine.mechanism.frame, engine.mechanism.gravity
         self.carried = None
         if frame is not None:
@@ -260,15 +261,13 @@ class DrivenLinkage:
         others = int(self.rotor is not None) if self.carried is None else COORDINATES
         self.stretch = None
         if stretches:
-            guides = MovingGuides(engine, self.frames, reduced.unreduced, self.run_bases)
-            self.stretch = LinkageStretch(self.frames, reduced.stretches, guides, others)
-        own = reduced.unreduced, self.run_bases
-        self.shaft = DrivenShaft.of(engine, drive, self.frames, *own, shaft_torque)
+            self.stretch = LinkageStretch(engine, self.frames, links, others)
+        self.shaft = DrivenShaft.of(engine, drive, self.frames, links, shaft_torque)
         turns_far = self.shaft is not None and self.shaft.is_natural
         self.connectors = DrivenConnectors(engine, self.frames, follower_torque=turns_far)
         self.condensed = np.zeros(self.frames.size + others, dtype=bool)
-        for target, condensed in zip(self.frames.targets, reduced.condensed, strict=True):
-            self.condensed[target[condensed]] = True
+        for target, link in zip(self.frames.targets, links, strict=True):
+            self.condensed[target[link.condensed]] = True
         self.stress = StressHistory(
             engine,
             self.unreduced,

@@ -33,7 +33,7 @@ from flexmech.dynamical_systems import VibrationState
 from flexmech.linear_system import Engine, LinkFrames, SystemMatrices
 from flexmech.linear_system.links.link_inertia import field_coefficients
 from flexmech.linkages import Drive, Motor, RigidMotion
-from flexmech.time_domain.equations_of_motion.natural_coordinates import NaturalLink
+from flexmech.time_domain.equations_of_motion.natural_coordinates import RunLink
 from flexmech.time_domain.recorded_runs.recording import StepBlock
 from flexmech.time_domain.recorded_runs.states import ShaftMotion, Trajectory, rigid_torque
 
@@ -234,8 +234,7 @@ class DrivenShaft:
         engine: Engine,
         drive: Drive,
         frames: LinkFrames,
-        unreduced: Sequence[NaturalLink],
-        bases: Sequence[FloatArray],
+        links: Sequence[RunLink],
         given: ShaftTorque | None = None,
     ) -> Self | None:
         """The shaft of an engine; None where it is prescribed.
@@ -245,9 +244,7 @@ class DrivenShaft:
         engine : Engine
         drive : Drive
         frames : LinkFrames
-        unreduced : sequence of NaturalLink
-        bases : sequence of ndarray, shape (n_full, n_link)
-            From each reduced link's coordinates to those of the unreduced one.
+        links : sequence of RunLink
         given : ShaftTorque, optional
 
         Returns
@@ -257,17 +254,18 @@ class DrivenShaft:
         if engine.free_shaft is None:
             return None
         fields = []
-        for full, basis in zip(unreduced, bases, strict=True):
-            own = full.model.fields
+        for link in links:
+            own = link.model.fields
             rigid = np.stack([own.along, own.across, own.tangential], axis=1)
             # Static shapes of a straight link show how it moves as a rigid body.
-            fields.append(np.asarray(np.linalg.lstsq(basis, rigid)[0]))
+            fields.append(np.asarray(np.linalg.lstsq(link.basis, rigid)[0]))
         number = engine.free_shaft.link
-        natural, rows = unreduced[number].natural, np.zeros((2, bases[number].shape[1]))
-        if natural is None:
-            rows[1, engine.free_shaft.rotation(frames.links[number])] = 1.0
+        driven = links[number]
+        if driven.natural is None:
+            rows = np.zeros((2, driven.reduced.size))
+            rows[1, engine.free_shaft.rotation(driven.reduced)] = 1.0
         else:
-            rows = natural @ bases[number]
+            rows = driven.natural @ driven.basis
         return cls(engine, drive, frames, tuple(fields), number, rows, given)
 
     @property

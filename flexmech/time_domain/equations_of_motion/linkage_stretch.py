@@ -26,7 +26,7 @@ from flexmech.linear_system.joints.link_place import DependentRows
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
 from flexmech.time_domain.equations_of_motion.natural_coordinates import (
-    NaturalLink,
+    RunLink,
     bar_damping_time,
     bar_stiffness,
     joined_strains,
@@ -44,10 +44,8 @@ class MovingGuides:
     engine : Engine
     frames : LinkFrames
         Of the reduced links of the run, without these sliders in its topology.
-    links : sequence of NaturalLink
+    links : sequence of RunLink
         Unreduced.
-    bases : sequence of ndarray, shape (n_full, n_link)
-        From each reduced link's coordinates to the unreduced one's.
 
     Attributes
     ----------
@@ -59,8 +57,7 @@ class MovingGuides:
         self,
         engine: Engine,
         frames: LinkFrames,
-        links: Sequence[NaturalLink],
-        bases: Sequence[FloatArray],
+        links: Sequence[RunLink],
     ) -> None:
         self._topology, self._frames = engine.topology, frames
         self._sliders = [
@@ -73,11 +70,11 @@ class MovingGuides:
         for number in self._sliders:
             slider = self._topology.sliders[number]
             guide = self._topology.index(slider.guide)
-            length, bar, basis = self._topology.links[guide].length, links[guide], bases[guide]
+            length, bar = self._topology.links[guide].length, links[guide]
             assert bar.natural is not None
             to_line = MatrixWithRates.rotation(np.array([-slider.direction]), *np.zeros((2, 1)))
-            start = to_line.value[0] @ basis[bar.model.start]
-            self._bars.append((start, length * bar.natural @ basis))
+            start = to_line.value[0] @ bar.basis[bar.model.start]
+            self._bars.append((start, length * bar.natural @ bar.basis))
             own = coordinates[COORDINATES * (len(strains) - 1) :][:COORDINATES]
             strains.append(_strain(engine, length).in_coordinates(own))
         self.stretch = joined_strains(strains)
@@ -233,10 +230,10 @@ class LinkageStretch:
 
     Parameters
     ----------
+    engine : Engine
     frames : LinkFrames
-    links : sequence of LinkStretch
-        In the links' coordinates.
-    guides : MovingGuides
+        Of the reduced links.
+    links : sequence of RunLink
     others : int
         Coordinates of a frame on springs, which follow z and strain nothing.
 
@@ -251,13 +248,10 @@ class LinkageStretch:
     """
 
     def __init__(
-        self,
-        frames: LinkFrames,
-        links: Sequence[LinkStretch],
-        guides: MovingGuides,
-        others: int = 0,
+        self, engine: Engine, frames: LinkFrames, links: Sequence[RunLink], others: int = 0
     ) -> None:
-        self.links, self.guides = tuple(links), guides
+        self.links = tuple(link.stretch.projected(link.basis) for link in links)
+        self.guides = MovingGuides(engine, frames, links)
         self._frames = frames
         self.end_count = frames.end_count
         self._places = [np.array(target) for target in frames.targets]
@@ -266,10 +260,10 @@ class LinkageStretch:
             dependent = frames.dependent_coordinates(number)
             places[dependent] = np.arange(self.size, self.size + len(dependent))
             self.size += len(dependent)
-        spread = [*self._places, self.size + np.arange(guides.size)]
-        self.size += guides.size
+        spread = [*self._places, self.size + np.arange(self.guides.size)]
+        self.size += self.guides.size
         strains = []
-        for strain, places in zip([*links, guides.stretch], spread, strict=True):
+        for strain, places in zip([*self.links, self.guides.stretch], spread, strict=True):
             augmented, free = np.zeros((len(places), self.size)), places >= 0
             augmented[free, places[free]] = 1.0
             strains.append(strain.in_coordinates(augmented))

@@ -31,6 +31,7 @@ from typing import Self
 
 import numpy as np
 import scipy.linalg
+from numpy.typing import NDArray
 
 from flexmech.arrays import SAME_PLACE, FloatArray, IntArray
 from flexmech.linear_system import (
@@ -64,17 +65,24 @@ OF_ALL_SECTIONS = 1000.0
 
 
 @dataclass(frozen=True)
-class NaturalLink:
-    """A link of a run, and its coordinates in the engine's.
+class RunLink:
+    """A link of a run, unreduced and in component modes, and its coordinates in the engine's.
 
     Parameters
     ----------
     model : LinkModel
+        Unreduced.
     stretch : LinkStretch
     to_engine : ndarray, shape (n_engine, n)
         The engine's coordinates from the link's own.
     from_engine : ndarray, shape (n, n_engine)
         The link's own at small displacements.
+    reduced : LinkModel
+        In m component modes, or the unreduced one.
+    basis : ndarray, shape (n, m)
+        From its coordinates to those of the unreduced one.
+    condensed : ndarray of bool, shape (m,)
+        Which of these are condensed statically.
     natural : ndarray, shape (2, n), optional
         ``d`` of a bar, or of the free shaft that turns the link.
     """
@@ -83,16 +91,19 @@ class NaturalLink:
     stretch: LinkStretch
     to_engine: FloatArray
     from_engine: FloatArray
+    reduced: LinkModel
+    basis: FloatArray
+    condensed: NDArray[np.bool_]
     natural: FloatArray | None = None
 
     @classmethod
-    def of(cls, model: LinkModel, stretch: LinkStretch | None = None) -> NaturalLink:
-        """A link in the engine's coordinates; it does not stretch by default."""
-        unit = np.eye(model.size)
-        return cls(model, stretch or LinkStretch.none(model.size), unit, unit)
+    def of(cls, model: LinkModel, stretch: LinkStretch | None = None) -> RunLink:
+        """An unreduced link in the engine's coordinates; it does not stretch by default."""
+        unit, none = np.eye(model.size), np.zeros(model.size, dtype=bool)
+        return cls(model, stretch or LinkStretch.none(model.size), unit, unit, model, unit, none)
 
 
-def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
+def natural_links(engine: Engine) -> tuple[Topology, list[RunLink]]:
     """Links of a run whose moving rigid ones are bars.
 
     Parameters
@@ -105,12 +116,12 @@ def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
     Topology
         That of the engine, in which the bars are no rigid links and hold no slider on their lines;
         see :mod:`flexmech.time_domain.equations_of_motion.linkage_stretch`.
-    list of NaturalLink
+    list of RunLink
     """
     stretches = engine.stretches
     assert stretches is not None
     pairs = zip(engine.links, stretches, strict=True)
-    links = [NaturalLink.of(model, stretch) for model, stretch in pairs]
+    links = [RunLink.of(model, stretch) for model, stretch in pairs]
     topology = engine.topology
     clamped = {clamp.link_end.link for clamp in topology.clamps if not clamp.free}
     bars = {link.name for link in topology.links if link.rigid} - clamped
@@ -195,7 +206,7 @@ def _bar(
     turned: bool,
     axial: float,
     shaft: float,
-) -> NaturalLink:
+) -> RunLink:
     """A rigid link as a stiff bar in natural coordinates.
 
     Its coordinates are the displacements of both ends, and its rotation where joints turn with it;
@@ -248,8 +259,8 @@ def _bar(
     )
     to_engine = np.vstack([from_own[:2], rotates])
     from_engine = to_own @ np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1]])
-    stretch_of_arm = rigid_arm(from_own[2], from_own[3], axial, time)
-    return NaturalLink(model, stretch_of_arm, to_engine, from_engine, from_own[2:])
+    link = RunLink.of(model, rigid_arm(from_own[2], from_own[3], axial, time))
+    return replace(link, to_engine=to_engine, from_engine=from_engine, natural=from_own[2:])
 
 
 def rigid_arm(
@@ -385,23 +396,24 @@ class TurningSections:
         time = bar_damping_time(engine)
         return cls(place, bodies, stiffness[used], shapes, *axes, share[used], time)
 
-    def extended(self, link: NaturalLink) -> NaturalLink:
+    def extended(self, link: RunLink) -> RunLink:
         """The link with r more coordinates, those of ``d_1``.
 
         Parameters
         ----------
-        link : NaturalLink
+        link : RunLink
 
         Returns
         -------
-        NaturalLink
+        RunLink
         """
         unit = np.eye(link.model.size, link.model.size + self.shapes.shape[1])
-        return NaturalLink(
-            self._model(link.model),
-            self._stretch(link.stretch),
-            link.to_engine @ unit,
-            unit.T @ link.from_engine,
+        return replace(
+            link,
+            model=self._model(link.model),
+            stretch=self._stretch(link.stretch),
+            to_engine=link.to_engine @ unit,
+            from_engine=unit.T @ link.from_engine,
         )
 
     def _lifted(self, size: int, axis: float) -> FloatArray:
@@ -475,13 +487,8 @@ class TurningSections:
 
 
 def with_turning_sections(
-    engine: Engine,
-    topology: Topology,
-    number: int,
-    link: NaturalLink,
-    reduced: LinkModel,
-    basis: FloatArray,
-) -> tuple[NaturalLink, LinkModel, FloatArray]:
+    engine: Engine, topology: Topology, number: int, link: RunLink
+) -> RunLink:
     """An elastic link that carries what is off its axis along however far its sections turn.
 
     A free shaft that turns the link is a body on the section at its clamp.
@@ -493,40 +500,34 @@ def with_turning_sections(
         Of the run.
     number : int
         Of the link.
-    link : NaturalLink
-        Unreduced.
-    reduced : LinkModel
-    basis : ndarray, shape (n, m)
-        Of its component modes, or of all its coordinates.
+    link : RunLink
 
     Returns
     -------
-    NaturalLink
-        With r more coordinates.
-    LinkModel
-        Likewise.
-    ndarray, shape (n + r, m + r)
+    RunLink
+        With r more coordinates, reduced or not.
     """
     if engine.links[number].rigid:
-        return link, reduced, basis
-    before, shaft = link.model, engine.free_shaft
+        return link
+    before, reduced, shaft = link.model, link.reduced, engine.free_shaft
     sections = TurningSections.of_link(engine, number, link.stretch.neutral_axis)
     if sections is not None:
         link = sections.extended(link)
     if shaft is not None and shaft.link == number and shaft.is_stiff:
         # Without mass its d_1 would be no coordinate.
         link = _on_shaft(engine, shaft, link) if shaft.inertia or shaft.clamp.hub else link
-    if link.model is before:
-        return link, reduced, basis
-    basis = scipy.linalg.block_diag(basis, np.eye(link.model.size - before.size))
-    if reduced is before:
-        return link, link.model, basis
-    if link.stretch.neutral_axis:
-        basis[: before.size, reduced.size :] = _static_answer(topology, before, link.model)
-    ends = ("start", "end", "start_rotation", "end_rotation")
-    kept = {name: getattr(reduced, name) for name in ends}
-    model = link.model.projected(basis, kept)
-    return link, replace(model, reduced_ends=None), basis
+    model, basis = link.model, link.basis
+    if model is not before:
+        basis = scipy.linalg.block_diag(basis, np.eye(model.size - before.size))
+    if reduced is not before and model is not before:
+        if link.stretch.neutral_axis:
+            basis[: before.size, reduced.size :] = _static_answer(topology, before, model)
+        ends = ("start", "end", "start_rotation", "end_rotation")
+        kept = {name: getattr(reduced, name) for name in ends}
+        reduced = replace(model.projected(basis, kept), reduced_ends=None)
+    elif reduced is before:
+        reduced = model
+    return replace(link, reduced=reduced, basis=basis, condensed=np.zeros(reduced.size, dtype=bool))
 
 
 def _static_answer(topology: Topology, link: LinkModel, extended: LinkModel) -> FloatArray:
@@ -538,7 +539,7 @@ def _static_answer(topology: Topology, link: LinkModel, extended: LinkModel) -> 
     return answer
 
 
-def _on_shaft(engine: Engine, shaft: FreeShaft, link: NaturalLink) -> NaturalLink:
+def _on_shaft(engine: Engine, shaft: FreeShaft, link: RunLink) -> RunLink:
     """A link whose section at its clamp a free shaft turns; on a hub it moves with ``d_1``."""
     section = TurningSections.of_shaft(engine, shaft)
     link = section.extended(link)

@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexmech.arrays import FloatArray
 from flexmech.linear_system import (
     ComponentModes,
     Engine,
-    LinkModel,
-    LinkStretch,
     Prestress,
     component_modes,
 )
 from flexmech.linkages import Drive, Topology
 from flexmech.time_domain.equations_of_motion.natural_coordinates import (
-    NaturalLink,
+    RunLink,
     natural_links,
     with_turning_sections,
 )
@@ -35,75 +31,23 @@ AXIAL_MODES = 12
 STRETCHING_MODES = 3
 
 
-@dataclass(frozen=True)
-class ReducedLinks:
-    """Links in component modes, or in all their coordinates.
+def unreduced_links(engine: Engine) -> list[RunLink]:
+    """The engine's links unreduced; links with massless nodes are refused."""
+    engine.check_runs()
+    return list(map(RunLink.of, engine.links))
 
-    Parameters
-    ----------
-    topology : Topology
-        Where links stretch, moving rigid ones are elastic bars.
-    unreduced : tuple of NaturalLink
-    models : tuple of LinkModel
-    bases : tuple of ndarray, shape (n_full, n)
-        From each reduced link's coordinates to those of the unreduced one.
-    condensed : tuple of ndarray of bool, shape (n,)
-        Coordinates that are condensed statically.
-    """
 
-    topology: Topology
-    unreduced: tuple[NaturalLink, ...]
-    models: tuple[LinkModel, ...]
-    bases: tuple[FloatArray, ...]
-    condensed: tuple[NDArray[np.bool_], ...]
-
-    @classmethod
-    def all_of(cls, engine: Engine) -> ReducedLinks:
-        """The engine's links unreduced; links with massless nodes are refused."""
-        engine.check_runs()
-        return cls.of(engine.topology, list(map(NaturalLink.of, engine.links)))
-
-    @classmethod
-    def of(
-        cls,
-        topology: Topology,
-        links: Sequence[NaturalLink],
-        reduction: ComponentModes | None = None,
-    ) -> ReducedLinks:
-        """Links with constraint modes that rotate with the pins, or unreduced.
-
-        Parameters
-        ----------
-        topology : Topology
-        links : sequence of NaturalLink
-        reduction : ComponentModes, optional
-            Of these links.
-
-        Returns
-        -------
-        ReducedLinks
-        """
-        if reduction is None:
-            models = tuple(link.model for link in links)
-            bases = tuple(np.eye(model.size) for model in models)
-            condensed = tuple(np.zeros(model.size, dtype=bool) for model in models)
-        else:
-            models = tuple(replace(model, reduced_ends=None) for model in reduction.models)
-            bases = tuple(link.basis for link in reduction.links)
-            condensed = tuple(link.condensed for link in reduction.links)
-        return cls(topology, tuple(links), models, bases, condensed)
-
-    @property
-    def engine_bases(self) -> tuple[FloatArray, ...]:
-        """From each reduced link's coordinates to the engine's, (n_engine, n)."""
-        pairs = zip(self.unreduced, self.bases, strict=True)
-        return tuple(link.to_engine @ basis for link, basis in pairs)
-
-    @property
-    def stretches(self) -> list[LinkStretch]:
-        """Second-order stretch of each reduced link."""
-        pairs = zip(self.unreduced, self.bases, strict=True)
-        return [link.stretch.projected(basis) for link, basis in pairs]
+def _in_modes(links: Sequence[RunLink], reduction: ComponentModes) -> list[RunLink]:
+    """Links with constraint modes that rotate with the pins."""
+    return [
+        replace(
+            link,
+            reduced=replace(model, reduced_ends=None),
+            basis=modes.basis,
+            condensed=modes.condensed,
+        )
+        for link, model, modes in zip(links, reduction.models, reduction.links, strict=True)
+    ]
 
 
 def is_reduced(engine: Engine) -> bool:
@@ -144,7 +88,7 @@ def stretches_in_runs(engine: Engine, prestress: Prestress) -> bool:
     return prestress == "equilibrium" and not engine.simulates and engine.stretches is not None
 
 
-def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
+def stretching_links(engine: Engine, modes: int, detail: float) -> tuple[Topology, list[RunLink]]:
     """Links for a run with second-order stretch, without condensed axial modes.
 
     Slopes stretch a link along its chord, whose direction does not depend on a bow.
@@ -158,10 +102,11 @@ def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
 
     Returns
     -------
-    ReducedLinks
+    Topology
+        Whose moving rigid links are elastic bars.
+    list of RunLink
     """
     topology, links = natural_links(engine)
-    reduction = None
     if is_reduced(engine):
         reduction = component_modes(
             topology,
@@ -173,21 +118,17 @@ def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
             axial_modes=round(STRETCHING_MODES * max(1.0, detail / DETAIL)),
             turning_sections=False,
         )
+        links = _in_modes(links, reduction)
     else:
         engine.check_runs()
-    reduced = ReducedLinks.of(topology, links, reduction)
-    found = [
-        with_turning_sections(engine, topology, number, *link)
-        for number, link in enumerate(zip(links, reduced.models, reduced.bases, strict=True))
+    return topology, [
+        with_turning_sections(engine, topology, *numbered) for numbered in enumerate(links)
     ]
-    unreduced, models, bases = zip(*found, strict=True)
-    condensed = tuple(np.zeros(model.size, dtype=bool) for model in models)
-    return ReducedLinks(topology, unreduced, models, bases, condensed)
 
 
 def prestressed_links(
     engine: Engine, drive: Drive, prestress: Prestress, modes: int, detail: float
-) -> ReducedLinks:
+) -> list[RunLink]:
     """Links for linear equations at a level of prestress.
 
     Parameters
@@ -202,14 +143,13 @@ def prestressed_links(
 
     Returns
     -------
-    ReducedLinks
+    list of RunLink
     """
     if not is_reduced(engine):
-        return ReducedLinks.all_of(engine)
+        return unreduced_links(engine)
     motion = drive.motion(engine.mechanism.linkage, drive.passing_times)
-    return ReducedLinks.of(
-        engine.topology,
-        list(map(NaturalLink.of, engine.links)),
+    return _in_modes(
+        list(map(RunLink.of, engine.links)),
         component_modes(
             engine.topology,
             engine.links,

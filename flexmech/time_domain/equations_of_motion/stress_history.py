@@ -292,7 +292,7 @@ class StressHistory:
         What is off the axis of an elastic link, and rigid links, are in natural coordinates.
         """
         places, forces = stressed.displacement, stressed.internal_force
-        stretches, found = self._engine.stretches, []
+        stretches, parts = self._engine.stretches, []
         assert places is not None
         assert forces is not None
         assert stretches is not None
@@ -309,15 +309,15 @@ class StressHistory:
                 straight += (link.stiffness @ q.T).T
                 correction = (forces[number] - straight) @ bases[number]
             stiff = np.broadcast_to(stiffness, (batch, *stiffness.shape))
-            found += [stiff, correction, np.zeros(batch)]
-        return [*found, np.zeros((batch, 0))]
+            parts += [stiff, correction, np.zeros(batch)]
+        return [*parts, np.zeros((batch, 0))]
 
     def _stresses(self, stressed: StressedLinks, motion: RigidMotion) -> list[FloatArray]:
         """Stiffness, prestress, offset and varying damping of all links, of guides the stiffness.
 
         Each of shape (B, ...).
         """
-        found, batch = [], len(motion.crank_angle)
+        parts, batch = [], len(motion.crank_angle)
         inertia = None
         if stressed.displacement is not None and stressed.internal_force is None:
             displaced = self._engine.displaced_inertia(motion)
@@ -335,14 +335,14 @@ class StressHistory:
                 if force is not None:
                     offset -= np.sum(q * force[number], axis=1)
             stiffness = np.broadcast_to(basis.T @ tangent @ basis, (batch, *2 * basis.shape[1:]))
-            found += [stiffness, prestress, offset]
+            parts += [stiffness, prestress, offset]
             if self._damping_varies:
                 damping = self._damping[number]
                 if stressed.damping is not None:
                     damping = basis.T @ stressed.damping[number] @ basis
-                found.append(np.broadcast_to(damping, stiffness.shape))
+                parts.append(np.broadcast_to(damping, stiffness.shape))
         guides = stressed.guide_stiffness
-        return [*found, np.zeros((batch, 0)) if guides is None else guides]
+        return [*parts, np.zeros((batch, 0)) if guides is None else guides]
 
     def _add_bending_work(
         self,
@@ -411,5 +411,5 @@ def _low_rank_factors(values: Sequence[FloatArray]) -> tuple[FloatArray, list[Fl
         shapes.append(shape * scale)
     parts = np.split(np.array(shapes), np.cumsum(widths)[:-1], axis=1)
     pairs = zip(parts, values, strict=True)
-    shaped = [np.ascontiguousarray(x).reshape(len(x), *own.shape[1:]) for x, own in pairs]
+    shaped = [np.ascontiguousarray(x).reshape(len(x), *whole.shape[1:]) for x, whole in pairs]
     return np.stack(shares, axis=1), shaped

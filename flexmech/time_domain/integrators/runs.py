@@ -286,7 +286,7 @@ class LinkageUnderImpact:
 
         def pushed(time: FloatArray) -> list[FloatArray]:
             force = np.zeros(len(time)) + sum(pulse.force(time) for pulse in pulses)
-            return [np.outer(force, own) for own in self._load]
+            return [np.outer(force, load) for load in self._load]
 
         blocks = _blocks(linkage, march, begin, self._step, whole, pushed)
         for done, time, history, expansion in blocks:

@@ -282,9 +282,9 @@ def _changed(function: Callable[..., Any], *values: Any) -> Any:
     """What a function makes of every array and number of like records and lists; None of none."""
     first: Any = values[0]
     if isinstance(first, list):
-        return [_changed(function, *own) for own in zip(*values, strict=True)]
+        return [_changed(function, *items) for items in zip(*values, strict=True)]
     if is_dataclass(first) and not isinstance(first, type):
         names = [field.name for field in fields(first)]
-        changed = (_changed(function, *(getattr(own, name) for own in values)) for name in names)
+        changed = (_changed(function, *(getattr(x, name) for x in values)) for name in names)
         return type(first)(*changed)
     return None if first is None else function(*values)
