@@ -325,7 +325,20 @@ def _from_lowest_face(laminate: Laminate, values: FloatArray) -> FloatArray:
 
 
 def shear_strain(laminate: Laminate, reduction: Reduction, stress: FloatArray) -> FloatArray:
-    """Shear strains zy and xy (N, m, 2) of shear stresses; none across a wide link."""
+    """Shear strains of layers under shear stresses; none across a wide link.
+
+    Parameters
+    ----------
+    laminate : Laminate
+    reduction : {"narrow", "wide"}
+    stress : ndarray, shape (N, m, 2)
+        zy and xy in Pa.
+
+    Returns
+    -------
+    ndarray, shape (N, m, 2)
+        zy and xy.
+    """
     stiffness = laminate.transformed_shear_stiffness
     if reduction == "wide":
         return np.asarray(stress * np.array([0.0, 1.0]) / stiffness[:, 1, 1, None, None])

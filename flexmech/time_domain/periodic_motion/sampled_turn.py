@@ -25,7 +25,7 @@ from flexmech.linear_system import (
     is_constant_turn,
 )
 from flexmech.linkages import ConstantSpeed, RigidMotion
-from flexmech.time_domain.equations_of_motion.reduced_links import (
+from flexmech.time_domain.equations_of_motion.driven_linkage import (
     prestressed_links,
     unreduced_links,
 )
