@@ -522,7 +522,7 @@ class DrivenLinkage:
             self.stress.guide_stiffness(time),
         )
         if self.stretch is not None:
-            matrices = self.stretch.guides.added(matrices, motion, terms)
+            matrices = self.stretch.added(matrices, motion, terms)
         if self.connectors.any:
             matrices = self.connectors.added(motion, matrices, terms, time)
         if self.shaft is not None and self._motor is not None:

@@ -127,10 +127,7 @@ class LinkageDynamics:
             )
         torque, kinetic, strain, weight, dissipated, prestress = totals
         if linkage.stretch is not None:
-            guides = linkage.stretch.guides
-            torque = torque + guides.virtual_power(
-                motion, unit, *(part[:, : frames.size] for part in coordinates[:2])
-            )
+            torque = torque + linkage.stretch.virtual_power(motion, unit, *coordinates[:2])
         block = StepBlock(
             time=time,
             crank_speed=motion.crank_speed,

@@ -22,7 +22,6 @@ import numpy as np
 from flexmech.arrays import ComplexArray, FloatArray
 from flexmech.linear_system import Engine, LinkFrames, LinkStretch, RotationTerms, SystemMatrices
 from flexmech.linear_system.joints.displaced_motion import link_bodies
-from flexmech.linear_system.joints.link_place import DependentRows
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
 from flexmech.time_domain.equations_of_motion.natural_coordinates import (
@@ -59,7 +58,7 @@ class MovingGuides:
         frames: LinkFrames,
         links: Sequence[RunLink],
     ) -> None:
-        self._topology, self._frames = engine.topology, frames
+        self._topology, self._links = engine.topology, frames.links
         self._sliders = [
             number
             for number, slider in enumerate(self._topology.sliders)
@@ -85,7 +84,7 @@ class MovingGuides:
         return COORDINATES * len(self._sliders)
 
     def rows(
-        self, motion: RigidMotion, dependent: Sequence[Sequence[DependentRows]]
+        self, motion: RigidMotion, links: Sequence[FloatArray]
     ) -> tuple[FloatArray, FloatArray]:
         """Coordinates of the strains by the first independent coordinates, and their rate.
 
@@ -93,125 +92,45 @@ class MovingGuides:
         ----------
         motion : RigidMotion
             Batch of shape (m,).
-        dependent : sequence of sequence of DependentRows
-            Of the frames at the same instants.
+        links : sequence of ndarray, shape (2, m, n_link, end_count)
+            Coordinates of each link by the same, and their rate.
 
         Returns
         -------
         tuple of ndarray, shape (m, size, end_count)
         """
-        count = len(motion.crank_angle)
-        if not self._sliders:
-            none = np.zeros((count, 0, self._frames.end_count))
-            return none, none
         _, slid = link_bodies(motion, self._topology)
-        found = MatrixWithRates.stacked(
-            [
-                self._rows_of(motion, dependent, number, bar, slid[..., number])
-                for number, bar in zip(self._sliders, self._bars, strict=True)
-            ]
-        )
-        return found.value, found.rate
-
-    def added(
-        self, matrices: SystemMatrices, motion: RigidMotion, terms: RotationTerms
-    ) -> SystemMatrices:
-        """Matrices of the frames with the linear part of the strains.
-
-        Parameters
-        ----------
-        matrices : SystemMatrices
-            Of m instants.
-        motion : RigidMotion
-        terms : RotationTerms
-
-        Returns
-        -------
-        SystemMatrices
-        """
-        if not self._sliders:
-            return matrices
-        rows = self.rows(motion, self._frames.dependent_rows(motion))
-        strain, rate = (self.stretch.gradient @ part for part in rows)
-        turned, time = np.swapaxes(strain, 1, 2), self.stretch.damping_time[:, None]
-        ends = slice(self._frames.end_count)
-        stiffness, damping = matrices.stiffness.copy(), matrices.damping.copy()
-        stiffness[:, ends, ends] += turned @ strain
-        damping[:, ends, ends] += turned @ (time * strain)
-        if terms.coriolis:
-            stiffness[:, ends, ends] += turned @ (time * rate)
-        return SystemMatrices(matrices.mass, damping, stiffness)
-
-    def virtual_power(
-        self,
-        motion: RigidMotion,
-        unit: RigidMotion,
-        position: FloatArray,
-        velocity: FloatArray,
-    ) -> FloatArray:
-        """Power (m,) of the guides' forces as the frames turn at unit crank speed.
-
-        Parameters
-        ----------
-        motion, unit : RigidMotion
-            Batch of shape (m,), and the same positions at unit crank speed.
-        position, velocity : ndarray, shape (m, size)
-            Of the coordinates of the frames.
-
-        Returns
-        -------
-        ndarray, shape (m,)
-        """
-        if not self._sliders:
-            return np.zeros(len(position))
-        turn, rate = self.rows(motion, self._frames.dependent_rows(motion))
-        _, turning = self.rows(unit, self._frames.dependent_rows(unit))
-        z, moving = (part[:, : self._frames.end_count, None] for part in (position, velocity))
-        place, speed = (turn @ z)[..., 0], (turn @ moving + rate @ z)[..., 0]
-        elastic, damping = self.stretch.nonlinear_forces(place, speed)
-        linear, linear_rate = (part @ self.stretch.gradient.T for part in (place, speed))
-        tension = linear + self.stretch.damping_time * linear_rate
-        force = elastic + damping + tension @ self.stretch.gradient
-        return np.asarray(np.einsum("mi,mi->m", (turning @ z)[..., 0], force))
+        pairs = zip(self._sliders, self._bars, strict=True)
+        found = [self._rows_of(motion, links, n, bar, slid[:2, :, n]) for n, bar in pairs]
+        value, rate = (np.concatenate(parts, axis=1) for parts in zip(*found, strict=True))
+        return value, rate
 
     def _rows_of(
         self,
         motion: RigidMotion,
-        dependent: Sequence[Sequence[DependentRows]],
+        links: Sequence[FloatArray],
         number: int,
         bar: tuple[FloatArray, FloatArray],
         slid: ComplexArray,
-    ) -> MatrixWithRates:
-        """The five coordinates of a slider, by its number, that is at (3, m) on its guide."""
-        slider, count = self._topology.sliders[number], len(motion.crank_angle)
+    ) -> list[FloatArray]:
+        """The five coordinates of a slider, by its number, that is at (2, m) on its guide."""
+        slider, (start, natural) = self._topology.sliders[number], bar
         link, guide = (self._topology.index(x) for x in (slider.link_end.link, slider.guide))
-        sliding, guiding = (self._link_rows(n, dependent[n], count) for n in (link, guide))
-        turn = (motion.angle, motion.angular_velocity, motion.angular_acceleration)
-        angle, speed, change = (own[:, link] - own[:, guide] for own in turn)
-        to_line = MatrixWithRates.rotation(angle - slider.direction, speed, change)
-        start, natural = (MatrixWithRates.constant(own, count) for own in bar)
-        end = self._frames.links[link].end_displacement(slider.link_end.end)
-        u, d = to_line @ sliding.rows(end) - start @ guiding, natural @ guiding
+        angle = motion.angle[:, link] - motion.angle[:, guide] - slider.direction
+        speed = motion.angular_velocity[:, link] - motion.angular_velocity[:, guide]
+        to_line = MatrixWithRates.rotation(angle, speed, np.zeros_like(speed))
+        end = self._links[link].end_displacement(slider.link_end.end)
+        (sliding, sliding_rate), (guiding, guiding_rate) = links[link], links[guide]
+        u = to_line.value @ sliding[:, end] - start @ guiding
+        u_rate = to_line.rate @ sliding[:, end] + to_line.value @ sliding_rate[:, end]
+        u_rate -= start @ guiding_rate
+        d, d_rate = natural @ guiding, natural @ guiding_rate
         at = slid * np.exp(-1j * slider.direction) / self._topology.links[guide].length
-        value, rate, twice = np.stack([-at.imag, at.real], axis=-1)[:, :, None]
-        lever = MatrixWithRates(value, rate, twice, np.zeros_like(twice))
-        along, across = (u.rows(np.array([n])) for n in (0, 1))
-        return MatrixWithRates.stacked([across - lever @ d, d, across, along])
-
-    def _link_rows(
-        self, link: int, dependent: Sequence[DependentRows], count: int
-    ) -> MatrixWithRates:
-        """Coordinates of a link by the first independent coordinates, (m, n_link, end_count)."""
-        target = self._frames.targets[link]
-        parts = np.zeros((4, count, len(target), self._frames.end_count))
-        own = self._frames.independent_coordinates(link)
-        own = own[target[own] < self._frames.end_count]
-        parts[0, :, own, target[own]] = 1.0
-        for tie in dependent:
-            of_tie = (tie.turn, tie.rate, tie.centripetal, tie.tangential)
-            for part, values in zip(parts, of_tie, strict=True):
-                part[:, tie.rows[:, None], tie.columns] = values
-        return MatrixWithRates(*parts)
+        lever, lever_rate = np.stack([-at.imag, at.real], axis=-1)[:, :, None]
+        gap = u[:, 1:] - lever @ d
+        gap_rate = u_rate[:, 1:] - lever_rate @ d - lever @ d_rate
+        parts = ((gap, d, u), (gap_rate, d_rate, u_rate))
+        return [np.concatenate([g, x, v[:, 1:], v[:, :1]], axis=1) for g, x, v in parts]
 
 
 def _strain(engine: Engine, length: float) -> LinkStretch:
@@ -284,14 +203,19 @@ class LinkageStretch:
         """
         count, first = len(motion.crank_angle), self._independent
         turn, rate = np.zeros((2, count, self.size - first, self.end_count))
-        dependent = self._frames.dependent_rows(motion)
-        guided = slice(self.size - first - self.guides.size, None)
-        turn[:, guided], rate[:, guided] = self.guides.rows(motion, dependent)
-        for places, ends in zip(self._places, dependent, strict=True):
+        for places, ends in zip(self._places, self._frames.dependent_rows(motion), strict=True):
             for end in ends:
                 rows = places[end.rows] - first
                 turn[:, rows[:, None], end.columns] = end.turn
                 rate[:, rows[:, None], end.columns] = end.rate
+        if self.guides.size:
+            # Coordinates of links by the displacements of ends; fixed ones are the last, zero.
+            free = np.zeros((2, count, first, self.end_count))
+            free[0], fixed = np.eye(first, self.end_count), np.zeros_like(free[:, :, :1])
+            whole = np.concatenate([free, [turn, rate], fixed], axis=2)
+            links = [whole[:, :, places] for places in self._places]
+            guided = slice(-self.guides.size, None)
+            turn[:, guided], rate[:, guided] = self.guides.rows(motion, links)
         return turn, rate
 
     def augmented(self, turn: FloatArray, columns: FloatArray) -> FloatArray:
@@ -346,6 +270,71 @@ class LinkageStretch:
         force = forces.evaluate()[0]
         elastic, _ = forces.tangents()
         return force @ augmentation, augmentation.T @ elastic[0] @ augmentation
+
+    def added(
+        self, matrices: SystemMatrices, motion: RigidMotion, terms: RotationTerms
+    ) -> SystemMatrices:
+        """Matrices of the frames with the linear part of the strains of guides.
+
+        Parameters
+        ----------
+        matrices : SystemMatrices
+            Of m instants.
+        motion : RigidMotion
+        terms : RotationTerms
+
+        Returns
+        -------
+        SystemMatrices
+        """
+        if not self.guides.size:
+            return matrices
+        stretch, ends = self.guides.stretch, slice(self.end_count)
+        strain, rate = (stretch.gradient @ part for part in self._guide_rows(motion))
+        turned, time = np.swapaxes(strain, 1, 2), stretch.damping_time[:, None]
+        stiffness, damping = matrices.stiffness.copy(), matrices.damping.copy()
+        stiffness[:, ends, ends] += turned @ strain
+        damping[:, ends, ends] += turned @ (time * strain)
+        if terms.coriolis:
+            stiffness[:, ends, ends] += turned @ (time * rate)
+        return SystemMatrices(matrices.mass, damping, stiffness)
+
+    def virtual_power(
+        self,
+        motion: RigidMotion,
+        unit: RigidMotion,
+        position: FloatArray,
+        velocity: FloatArray,
+    ) -> FloatArray:
+        """Power (m,) of the guides' forces as the frames turn at unit crank speed.
+
+        Parameters
+        ----------
+        motion, unit : RigidMotion
+            Batch of shape (m,), and the same positions at unit crank speed.
+        position, velocity : ndarray, shape (m, size)
+            Of the coordinates of the frames.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+        """
+        if not self.guides.size:
+            return np.zeros(len(position))
+        (turn, rate), (_, turning) = self._guide_rows(motion), self._guide_rows(unit)
+        z, moving = (part[:, : self.end_count, None] for part in (position, velocity))
+        place, speed = (turn @ z)[..., 0], (turn @ moving + rate @ z)[..., 0]
+        stretch = self.guides.stretch
+        elastic, damping = stretch.nonlinear_forces(place, speed)
+        linear, linear_rate = (part @ stretch.gradient.T for part in (place, speed))
+        tension = linear + stretch.damping_time * linear_rate
+        force = elastic + damping + tension @ stretch.gradient
+        return np.asarray(np.einsum("mi,mi->m", (turning @ z)[..., 0], force))
+
+    def _guide_rows(self, motion: RigidMotion) -> tuple[FloatArray, FloatArray]:
+        """Coordinates of the guides' strains by the displacements of link ends, and their rate."""
+        turn, rate = self.pin_rotations(motion)
+        return turn[:, -self.guides.size :], rate[:, -self.guides.size :]
 
 
 class StretchForces:
