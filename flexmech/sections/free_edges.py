@@ -39,7 +39,14 @@ import scipy.linalg
 from flexmech.arrays import ROUND_OFF, FloatArray, IntArray
 from flexmech.materials import Laminate, solid_stiffness
 from flexmech.sections.beam_reduction import ALONG, OTHERS, UNTWISTED, layer_powers
-from flexmech.sections.solid_section import CURVATURE, STRETCH, TWIST, SolidSection, solid_section
+from flexmech.sections.solid_section import (
+    CURVATURE,
+    STRETCH,
+    TWIST,
+    SolidSection,
+    lines_of_rows,
+    solid_section,
+)
 
 Twist = Literal["free", "held"]
 TWISTS: tuple[Twist, ...] = get_args(Twist)
@@ -160,10 +167,8 @@ def _meshed(faces: FloatArray, solids: FloatArray, width: float) -> SolidSection
     least = ROWS if len(solids) <= FEW_RUNS else 1
     shares = np.diff(faces) / (faces[-1] - faces[0])
     rows = np.maximum(least, np.ceil(ROWS_IN_ALL * shares * (1 - NEGLIGIBLE)).astype(int))
-    ends = np.concatenate([[0], np.cumsum(rows)])
-    lines = np.interp(np.arange(ends[-1] + 1), ends, faces)
     sides = width / 2 * np.sin(np.pi / 2 * np.linspace(-1, 1, COLUMNS + 1))
-    return solid_section(lines, np.repeat(solids, rows, axis=0), sides)
+    return solid_section(lines_of_rows(faces, rows), np.repeat(solids, rows, axis=0), sides)
 
 
 def _about_neutral_axis(stiffness: FloatArray) -> float:

@@ -141,7 +141,8 @@ def swollen_section(section: BeamSection, profile: HygrothermalProfile) -> Swoll
     dry = section.layers
     slices = [_Slice.of(*entry, profile) for entry in profile.slices(dry.laminate)]
     grown = Laminate(tuple(s.swollen for s in slices))
-    free = free_strains(grown, np.stack([s.free_stress for s in slices]), dry.reduction)
+    stress = np.stack([keeping_stress(s.swollen, s.strain[:2]) for s in slices])
+    free = free_strains(grown, stress, dry.reduction)
     across = 1 + (free[0, 1] if dry.reduction == "narrow" else 0.0)
     soft = dry.resized(grown, across)
     if isinstance(soft, LaminateSection) and soft.twist == "held" and free[1, 2] and soft.twists:
@@ -199,11 +200,6 @@ class _Slice:
         volume = growth * (1 + self.strain[2])
         density = self.dry.ply.density * (1 + self.water) / volume
         return replace(self.swollen, ply=replace(self.ply, density=density))
-
-    @property
-    def free_stress(self) -> FloatArray:
-        """Stress x, z, xz in Pa that would keep the slice from straining, (3,)."""
-        return keeping_stress(self.swollen, self.strain[:2])
 
 
 def free_strains(laminate: Laminate, stress: FloatArray, reduction: Reduction) -> FloatArray:

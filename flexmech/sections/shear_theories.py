@@ -250,29 +250,24 @@ def zigzag_of(strip: Strip, bent: PlaneState) -> Zigzag:
     place, weight = gauss_points(laminate, len(_POINTS))
     every = np.arange(len(place))[:, None]
     stress = bent.stress(place, every)
-    scale = np.abs(stress[..., 0]).max()
-    fields, shears, strains, residuals, bending = [], [], [], [], []
+    warpings = []
     for _ in range(WARPINGS):
         # Balanced from face to face: each stress has no resultant along the link.
-        shear = _from_lowest_face(laminate, stress[..., [2, 0]] / scale)
+        shear = _from_lowest_face(laminate, stress[..., [2, 0]] / np.abs(stress[..., 0]).max())
         angle = shear_strain(laminate, reduction, shear)
         moved = _from_lowest_face(laminate, angle)
         strain = np.zeros((*place.shape, 3))
         strain[..., 0], strain[..., 2] = moved[..., 1], moved[..., 0]
         slender, residual, _ = strip.warping_parts(place, weight, strain)
-        bending.append(slender[1])
         stress = np.einsum("nij,nmj->nmi", laminate.transformed_stiffness, residual)
-        scale = np.abs(stress[..., 0]).max()
-        shears.append(shear)
-        strains.append(angle)
-        fields.append(residual)
-        residuals.append(stress)
-    sheared = np.einsum("nm,anmi,bnmi->ab", weight, np.stack(shears), np.stack(strains))
-    changed = np.einsum("nm,anmi,bnmi->ab", weight, np.stack(fields), np.stack(residuals))
+        warpings.append((slender[1], shear, angle, residual, stress))
+    bending, shears, strains, fields, residuals = map(np.stack, zip(*warpings, strict=True))
+    sheared = np.einsum("nm,anmi,bnmi->ab", weight, shears, strains)
+    changed = np.einsum("nm,anmi,bnmi->ab", weight, fields, residuals)
     squared_length, vectors = scipy.linalg.eigh(changed, sheared)
     # Each with the shear angle that it gives to the axis.
-    angles = np.array(bending) @ vectors
-    warping = np.tensordot((vectors / angles).T, np.stack(fields)[..., 0], axes=1)
+    angles = bending @ vectors
+    warping = np.tensordot((vectors / angles).T, fields[..., 0], axes=1)
     density = np.array([layer.ply.density for layer in laminate.layers])[:, None]
     mass = weight * density / np.sum(weight * density)
     energy = energy_by_direction(laminate, fields[0], weight)

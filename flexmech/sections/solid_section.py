@@ -85,9 +85,13 @@ def rows_of_runs(faces: FloatArray, total: int) -> tuple[FloatArray, IntArray]:
     """
     shares = total * np.diff(faces) / (faces[-1] - faces[0])
     count = np.maximum(1, np.round(shares)).astype(int)
-    pairs = zip(faces[:-1], faces[1:], count, strict=True)
-    heights = [np.linspace(low, high, rows + 1)[1:] for low, high, rows in pairs]
-    return np.concatenate([faces[:1], *heights]), count
+    return lines_of_rows(faces, count), count
+
+
+def lines_of_rows(faces: FloatArray, count: IntArray) -> FloatArray:
+    """Faces of rows of elements, of which as many as ``count`` (n,) are of each run, evenly."""
+    ends = np.concatenate([[0], np.cumsum(count)])
+    return np.asarray(np.interp(np.arange(ends[-1] + 1), ends, faces))
 
 
 class Parabolas:
