@@ -40,7 +40,7 @@ from flexmech.linkages.applied_forces import SpringLine
 from flexmech.materials import solid_stiffness
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection, DampingTimes, LaminateSection
-from flexmech.sections.parabolas import SLOPES, VALUES, Parabolas, rows_of_runs
+from flexmech.sections.solid_section import SLOPES, VALUES, Parabolas, rows_of_runs
 from flexmech.threads import one_thread
 
 # Theories differ by the wavelength of a mode, hardly by the crank angle.

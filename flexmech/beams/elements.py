@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from flexmech.arrays import FloatArray
 from flexmech.beams.beam_shapes import BeamFields, BeamShapes
 from flexmech.beams.theories import EulerBernoulli, Reddy, Timoshenko, ZigzagBeam
-from flexmech.sections import BeamSection, SectionStack, damping_times
+from flexmech.sections import BeamSection, SectionStack
 
 # Which of a node's coordinates is the rotation of the section, in all theories.
 ROTATION = 2
@@ -78,7 +78,7 @@ class BeamElements:
     @cached_property
     def neutral_damping(self) -> FloatArray:
         """Kelvin-Voigt damping by the neutral axis's nodes, (e, 2 p, 2 p)."""
-        times = damping_times(self.section)
+        times = self.section.damping_times
         if not times.any():
             return np.zeros_like(self.neutral_stiffness)
         stiffness = self.shapes.strain_stiffness(self.section)

@@ -137,7 +137,7 @@ def stack_chains(
         for section, mass in zip(sections, masses, strict=True)
     )
     nodes = np.stack([node_positions(m.length, elements, m.point_positions) for m in masses])
-    beams = BeamElements(shapes, cast("BeamSection", SectionStack(own)), np.diff(nodes))
+    beams = BeamElements(shapes, cast("BeamSection", SectionStack.of(own)), np.diff(nodes))
     model = _straight_link(name, nodes, beams, masses)
     return Chain(model, nodes, beams, np.array([mass.mass_per_length for mass in masses]))
 

@@ -24,8 +24,13 @@ from flexmech.beams.link_matrices import build_chain
 from flexmech.linkages import LinkMass
 from flexmech.sections import BeamSection, LaminateSection
 from flexmech.sections.free_edges import FIRST_MODE, is_off_axis, layer_runs
-from flexmech.sections.parabolas import VALUES, Parabolas, graded, rows_of_runs
-from flexmech.sections.solid_section import section_energy
+from flexmech.sections.solid_section import (
+    VALUES,
+    Parabolas,
+    graded,
+    rows_of_runs,
+    section_energy,
+)
 
 MODES = 2
 """Bending modes that are compared."""

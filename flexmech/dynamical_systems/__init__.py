@@ -35,7 +35,6 @@ from flexmech.dynamical_systems.harmonic_response import (
 )
 from flexmech.dynamical_systems.lobatto import (
     EquationsOfMotion,
-    StepOperators,
     VibrationState,
     initial_state,
     march,
@@ -71,7 +70,6 @@ __all__ = [
     "SampledPeriodicSystem",
     "StateModes",
     "StatedPeriodicSystem",
-    "StepOperators",
     "VibrationState",
     "balanced_response",
     "differentiation_matrices",

@@ -1,39 +1,64 @@
 """Floquet multipliers and modes of a periodic linear system, however far apart they are.
 
 A mode is a solution ``phi(t) exp(lambda t)`` whose shape phi repeats itself after a period T; its
-multiplier is ``exp(lambda T)``. They follow from the periodic Schur form of the transition matrices
-along a period (:mod:`flexmech.dynamical_systems.periodic_schur`).
+multiplier is ``exp(lambda T)``.
+
+Multiplied together, the transition matrices of a whole period lose what decays fast beside what
+does not: of a multiplier of ``exp(-24 * 2 pi)`` beside one of 1 nothing is left. So they stay
+short, and are brought to triangular form one after the other::
+
+    G_k Q_(k-1) = Q_k R_k
+
+Where the multipliers come in groups that are far apart, the columns of Q_k tend to the subspaces
+of these groups as the turns go by, the strongest group first (orthogonal iteration; this is the
+periodic Schur form of A. Bojanczyk, G. H. Golub & P. Van Dooren, SPIE 1770 (1992) 31-42, in blocks
+of comparable size). The multipliers of a group are the eigenvalues of the product of its blocks on
+the diagonals of R_k alone. The modes follow backwards in time, where what is weak is not lost
+beside what is strong.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
+from itertools import pairwise
 from math import gcd
 
 import numpy as np
+import scipy.linalg
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.dynamical_systems.periodic_schur import (
-    PeriodicSchurForm,
-    block_eigenvalues,
-    chunk_products,
-    modes_backwards,
-    parted_steps,
-    periodic_schur_form,
-    short_products,
-)
 from flexmech.dynamical_systems.periodic_system import (
     PeriodicSystem,
     SampledPeriodicSystem,
+    cache_blocks,
     magnus_exponents,
+    matrix_exponentials,
     transition_matrices,
 )
+from flexmech.errors import ComputationError
 
 # Instants at which the trace is known: the trapezoidal rule over a period converges beyond all
 # orders, and eight thousand show more harmonics than a linkage has.
 MOST_TRACES = 8192
+# Logarithm of how far apart the multipliers, and singular values, of one short transition matrix
+# may be: twelve digits of the weakest remain.
+SHORT = 9.0
+# Groups part where the logarithms of neighbouring moduli are this far apart, and where they are
+# less far apart if a group would be wider than that from its strongest to its weakest mode: of
+# the weakest, ten digits remain.
+GROUPS_APART = 4.0
+WIDEST = 12.0
+# Part of a group in another one that is round-off of a turn of some thousand products.
+PARTED = 1e-11
+# Turns that groups take to show: averages over ten of them tell which part. And how many times what
+# their distance asks for they may take, since columns of a group are first to be told apart.
+FIRST_TURNS = 20
+PATIENCE = 3.0
+# Of a step, to which damping ratios far above one lead: with so many, exp(8 * 1024) within a step.
+MOST_PARTS = 1024
 
 
 @dataclass(frozen=True)
@@ -49,12 +74,16 @@ class FloquetModes:
         between ``-pi / T`` and ``pi / T``.
     trace_integral : float
         Integral of the trace of A over a period.
+    whole_turns : ndarray, shape (n,), optional
+        Whole turns a period of each shape of a constant system: such a shape is one harmonic,
+        eigenvectors whose phase turns. None of other systems.
     """
 
     period: float
     exponent: NDArray[np.complex128]
     trace_integral: float
-    _shapes: _ConstantShapes | _PropagatedShapes
+    whole_turns: FloatArray | None
+    _shapes: Callable[[int, IntArray], NDArray[np.complex128]]
 
     @property
     def log_modulus(self) -> FloatArray:
@@ -80,14 +109,6 @@ class FloquetModes:
             size += 2 * np.pi * float(np.abs(self.whole_turns).sum())
         return defect / max(1.0, size)
 
-    @property
-    def whole_turns(self) -> FloatArray | None:
-        """Whole turns a period of each shape of a constant system, (n,); None of other systems.
-
-        Such a shape is one harmonic: eigenvectors whose phase turns.
-        """
-        return self._shapes.turns if isinstance(self._shapes, _ConstantShapes) else None
-
     def shapes(self, every: int = 1, wanted: IntArray | None = None) -> NDArray[np.complex128]:
         """Shapes ``phi`` at the starts of the N steps, (N, n, k): (step, state, mode).
 
@@ -98,9 +119,7 @@ class FloquetModes:
         wanted : ndarray of int, shape (k,), optional
             Numbers of modes; all n by default.
         """
-        return self._shapes.shapes(
-            every, np.arange(len(self.exponent)) if wanted is None else wanted
-        )
+        return self._shapes(every, np.arange(len(self.exponent)) if wanted is None else wanted)
 
 
 def floquet_modes(system: PeriodicSystem, steps: int) -> FloquetModes:
@@ -139,20 +158,20 @@ def floquet_modes(system: PeriodicSystem, steps: int) -> FloquetModes:
     log, vectors = block_eigenvalues(triangular)
     order = np.argsort(-log.real, kind="stable")
     propagated = _PropagatedShapes(steps, chunks, triangular, log, vectors, order)
-    return FloquetModes(system.period, log[order] / system.period, integral, propagated)
+    shapes, period = propagated.shapes, system.period
+    return FloquetModes(period, log[order] / period, integral, None, shapes)
 
 
-@dataclass(frozen=True)
-class _ConstantShapes:
+def _turning_shapes(
+    steps: int,
+    vectors: NDArray[np.complex128],
+    turns: FloatArray,
+    every: int,
+    wanted: IntArray,
+) -> NDArray[np.complex128]:
     """Shapes of a constant system's modes, which turn by whole angles in a period."""
-
-    steps: int
-    vectors: NDArray[np.complex128]
-    turns: FloatArray
-
-    def shapes(self, every: int, wanted: IntArray) -> NDArray[np.complex128]:
-        phase = 2j * np.pi * np.arange(0, self.steps, every)[:, None] / self.steps
-        return np.asarray(self.vectors[:, wanted] * np.exp(phase * self.turns[wanted])[:, None])
+    phase = 2j * np.pi * np.arange(0, steps, every)[:, None] / steps
+    return np.asarray(vectors[:, wanted] * np.exp(phase * turns[wanted])[:, None])
 
 
 def _constant_modes(matrix: FloatArray, period: float, steps: int) -> FloquetModes:
@@ -161,10 +180,10 @@ def _constant_modes(matrix: FloatArray, period: float, steps: int) -> FloquetMod
     order = np.argsort(-values.real, kind="stable")
     log = period * values[order].astype(complex)
     turns = np.round(log.imag / (2 * np.pi))
-    shapes = _ConstantShapes(steps, vectors[:, order].astype(complex), turns)
+    shapes = partial(_turning_shapes, steps, vectors[:, order].astype(complex), turns)
     trace = period * float(np.trace(matrix))
     exponent = ((log - 2j * np.pi * turns) / period).astype(np.complex128)
-    return FloquetModes(period, exponent, trace, shapes)
+    return FloquetModes(period, exponent, trace, turns, shapes)
 
 
 @dataclass(frozen=True)
@@ -249,3 +268,296 @@ def krein_signature(shapes: NDArray[np.complex128]) -> FloatArray:
     y, p = shapes[..., :half, :], shapes[..., half:, :]
     size = (np.abs(shapes) ** 2).sum(axis=-2)
     return np.asarray(2 * (y.conj() * p).imag.sum(axis=-2) / size, dtype=float)
+
+
+def short_products(matrices: FloatArray, spread: float) -> tuple[FloatArray, FloatArray] | None:
+    """Transition matrices of a period in rows so short that no product loses a weak multiplier.
+
+    Parameters
+    ----------
+    matrices : ndarray, shape (N, n, n)
+        Transition matrices of the steps.
+    spread : float
+        By how much the logarithms of the multipliers differ by damping alone. Where vibrations
+        grow, rows are halved on.
+
+    Returns
+    -------
+    ndarray, shape (K, m, n, n)
+        K rows of m matrices each.
+    ndarray, shape (K, n, n)
+        Their products. None of both where a step is too long for itself.
+    """
+    steps = len(matrices)
+    divisors = [n for n in range(1, steps + 1) if steps % n == 0]
+    wanted, count = max(1, int(np.ceil(spread / SHORT))), 0
+    while count < steps:
+        count = next((n for n in divisors if n >= wanted), steps)
+        chunks = matrices.reshape(count, steps // count, *matrices.shape[1:])
+        # Steps far longer than a vibration's period can let it grow beyond all numbers.
+        with np.errstate(over="ignore", invalid="ignore"):
+            products = chunk_products(chunks)
+        if _log_condition(products) <= SHORT:
+            return chunks, products
+        wanted = 2 * count
+    return None
+
+
+def parted_steps(exponent: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Transition matrices of parts of steps that are too long for themselves.
+
+    The matrix of a step is the power of that of its part.
+
+    Parameters
+    ----------
+    exponent : ndarray, shape (N, n, n)
+        Logarithms of the transition matrices of the steps.
+
+    Returns
+    -------
+    ndarray, shape (K, 1, n, n)
+    ndarray, shape (K, n, n)
+        As of :func:`short_products`.
+
+    Raises
+    ------
+    ComputationError
+        If modes grow or decay too far within one step.
+    """
+    parts = 1
+    while parts < MOST_PARTS:
+        parts *= 2
+        split = matrix_exponentials(exponent / parts)
+        if _log_condition(split) <= SHORT:
+            products = np.repeat(split, parts, axis=0)
+            return products[:, None], products
+    raise ComputationError(
+        f"modes grow or die out too far within one of {len(exponent)} steps a turn; take more steps"
+    )
+
+
+def _log_condition(matrices: FloatArray) -> float:
+    """Logarithm of the greatest ratio of a matrix's singular values, or a bound within SHORT."""
+    if not np.isfinite(matrices).all():
+        return np.inf
+    found = -np.inf
+    with np.errstate(divide="ignore", over="ignore"):
+        for block in cache_blocks(matrices):
+            # The bound takes a tenth of the time of singular values.
+            greatest = np.linalg.cond(matrices[block], "fro").max()
+            if not np.log(greatest) <= SHORT:
+                greatest = np.linalg.cond(matrices[block]).max()
+            found = max(found, float(np.log(greatest)))
+            if not found <= SHORT:
+                break
+    return found
+
+
+def chunk_products(chunks: FloatArray) -> FloatArray:
+    """Product of each row of matrices, the first rightmost.
+
+    Parameters
+    ----------
+    chunks : ndarray, shape (K, m, n, n)
+
+    Returns
+    -------
+    ndarray, shape (K, n, n)
+    """
+    while chunks.shape[1] > 1:
+        even = chunks.shape[1] // 2 * 2
+        paired, rest = chunks[:, 1:even:2] @ chunks[:, 0:even:2], chunks[:, even:]
+        chunks = np.concatenate([paired, rest], axis=1) if rest.shape[1] else paired
+    return np.asarray(chunks[:, 0])
+
+
+@dataclass(frozen=True)
+class PeriodicSchurForm:
+    """``G_k Q_(k-1) = Q_k R_k`` over a period after which the groups of columns return.
+
+    Parameters
+    ----------
+    bases : ndarray, shape (K + 1, n, n)
+        Q_0 to Q_K.
+    factors : ndarray, shape (K, n, n)
+        R_1 to R_K.
+    seam : ndarray, shape (n, n)
+        ``Q_0' Q_K``, block diagonal.
+    groups : list of slice
+    apart : float
+        By how much the logarithms of the moduli of neighbouring groups differ at the least.
+    """
+
+    bases: FloatArray
+    factors: FloatArray
+    seam: FloatArray
+    groups: list[slice]
+    apart: float
+
+
+def periodic_schur_form(matrices: FloatArray) -> PeriodicSchurForm:
+    """Periodic Schur form of K matrices in groups of columns.
+
+    Parameters
+    ----------
+    matrices : ndarray, shape (K, n, n)
+        G_1 to G_K.
+
+    Returns
+    -------
+    PeriodicSchurForm
+
+    Raises
+    ------
+    ComputationError
+        If the multipliers do not part into groups.
+    """
+    size = matrices.shape[1]
+    # A general start: an invariant subspace of weak modes would stay before the strong ones.
+    start = scipy.linalg.qr(np.random.default_rng(0).normal(size=(size, size)))[0]
+    growth: list[FloatArray] = []
+    turns, most_turns = 0, 1.0 * FIRST_TURNS
+    while turns < most_turns:
+        turns += 1
+        bases, factors = _iterated(matrices, start)
+        seam = bases[0].T @ bases[-1]
+        growth.append(np.log(np.abs(np.einsum("kii->ki", factors))).sum(axis=0))
+        # Over one turn columns of a group grow and shrink; on the average they do as its modes.
+        logs = np.mean(growth[turns // 2 :], axis=0)
+        groups = _groups(logs)
+        edges = [group.start for group in groups[1:]]
+        apart = min((_fall(logs, edge) for edge in edges), default=np.inf)
+        closed = all(np.abs(seam[edge:, :edge]).max() <= PARTED for edge in edges)
+        if closed and all(np.ptp(logs[group]) <= WIDEST for group in groups):
+            return PeriodicSchurForm(bases, factors, seam, groups, apart)
+        most_turns = FIRST_TURNS - PATIENCE * np.log(PARTED) / apart
+        start = bases[-1].copy()
+        del bases, factors  # They are as large as all that is left.
+    raise ComputationError(
+        "the Floquet multipliers do not part into groups; take more steps, or less damping"
+    )
+
+
+def _iterated(matrices: FloatArray, start: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Bases Q_0 to Q_K and factors R_1 to R_K of one turn."""
+    count, size, _ = matrices.shape
+    bases, factors = np.empty((count + 1, size, size)), np.empty((count, size, size))
+    bases[0] = start
+    # The routines behind scipy.linalg.qr, whose checks take longer than small matrices do.
+    for k, matrix in enumerate(matrices):
+        packed, reflectors, _, _ = scipy.linalg.lapack.dgeqrf(matrix @ bases[k])
+        factors[k] = packed
+        bases[k + 1] = scipy.linalg.lapack.dorgqr(packed, reflectors)[0]
+    factors *= np.tri(size).T
+    return bases, factors
+
+
+def _fall(logs: FloatArray, edge: int) -> float:
+    """By how much all columns before a place have grown more than all after it."""
+    return float(logs[:edge].min() - logs[edge:].max())
+
+
+def _groups(logs: FloatArray) -> list[slice]:
+    """Columns in groups that part far enough, or as far as they do where a group is wide."""
+    size = len(logs)
+    falls = np.array([np.inf, *(_fall(logs, edge) for edge in range(1, size))])
+    pending = [slice(a, b) for a, b in pairwise([*np.flatnonzero(falls > GROUPS_APART), size])]
+    groups: list[slice] = []
+    while pending:
+        group = pending.pop(0)
+        inner = falls[group.start + 1 : group.stop]
+        if np.ptp(logs[group]) <= WIDEST or inner.max() <= 0:
+            groups.append(group)
+        else:
+            edge = group.start + 1 + int(inner.argmax())
+            pending[:0] = [slice(group.start, edge), slice(edge, group.stop)]
+    return groups
+
+
+def block_eigenvalues(
+    form: PeriodicSchurForm,
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Eigenvalues of the product ``G_K ... G_1``, group by group.
+
+    Parameters
+    ----------
+    form : PeriodicSchurForm
+
+    Returns
+    -------
+    ndarray of complex, shape (n,)
+        Logarithms of the multipliers.
+    ndarray of complex, shape (n, n)
+        Eigenvectors of their groups' diagonal blocks.
+    """
+    size = len(form.seam)
+    logs = np.zeros(size, dtype=complex)
+    vectors = np.zeros((size, size), dtype=complex)
+    for group in form.groups:
+        product, scale = _scaled_product(form.factors[:, group, group])
+        values, vectors[group, group] = np.linalg.eig(form.seam[group, group] @ product)
+        logs[group] = np.log(values.astype(complex)) + scale
+    return logs, vectors
+
+
+def _scaled_product(matrices: FloatArray) -> tuple[FloatArray, float]:
+    """Product of matrices (K, n, n), the first rightmost, over a factor with this logarithm."""
+    scale = 0.0
+    while True:
+        largest = np.abs(matrices).max(axis=(1, 2))
+        matrices, scale = matrices / largest[:, None, None], scale + float(np.log(largest).sum())
+        if len(matrices) == 1:
+            return matrices[0], scale
+        even = len(matrices) // 2 * 2
+        paired = matrices[1:even:2] @ matrices[0:even:2]
+        matrices = np.concatenate([paired, matrices[even:]])
+
+
+def modes_backwards(
+    form: PeriodicSchurForm,
+    log: NDArray[np.complex128],
+    vectors: NDArray[np.complex128],
+    wanted: IntArray,
+) -> NDArray[np.complex128]:
+    """Shapes of modes at the starts of the K matrices.
+
+    Backwards a mode outgrows those that are stronger than it, to which its own group's columns
+    and those before them are open; after some turns its share in them is what it must be.
+
+    Parameters
+    ----------
+    form : PeriodicSchurForm
+    log : ndarray of complex, shape (n,)
+    vectors : ndarray of complex, shape (n, n)
+        Both of :func:`block_eigenvalues`.
+    wanted : ndarray of int, shape (k,)
+        Numbers of the modes.
+
+    Returns
+    -------
+    ndarray of complex, shape (K, n, k)
+        Modes in columns.
+    """
+    count = len(form.factors)
+    back = np.exp(log[wanted] / count)
+    # Round-off would put strong modes into weaker columns, which grow most backwards.
+    seam, stronger = np.zeros_like(form.seam), np.zeros(vectors.shape, dtype=bool)
+    for group in form.groups:
+        seam[group, group] = form.seam[group, group].T
+        stronger[: group.start, group] = True
+    stronger, vectors = stronger[:, wanted], vectors[:, wanted]
+    shapes = np.zeros((count, *vectors.shape), dtype=complex)
+    forgotten = -np.log(np.finfo(float).eps) / form.apart
+    for _ in range(2 + int(np.ceil(forgotten)) if len(form.groups) > 1 else 1):
+        coordinates = seam @ np.where(stronger, shapes[0], vectors)
+        for k in range(count - 1, -1, -1):
+            # Real and imaginary parts by the routine behind scipy.linalg.solve_triangular.
+            solved = scipy.linalg.lapack.dtrtrs(form.factors[k], coordinates.view(float))[0]
+            coordinates = back * np.ascontiguousarray(solved).view(complex)
+            shapes[k] = coordinates
+    for block in cache_blocks(shapes):
+        shapes[block] = form.bases[:-1][block] @ shapes[block]
+    size = np.linalg.norm(shapes[0], axis=0)
+    # A mode that dies away beyond the least number within a turn has no shape left.
+    shapes /= np.where(size > 0, size, 1.0)
+    return shapes

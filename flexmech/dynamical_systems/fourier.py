@@ -77,7 +77,9 @@ class FourierSeries:
     def rate(self) -> FourierSeries:
         """Derivative by the phase."""
         order = 2j * np.pi * np.arange(len(self.coefficients))
-        return FourierSeries(self.coefficients * order.reshape(-1, *[1] * self._rank))
+        return FourierSeries(
+            self.coefficients * order.reshape(-1, *[1] * (self.coefficients.ndim - 1))
+        )
 
     def at(self, phase: FloatArray) -> FloatArray:
         """Values at phases (A,) or at one phase; shape (A, ...) or (...)."""
@@ -105,10 +107,6 @@ class FourierSeries:
             [turned.real, turned.imag]
         )
         return np.asarray(values.reshape(-1, *self.coefficients.shape[1:]))
-
-    @property
-    def _rank(self) -> int:
-        return self.coefficients.ndim - 1
 
 
 def differentiation_matrices(

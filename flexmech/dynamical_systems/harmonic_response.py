@@ -20,6 +20,7 @@ harmonics of x, is another way to the same numbers.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import factorial
 
@@ -29,6 +30,7 @@ from numpy.typing import ArrayLike, NDArray
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.dynamical_systems.fourier import FourierSeries
 from flexmech.dynamical_systems.periodic_system import (
+    PeriodicSystem,
     SampledPeriodicSystem,
     transition_matrices,
 )
@@ -145,11 +147,11 @@ def harmonic_response(
     check_count(steps, "steps")
     if forced.system.is_constant:
         return _of_constant_matrix(forced, input_rate, wanted)
-    march = _March.of(forced, steps)
+    march = _march(forced, steps)
     answer = np.empty((len(wanted), len(input_rate)), dtype=complex)
     for first in range(0, len(input_rate), BATCH):
         some = slice(first, first + BATCH)
-        answer[:, some] = march.harmonics(input_rate[some])[wanted % steps]
+        answer[:, some] = march(input_rate[some])[wanted % steps]
     if not np.isfinite(answer).all():
         raise ComputationError(
             "vibrations grow beyond all numbers within a turn; take more damping, or a higher "
@@ -159,97 +161,66 @@ def harmonic_response(
 
 
 @dataclass(frozen=True)
-class _Pushed:
+class _Pushed(PeriodicSystem):
     """The system with u and its derivatives as further states, ``u' = u_1 / h, u_1' = u_2 / h``.
 
     Parameters
     ----------
+    period : float
+        In s.
     forced : ForcedPeriodicSystem
     step : float
         h in s.
     """
 
+    period: float
     forced: ForcedPeriodicSystem
     step: float
-
-    @property
-    def period(self) -> float:
-        """Period of the system in s."""
-        return self.forced.system.period
-
-    @property
-    def size(self) -> int:
-        """Number of states with those of u."""
-        return self.forced.system.size + POINTS
 
     def matrices(self, count: int, shift: float, part: slice = slice(None)) -> FloatArray:
         """Matrices at the times ``(k + shift) period / count``, or at a part of them."""
         own = self.forced.system.matrices(count, shift, part)
         size, chain = own.shape[1], np.arange(own.shape[1], own.shape[1] + POINTS)
-        found = np.zeros((len(own), self.size, self.size))
+        found = np.zeros((len(own), size + POINTS, size + POINTS))
         found[:, :size, :size] = own
         found[:, :size, size] = self.forced.force.samples(count, shift, part)
         found[:, chain[:-1], chain[1:]] = 1 / self.step
         return found
 
-    def traces(self, count: int) -> FloatArray:
-        """Traces at the times ``k period / count``, shape (count,)."""
-        return self.forced.system.traces(count)
 
+def _march(forced: ForcedPeriodicSystem, steps: int) -> Callable[[FloatArray], ComplexArray]:
+    """Solve the steps of a period once for all frequencies.
 
-@dataclass(frozen=True)
-class _March:
-    """Steps of a period from states to states under a harmonic force.
-
-    Parameters
-    ----------
-    step : float
-        In s.
-    transition : ndarray, shape (N, n, n)
-    pushed : ndarray, shape (N, n, POINTS)
-        State at a step's end by the force at each of its points.
-    reading : ndarray, shape (N, n)
-        At the steps' starts.
+    The result gives harmonics (N, F) of the answer to forces of circular frequencies (F,) in rad/s.
     """
+    size, step = forced.system.size, forced.system.period / steps
+    whole = transition_matrices(_Pushed(forced.system.period, forced, step), steps)
+    # Derivatives at the start of a step, in lengths of it, of the polynomial through values.
+    powers = np.linalg.inv(np.vander(np.arange(POINTS) / (POINTS - 1), increasing=True))
+    derivatives = powers * [[factorial(j)] for j in range(POINTS)]
+    transitions = whole[:, :size, :size].copy()
+    # The state at a step's end by the force at each of its points.
+    pushed = (whole[:, :size, size:] @ derivatives).reshape(-1, POINTS)
+    reading = forced.reading.samples(steps)
 
-    step: float
-    transition: FloatArray
-    pushed: FloatArray
-    reading: FloatArray
-
-    @classmethod
-    def of(cls, forced: ForcedPeriodicSystem, steps: int) -> _March:
-        """Solve the steps once for all frequencies."""
-        size, step = forced.system.size, forced.system.period / steps
-        whole = transition_matrices(_Pushed(forced, step), steps)
-        # Derivatives at the start of a step, in lengths of it, of the polynomial through values.
-        powers = np.linalg.inv(np.vander(np.arange(POINTS) / (POINTS - 1), increasing=True))
-        derivatives = powers * [[factorial(j)] for j in range(POINTS)]
-        return cls(
-            step,
-            whole[:, :size, :size].copy(),
-            whole[:, :size, size:] @ derivatives,
-            forced.reading.samples(steps),
-        )
-
-    def harmonics(self, rate: FloatArray) -> ComplexArray:
-        """Harmonics (N, F) of the answer to forces of circular frequencies (F,) in rad/s."""
-        size, steps = self.transition.shape[1], len(self.transition)
-        phase = np.exp(1j * np.outer(np.arange(POINTS) / (POINTS - 1), rate * self.step))
+    def harmonics(rate: FloatArray) -> ComplexArray:
+        phase = np.exp(1j * np.outer(np.arange(POINTS) / (POINTS - 1), rate * step))
         back = 1 / phase[-1]
-        push = (self.pushed.reshape(-1, POINTS) @ phase).reshape(steps, size, -1) * back
+        push = (pushed @ phase).reshape(steps, size, -1) * back
         with np.errstate(over="ignore", invalid="ignore"):
             state, turned = np.zeros((size, len(rate)), dtype=complex), np.eye(size)
-            for transition, own in zip(self.transition, push, strict=True):
+            for transition, own in zip(transitions, push, strict=True):
                 state = _times(transition, state) * back + own
                 turned = transition @ turned
             closed = np.eye(size) - back[:, None, None] ** steps * turned
             state = np.linalg.solve(closed, state.T[..., None])[..., 0].T
             read = np.empty((steps, len(rate)), dtype=complex)
-            for number, (transition, own) in enumerate(zip(self.transition, push, strict=True)):
-                read[number] = self.reading[number] @ state
+            for number, (transition, own) in enumerate(zip(transitions, push, strict=True)):
+                read[number] = reading[number] @ state
                 state = _times(transition, state) * back + own
         return np.asarray(np.fft.fft(read, axis=0) / steps)
+
+    return harmonics
 
 
 def _times(matrix: FloatArray, vectors: ComplexArray) -> ComplexArray:

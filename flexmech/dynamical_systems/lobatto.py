@@ -106,25 +106,6 @@ class EquationsOfMotion:
         return position
 
 
-@dataclass(frozen=True)
-class StepOperators:
-    """What leads to the next prediction in each of m steps.
-
-    ``z'[k] = advance @ [z'[k-2]; z'[k-1]] + forced``.
-
-    Parameters
-    ----------
-    step : float
-        Time step h in s.
-    advance : ndarray, shape (m, n, 2 n)
-    forced : ndarray, shape (m, n)
-    """
-
-    step: float
-    advance: FloatArray
-    forced: FloatArray
-
-
 def initial_state(
     equations: EquationsOfMotion, position: FloatArray, velocity: FloatArray
 ) -> VibrationState:
@@ -157,7 +138,7 @@ def step_matrices(equations: EquationsOfMotion, step: float) -> tuple[FloatArray
     Returns
     -------
     ndarray, shape (m, n, 2 n)
-        ``advance`` of :class:`StepOperators`.
+        ``advance`` of :func:`march`.
     ndarray, shape (m, n, n)
         From the force at the end of each step to ``forced``.
     """
@@ -175,85 +156,50 @@ def step_matrices(equations: EquationsOfMotion, step: float) -> tuple[FloatArray
     return advance, np.asarray(solved[..., 2 * size :], dtype=float)
 
 
-def predicted(state: VibrationState, step: float) -> FloatArray:
-    """The two predictions that a state of shape (...) leaves, the last one second; (2, ...)."""
-    half = step * state.velocity + step**2 / 2 * state.acceleration
-    whole = state.position + step * state.velocity + step**2 / 4 * state.acceleration
-    return np.stack([whole - half, whole])
-
-
-def consecutive(prediction: FloatArray) -> FloatArray:
-    """Each two predictions that follow each other, one below the other, as a view.
-
-    Parameters
-    ----------
-    prediction : ndarray, shape (m, n) or (m, n, k)
-
-    Returns
-    -------
-    ndarray, shape (m - 1, 2 n) or (m - 1, 2 n, k)
-    """
-    size = prediction.shape[1]
-    stacked = prediction.reshape(-1, *prediction.shape[2:])
-    return np.moveaxis(sliding_window_view(stacked, 2 * size, axis=0)[::size], -1, 1)
-
-
-def states_of_predictions(
-    start: VibrationState, prediction: FloatArray, step: float
+def march(
+    state: VibrationState, step: float, advance: FloatArray, forced: FloatArray
 ) -> VibrationState:
-    """The states of a start and of m steps.
+    """Take m steps from a state.
+
+    Each leads to the next prediction, ``z'[k] = advance @ [z'[k-2]; z'[k-1]] + forced``.
 
     Parameters
     ----------
-    start : VibrationState
-        Arrays of shape (...).
-    prediction : ndarray, shape (m + 2, ...)
-        Two that the start leaves, and one of each step.
-    step : float
-        In s.
-
-    Returns
-    -------
-    VibrationState
-        Arrays of shape (m + 1, ...).
-    """
-    before, now, after = prediction[:-2], prediction[1:-1], prediction[2:]
-    mean, difference = (before + after) / 2, (after - before) / 2
-    states = (
-        (start.position, (mean + now) / 2),
-        (start.velocity, difference / step),
-        (start.acceleration, (mean - now) * (2 / step**2)),
-    )
-    return VibrationState(*(np.concatenate([first[None], rest]) for first, rest in states))
-
-
-def march(operators: StepOperators, state: VibrationState) -> VibrationState:
-    """Take all steps from a state.
-
-    Parameters
-    ----------
-    operators : StepOperators
-        Of m steps.
     state : VibrationState
         Arrays of shape (n,), or (n, k) for k motions at once.
+    step : float
+        Time step h in s.
+    advance : ndarray, shape (m, n, 2 n)
+    forced : ndarray, shape (m, n)
 
     Returns
     -------
     VibrationState
         Arrays of shape (m + 1, n) or (m + 1, n, k), the given state first.
     """
-    steps, size = operators.forced.shape
+    steps, size = forced.shape
     tail = state.position.shape[1:]
-    forced = operators.forced.reshape(steps, size, *(1,) * len(tail))
+    forced = forced.reshape(steps, size, *(1,) * len(tail))
     prediction = np.empty((steps + 2, size, *tail))
-    prediction[:2] = predicted(state, operators.step)
-    # Everything that a step needs is laid out before: what is left are a product and a sum.
-    for last_two, advance, force, new in zip(
-        consecutive(prediction), operators.advance, forced, prediction[2:], strict=False
-    ):
-        advance.dot(last_two, new)
+    # The two predictions that the state leaves.
+    half = step * state.velocity + step**2 / 2 * state.acceleration
+    prediction[1] = state.position + step * state.velocity + step**2 / 4 * state.acceleration
+    prediction[0] = prediction[1] - half
+    # Each two that follow each other, one below the other, as a view: everything that a step needs
+    # is laid out before, and what is left are a product and a sum.
+    view = sliding_window_view(prediction.reshape(-1, *tail), 2 * size, axis=0)[::size]
+    pairs = np.moveaxis(view, -1, 1)
+    for last_two, matrix, force, new in zip(pairs, advance, forced, prediction[2:], strict=False):
+        matrix.dot(last_two, new)
         np.add(new, force, new)
-    return states_of_predictions(state, prediction, operators.step)
+    before, now, after = prediction[:-2], prediction[1:-1], prediction[2:]
+    mean, difference = (before + after) / 2, (after - before) / 2
+    states = (
+        (state.position, (mean + now) / 2),
+        (state.velocity, difference / step),
+        (state.acceleration, (mean - now) * (2 / step**2)),
+    )
+    return VibrationState(*(np.concatenate([first[None], rest]) for first, rest in states))
 
 
 def parabolic_work(step: float, power: FloatArray) -> FloatArray:

@@ -16,10 +16,10 @@ times faster than one call of a general routine for each.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import factorial
-from typing import Protocol
 
 import numpy as np
 
@@ -41,18 +41,24 @@ EXPONENTS = 2048
 BLOCK = 2**17
 
 
-class PeriodicSystem(Protocol):
-    """A linear system of n states over a period."""
+class PeriodicSystem(ABC):
+    """A linear system of n states over a period.
 
-    @property
-    def period(self) -> float:
-        """Period of the system in s."""
+    Attributes
+    ----------
+    period : float
+        In s.
+    """
+
+    period: float
 
     @property
     def size(self) -> int:
         """Number of states n."""
+        return int(self.matrices(1, 0.0).shape[-1])
 
-    def matrices(self, count: int, shift: float, part: slice = ...) -> FloatArray:
+    @abstractmethod
+    def matrices(self, count: int, shift: float, part: slice = slice(None)) -> FloatArray:
         """A at the times ``(k + shift) period / count``, shape (count, n, n).
 
         Parameters
@@ -66,10 +72,11 @@ class PeriodicSystem(Protocol):
 
     def traces(self, count: int) -> FloatArray:
         """Trace of A at the times ``k period / count``, shape (count,)."""
+        return np.asarray(np.trace(self.matrices(count, 0.0), axis1=1, axis2=2))
 
 
 @dataclass(frozen=True)
-class StatedPeriodicSystem:
+class StatedPeriodicSystem(PeriodicSystem):
     """A periodic system whose matrix is a function of time.
 
     Parameters
@@ -82,11 +89,6 @@ class StatedPeriodicSystem:
 
     matrix: Callable[[FloatArray], FloatArray]
     period: float
-
-    @property
-    def size(self) -> int:
-        """Number of states n."""
-        return int(self.matrices(1, 0.0).shape[-1])
 
     def matrices(self, count: int, shift: float, part: slice = slice(None)) -> FloatArray:
         """A at the times ``(k + shift) period / count``, shape (count, n, n).
@@ -102,13 +104,9 @@ class StatedPeriodicSystem:
         time: FloatArray = self.period / count * (np.arange(count, dtype=float)[part] + shift)
         return np.asarray(self.matrix(time))
 
-    def traces(self, count: int) -> FloatArray:
-        """Trace of A at the times ``k period / count``, shape (count,)."""
-        return np.asarray(np.trace(self.matrices(count, 0.0), axis1=1, axis2=2))
-
 
 @dataclass(frozen=True)
-class SampledPeriodicSystem:
+class SampledPeriodicSystem(PeriodicSystem):
     """A periodic system whose matrix is a Fourier series.
 
     Parameters

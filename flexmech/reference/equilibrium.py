@@ -32,9 +32,8 @@ from flexmech.linear_system import (
     refuse_positions,
 )
 from flexmech.linkages import RigidMotion
-from flexmech.reference import banded
-from flexmech.reference.assembly import angle_per_unit
-from flexmech.reference.element_numbers import in_positions
+from flexmech.reference.assembly import angle_per_unit, factorize_band, solve_band
+from flexmech.reference.corotational import in_positions
 from flexmech.reference.force_balance import ForceBalance, Imbalance, Problem
 
 logger = logging.getLogger(__name__)
@@ -187,9 +186,9 @@ class Equilibrium:
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             imbalance = self._balance.imbalance(z, problem)
             for _ in range(iterations):
-                factors = banded.factorize(imbalance.band)
+                factors = factorize_band(imbalance.band)
                 change, order = np.empty_like(z), self._assembly.order
-                change[order] = banded.solve(factors, imbalance.residual[order])
+                change[order] = solve_band(factors, imbalance.residual[order])
                 last = self._turned(change, problem) <= LAST_STEP
                 stable = np.all(factors[:, 0] > 0, axis=0)
                 state.put(

@@ -21,10 +21,14 @@ from flexmech.linear_system import (
     RigidGeometricStiffness,
 )
 from flexmech.linkages import JointSpring, RigidMotion
-from flexmech.reference.assembly import LinkageAssembly, LinkRows, Ties
-from flexmech.reference.corotational import CorotationalElements, ElementResponse, LinearStrain
-from flexmech.reference.element_numbers import by_elements, in_positions
-from flexmech.reference.radial_springs import RadialSprings
+from flexmech.reference.assembly import LinkageAssembly, LinkRows, RadialSprings, Ties
+from flexmech.reference.corotational import (
+    CorotationalElements,
+    ElementResponse,
+    LinearStrain,
+    by_elements,
+    in_positions,
+)
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,21 @@
 """Beam sections: what a link's cross-section is to a beam."""
 
 from flexmech.sections.beam_reduction import REDUCTIONS, Reduction
-from flexmech.sections.beam_section import BeamSection, Layers
-from flexmech.sections.changed_sections import sections_between_joints, stiffened_section
+from flexmech.sections.beam_section import (
+    BeamSection,
+    Layers,
+    SectionStack,
+    sections_between_joints,
+    stiffened_section,
+)
 from flexmech.sections.damping import DampingTimes, SpecificDamping
 from flexmech.sections.free_edges import TWISTS
-from flexmech.sections.hygrothermal import HygrothermalProfile, swollen_section
-from flexmech.sections.laminate_section import LaminateSection
-from flexmech.sections.ply_stresses import SURFACES, residual_ply_stresses, unit_ply_stresses
-from flexmech.sections.section_stack import SectionStack, damping_times
+from flexmech.sections.hygrothermal import (
+    HygrothermalProfile,
+    residual_ply_stresses,
+    swollen_section,
+)
+from flexmech.sections.laminate_section import SURFACES, LaminateSection, unit_ply_stresses
 from flexmech.sections.shear_theories import (
     SHEAR_THEORIES,
     WARPINGS,
@@ -38,7 +45,6 @@ __all__ = [
     "SpecificDamping",
     "ThirdOrder",
     "Zigzag",
-    "damping_times",
     "residual_ply_stresses",
     "sections_between_joints",
     "solid_section",

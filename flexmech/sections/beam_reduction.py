@@ -9,14 +9,13 @@ alike.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
-from flexmech.arrays import SAME_PLACE, FloatArray, IntArray
-from flexmech.errors import InputError
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.materials import Laminate
 
 
@@ -129,6 +128,11 @@ def lost_share(laminate: Laminate, energy: FloatArray) -> float:
     return max(0.0, float(np.sum(capacity * energy) / energy.sum()))
 
 
+def layer_powers(faces: FloatArray) -> FloatArray:
+    """Integrals of 1, y and y^2 over each of n layers between faces (n + 1,), (3, n)."""
+    return np.stack([np.diff(faces**order) / order for order in (1, 2, 3)])
+
+
 def gauss_points(laminate: Laminate, count: int = 3) -> tuple[FloatArray, FloatArray]:
     """Points in each layer and their weights, (N, count) each, in m.
 
@@ -139,49 +143,6 @@ def gauss_points(laminate: Laminate, count: int = 3) -> tuple[FloatArray, FloatA
     half = np.diff(faces)[:, None] / 2
     middle = (faces[:-1] + faces[1:])[:, None] / 2
     return middle + half * points, half * weights
-
-
-def layer_of(laminate: Laminate, place: FloatArray) -> IntArray:
-    """Layers of places through the thickness.
-
-    Parameters
-    ----------
-    laminate : Laminate
-    place : ndarray, shape (m,) or (N, m)
-        In m. A list of places: at an interface the upper layer is meant. A row a layer:
-        each row belongs to its layer, interfaces included.
-
-    Returns
-    -------
-    ndarray of int
-        Broadcasts against the places.
-
-    Raises
-    ------
-    InputError
-        If a place is not a number or not in the laminate or its row's layer, or the rows
-        are not as many as the layers.
-    """
-    faces = laminate.boundaries
-    count = len(faces) - 1
-    if place.ndim == 2 and len(place) == count:
-        layer = np.arange(count)[:, None]
-    elif place.ndim < 2:
-        layer = np.clip(np.searchsorted(faces, place, side="right") - 1, 0, count - 1)
-    else:
-        raise InputError(
-            f"places must be a list, or have one row for each of the {count} layers; got "
-            f"shape {place.shape}"
-        )
-    slack = SAME_PLACE * laminate.thickness
-    inside = (place >= faces[layer] - slack) & (place <= faces[layer + 1] + slack)
-    if not np.all(inside):
-        wrong = place[~inside].flat[0]
-        raise InputError(
-            f"place {wrong:.6g} m is outside its layer; the laminate reaches from "
-            f"{faces[0]:.6g} to {faces[-1]:.6g} m"
-        )
-    return np.asarray(layer)
 
 
 Reduction = Literal["narrow", "wide"]
@@ -201,9 +162,9 @@ class Strip:
     ----------
     laminate : Laminate
     reduction : {"narrow", "wide"}
-    relaxation : ndarray, shape (2, 2), optional
+    relaxation : ndarray, shape (2, 2)
         Of a narrow link's free edges: what part of mid-plane strain and gradient finds each ply
-        free of all others. Left out: none.
+        free of all others; none by default.
     restraint : float
         Of a narrow link's twist, the gradient in y of the shear strain: 0 leaves it free, 1
         prevents it.
@@ -211,13 +172,13 @@ class Strip:
 
     laminate: Laminate
     reduction: Reduction
-    relaxation: FloatArray | None = None
+    relaxation: FloatArray = field(default_factory=lambda: np.zeros((2, 2)))
     restraint: float = 0.0
 
     @property
     def joined(self) -> Strip:
         """The same without free edges."""
-        return replace(self, relaxation=None)
+        return Strip(self.laminate, self.reduction, restraint=self.restraint)
 
     @cached_property
     def strains(self) -> FloatArray:
@@ -247,13 +208,12 @@ class Strip:
             moved = np.linalg.solve(plate[np.ix_(others, others)], plate[np.ix_(others, ALONG)])
             strains[:, others] -= moved.T
         twists = 1 - self.restraint
-        relaxation = np.zeros((2, 2)) if self.relaxation is None else self.relaxation
-        parts = [(of_all_layers(joined), twists * (np.eye(2) - relaxation))]
-        if relaxation.any():
+        parts = [(of_all_layers(joined), twists * (np.eye(2) - self.relaxation))]
+        if self.relaxation.any():
             compliance = np.linalg.inv(self.laminate.transformed_stiffness)
             # Each ply strains as if it were alone, by its strain at each place.
             alone = np.einsum("pq,nj->pnqj", np.eye(2), compliance[:, 0] / compliance[:, :1, 0])
-            parts.append((alone, twists * relaxation))
+            parts.append((alone, twists * self.relaxation))
         if self.restraint:
             parts.append((of_all_layers(untwisted), self.restraint * np.eye(2)))
         return parts
@@ -262,9 +222,7 @@ class Strip:
     def stiffness(self) -> FloatArray:
         """By mid-plane strain and its gradient in y, (2, 2), in N/m, N and N m."""
         stress = np.einsum("nj,pnij->pni", self.laminate.transformed_stiffness[:, 0], self.strains)
-        faces = self.laminate.boundaries
-        sums = [np.diff(faces**order) / order for order in (1, 2, 3)]
-        powers = np.stack([[sums[0], sums[1]], [sums[1], sums[2]]])
+        powers = layer_powers(self.laminate.boundaries)[[[0, 1], [1, 2]]]
         reduced = np.einsum("qin,pni->qp", powers, stress)
         return np.asarray((reduced + reduced.T) / 2)
 

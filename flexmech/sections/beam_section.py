@@ -1,15 +1,20 @@
-"""A beam section: stiffness, mass and damping per length."""
+"""A beam section: stiffness, mass and damping per length, of one design or of many."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
 from flexmech import units
+from flexmech.arrays import FloatArray
 from flexmech.errors import InputError
+from flexmech.linkages import Topology
+from flexmech.linkages.topology import LinkEnd
 from flexmech.materials import Laminate, Layer, Material, Ply
 from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity, short_repr, stated
 from flexmech.sections.damping import DampingTimes, SpecificDamping
@@ -44,6 +49,11 @@ MAY_BE_ZERO = {
     "free_strain": units.RATIO,
     "free_curvature": units.CURVATURE,
 }
+# What goes with the layers, and the place that follows from two of these.
+_STIFFNESSES = ("axial_stiffness", "bending_stiffness", "shear_stiffness")
+_INERTIAS = ("mass_per_length", "rotary_inertia")
+_NEUTRAL_AXIS = "neutral_axis"
+_STACKED = (*_STIFFNESSES, *_INERTIAS)
 UNDAMPED = DampingTimes(stated=False)
 # Shear stiffness over EI / length^2 of a link, in elements that shear, that has none: its n-th
 # frequency is low by (n pi)^2 / 2 over it, 5e-6 n^2. Round-off grows with the square of it, to 1e-4
@@ -248,6 +258,12 @@ class BeamSection:
         """Whether it has a shear flexibility."""
         return self.shear_stiffness < math.inf
 
+    @property
+    def damping_times(self) -> FloatArray:
+        """Kelvin-Voigt times of stretching, bending, warping and shear in s, (4,)."""
+        times = self.damping
+        return np.array([times.axial, times.bending, times.of_warping, times.shear])
+
     def shearing_over(self, length: float) -> BeamSection:
         """The section with a shear flexibility that elements that shear can have.
 
@@ -398,3 +414,142 @@ class BeamSection:
         if self.specific_damping is not None:
             table["specific_damping"] = self.specific_damping.to_table()
         return table
+
+
+def with_layers(section: BeamSection, layers: Layers) -> BeamSection:
+    """The section with each stiffness and inertia changed as that of its layers.
+
+    Parameters
+    ----------
+    section : BeamSection
+        Whose layers are known, and may be stated to be stiffer or heavier than these make it.
+    layers : LaminateSection or SheetSection
+        As they have become.
+
+    Returns
+    -------
+    BeamSection
+        With a neutral axis that is stated where it was; all else stays.
+    """
+    changed: dict[str, float] = {}
+    for name in (*_STIFFNESSES, *_INERTIAS, _NEUTRAL_AXIS):
+        stated, before, after = (getattr(each, name) for each in (section, section.layers, layers))
+        # To the last bit: it tells whose stiffness is that of its layers.
+        if stated == before:
+            changed[name] = after
+        elif name != _NEUTRAL_AXIS:
+            changed[name] = stated * (after / before)
+    return replace(section, layers=layers, **changed)  # type: ignore[arg-type]
+
+
+def stiffened_section(section: BeamSection, factor: float) -> BeamSection:
+    """The same section with every stiffness times a factor.
+
+    All moduli of its layers are, and with them A, B, D and the shear stiffnesses of a laminate, the
+    warping of its cross-section, and what joints restrain of its twist. Mass, damping, free strain
+    and free curvature stay.
+
+    Parameters
+    ----------
+    section : BeamSection
+    factor : float
+
+    Returns
+    -------
+    BeamSection
+
+    Raises
+    ------
+    InputError
+        If the factor is not positive.
+
+    Examples
+    --------
+    >>> coupler = flexmech.load_mechanism("models/composite_fourbar.toml").sections["coupler"]
+    >>> stiffer = flexmech.sections.stiffened_section(coupler, 1.1)
+    >>> round(stiffer.layers.bending_stiffness / coupler.bending_stiffness, 12)
+    1.1
+    """
+    check_number(factor, "factor of a stiffness", "", POSITIVE)
+    before = section.layers
+    if before is None:
+        scaled = {name: factor * getattr(section, name) for name in _STIFFNESSES}
+        return replace(section, **scaled)
+    layers = tuple(
+        replace(layer, ply=layer.ply.stiffened(factor)) for layer in before.laminate.layers
+    )
+    return with_layers(section, before.resized(replace(before.laminate, layers=layers), 1.0))
+
+
+def sections_between_joints(
+    topology: Topology, sections: Mapping[str, BeamSection]
+) -> dict[str, BeamSection]:
+    """Sections of links, those that twist as they bend with what their joints do to that.
+
+    Parameters
+    ----------
+    topology : Topology
+    sections : mapping of str to BeamSection
+        By link.
+
+    Returns
+    -------
+    dict of str to BeamSection
+        With the twist held where both ends of a link are at joints, and the section does not
+        say otherwise. A section whose stiffness is stated rather than its layers' stays as it is.
+    """
+    joined = topology.joined_ends
+    return {
+        name: _restrained(section)
+        if {LinkEnd(name, "start"), LinkEnd(name, "end")} <= joined
+        else section
+        for name, section in sections.items()
+    }
+
+
+def _restrained(section: BeamSection) -> BeamSection:
+    layers = section.layers
+    if not isinstance(layers, LaminateSection) or layers.twist is not None or not layers.twists:
+        return section
+    if section != BeamSection.of_laminate(layers).damped_as(section):
+        return section
+    untwisted = BeamSection.of_laminate(replace(layers, twist="held"))
+    if section.damping_frequency is None or section.specific_damping is None:
+        return untwisted.damped_as(section)
+    return untwisted.with_damping_frequency(section.damping_frequency)
+
+
+@dataclass(frozen=True)
+class SectionStack:
+    """Numbers of D sections, by which beams are computed as by those of one.
+
+    Parameters
+    ----------
+    axial_stiffness, bending_stiffness, shear_stiffness, mass_per_length, rotary_inertia : ndarray
+        Of shape (D,), or of a column for each place in each design: (D * places, 1).
+    damping_times : ndarray, shape (D, 4)
+        Kelvin-Voigt times of stretching, bending, warping and shear in s.
+    """
+
+    axial_stiffness: FloatArray
+    bending_stiffness: FloatArray
+    shear_stiffness: FloatArray
+    mass_per_length: FloatArray
+    rotary_inertia: FloatArray
+    damping_times: FloatArray
+    neutral_axis: ClassVar[float] = 0.0
+    mass_axis: ClassVar[float] = 0.0
+    first_moment_of_mass: ClassVar[float] = 0.0
+    free_strain: ClassVar[float] = 0.0
+    free_curvature: ClassVar[float] = 0.0
+
+    @classmethod
+    def of(cls, sections: Sequence[BeamSection]) -> SectionStack:
+        """Stack of symmetric sections, whose axes are that of the pins, without free strains."""
+        names = (*_STACKED, "damping_times")
+        return cls(*(np.array([getattr(s, name) for s in sections]) for name in names))
+
+    def repeated(self, places: int) -> SectionStack:
+        """Columns (D * places, 1) of as many places in each design."""
+        columns = {name: np.repeat(getattr(self, name), places)[:, None] for name in _STACKED}
+        return replace(self, **columns)

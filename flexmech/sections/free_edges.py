@@ -30,7 +30,6 @@ has little of the plate's torsional stiffness, a wide one all.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal, get_args
 
@@ -39,8 +38,15 @@ import scipy.linalg
 
 from flexmech.arrays import ROUND_OFF, FloatArray, IntArray
 from flexmech.materials import Laminate, solid_stiffness
-from flexmech.sections.beam_reduction import ALONG, OTHERS, UNTWISTED
-from flexmech.sections.solid_section import CURVATURE, STRETCH, TWIST, SolidSection, solid_section
+from flexmech.sections.beam_reduction import ALONG, OTHERS, UNTWISTED, layer_powers
+from flexmech.sections.solid_section import (
+    CURVATURE,
+    STRETCH,
+    TWIST,
+    SolidSection,
+    lines_of_rows,
+    solid_section,
+)
 
 Twist = Literal["free", "held"]
 TWISTS: tuple[Twist, ...] = get_args(Twist)
@@ -68,23 +74,6 @@ ALIKE = 0.2
 NEGLIGIBLE = 1e-6
 
 
-@dataclass(frozen=True)
-class FreeEdges:
-    """Edges of a section whose plies are at angles against the link.
-
-    Parameters
-    ----------
-    relaxation : ndarray, shape (2, 2)
-        R by mid-plane strain and its gradient in y.
-    torsion : float
-        What a torque that takes the twist back adds to the bending stiffness, of what no twist
-        at all adds: from 0, also where bending does not twist, to 1.
-    """
-
-    relaxation: FloatArray
-    torsion: float
-
-
 def is_off_axis(laminate: Laminate) -> bool:
     """Whether a ply is neither along nor across the link.
 
@@ -101,8 +90,8 @@ def is_off_axis(laminate: Laminate) -> bool:
     return bool(np.any(sheared > ROUND_OFF * (plies[:, 0, 0] + plies[:, 1, 1])))
 
 
-def free_edges(laminate: Laminate, width: float) -> FreeEdges | None:
-    """Find what free edges do; None where all plies are along or across the link.
+def free_edges(laminate: Laminate, width: float) -> tuple[FloatArray, float]:
+    """Find what the free edges of a section do whose plies are at angles against the link.
 
     Parameters
     ----------
@@ -112,7 +101,12 @@ def free_edges(laminate: Laminate, width: float) -> FreeEdges | None:
 
     Returns
     -------
-    FreeEdges, optional
+    relaxation : ndarray, shape (2, 2)
+        R by mid-plane strain and its gradient in y; zero where all plies are along or across the
+        link.
+    torsion : float
+        What a torque that takes the twist back adds to the bending stiffness, of what no twist
+        at all adds: from 0, also where bending does not twist, to 1.
 
     Raises
     ------
@@ -120,18 +114,15 @@ def free_edges(laminate: Laminate, width: float) -> FreeEdges | None:
         If the cross-section cannot be solved.
     """
     if not is_off_axis(laminate):
-        return None
+        return np.zeros((2, 2)), 0.0
     ratio = width / laminate.thickness
-    known = _free_edges(laminate, float(np.clip(ratio, NARROWEST, WIDEST)))
-    if ratio <= WIDEST:
-        return known
-    rest = WIDEST / ratio
-    torsion = 1 - rest * (1 - known.torsion) if known.torsion else 0.0
-    return FreeEdges(rest * known.relaxation, torsion)
+    relaxation, torsion = _free_edges(laminate, float(np.clip(ratio, NARROWEST, WIDEST)))
+    rest = min(1.0, WIDEST / ratio)
+    return rest * relaxation, 1 - rest * (1 - torsion) if torsion else 0.0
 
 
 @lru_cache(maxsize=256)
-def _free_edges(laminate: Laminate, ratio: float) -> FreeEdges:
+def _free_edges(laminate: Laminate, ratio: float) -> tuple[FloatArray, float]:
     """Of a width over the thickness."""
     faces, solids = layer_runs(laminate)
     width = ratio * laminate.thickness
@@ -147,7 +138,7 @@ def _free_edges(laminate: Laminate, ratio: float) -> FreeEdges:
     twists = resisted > bending and none > bending
     torsion = min(1.0, (resisted - bending) / (none - bending)) if twists else 0.0
     lacking = _by_strains_along(plate, OTHERS) - free
-    return FreeEdges(_relaxation(laminate, lacking), torsion)
+    return _relaxation(laminate, lacking), torsion
 
 
 def laminate_solid(laminate: Laminate, width: float) -> SolidSection:
@@ -176,10 +167,8 @@ def _meshed(faces: FloatArray, solids: FloatArray, width: float) -> SolidSection
     least = ROWS if len(solids) <= FEW_RUNS else 1
     shares = np.diff(faces) / (faces[-1] - faces[0])
     rows = np.maximum(least, np.ceil(ROWS_IN_ALL * shares * (1 - NEGLIGIBLE)).astype(int))
-    ends = np.concatenate([[0], np.cumsum(rows)])
-    lines = np.interp(np.arange(ends[-1] + 1), ends, faces)
     sides = width / 2 * np.sin(np.pi / 2 * np.linspace(-1, 1, COLUMNS + 1))
-    return solid_section(lines, np.repeat(solids, rows, axis=0), sides)
+    return solid_section(lines_of_rows(faces, rows), np.repeat(solids, rows, axis=0), sides)
 
 
 def _about_neutral_axis(stiffness: FloatArray) -> float:
@@ -221,13 +210,8 @@ def _plane_stress(solids: FloatArray) -> FloatArray:
 
 def _plate(faces: FloatArray, planes: FloatArray) -> FloatArray:
     """By strains x, z and xz at the mid-plane and their gradients in y, (6, 6)."""
-    moments = np.einsum("kn,nij->kij", _powers(faces), planes)
+    moments = np.einsum("kn,nij->kij", layer_powers(faces), planes)
     return np.block([[moments[0], moments[1]], [moments[1], moments[2]]])
-
-
-def _powers(faces: FloatArray) -> FloatArray:
-    """Integrals of 1, y and y^2 over each run, (3, n)."""
-    return np.stack([np.diff(faces**order) / order for order in (1, 2, 3)])
 
 
 def _by_strains_along(plate: FloatArray, others: IntArray) -> FloatArray:
@@ -241,7 +225,7 @@ def _relaxation(laminate: Laminate, lacking: FloatArray) -> FloatArray:
     """R (2, 2) with which joined plies lack so much stiffness (2, 2) for each metre of width."""
     joined = _by_strains_along(laminate.plate_stiffness, OTHERS)
     alone = 1 / np.linalg.inv(laminate.transformed_stiffness)[:, 0, 0]
-    sums = _powers(laminate.boundaries) @ alone
+    sums = layer_powers(laminate.boundaries) @ alone
     most, vectors = scipy.linalg.eigh(joined - sums[[[0, 1], [1, 2]]], joined)
     matters = most > NEGLIGIBLE
     vectors = vectors[:, matters]

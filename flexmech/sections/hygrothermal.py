@@ -24,10 +24,9 @@ from flexmech.materials import (
     ply_in_state,
     through_thickness_strain,
 )
-from flexmech.sections.beam_reduction import Reduction
-from flexmech.sections.beam_section import BeamSection, Layers
-from flexmech.sections.changed_sections import with_layers
-from flexmech.sections.laminate_section import LaminateSection
+from flexmech.sections.beam_reduction import PlaneState, Reduction
+from flexmech.sections.beam_section import BeamSection, Layers, with_layers
+from flexmech.sections.laminate_section import LaminateSection, in_ply_axes
 from flexmech.sections.solid_section import CURVATURE, STRETCH, TWIST
 from flexmech.validation import check_fields
 
@@ -142,7 +141,8 @@ def swollen_section(section: BeamSection, profile: HygrothermalProfile) -> Swoll
     dry = section.layers
     slices = [_Slice.of(*entry, profile) for entry in profile.slices(dry.laminate)]
     grown = Laminate(tuple(s.swollen for s in slices))
-    free = free_strains(grown, np.stack([s.free_stress for s in slices]), dry.reduction)
+    stress = np.stack([keeping_stress(s.swollen, s.strain[:2]) for s in slices])
+    free = free_strains(grown, stress, dry.reduction)
     across = 1 + (free[0, 1] if dry.reduction == "narrow" else 0.0)
     soft = dry.resized(grown, across)
     if isinstance(soft, LaminateSection) and soft.twist == "held" and free[1, 2] and soft.twists:
@@ -153,9 +153,9 @@ def swollen_section(section: BeamSection, profile: HygrothermalProfile) -> Swoll
         elongation += float(soft.neutral_axis * free[1, 0])
     packed = tuple(s.packed(across * (1 + elongation)) for s in slices)
     wet = soft.resized(replace(dry.laminate, layers=packed), 1.0)
-    return SwollenSection(
-        _changed(section, wet, curvature=-float(free[1, 0])), elongation, _water(slices)
-    )
+    masses = np.array([s.dry.ply.density * s.dry.thickness for s in slices])
+    water = float(masses @ [s.water for s in slices] / masses.sum())
+    return SwollenSection(_changed(section, wet, -float(free[1, 0])), elongation, water)
 
 
 @dataclass(frozen=True)
@@ -200,11 +200,6 @@ class _Slice:
         volume = growth * (1 + self.strain[2])
         density = self.dry.ply.density * (1 + self.water) / volume
         return replace(self.swollen, ply=replace(self.ply, density=density))
-
-    @property
-    def free_stress(self) -> FloatArray:
-        """Stress x, z, xz in Pa that would keep the slice from straining, (3,)."""
-        return keeping_stress(self.swollen, self.strain[:2])
 
 
 def free_strains(laminate: Laminate, stress: FloatArray, reduction: Reduction) -> FloatArray:
@@ -282,6 +277,42 @@ def _changed(section: BeamSection, wet: Layers, curvature: float) -> BeamSection
     return result
 
 
-def _water(slices: list[_Slice]) -> float:
-    masses = np.array([s.dry.ply.density * s.dry.thickness for s in slices])
-    return float(masses @ [s.water for s in slices] / masses.sum())
+def residual_ply_stresses(
+    layers: Layers, temperature_rise: float, moisture: FloatArray
+) -> FloatArray:
+    """Stresses that the layers put on each other without loads.
+
+    Parameters
+    ----------
+    layers : LaminateSection or SheetSection
+        As they are in heat and water.
+    temperature_rise : float
+        Over the temperature at which they are free of stress, in K.
+    moisture : ndarray, shape (N,)
+        Of each layer's resin, as :func:`flexmech.materials.moisture_of` gives it.
+
+    Returns
+    -------
+    ndarray, shape (N, 2, 5)
+        In Pa, at both surfaces of each layer; of plies across the width in their middle. Classical
+        lamination theory, linear in the temperature; no ply flows.
+    """
+    laminate, count = layers.laminate, len(layers.laminate.layers)
+    plies = [layer.ply for layer in laminate.layers]
+    heat, water = (
+        np.array([getattr(ply, name) for ply in plies])
+        for name in ("thermal_expansion", "moisture_expansion")
+    )
+    strains = heat * temperature_rise + water * moisture[:, None]
+    kept = np.stack([keeping_stress(*one) for one in zip(laminate.layers, strains, strict=True)])
+    free = free_strains(laminate, kept, layers.reduction)
+    faces = laminate.boundaries
+    place = np.stack([faces[:-1], faces[1:]], axis=1)
+    if not isinstance(layers, LaminateSection):
+        place = np.repeat(place.mean(axis=1, keepdims=True), 2, axis=1)
+    elif layers.twist == "held" and layers.twists:
+        free = without_twist(free, layers)
+    state = PlaneState(laminate, np.broadcast_to(free, (count, 2, 3)))
+    stress = np.zeros((count, 2, 5))
+    stress[..., :3] = state.stress(place, np.arange(count)[:, None]) - kept[:, None]
+    return in_ply_axes(laminate, stress)

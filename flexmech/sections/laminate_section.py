@@ -1,18 +1,23 @@
-"""A rectangular section of a laminate whose plies are stacked in the linkage's plane.
+"""A rectangular section of layers, and one whose plies are stacked in the linkage's plane.
 
 Bending in the plane of the linkage bends the laminate through its thickness. The section
 keeps the axial-bending coupling of an unsymmetric stack: it has a neutral axis off the
 mid-plane, where the pins sit. Strains along the link are ``e - y kappa``.
+
+Stresses of plies in their own axes are five: along the fibres, across them and in shear, which is
+all that criteria of plane stress ask for, then the shear stresses 13 and 23 between the plies.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
+from typing import ClassVar
 
 import numpy as np
 
-from flexmech.arrays import ROUND_OFF, FloatArray
+from flexmech.arrays import ROUND_OFF, SAME_PLACE, FloatArray, IntArray
 from flexmech.errors import InputError
 from flexmech.materials import Laminate
 from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr
@@ -22,7 +27,6 @@ from flexmech.sections.beam_reduction import (
     Reduction,
     Strip,
     gauss_points,
-    layer_of,
     lost_share,
     shear_across,
 )
@@ -30,7 +34,6 @@ from flexmech.sections.damping import SpecificDamping
 from flexmech.sections.free_edges import (
     FIRST_MODE,
     TWISTS,
-    FreeEdges,
     Twist,
     free_edges,
     laminate_solid,
@@ -42,8 +45,8 @@ from flexmech.sections.shear_theories import (
     ThirdOrder,
     ThroughThickness,
     Zigzag,
-    check_loads,
     parabolic_shear,
+    shear_strain,
     third_order_of,
     zigzag_of,
 )
@@ -51,9 +54,187 @@ from flexmech.sections.solid_section import SolidSection
 from flexmech.units import LENGTH
 from flexmech.validation import POSITIVE, check_choice, check_instance, check_number
 
+SURFACES = ("lower", "upper")
+"""Of each layer, at its lower and its higher y; of plies across the width their two edges."""
+
+
+class LayeredSection(ABC):
+    """A rectangular section of a laminate: stresses of its layers under loads."""
+
+    laminate: Laminate
+    direction: ClassVar[LayerDirection]
+    """Of the stack."""
+
+    @property
+    @abstractmethod
+    def neutral_axis(self) -> float:
+        """Distance of the neutral axis from the middle in m."""
+
+    @property
+    @abstractmethod
+    def breadth(self) -> float:
+        """Extent of the plies across the link in m."""
+
+    @property
+    @abstractmethod
+    def edges(self) -> tuple[FloatArray, FloatArray]:
+        """Lowest and highest place y of each layer in the plane of the linkage in m, (N,) each."""
+
+    @abstractmethod
+    def plane_state(
+        self, axial_force: float, bending_moment: float, coupled: bool = True
+    ) -> PlaneState:
+        """Its layers under loads on the neutral axis.
+
+        Parameters
+        ----------
+        axial_force, bending_moment : float
+            In N and N m.
+        coupled : bool
+            As of :meth:`stresses`.
+
+        Returns
+        -------
+        PlaneState
+            By places y in the plane of the linkage.
+        """
+
+    @abstractmethod
+    def unit_shear(
+        self, place: FloatArray, layer: IntArray, coupled: bool, theory: ShearTheory
+    ) -> FloatArray:
+        """Stresses of layers by a unit shear force.
+
+        Parameters
+        ----------
+        place : ndarray, shape (...)
+        layer : ndarray of int
+            Layers of the places, which broadcast against them.
+        coupled : bool
+        theory : {"equilibrium", "third-order"}
+            Both as of :meth:`stresses`.
+
+        Returns
+        -------
+        ndarray, shape (..., 5)
+            Stresses x, z, xz, zy and xy in Pa.
+        """
+
+    @property
+    def mass_per_length(self) -> float:
+        """Mass rho A in kg/m."""
+        return self.breadth * self.laminate.mass_moment(0)
+
+    def places(self, per_layer: int) -> FloatArray:
+        """Places through each layer in the plane of the linkage, its faces or edges included.
+
+        Parameters
+        ----------
+        per_layer : int
+
+        Returns
+        -------
+        ndarray, shape (N, per_layer)
+            In m.
+
+        Raises
+        ------
+        InputError
+            If there are fewer than two a layer.
+        """
+        if per_layer < 2:
+            raise InputError(f"per_layer must be 2 or more, for both faces; got {per_layer}")
+        return np.linspace(*self.edges, per_layer, axis=1)
+
+    def stresses(
+        self,
+        place: FloatArray,
+        axial_force: float = 0.0,
+        bending_moment: float = 0.0,
+        shear_force: float = 0.0,
+        *,
+        coupled: bool = True,
+        theory: ShearTheory = "equilibrium",
+    ) -> ThroughThickness:
+        """Strain and stress of the layers under loads on the neutral axis.
+
+        Away from the ends of the link. Strain and normal stress by classical theory. With coupling
+        both shear stresses have the shear force as their resultant; that of plies at angles across
+        the width includes what stretching them takes, which cancels over all plies.
+
+        Parameters
+        ----------
+        place : ndarray, shape (m,) or (N, m)
+            In m from the middle. In a list, for layers through the thickness alone, an interface
+            is of its upper layer; in rows, of which :meth:`places` gives some, each layer has its
+            own stress at it.
+        axial_force : float
+            In N, on the neutral axis (on the mid-plane if not ``coupled``).
+        bending_moment : float
+            In N m; positive stretches the side of lower y.
+        shear_force : float
+            In N, along y on the face towards higher x.
+        coupled : bool
+            Off: the section's axial-bending coupling is left out, as if the stack were
+            symmetric; the stresses then do not balance the loads, and the shear stress
+            does not vanish at the upper face. Layers across the width couple nothing.
+        theory : {"equilibrium", "third-order"}
+            Shear stress that balances the normal stress along the link, or Reddy's parabola
+            of shear strain ``1 - 4 y^2 / h^2`` with each layer's stiffness, which jumps at
+            interfaces. Across the width both are the same parabola.
+
+        Returns
+        -------
+        ThroughThickness
+
+        Raises
+        ------
+        InputError
+            If a place is outside its layer, there is not a row for each layer, a load is not a
+            number or the theory unknown.
+        """
+        loads = [float(load) for load in (axial_force, bending_moment, shear_force)]
+        if not np.all(np.isfinite(loads)):
+            raise InputError(f"loads on a section must be finite, got {loads}")
+        check_choice(theory, SHEAR_THEORIES, "theory")
+        place = np.asarray(place, dtype=float)
+        layer = self._layer_of(place)
+        state = self.plane_state(axial_force, bending_moment, coupled)
+        sheared = shear_force * self.unit_shear(place, layer, coupled, theory)
+        stress = state.stress(place, layer)
+        through = self.direction == "through thickness"
+        return ThroughThickness(
+            place=place,
+            strain=state.strain(place, layer)[..., 0],
+            normal_stress=stress[..., 0] + sheared[..., 0],
+            shear_stress=sheared[..., 4] if through else stress[..., 2] + sheared[..., 2],
+        )
+
+    def _layer_of(self, place: FloatArray) -> IntArray:
+        """Layers of places, by which they broadcast; see :meth:`stresses`."""
+        low, high = self.edges
+        through = self.direction == "through thickness"
+        if place.ndim == 2 and len(place) == len(low):
+            layer = np.arange(len(low))[:, None]
+        elif through and place.ndim < 2:
+            layer = np.clip(np.searchsorted(low, place, side="right") - 1, 0, len(low) - 1)
+        else:
+            raise InputError(
+                f"places must {'be a list, or ' if through else ''}have one row for each of the "
+                f"{len(low)} layers; got shape {place.shape}"
+            )
+        slack = SAME_PLACE * (high[-1] - low[0])
+        inside = (place >= low[layer] - slack) & (place <= high[layer] + slack)
+        if not np.all(inside):
+            raise InputError(
+                f"place {place[~inside].flat[0]:.6g} m is outside its layer; the section reaches "
+                f"from {low[0]:.6g} to {high[-1]:.6g} m"
+            )
+        return np.asarray(layer)
+
 
 @dataclass(frozen=True)
-class LaminateSection:
+class LaminateSection(LayeredSection):
     """Laminate of a width along the joint axes, stacked through the thickness in the plane.
 
     Parameters
@@ -89,6 +270,7 @@ class LaminateSection:
     width: float
     reduction: Reduction = "narrow"
     twist: Twist | None = None
+    direction: ClassVar[LayerDirection] = "through thickness"
 
     def __post_init__(self) -> None:
         check_instance(self.laminate, Laminate, "laminate", "give Laminate(layers)")
@@ -107,14 +289,15 @@ class LaminateSection:
         return self.laminate.thickness
 
     @property
-    def direction(self) -> LayerDirection:
-        """Of the stack."""
-        return "through thickness"
+    def breadth(self) -> float:
+        """Its width."""
+        return self.width
 
     @property
-    def breadth(self) -> float:
-        """Extent of the plies across the link in m."""
-        return self.width
+    def edges(self) -> tuple[FloatArray, FloatArray]:
+        """Faces y of each layer in m, (N,) each."""
+        faces = self.laminate.boundaries
+        return faces[:-1], faces[1:]
 
     @property
     def smeared(self) -> LaminateSection:
@@ -160,11 +343,6 @@ class LaminateSection:
         return float(self.shear_stiffness / (self.width * along))
 
     @cached_property
-    def mass_per_length(self) -> float:
-        """Mass rho A in kg/m."""
-        return self.width * self.laminate.mass_moment(0)
-
-    @cached_property
     def mass_axis(self) -> float:
         """Distance of the centre of mass from the mid-plane in m; exactly 0 if symmetric."""
         axis = self.laminate.mass_moment(1) / self.laminate.mass_moment(0)
@@ -201,13 +379,12 @@ class LaminateSection:
     @property
     def twists(self) -> bool:
         """Whether bending twists the section, so that joints matter which restrain the twist."""
-        return self._free_edges is not None and self._free_edges.torsion > 0
+        return self._free_edges[1] > 0
 
     @cached_property
     def twist_restraint(self) -> float:
         """Where the section is between twist that is free (0) and none at all (1)."""
-        edges = self._free_edges
-        return 0.0 if self.twist != "held" or edges is None else FIRST_MODE * edges.torsion
+        return FIRST_MODE * self._free_edges[1] if self.twist == "held" else 0.0
 
     @cached_property
     def zigzag(self) -> Zigzag:
@@ -231,92 +408,24 @@ class LaminateSection:
         )
         return SpecificDamping(axial, bending, shear, self.zigzag.loss)
 
-    def places(self, per_layer: int) -> FloatArray:
-        """Places through each layer, its faces included.
+    def plane_state(
+        self, axial_force: float, bending_moment: float, coupled: bool = True
+    ) -> PlaneState:
+        """Its layers under loads on the neutral axis, in N and N m; see :meth:`stresses`."""
+        return self._state(self._strains(axial_force, bending_moment, coupled))
 
-        Parameters
-        ----------
-        per_layer : int
-
-        Returns
-        -------
-        ndarray, shape (N, per_layer)
-            In m.
-
-        Raises
-        ------
-        InputError
-            If there are fewer than two a layer.
-        """
-        if per_layer < 2:
-            raise InputError(f"per_layer must be 2 or more, for both faces; got {per_layer}")
-        faces = self.laminate.boundaries
-        return np.linspace(faces[:-1], faces[1:], per_layer, axis=1)
-
-    def stresses(
-        self,
-        place: FloatArray,
-        axial_force: float = 0.0,
-        bending_moment: float = 0.0,
-        shear_force: float = 0.0,
-        *,
-        coupled: bool = True,
-        theory: ShearTheory = "equilibrium",
-    ) -> ThroughThickness:
-        """Strain and stress through the thickness under loads on the neutral axis.
-
-        Strain and normal stress by classical theory. With coupling both shear stresses have
-        the shear force as their resultant.
-
-        Parameters
-        ----------
-        place : ndarray, shape (m,) or (N, m)
-            In m. In a list, an interface is of its upper layer; in rows, of which
-            :meth:`places` gives some, each layer has its own stress at it.
-        axial_force : float
-            In N, on the neutral axis (on the mid-plane if not ``coupled``).
-        bending_moment : float
-            In N m; positive stretches the side of lower y.
-        shear_force : float
-            In N, along y on the face towards higher x.
-        coupled : bool
-            Off: the section's axial-bending coupling is left out, as if the stack were
-            symmetric; the stresses then do not balance the loads, and the shear stress
-            does not vanish at the upper face.
-        theory : {"equilibrium", "third-order"}
-            Shear stress that balances the normal stress along the link, or Reddy's parabola
-            of shear strain ``1 - 4 y^2 / h^2`` with each layer's stiffness, which jumps at
-            interfaces.
-
-        Returns
-        -------
-        ThroughThickness
-
-        Raises
-        ------
-        InputError
-            If a place is outside the laminate, a load not a number or the theory unknown.
-        """
-        check_loads((axial_force, bending_moment, shear_force))
-        check_choice(theory, SHEAR_THEORIES, "theory")
-        place = np.asarray(place, dtype=float)
-        layer = layer_of(self.laminate, place)
-        strains = self._strains(axial_force, bending_moment, coupled)
+    def unit_shear(
+        self, place: FloatArray, layer: IntArray, coupled: bool, theory: ShearTheory
+    ) -> FloatArray:
+        """Stresses x, z, xz, zy and xy by a unit shear force, (..., 5) in Pa."""
+        stress = np.zeros((*place.shape, 5))
         if theory == "equilibrium":
-            growing = self._state(self._strains(0.0, 1.0, coupled))
-            shear = growing.balancing_shear(place, layer)[..., 1]
+            growing = self.plane_state(0.0, 1.0, coupled)
+            stress[..., 3:] = growing.balancing_shear(place, layer)
         else:
-            shear = parabolic_shear(self.laminate, self.reduction, place, layer) / self.width
-        return ThroughThickness(
-            place=place,
-            strain=strains[0] + place * strains[1],
-            normal_stress=self._state(strains).stress(place, layer)[..., 0],
-            shear_stress=shear_force * shear,
-        )
-
-    def plane_state(self, axial_force: float, bending_moment: float) -> PlaneState:
-        """Its layers under loads on the neutral axis, in N and N m."""
-        return self._state(self._strains(axial_force, bending_moment))
+            shear = parabolic_shear(self.laminate, self.reduction, place, layer)
+            stress[..., 4] = shear / self.width
+        return stress
 
     def resized(self, laminate: Laminate, growth: float) -> LaminateSection:
         """The section of another laminate, its plies broader by a factor.
@@ -344,14 +453,15 @@ class LaminateSection:
         }
 
     @cached_property
-    def _free_edges(self) -> FreeEdges | None:
-        """Edges of a narrow section whose plies are at angles."""
-        return None if self.reduction == "wide" else free_edges(self.laminate, self.width)
+    def _free_edges(self) -> tuple[FloatArray, float]:
+        """Relaxation and torsion of a narrow section whose plies are at angles."""
+        if self.reduction == "wide":
+            return np.zeros((2, 2)), 0.0
+        return free_edges(self.laminate, self.width)
 
     @cached_property
     def _strip(self) -> Strip:
-        edges = self._free_edges
-        relaxation = None if edges is None else edges.relaxation
+        relaxation, _ = self._free_edges
         return Strip(self.laminate, self.reduction, relaxation, self.twist_restraint)
 
     @cached_property
@@ -386,9 +496,55 @@ class LaminateSection:
         places, weights = gauss_points(self.laminate)
         every = np.arange(len(places))[:, None]
         stress = self._bent_inside.balancing_shear(places, every)
-        stiffness = self.laminate.transformed_shear_stiffness
-        if self.reduction == "wide":
-            squares = stress[..., 1] ** 2 / stiffness[:, 1, 1, None]
-        else:
-            squares = np.einsum("nmi,nij,nmj->nm", stress, np.linalg.inv(stiffness), stress)
-        return np.asarray(self.width * np.sum(weights * squares, axis=1))
+        strain = shear_strain(self.laminate, self.reduction, stress)
+        return np.asarray(self.width * np.einsum("nm,nmi,nmi->n", weights, stress, strain))
+
+
+# A search for the weakest place judges the same few layers hundreds of times: a fifth of its time.
+@lru_cache(maxsize=64)
+def unit_ply_stresses(layers: LayeredSection) -> FloatArray:
+    """Stresses under a unit axial force, bending moment and shear force at the pins' axis.
+
+    Parameters
+    ----------
+    layers : LaminateSection or SheetSection
+
+    Returns
+    -------
+    ndarray, shape (3, N, 2, 5)
+        In Pa for 1 N along the pins' axis (with coupling it bends the link), 1 N m that stretches
+        the side of lower y, and 1 N along y on the face towards higher x; of each layer at both
+        surfaces. The mean over the width of what free edges let go. Read-only.
+    """
+    place, every = layers.places(2), np.arange(len(layers.laminate.layers))[:, None]
+    # Along the pins' axis the force has this lever about the neutral axis.
+    loads = [(1.0, layers.neutral_axis), (0.0, 1.0)]
+    found = np.zeros((3, *place.shape, 5))
+    for stress, load in zip(found, loads, strict=False):
+        stress[..., :3] = layers.plane_state(*load).stress(place, every)
+    found[2] = layers.unit_shear(place, every, True, "equilibrium")
+    found = in_ply_axes(layers.laminate, found)
+    found.setflags(write=False)
+    return found
+
+
+def in_ply_axes(laminate: Laminate, stress: FloatArray) -> FloatArray:
+    """Stresses of layers in their plies' axes.
+
+    Parameters
+    ----------
+    laminate : Laminate
+    stress : ndarray, shape (..., N, m, 5)
+        Along the link's axes: x, z, xz, zy and xy.
+
+    Returns
+    -------
+    ndarray, shape (..., N, m, 5)
+        1, 2, 12, 13 and 23.
+    """
+    turns = np.zeros((len(laminate.layers), 5, 5))
+    turns[:, :3, :3] = [np.linalg.inv(layer.strain_turn).T for layer in laminate.layers]
+    angle = np.array([layer.angle for layer in laminate.layers])
+    turns[:, 3, 3], turns[:, 3, 4] = np.sin(angle), np.cos(angle)
+    turns[:, 4, 3], turns[:, 4, 4] = np.cos(angle), -np.sin(angle)
+    return np.asarray(np.einsum("nij,...nmj->...nmi", turns, stress))

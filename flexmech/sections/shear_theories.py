@@ -18,7 +18,6 @@ Krajcinovic, *J. Appl. Mech.* 39 (1972) 773; refined zigzag theory: Tessler, Di 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Literal, get_args
@@ -27,7 +26,6 @@ import numpy as np
 import scipy.linalg
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.errors import InputError
 from flexmech.materials import Laminate, Layer, Material, Ply
 from flexmech.model_text import shapes, short_repr
 from flexmech.sections.beam_reduction import (
@@ -68,23 +66,6 @@ class ThroughThickness:
 
     def __repr__(self) -> str:
         return short_repr(self, *shapes(self))
-
-
-def check_loads(loads: Sequence[float]) -> None:
-    """Refuse loads on a section that are no numbers.
-
-    Parameters
-    ----------
-    loads : sequence of float
-        In N and N m.
-
-    Raises
-    ------
-    InputError
-        If one is not finite.
-    """
-    if not np.all(np.isfinite(np.array(loads, dtype=float))):
-        raise InputError(f"loads on a section must be finite, got {list(map(float, loads))}")
 
 
 @dataclass(frozen=True)
@@ -149,23 +130,19 @@ def third_order_of(strip: Strip, width: float) -> ThirdOrder:
     tilt = _tilt(laminate, reduction)
     moments = [laminate.shear_moment(power) for power in (0, 2, 4)]
     shear = [m[1, 1] + 2 * tilt * m[0, 1] + tilt**2 * m[0, 0] for m in moments]
-    return ThirdOrder(
-        thickness=laminate.thickness,
-        stiffness=width * _stiffness(strip),
-        shear_stiffness=width * np.array(shear),
-        inertia=width * np.array([laminate.mass_moment(power) for power in range(7)]),
-    )
-
-
-def _stiffness(strip: Strip) -> FloatArray:
-    """By the strains of e0 + y k1 + y^3 k3, (3, 3), of each metre of width."""
-    places, weights = gauss_points(strip.laminate, 4)
+    # By the strains of e0 + y k1 + y^3 k3.
+    places, weights = gauss_points(laminate, 4)
     strain = np.zeros((*places.shape, 3))
     strain[..., 0] = places**3
     slender, _, warping = strip.warping_parts(places, weights, strain)
-    coupling = strip.stiffness @ slender
-    column = coupling[:, None]
-    return np.block([[strip.stiffness, column], [column.T, coupling @ slender + warping]])
+    column = (strip.stiffness @ slender)[:, None]
+    last = slender @ column + warping
+    return ThirdOrder(
+        thickness=laminate.thickness,
+        stiffness=width * np.block([[strip.stiffness, column], [column.T, last]]),
+        shear_stiffness=width * np.array(shear),
+        inertia=width * np.array([laminate.mass_moment(power) for power in range(7)]),
+    )
 
 
 def parabolic_shear(
@@ -273,29 +250,24 @@ def zigzag_of(strip: Strip, bent: PlaneState) -> Zigzag:
     place, weight = gauss_points(laminate, len(_POINTS))
     every = np.arange(len(place))[:, None]
     stress = bent.stress(place, every)
-    scale = np.abs(stress[..., 0]).max()
-    fields, shears, strains, residuals, bending = [], [], [], [], []
+    warpings = []
     for _ in range(WARPINGS):
         # Balanced from face to face: each stress has no resultant along the link.
-        shear = _from_lowest_face(laminate, stress[..., [2, 0]] / scale)
-        angle = _shear_strain(laminate, reduction, shear)
+        shear = _from_lowest_face(laminate, stress[..., [2, 0]] / np.abs(stress[..., 0]).max())
+        angle = shear_strain(laminate, reduction, shear)
         moved = _from_lowest_face(laminate, angle)
         strain = np.zeros((*place.shape, 3))
         strain[..., 0], strain[..., 2] = moved[..., 1], moved[..., 0]
         slender, residual, _ = strip.warping_parts(place, weight, strain)
-        bending.append(slender[1])
         stress = np.einsum("nij,nmj->nmi", laminate.transformed_stiffness, residual)
-        scale = np.abs(stress[..., 0]).max()
-        shears.append(shear)
-        strains.append(angle)
-        fields.append(residual)
-        residuals.append(stress)
-    sheared = np.einsum("nm,anmi,bnmi->ab", weight, np.stack(shears), np.stack(strains))
-    changed = np.einsum("nm,anmi,bnmi->ab", weight, np.stack(fields), np.stack(residuals))
+        warpings.append((slender[1], shear, angle, residual, stress))
+    bending, shears, strains, fields, residuals = map(np.stack, zip(*warpings, strict=True))
+    sheared = np.einsum("nm,anmi,bnmi->ab", weight, shears, strains)
+    changed = np.einsum("nm,anmi,bnmi->ab", weight, fields, residuals)
     squared_length, vectors = scipy.linalg.eigh(changed, sheared)
     # Each with the shear angle that it gives to the axis.
-    angles = np.array(bending) @ vectors
-    warping = np.tensordot((vectors / angles).T, np.stack(fields)[..., 0], axes=1)
+    angles = bending @ vectors
+    warping = np.tensordot((vectors / angles).T, fields[..., 0], axes=1)
     density = np.array([layer.ply.density for layer in laminate.layers])[:, None]
     mass = weight * density / np.sum(weight * density)
     energy = energy_by_direction(laminate, fields[0], weight)
@@ -347,8 +319,21 @@ def _from_lowest_face(laminate: Laminate, values: FloatArray) -> FloatArray:
     return np.asarray(below[:, None] + half * np.einsum("nmc,mp->npc", values, _TO_POINTS))
 
 
-def _shear_strain(laminate: Laminate, reduction: Reduction, stress: FloatArray) -> FloatArray:
-    """Shear strains zy and xy (N, m, 2) of shear stresses; none across a wide link."""
+def shear_strain(laminate: Laminate, reduction: Reduction, stress: FloatArray) -> FloatArray:
+    """Shear strains of layers under shear stresses; none across a wide link.
+
+    Parameters
+    ----------
+    laminate : Laminate
+    reduction : {"narrow", "wide"}
+    stress : ndarray, shape (N, m, 2)
+        zy and xy in Pa.
+
+    Returns
+    -------
+    ndarray, shape (N, m, 2)
+        zy and xy.
+    """
     stiffness = laminate.transformed_shear_stiffness
     if reduction == "wide":
         return np.asarray(stress * np.array([0.0, 1.0]) / stiffness[:, 1, 1, None, None])

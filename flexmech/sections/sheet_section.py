@@ -17,11 +17,16 @@ from typing import ClassVar
 
 import numpy as np
 
-from flexmech.arrays import SAME_PLACE, FloatArray
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.errors import InputError
 from flexmech.materials import Laminate, Layer, Ply, PlyDamping
 from flexmech.model_text import SharedTables, TomlTable, quantity, short_repr
-from flexmech.sections.beam_reduction import Reduction, energy_by_direction, lost_share
+from flexmech.sections.beam_reduction import (
+    PlaneState,
+    Reduction,
+    energy_by_direction,
+    lost_share,
+)
 from flexmech.sections.damping import SpecificDamping
 from flexmech.sections.free_edges import (
     NARROWEST,
@@ -29,17 +34,11 @@ from flexmech.sections.free_edges import (
     is_off_axis,
     laminate_solid,
 )
-from flexmech.sections.laminate_section import LaminateSection
-from flexmech.sections.shear_theories import (
-    SHEAR_THEORIES,
-    LayerDirection,
-    ShearTheory,
-    ThroughThickness,
-    check_loads,
-)
+from flexmech.sections.laminate_section import LaminateSection, LayeredSection
+from flexmech.sections.shear_theories import LayerDirection, ShearTheory
 from flexmech.sections.solid_section import ACROSS_PLANE, STRETCH
 from flexmech.units import LENGTH
-from flexmech.validation import POSITIVE, check_choice, check_instance, check_number
+from flexmech.validation import POSITIVE, check_instance, check_number
 
 # Part of the plies' stiffness that may couple stretching with bending out of the plane: round-off.
 SYMMETRIC = 1e-9
@@ -49,7 +48,7 @@ BALANCED = 1e-6
 
 
 @dataclass(frozen=True)
-class SheetSection:
+class SheetSection(LayeredSection):
     """Strip of a flat laminate, its plies parallel to the plane of motion.
 
     Parameters
@@ -84,7 +83,6 @@ class SheetSection:
     reduction: ClassVar[Reduction] = "narrow"
     """Free to contract across the link."""
     direction: ClassVar[LayerDirection] = "across width"
-    """Of the stack."""
     neutral_axis: ClassVar[float] = 0.0
     mass_axis: ClassVar[float] = 0.0
 
@@ -117,8 +115,14 @@ class SheetSection:
 
     @property
     def breadth(self) -> float:
-        """Extent of the plies across the link in m."""
+        """Its extent in the plane of the linkage."""
         return self.in_plane_thickness
+
+    @property
+    def edges(self) -> tuple[FloatArray, FloatArray]:
+        """Edges y of each ply in m, (N,) each."""
+        half = np.full(len(self.laminate.layers), self.in_plane_thickness / 2)
+        return -half, half
 
     @cached_property
     def axial_stiffness(self) -> float:
@@ -139,11 +143,6 @@ class SheetSection:
     def shear_correction(self) -> float:
         """Factor k of a solid rectangle."""
         return 5 / 6
-
-    @property
-    def mass_per_length(self) -> float:
-        """Mass rho A in kg/m."""
-        return self.in_plane_thickness * self.laminate.mass_moment(0)
 
     @property
     def rotary_inertia(self) -> float:
@@ -176,105 +175,24 @@ class SheetSection:
         )
         return LaminateSection(Laminate((Layer(ply, self.in_plane_thickness),)), thickness)
 
-    def places(self, per_layer: int) -> FloatArray:
-        """Places across each ply in the plane of the linkage, edges included.
+    def plane_state(
+        self, axial_force: float, bending_moment: float, coupled: bool = True
+    ) -> PlaneState:
+        """Its layers under loads, in N and N m, by places in the plane of the linkage."""
+        along = self._compliance[:, 0] / self._compliance[0, 0]
+        strains = axial_force / self.axial_stiffness, -bending_moment / self.bending_stiffness
+        shape = (len(self.laminate.layers), 2, 3)
+        return PlaneState(self.laminate, np.broadcast_to(np.outer(strains, along), shape))
 
-        Parameters
-        ----------
-        per_layer : int
-
-        Returns
-        -------
-        ndarray, shape (N, per_layer)
-            In m, the same of all plies.
-        """
-        return np.repeat(self.smeared.places(per_layer), len(self.laminate.layers), axis=0)
-
-    def stresses(
-        self,
-        place: FloatArray,
-        axial_force: float = 0.0,
-        bending_moment: float = 0.0,
-        shear_force: float = 0.0,
-        *,
-        coupled: bool = True,
-        theory: ShearTheory = "equilibrium",
-    ) -> ThroughThickness:
-        """Strain and stress of each ply under loads, away from the ends of the link.
-
-        Parameters
-        ----------
-        place : ndarray, shape (N, m)
-            In m from the middle, a row for each ply.
-        axial_force : float
-            In N.
-        bending_moment : float
-            In N m; positive stretches the side of lower y.
-        shear_force : float
-            In N, along y on the face towards higher x.
-        coupled : bool
-            Without meaning: nothing is coupled.
-        theory : {"equilibrium", "third-order"}
-            The same parabola by both.
-
-        Returns
-        -------
-        ThroughThickness
-            The shear stress of plies at angles includes what stretching them takes, which cancels
-            over all plies.
-
-        Raises
-        ------
-        InputError
-            If a place is outside the section, there is not a row for each ply, a load is not a
-            number or the theory unknown.
-        """
-        check_loads((axial_force, bending_moment, shear_force))
-        check_choice(theory, SHEAR_THEORIES, "theory")
-        place = np.asarray(place, dtype=float)
-        count, half = len(self.laminate.layers), self.in_plane_thickness / 2
-        if place.ndim != 2 or len(place) != count:
-            raise InputError(
-                f"places must have one row for each of the {count} plies; got shape {place.shape}"
-            )
-        if not np.all(np.abs(place) <= half * (1 + SAME_PLACE)):
-            raise InputError(f"places must be within {half:.6g} m of the middle")
-        stress = self.plane_stress(place, axial_force, bending_moment, shear_force)
-        return ThroughThickness(
-            place=place,
-            strain=self._strain(place, axial_force, bending_moment),
-            normal_stress=stress[..., 0],
-            shear_stress=stress[..., 2],
-        )
-
-    def plane_stress(
-        self, place: FloatArray, axial_force: float, bending_moment: float, shear_force: float
+    def unit_shear(
+        self, place: FloatArray, layer: IntArray, coupled: bool, theory: ShearTheory
     ) -> FloatArray:
-        """Stress of each ply along the link, across it and in shear, in the linkage's plane.
-
-        Parameters
-        ----------
-        place : ndarray, shape (N, m)
-            In m from the middle, a row for each ply.
-        axial_force, bending_moment, shear_force : float
-            In N, N m and N, signed as in :meth:`stresses`.
-
-        Returns
-        -------
-        ndarray, shape (N, m, 3)
-            In Pa.
-        """
-        strain = self._strain(place, axial_force, bending_moment)
-        along, sheared = self._compliance[:, 0], self._compliance[:, 2]
-        stiffness = self.laminate.transformed_stiffness
-        parabola = 1.5 * (1 - (2 * place / self.in_plane_thickness) ** 2) / self.in_plane_thickness
-        stress = np.einsum("nij,j,nm->nmi", stiffness, along / along[0], strain)
-        shear = np.einsum("nij,j,nm->nmi", stiffness, sheared, shear_force * parabola)
-        return np.asarray(stress + shear)
-
-    def _strain(self, place: FloatArray, axial_force: float, moment: float) -> FloatArray:
-        """Along the link."""
-        return axial_force / self.axial_stiffness - place * moment / self.bending_stiffness
+        """Stresses x, z, xz, zy and xy in Pa by a unit shear force, (..., 5): a parabola."""
+        stress, breadth = np.zeros((*place.shape, 5)), self.in_plane_thickness
+        by_force = self.laminate.transformed_stiffness @ self._compliance[:, 2]
+        parabola = 1.5 * (1 - (2 * place / breadth) ** 2) / breadth
+        stress[..., :3] = by_force[layer] * parabola[..., None]
+        return stress
 
     def resized(self, laminate: Laminate, growth: float) -> SheetSection:
         """The section of a laminate of other thickness, its plies broader by a factor.

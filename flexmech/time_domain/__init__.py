@@ -5,14 +5,14 @@ From the ground up: ``recorded_runs``, ``equations_of_motion``, ``integrators`` 
 """
 
 from flexmech.time_domain.equations_of_motion.driven_connectors import ConnectorWork
-from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
-from flexmech.time_domain.equations_of_motion.reduced_links import (
+from flexmech.time_domain.equations_of_motion.driven_linkage import (
     DETAIL,
+    DrivenLinkage,
     is_reduced,
+    static_balance,
     stretches_in_runs,
 )
-from flexmech.time_domain.equations_of_motion.shaft_torque import RotorCoupling, ShaftTorque
-from flexmech.time_domain.equations_of_motion.static_balance import static_balance
+from flexmech.time_domain.equations_of_motion.driven_shaft import RotorCoupling, ShaftTorque
 from flexmech.time_domain.integrators.runs import (
     LinkageUnderImpact,
     end_state,
@@ -47,9 +47,9 @@ from flexmech.time_domain.recorded_runs.states import (
     Impact,
     LinkState,
     ShaftMotion,
+    Trajectory,
     rigid_torque,
 )
-from flexmech.time_domain.recorded_runs.trajectory import Trajectory
 
 __all__ = [
     "DETAIL",

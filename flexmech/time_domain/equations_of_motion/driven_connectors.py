@@ -67,27 +67,6 @@ class ConnectorWork:
         return cls(stored, dissipation, power)
 
 
-@dataclass(frozen=True)
-class ActingForces:
-    """Forces of loads and springs on m instants of a moving linkage.
-
-    Parameters
-    ----------
-    shapes : list of ndarray, shape (m, n_link)
-        On the coordinates of each link, without radial forces of sprung joints.
-    fields : list of ndarray, shape (m, 4)
-        On the rigid fields of each link, likewise; moments with the arms of the displaced link.
-    virtual_power : ndarray, shape (m,)
-        Of all of them as the linkage turns at unit crank speed, displaced as it is.
-    work : ConnectorWork
-    """
-
-    shapes: list[FloatArray]
-    fields: list[FloatArray]
-    virtual_power: FloatArray
-    work: ConnectorWork
-
-
 class DrivenConnectors:
     """Loads and springs of a driven linkage.
 
@@ -198,8 +177,8 @@ class DrivenConnectors:
         motion: RigidMotion,
         elastic: LinkMotion,
         unit_motion: RigidMotion,
-        unit_elastic: LinkMotion,
-    ) -> ActingForces:
+        place: FloatArray,
+    ) -> tuple[list[FloatArray], list[FloatArray], FloatArray, ConnectorWork]:
         """Generalized forces, virtual power and work on the moving linkage.
 
         Parameters
@@ -211,17 +190,28 @@ class DrivenConnectors:
             Displacement and its rates in the frame of each reduced link.
         unit_motion : RigidMotion
             At unit crank speed.
-        unit_elastic : sequence of tuple of ndarray, shape (m, n_link)
-            As ``elastic`` at unit crank speed, where nothing vibrates.
+        place : ndarray, shape (m, size)
+            Coordinates of the frames, which rest there as the linkage turns at unit crank speed.
 
         Returns
         -------
-        ActingForces
+        list of ndarray, shape (m, n_link)
+            On the coordinates of each link, without radial forces of sprung joints.
+        list of ndarray, shape (m, 4)
+            On the rigid fields of each link, likewise; moments with the arms of the displaced link.
+        ndarray, shape (m,)
+            Virtual power of all of them as the linkage turns at unit crank speed, displaced as it
+            is.
+        ConnectorWork
         """
         links = self._frames.links
         shapes = [np.zeros((len(time), link.size)) for link in links]
         fields = [np.zeros((len(time), 4)) for _ in links]
-        virtual = np.zeros(len(time))
+        virtual, power = np.zeros((2, len(time)))
+        if not self.any:
+            return shapes, fields, virtual, ConnectorWork.of((), power)
+        rest = np.zeros_like(place)
+        unit_elastic = self._frames.link_motion(unit_motion, place, rest, rest)
         for push, in_joint in self._point_forces(time, motion, elastic):
             point, number = push.point, push.point.link
             virtual += _power(push, unit_motion, unit_elastic)
@@ -229,13 +219,12 @@ class DrivenConnectors:
                 continue
             shapes[number] += point.force(motion, push.force, push.torque)
             fields[number] += _on_fields(push, motion, elastic[number][0])
-        power = np.zeros(len(time))
         for push in self._loads(time, motion, elastic):
             power += _power(push, motion, elastic)
         displacement, rate, _ = zip(*elastic, strict=True)
         displaced = self._all.moved(motion, displacement, rate, finite=False)
         work = ConnectorWork.of(deformations(self._mechanism, motion, displaced), power)
-        return ActingForces(shapes, fields, virtual, work)
+        return shapes, fields, virtual, work
 
     def _point_forces(
         self, time: FloatArray, motion: RigidMotion, elastic: LinkMotion
@@ -244,25 +233,20 @@ class DrivenConnectors:
         forces = [(push, False) for push in self._all.point_forces(motion, None, time)]
         for tangent in self._all.tangents(motion, None, time):
             ends = ((tangent.second, 1.0), (tangent.first, -1.0))
-            deformation, rate_of_deformation = np.zeros((2, len(time), 3, 1))
+            deformation, opening = np.zeros((2, len(time), 3, 1))
             for point, sign in ends:
                 if point is not None:
                     q, rate, _ = elastic[point.link]
                     deformation += sign * point.displacement(motion, q)[..., None]
-                    rate_of_deformation += (
-                        sign * point.displacement_rate(motion, q, rate)[..., None]
-                    )
-            back = (tangent.stiffness @ deformation + tangent.damping @ rate_of_deformation)[..., 0]
-            nothing = np.zeros_like(back)
+                    opening += sign * point.displacement_rate(motion, q, rate)[..., None]
+            back = (tangent.stiffness @ deformation + tangent.damping @ opening)[..., 0]
             for point, sign in ends:
-                if point is None:
-                    continue
-                force, torque = -sign * back[:, :2], -sign * back[:, 2]
-                if tangent.in_joint:
-                    forces.append((PointForce(point, force, nothing[:, 2]), True))
-                    forces.append((PointForce(point, nothing[:, :2], torque), False))
-                else:
-                    forces.append((PointForce(point, force, torque), False))
+                if point is not None:
+                    force, torque = -sign * back[:, :2], -sign * back[:, 2]
+                    forces.append(
+                        (PointForce(point, force, np.zeros_like(torque)), tangent.in_joint)
+                    )
+                    forces.append((PointForce(point, np.zeros_like(force), torque), False))
         return forces
 
     def _loads(

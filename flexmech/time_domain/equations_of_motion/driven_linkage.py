@@ -14,35 +14,313 @@ half the square of their slopes (:class:`LinkageStretch`); then no axial mode is
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray
 from flexmech.choices import MODES
-from flexmech.dynamical_systems import VibrationState
+from flexmech.dynamical_systems import EquationsOfMotion, VibrationState
+from flexmech.errors import ComputationError
 from flexmech.linear_system import (
     COORDINATES,
     CarriedLinkage,
+    ComponentModes,
     Engine,
     LinkFrames,
     Prestress,
     RotationTerms,
+    SystemMatrices,
+    component_modes,
+    condense,
     inertia_loads,
 )
-from flexmech.linkages import Drive, RigidMotion
+from flexmech.linkages import Drive, RigidMotion, Topology
 from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors
-from flexmech.time_domain.equations_of_motion.driven_shaft import DrivenShaft
-from flexmech.time_domain.equations_of_motion.equations import Equations
+from flexmech.time_domain.equations_of_motion.driven_shaft import DrivenShaft, ShaftTorque
 from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStretch
-from flexmech.time_domain.equations_of_motion.moving_guides import MovingGuides
-from flexmech.time_domain.equations_of_motion.reduced_links import (
-    DETAIL,
-    prestressed_links,
-    stretching_links,
+from flexmech.time_domain.equations_of_motion.natural_coordinates import (
+    RunLink,
+    natural_links,
+    with_turning_sections,
 )
-from flexmech.time_domain.equations_of_motion.shaft_torque import ShaftTorque
 from flexmech.time_domain.equations_of_motion.stress_history import StressHistory
 from flexmech.time_domain.recorded_runs.states import FrameMotion, LinkState
+
+# A start at speed shakes more than the lowest modes: component modes are kept up to this
+# many times the frequency that the natural frequencies themselves would need.
+DETAIL = 8.0
+# Axial modes of a link that a bow couples to bending, at the usual detail. Of bell cranks and other
+# chains that bow by their neighbours' couples half of them leave errors of 1e-4.
+AXIAL_MODES = 12
+# Axial modes of a link that stretches by the square of its slopes. Its tension is a constant
+# and as many waves along the link, whose lowest are all that the lowest bending modes feel.
+STRETCHING_MODES = 3
+# Newton's method for a start in balance takes four passes from the linear one; 30 are a bound of
+# work. It ends at a change of the greatest displacement whose square is less than round-off. Beside
+# stiff bars of rigid links that is larger: a small change that no longer falls is made of it.
+MOST_PASSES = 30
+CONVERGED = 1e-10
+STAGNATED = 1e-7
+# Displacements in m, and slopes, that are none: links without load rest in round-off of the start.
+NOTHING = 1e-12
+
+
+def unreduced_links(engine: Engine) -> list[RunLink]:
+    """The engine's links unreduced; links with massless nodes are refused."""
+    engine.check_runs()
+    return list(map(RunLink.of, engine.links))
+
+
+def _in_modes(links: Sequence[RunLink], reduction: ComponentModes) -> list[RunLink]:
+    """Links with constraint modes that rotate with the pins."""
+    return [
+        replace(
+            link,
+            reduced=replace(model, reduced_ends=None),
+            basis=modes.basis,
+            condensed=modes.condensed,
+        )
+        for link, model, modes in zip(links, reduction.models, reduction.links, strict=True)
+    ]
+
+
+def is_reduced(engine: Engine) -> bool:
+    """Whether an engine's linear equations in time are reduced to component modes.
+
+    Those of links that are bent without load are not: modes of straight links do not contain
+    the approach of the ends of a deep bow (2 % of the deflections of a coupler of
+    280 mm that is bowed by 8 mm, of which double the detail recovers a tenth).
+    Nor are links that rotate as one body on a free shaft: see
+    :attr:`flexmech.linear_system.Engine.turns_as_one_body`.
+
+    Parameters
+    ----------
+    engine : Engine
+
+    Returns
+    -------
+    bool
+    """
+    if engine.shaft == "free" and engine.turns_as_one_body:
+        return False
+    return engine.component_modes and not engine.mechanism.is_free_strained
+
+
+def stretches_in_runs(engine: Engine, prestress: Prestress) -> bool:
+    """Whether a run by an engine's linear equations includes the second-order stretch.
+
+    Parameters
+    ----------
+    engine : Engine
+        One that simulates runs without them.
+    prestress : {"none", "axial", "equilibrium"}
+
+    Returns
+    -------
+    bool
+    """
+    return prestress == "equilibrium" and not engine.simulates and engine.stretches is not None
+
+
+def stretching_links(engine: Engine, modes: int, detail: float) -> tuple[Topology, list[RunLink]]:
+    """Links for a run with second-order stretch, without condensed axial modes.
+
+    Slopes stretch a link along its chord, whose direction does not depend on a bow.
+
+    Parameters
+    ----------
+    engine : Engine
+    modes : int
+    detail : float
+        As of :func:`prestressed_links`.
+
+    Returns
+    -------
+    Topology
+        Whose moving rigid links are elastic bars.
+    list of RunLink
+    """
+    topology, links = natural_links(engine)
+    if is_reduced(engine):
+        reduction = component_modes(
+            topology,
+            [link.model for link in links],
+            modes,
+            0.0,
+            couples_axially=True,
+            detail=detail,
+            axial_modes=round(STRETCHING_MODES * max(1.0, detail / DETAIL)),
+            turning_sections=False,
+        )
+        links = _in_modes(links, reduction)
+    else:
+        engine.check_runs()
+    return topology, [
+        with_turning_sections(engine, topology, *numbered) for numbered in enumerate(links)
+    ]
+
+
+def prestressed_links(
+    engine: Engine, drive: Drive, prestress: Prestress, modes: int, detail: float
+) -> list[RunLink]:
+    """Links for linear equations at a level of prestress.
+
+    Parameters
+    ----------
+    engine : Engine
+    drive : Drive
+    prestress : {"none", "axial", "equilibrium"}
+    modes : int
+        Number of natural frequencies for which the reduction is accurate.
+    detail : float
+        Multiplies the frequency up to which component modes are kept.
+
+    Returns
+    -------
+    list of RunLink
+    """
+    if not is_reduced(engine):
+        return unreduced_links(engine)
+    motion = drive.motion(engine.mechanism.linkage, drive.passing_times)
+    return _in_modes(
+        list(map(RunLink.of, engine.links)),
+        component_modes(
+            engine.topology,
+            engine.links,
+            modes,
+            float(np.abs(motion.angular_velocity).max()),
+            couples_axially=prestress == "equilibrium",
+            detail=detail,
+            axial_modes=max(
+                round(AXIAL_MODES * max(1.0, detail / DETAIL)), engine.axial_modes_of_bows
+            ),
+        ),
+    )
+
+
+@dataclass(frozen=True)
+class StaticExpansion:
+    """All coordinates of the frames by z, and by the loads, at m instants (static condensation).
+
+    Parameters
+    ----------
+    matrix : ndarray, shape (m, size, n) or (1, n, n)
+        From z to the coordinates of the frames; one unit matrix where none is condensed.
+    offset : ndarray, shape (m, size)
+        What the loads alone add to the condensed ones.
+    """
+
+    matrix: FloatArray
+    offset: FloatArray
+
+    @classmethod
+    def of_all(cls, size: int) -> Self:
+        """Expansion of ``size`` coordinates of which none is condensed."""
+        return cls(np.eye(size)[None], np.zeros((1, size)))
+
+    def under(
+        self, force: FloatArray, flexibility: FloatArray, eliminated: NDArray[np.bool_]
+    ) -> tuple[FloatArray, FloatArray]:
+        """What forces on all coordinates add to the condensed ones, and those forces on z.
+
+        Parameters
+        ----------
+        force : ndarray, shape (m, size)
+        flexibility : ndarray, shape (m, i, i)
+            Of the condensed coordinates.
+        eliminated : ndarray of bool, shape (size,)
+            Coordinates that are condensed.
+
+        Returns
+        -------
+        ndarray, shape (m, size)
+            To add to ``offset``.
+        ndarray, shape (m, n)
+        """
+        offset = np.zeros_like(force)
+        offset[:, eliminated] = (flexibility @ force[:, eliminated, None])[..., 0]
+        return offset, (force[:, None] @ self.matrix)[:, 0]
+
+    def expanded(self, vibration: VibrationState) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """All coordinates of the frames and their time derivatives, each (m, size).
+
+        Parameters
+        ----------
+        vibration : VibrationState
+            Arrays of shape (m, n).
+
+        Returns
+        -------
+        tuple of ndarray
+        """
+        parts = (vibration.position, vibration.velocity, vibration.acceleration)
+        if self.matrix.shape[1] == self.matrix.shape[2]:
+            return parts
+        position, velocity, acceleration = (
+            (self.matrix @ part[..., None])[..., 0] for part in parts
+        )
+        return position + self.offset, velocity, acceleration
+
+
+@dataclass(frozen=True)
+class Equations(EquationsOfMotion):
+    """Equations of motion of a linkage at m instants.
+
+    Parameters
+    ----------
+    mass, damping, stiffness : ndarray, shape (m, n, n)
+    force : ndarray, shape (m, n)
+    motion : RigidMotion
+        Batch of shape (m,).
+    expansion : StaticExpansion
+        To the condensed coordinates of the frames.
+    flexibility : ndarray, shape (m, i, i)
+        Of the condensed coordinates.
+    """
+
+    motion: RigidMotion
+    expansion: StaticExpansion
+    flexibility: FloatArray
+
+    @classmethod
+    def condensed(
+        cls,
+        motion: RigidMotion,
+        matrices: SystemMatrices,
+        force: FloatArray,
+        eliminated: NDArray[np.bool_],
+    ) -> Self:
+        """Equations after static condensation of some coordinates (Guyan, 1965).
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (m,).
+        matrices : SystemMatrices
+            Of all coordinates of the frames.
+        force : ndarray, shape (m, size)
+        eliminated : ndarray of bool, shape (size,)
+            Coordinates that are condensed.
+
+        Returns
+        -------
+        Equations
+        """
+        inner = np.flatnonzero(eliminated)
+        flexibility = np.asarray(
+            np.linalg.inv(matrices.stiffness[:, inner[:, None], inner]), dtype=float
+        )
+        expansion = StaticExpansion.of_all(len(eliminated))
+        if len(inner):
+            matrices, matrix = condense(matrices, eliminated)
+            expansion = StaticExpansion(matrix, np.zeros_like(force))
+            offset, force = expansion.under(force, flexibility, eliminated)
+            expansion = StaticExpansion(matrix, offset)
+        parts = matrices.mass, matrices.damping, matrices.stiffness, force
+        return cls(*parts, motion, expansion, flexibility)
 
 
 class DrivenLinkage:
@@ -104,16 +382,17 @@ class DrivenLinkage:
         shaft_torque: ShaftTorque | None = None,
     ) -> None:
         self.engine, self.drive, self.prestress = engine, drive, prestress
-        reduced = (
-            stretching_links(engine, modes, detail)
-            if stretches
-            else prestressed_links(engine, drive, prestress, modes, detail)
-        )
-        self.links, self.run_bases = reduced.models, reduced.bases
-        self.unreduced = tuple(link.model for link in reduced.unreduced)
-        self._from_engine = [link.from_engine for link in reduced.unreduced]
-        self.bases = reduced.engine_bases
-        self.frames = LinkFrames(reduced.topology, self.links)
+        topology = engine.topology
+        if stretches:
+            topology, links = stretching_links(engine, modes, detail)
+        else:
+            links = prestressed_links(engine, drive, prestress, modes, detail)
+        self.links = tuple(link.reduced for link in links)
+        self.unreduced = tuple(link.model for link in links)
+        self.run_bases = tuple(link.basis for link in links)
+        self.bases = tuple(link.to_engine @ link.basis for link in links)
+        self._from_engine = [link.from_engine for link in links]
+        self.frames = LinkFrames(topology, self.links)
         frame, gravity = engine.mechanism.frame, engine.mechanism.gravity
         self.carried = None
         if frame is not None:
@@ -126,15 +405,13 @@ class DrivenLinkage:
         others = int(self.rotor is not None) if self.carried is None else COORDINATES
         self.stretch = None
         if stretches:
-            guides = MovingGuides(engine, self.frames, reduced.unreduced, self.run_bases)
-            self.stretch = LinkageStretch(self.frames, reduced.stretches, guides, others)
-        own = reduced.unreduced, self.run_bases
-        self.shaft = DrivenShaft.of(engine, drive, self.frames, *own, shaft_torque)
+            self.stretch = LinkageStretch(engine, self.frames, links, others)
+        self.shaft = DrivenShaft.of(engine, drive, self.frames, links, shaft_torque)
         turns_far = self.shaft is not None and self.shaft.is_natural
         self.connectors = DrivenConnectors(engine, self.frames, follower_torque=turns_far)
         self.condensed = np.zeros(self.frames.size + others, dtype=bool)
-        for target, condensed in zip(self.frames.targets, reduced.condensed, strict=True):
-            self.condensed[target[condensed]] = True
+        for target, link in zip(self.frames.targets, links, strict=True):
+            self.condensed[target[link.condensed]] = True
         self.stress = StressHistory(
             engine,
             self.unreduced,
@@ -245,7 +522,7 @@ class DrivenLinkage:
             self.stress.guide_stiffness(time),
         )
         if self.stretch is not None:
-            matrices = self.stretch.guides.added(matrices, motion, terms)
+            matrices = self.stretch.added(matrices, motion, terms)
         if self.connectors.any:
             matrices = self.connectors.added(motion, matrices, terms, time)
         if self.shaft is not None and self._motor is not None:
@@ -367,3 +644,46 @@ class DrivenLinkage:
             own = equations.stiffness[0][np.ix_(axial, axial)]
             position[axial] = np.linalg.solve(own, force[axial])
         return position
+
+
+def static_balance(linkage: DrivenLinkage, position: FloatArray, time: float = 0.0) -> FloatArray:
+    """Static equilibrium z of links that stretch, under the loads at an instant, (n,).
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+        Whose links stretch.
+    position : ndarray, shape (n,)
+        Near it.
+    time : float
+        In s.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Raises
+    ------
+    ComputationError
+        If Newton's method does not converge.
+    """
+    assert linkage.stretch is not None
+    equations = linkage.quasi_static_equations(np.array([time]))
+    row = np.eye(linkage.size)[linkage.shaft_coordinates]
+    stiffness, force, z = equations.stiffness[0], equations.force[0], np.array(position)
+    last = np.inf
+    for _ in range(MOST_PASSES):
+        pulled, tangent = linkage.stretch.static_force(equations.motion, z)
+        gap = np.concatenate([force - stiffness @ z - pulled, -row @ z])
+        bordered = np.block([[stiffness + tangent, row.T], [row, np.zeros(2 * [len(row)])]])
+        change = np.linalg.solve(bordered, gap)[: linkage.size]
+        z += change
+        part = np.abs(change).max() / max(np.abs(z).max(), NOTHING)
+        if part <= CONVERGED or last <= 2 * part <= STAGNATED:
+            return z
+        last = part
+    raise ComputationError(
+        f"the links find no balance at time {time:.6g} s from which to start, crank angle "
+        f"{np.degrees(float(linkage.drive.crank_angle(time))):.6g} deg; lower the crank speed, or "
+        "choose start rigid"
+    )

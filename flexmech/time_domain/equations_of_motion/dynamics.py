@@ -24,8 +24,7 @@ from flexmech.linkages.connection_forces import (
 )
 from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain.equations_of_motion.driven_connectors import LinkMotion
-from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
-from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
+from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage, StaticExpansion
 from flexmech.time_domain.recorded_runs.recording import StepBlock
 from flexmech.time_domain.recorded_runs.states import FrameMotion
 
@@ -89,11 +88,8 @@ class LinkageDynamics:
         unit_rates = frames.dependent_rows(unit)
         totals = np.zeros((6, len(time)))
         ends, fields, moments = [], [], []
-        acting = None
-        if linkage.connectors.any:
-            rest = np.zeros_like(coordinates[0])
-            unit_elastic = frames.link_motion(unit, coordinates[0], rest, rest)
-            acting = linkage.connectors.acting(time, motion, elastic, unit, unit_elastic)
+        acting = linkage.connectors.acting(time, motion, elastic, unit, coordinates[0])
+        pushed_shapes, pushed_fields, pushed_power, work = acting
         for number, (inertia, link, stress) in enumerate(
             zip(self._inertias, moving, linkage.stress.at(time), strict=True)
         ):
@@ -106,8 +102,8 @@ class LinkageDynamics:
                 strain = strain + second.energy(link.displacement)
             shapes = inertia.shape_forces(link) + inner + damping
             rigid = inertia.field_forces(link)
-            ends.append(shapes if acting is None else shapes - acting.shapes[number])
-            fields.append(rigid if acting is None else rigid - acting.fields[number])
+            ends.append(shapes - pushed_shapes[number])
+            fields.append(rigid - pushed_fields[number])
             turning = inertia.turning_power(link)
             moments.append(fields[-1][:, 2] + turning)
             # Virtual power at unit crank speed: the rigid link, its pins' displacements as
@@ -131,27 +127,19 @@ class LinkageDynamics:
             )
         torque, kinetic, strain, weight, dissipated, prestress = totals
         if linkage.stretch is not None:
-            guides = linkage.stretch.guides
-            torque = torque + guides.virtual_power(
-                motion, unit, *(part[:, : frames.size] for part in coordinates[:2])
-            )
-        if acting is not None:
-            torque = torque - acting.virtual_power
-            strain = strain + acting.work.stored
-            dissipated = dissipated + acting.work.dissipation
-            prestress = prestress + acting.work.power
+            torque = torque + linkage.stretch.virtual_power(motion, unit, *coordinates[:2])
         block = StepBlock(
             time=time,
             crank_speed=motion.crank_speed,
             displacement=[q for q, _, _ in elastic],
             rate=[rate for _, rate, _ in elastic],
             joint_force=self._joint_forces(motion, elastic, ends, fields, moments),
-            driving_torque=torque,
+            driving_torque=torque - pushed_power,
             kinetic_energy=kinetic,
-            strain_energy=strain,
+            strain_energy=strain + work.stored,
             gravity_energy=weight,
-            dissipation_power=dissipated,
-            prestress_power=prestress,
+            dissipation_power=dissipated + work.dissipation,
+            prestress_power=prestress + work.power,
         )
         if linkage.carried is not None:
             return _on_its_frame(block, linkage.carried, places[0], places[1])

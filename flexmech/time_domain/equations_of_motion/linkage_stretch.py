@@ -1,6 +1,16 @@
-"""Second-order stretch of all links in the independent coordinates of a linkage.
+"""Second-order stretch of all links, and moving guides, in the independent coordinates.
 
-Moving guides are strains of it; see :mod:`flexmech.time_domain.equations_of_motion.moving_guides`.
+A slider on a rigid link that moves is on a line that turns by finite angles. The link that guides
+is a bar in the natural coordinates ``d`` of
+:mod:`flexmech.time_domain.equations_of_motion.natural_coordinates`. In its frame its start is
+displaced by p, and the end that slides by a. With u = a - p, and that end at s along and c across
+the line in the rigid motion, it is off the line, of direction t and normal n, by::
+
+    g = n.u + d_1 c - d_2 s + d_1 n.u - d_2 t.u
+
+Products are differences of squares, so that g is a strain as those of
+:class:`flexmech.linear_system.LinkStretch`. It is enforced as the lengths of rigid bodies are, by a
+spring that is as stiff as their bars (penalty method).
 """
 
 from __future__ import annotations
@@ -9,11 +19,127 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flexmech.arrays import FloatArray
-from flexmech.linear_system import LinkFrames, LinkStretch
+from flexmech.arrays import ComplexArray, FloatArray
+from flexmech.linear_system import Engine, LinkFrames, LinkStretch, RotationTerms, SystemMatrices
+from flexmech.linear_system.joints.displaced_motion import link_bodies
 from flexmech.linkages import RigidMotion
-from flexmech.time_domain.equations_of_motion.moving_guides import MovingGuides
-from flexmech.time_domain.equations_of_motion.natural_coordinates import joined_strains
+from flexmech.linkages.matrix_with_rates import MatrixWithRates
+from flexmech.time_domain.equations_of_motion.natural_coordinates import (
+    RunLink,
+    bar_damping_time,
+    bar_stiffness,
+    joined_strains,
+)
+
+# In m: the linear part of g, d times the length of the guide, n.u and t.u.
+COORDINATES = 5
+
+
+class MovingGuides:
+    """The sliders of a run whose guides are bars.
+
+    Parameters
+    ----------
+    engine : Engine
+    frames : LinkFrames
+        Of the reduced links of the run, without these sliders in its topology.
+    links : sequence of RunLink
+        Unreduced.
+
+    Attributes
+    ----------
+    stretch : LinkStretch
+        Strains ``g`` of the sliders, by :data:`COORDINATES` of each.
+    """
+
+    def __init__(
+        self,
+        engine: Engine,
+        frames: LinkFrames,
+        links: Sequence[RunLink],
+    ) -> None:
+        self._topology, self._links = engine.topology, frames.links
+        self._sliders = [
+            number
+            for number, slider in enumerate(self._topology.sliders)
+            if slider not in frames.topology.sliders
+        ]
+        self._bars: list[tuple[FloatArray, FloatArray]] = []
+        strains, coordinates = [LinkStretch.none(self.size)], np.eye(self.size)
+        for number in self._sliders:
+            slider = self._topology.sliders[number]
+            guide = self._topology.index(slider.guide)
+            length, bar = self._topology.links[guide].length, links[guide]
+            assert bar.natural is not None
+            to_line = MatrixWithRates.rotation(np.array([-slider.direction]), *np.zeros((2, 1)))
+            start = to_line.value[0] @ bar.basis[bar.model.start]
+            self._bars.append((start, length * bar.natural @ bar.basis))
+            own = coordinates[COORDINATES * (len(strains) - 1) :][:COORDINATES]
+            strains.append(_strain(engine, length).in_coordinates(own))
+        self.stretch = joined_strains(strains)
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates of the strains."""
+        return COORDINATES * len(self._sliders)
+
+    def rows(
+        self, motion: RigidMotion, links: Sequence[FloatArray]
+    ) -> tuple[FloatArray, FloatArray]:
+        """Coordinates of the strains by the first independent coordinates, and their rate.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (m,).
+        links : sequence of ndarray, shape (2, m, n_link, end_count)
+            Coordinates of each link by the same, and their rate.
+
+        Returns
+        -------
+        tuple of ndarray, shape (m, size, end_count)
+        """
+        _, slid = link_bodies(motion, self._topology)
+        pairs = zip(self._sliders, self._bars, strict=True)
+        found = [self._rows_of(motion, links, n, bar, slid[:2, :, n]) for n, bar in pairs]
+        value, rate = (np.concatenate(parts, axis=1) for parts in zip(*found, strict=True))
+        return value, rate
+
+    def _rows_of(
+        self,
+        motion: RigidMotion,
+        links: Sequence[FloatArray],
+        number: int,
+        bar: tuple[FloatArray, FloatArray],
+        slid: ComplexArray,
+    ) -> list[FloatArray]:
+        """The five coordinates of a slider, by its number, that is at (2, m) on its guide."""
+        slider, (start, natural) = self._topology.sliders[number], bar
+        link, guide = (self._topology.index(x) for x in (slider.link_end.link, slider.guide))
+        angle = motion.angle[:, link] - motion.angle[:, guide] - slider.direction
+        speed = motion.angular_velocity[:, link] - motion.angular_velocity[:, guide]
+        to_line = MatrixWithRates.rotation(angle, speed, np.zeros_like(speed))
+        end = self._links[link].end_displacement(slider.link_end.end)
+        (sliding, sliding_rate), (guiding, guiding_rate) = links[link], links[guide]
+        u = to_line.value @ sliding[:, end] - start @ guiding
+        u_rate = to_line.rate @ sliding[:, end] + to_line.value @ sliding_rate[:, end]
+        u_rate -= start @ guiding_rate
+        d, d_rate = natural @ guiding, natural @ guiding_rate
+        at = slid * np.exp(-1j * slider.direction) / self._topology.links[guide].length
+        lever, lever_rate = np.stack([-at.imag, at.real], axis=-1)[:, :, None]
+        gap = u[:, 1:] - lever @ d
+        gap_rate = u_rate[:, 1:] - lever_rate @ d - lever @ d_rate
+        parts = ((gap, d, u), (gap_rate, d_rate, u_rate))
+        return [np.concatenate([g, x, v[:, 1:], v[:, :1]], axis=1) for g, x, v in parts]
+
+
+def _strain(engine: Engine, length: float) -> LinkStretch:
+    """The strain ``g`` of a slider on a guide of a length in m."""
+    root = float(np.sqrt(bar_stiffness(engine, 1.0)))
+    gap, d_1, d_2, across, along = np.eye(COORDINATES)
+    slopes = np.stack([d_1 + across, d_1 - across, d_2 + along, d_2 - along])
+    weights = root / (2 * length) * np.array([[1.0, -1.0, -1.0, 1.0]])
+    return LinkStretch(root * gap[None], slopes, weights, np.array([bar_damping_time(engine)]))
 
 
 class LinkageStretch:
@@ -23,10 +149,10 @@ class LinkageStretch:
 
     Parameters
     ----------
+    engine : Engine
     frames : LinkFrames
-    links : sequence of LinkStretch
-        In the links' coordinates.
-    guides : MovingGuides
+        Of the reduced links.
+    links : sequence of RunLink
     others : int
         Coordinates of a frame on springs, which follow z and strain nothing.
 
@@ -41,13 +167,10 @@ class LinkageStretch:
     """
 
     def __init__(
-        self,
-        frames: LinkFrames,
-        links: Sequence[LinkStretch],
-        guides: MovingGuides,
-        others: int = 0,
+        self, engine: Engine, frames: LinkFrames, links: Sequence[RunLink], others: int = 0
     ) -> None:
-        self.links, self.guides = tuple(links), guides
+        self.links = tuple(link.stretch.projected(link.basis) for link in links)
+        self.guides = MovingGuides(engine, frames, links)
         self._frames = frames
         self.end_count = frames.end_count
         self._places = [np.array(target) for target in frames.targets]
@@ -56,10 +179,10 @@ class LinkageStretch:
             dependent = frames.dependent_coordinates(number)
             places[dependent] = np.arange(self.size, self.size + len(dependent))
             self.size += len(dependent)
-        spread = [*self._places, self.size + np.arange(guides.size)]
-        self.size += guides.size
+        spread = [*self._places, self.size + np.arange(self.guides.size)]
+        self.size += self.guides.size
         strains = []
-        for strain, places in zip([*links, guides.stretch], spread, strict=True):
+        for strain, places in zip([*self.links, self.guides.stretch], spread, strict=True):
             augmented, free = np.zeros((len(places), self.size)), places >= 0
             augmented[free, places[free]] = 1.0
             strains.append(strain.in_coordinates(augmented))
@@ -80,14 +203,19 @@ class LinkageStretch:
         """
         count, first = len(motion.crank_angle), self._independent
         turn, rate = np.zeros((2, count, self.size - first, self.end_count))
-        dependent = self._frames.dependent_rows(motion)
-        guided = slice(self.size - first - self.guides.size, None)
-        turn[:, guided], rate[:, guided] = self.guides.rows(motion, dependent)
-        for places, ends in zip(self._places, dependent, strict=True):
+        for places, ends in zip(self._places, self._frames.dependent_rows(motion), strict=True):
             for end in ends:
                 rows = places[end.rows] - first
                 turn[:, rows[:, None], end.columns] = end.turn
                 rate[:, rows[:, None], end.columns] = end.rate
+        if self.guides.size:
+            # Coordinates of links by the displacements of ends; fixed ones are the last, zero.
+            free = np.zeros((2, count, first, self.end_count))
+            free[0], fixed = np.eye(first, self.end_count), np.zeros_like(free[:, :, :1])
+            whole = np.concatenate([free, [turn, rate], fixed], axis=2)
+            links = [whole[:, :, places] for places in self._places]
+            guided = slice(-self.guides.size, None)
+            turn[:, guided], rate[:, guided] = self.guides.rows(motion, links)
         return turn, rate
 
     def augmented(self, turn: FloatArray, columns: FloatArray) -> FloatArray:
@@ -142,6 +270,71 @@ class LinkageStretch:
         force = forces.evaluate()[0]
         elastic, _ = forces.tangents()
         return force @ augmentation, augmentation.T @ elastic[0] @ augmentation
+
+    def added(
+        self, matrices: SystemMatrices, motion: RigidMotion, terms: RotationTerms
+    ) -> SystemMatrices:
+        """Matrices of the frames with the linear part of the strains of guides.
+
+        Parameters
+        ----------
+        matrices : SystemMatrices
+            Of m instants.
+        motion : RigidMotion
+        terms : RotationTerms
+
+        Returns
+        -------
+        SystemMatrices
+        """
+        if not self.guides.size:
+            return matrices
+        stretch, ends = self.guides.stretch, slice(self.end_count)
+        strain, rate = (stretch.gradient @ part for part in self._guide_rows(motion))
+        turned, time = np.swapaxes(strain, 1, 2), stretch.damping_time[:, None]
+        stiffness, damping = matrices.stiffness.copy(), matrices.damping.copy()
+        stiffness[:, ends, ends] += turned @ strain
+        damping[:, ends, ends] += turned @ (time * strain)
+        if terms.coriolis:
+            stiffness[:, ends, ends] += turned @ (time * rate)
+        return SystemMatrices(matrices.mass, damping, stiffness)
+
+    def virtual_power(
+        self,
+        motion: RigidMotion,
+        unit: RigidMotion,
+        position: FloatArray,
+        velocity: FloatArray,
+    ) -> FloatArray:
+        """Power (m,) of the guides' forces as the frames turn at unit crank speed.
+
+        Parameters
+        ----------
+        motion, unit : RigidMotion
+            Batch of shape (m,), and the same positions at unit crank speed.
+        position, velocity : ndarray, shape (m, size)
+            Of the coordinates of the frames.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+        """
+        if not self.guides.size:
+            return np.zeros(len(position))
+        (turn, rate), (_, turning) = self._guide_rows(motion), self._guide_rows(unit)
+        z, moving = (part[:, : self.end_count, None] for part in (position, velocity))
+        place, speed = (turn @ z)[..., 0], (turn @ moving + rate @ z)[..., 0]
+        stretch = self.guides.stretch
+        elastic, damping = stretch.nonlinear_forces(place, speed)
+        linear, linear_rate = (part @ stretch.gradient.T for part in (place, speed))
+        tension = linear + stretch.damping_time * linear_rate
+        force = elastic + damping + tension @ stretch.gradient
+        return np.asarray(np.einsum("mi,mi->m", (turning @ z)[..., 0], force))
+
+    def _guide_rows(self, motion: RigidMotion) -> tuple[FloatArray, FloatArray]:
+        """Coordinates of the guides' strains by the displacements of link ends, and their rate."""
+        turn, rate = self.pin_rotations(motion)
+        return turn[:, -self.guides.size :], rate[:, -self.guides.size :]
 
 
 class StretchForces:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -23,7 +23,6 @@ from flexmech.linear_system import (
     StressedLinks,
 )
 from flexmech.linkages import Drive, RigidMotion
-from flexmech.time_domain.equations_of_motion.link_stress import LinkStress, StressShapes
 
 # Positions a turn; halving the spacing moves deflections by less than 1e-4 of their peak.
 SAMPLES_PER_TURN = 120
@@ -32,6 +31,91 @@ LEAST_OF_A_PIECE = 30
 # What the distributions of stress leave out, relative to the greatest: some fifty times the unit
 # round-off of the values that they are made of. At 1e-6 deflections change by 1e-5 of their peak.
 LEFT_OUT = 1e-14
+
+
+@dataclass(frozen=True)
+class StressShapes:
+    """Distributions of stress in one reduced link, r of them.
+
+    Parameters
+    ----------
+    stiffness : ndarray, shape (r, n, n)
+    prestress : ndarray, shape (r, n)
+    offset : ndarray, shape (r,)
+        Energy that does not depend on the coordinates.
+    damping : ndarray, shape (r, n, n), or (n, n) of damping that does not vary
+    """
+
+    stiffness: FloatArray
+    prestress: FloatArray
+    offset: FloatArray
+    damping: FloatArray
+
+
+@dataclass(frozen=True)
+class LinkStress:
+    """Internal force ``prestress + stiffness @ p`` of one link at m instants, and its rate.
+
+    Its potential is ``offset + prestress . p + p . stiffness p / 2``.
+
+    Parameters
+    ----------
+    shapes : StressShapes
+    share, share_rate : ndarray, shape (m, r)
+        Amplitude of each distribution, and its time derivative.
+    """
+
+    shapes: StressShapes
+    share: FloatArray
+    share_rate: FloatArray
+
+    @property
+    def stiffness(self) -> FloatArray:
+        """Stiffness matrix, (m, n, n)."""
+        return np.tensordot(self.share, self.shapes.stiffness, 1)
+
+    @property
+    def prestress(self) -> FloatArray:
+        """Internal force at zero coordinates, (m, n)."""
+        return np.asarray(self.share @ self.shapes.prestress)
+
+    @property
+    def damping(self) -> FloatArray:
+        """Damping matrix, (n, n), or (m, n, n) where it varies."""
+        damping = self.shapes.damping
+        return damping if damping.ndim == 2 else np.tensordot(self.share, damping, 1)
+
+    def of(self, displacement: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Internal force, potential, and power by the change of the stress alone.
+
+        Parameters
+        ----------
+        displacement : ndarray, shape (m, n)
+
+        Returns
+        -------
+        tuple of ndarray, shape (m, n), (m,) and (m,)
+        """
+        shapes = self.shapes
+        pulled = _times_each(displacement, shapes.stiffness)
+        work = np.einsum("mrn,mn->mr", pulled, displacement) / 2
+        work += displacement @ shapes.prestress.T + shapes.offset
+        force = self.prestress + np.einsum("mr,mrn->mn", self.share, pulled)
+        potential, power = (np.einsum("mr,mr->m", s, work) for s in (self.share, self.share_rate))
+        return force, potential, power
+
+    def damping_force(self, rate: FloatArray) -> FloatArray:
+        """Force of damping at rates of shape (m, n), (m, n)."""
+        damping = self.shapes.damping
+        if damping.ndim == 2:
+            return np.asarray(rate @ damping)
+        return np.asarray(np.einsum("mr,mrn->mn", self.share, _times_each(rate, damping)))
+
+
+def _times_each(vectors: FloatArray, matrices: FloatArray) -> FloatArray:
+    """Vectors (m, n) times each of r symmetric matrices (r, n, n); (m, r, n)."""
+    side_by_side = np.moveaxis(matrices, 0, 1).reshape(matrices.shape[1], -1)
+    return np.asarray(vectors @ side_by_side).reshape(len(vectors), *matrices.shape[:2])
 
 
 class StressHistory:
@@ -86,7 +170,6 @@ class StressHistory:
         self._prestress = prestress
         self._with_energy = with_energy
         self.has_internal_forces = True
-        self._sizes = [basis.shape[1] for basis in bases]
         # Damping changes with the stress only where links are bowed.
         damped = any(link.damping.any() for link in links)
         self._damping_varies = damped and prestress == "equilibrium" and equilibrium_of is None
@@ -97,9 +180,11 @@ class StressHistory:
         self._turn: scipy.interpolate.CubicSpline | None = None
         self._rise: scipy.interpolate.PPoly | None = None
         if prestress == "none" and not engine.mechanism.is_free_strained:
+            pairs = zip(links, bases, strict=True)
+            straight = [basis.T @ link.stiffness @ basis for link, basis in pairs]
             self._shapes = [
-                StressShapes.straight(basis.T @ link.stiffness @ basis, damping)
-                for link, basis, damping in zip(links, bases, self._damping, strict=True)
+                StressShapes(k[None], np.zeros((1, len(k))), np.zeros(1), damping)
+                for k, damping in zip(straight, self._damping, strict=True)
             ]
             return
         sampled = []
@@ -115,13 +200,12 @@ class StressHistory:
                 drive.crank_acceleration(time),
             )
             sampled.append(self._sampled(time, *motion))
-        values = np.concatenate(sampled)
-        share, shapes = _low_rank_factors(values, self._scale(values))
-        stops = np.cumsum([sum(self._widths(size)) for size in self._sizes])
-        *parts, self._guide_stiffness = np.split(shapes, stops, axis=1)
+        share, shapes = _low_rank_factors([np.concatenate(x) for x in zip(*sampled, strict=True)])
+        *of_links, self._guide_stiffness = shapes
+        count = len(of_links) // len(links)
         self._shapes = [
-            StressShapes.unpacked(part, size, damping)
-            for part, size, damping in zip(parts, self._sizes, self._damping, strict=True)
+            StressShapes(*(*of_links[count * number :][:count], damping)[:4])
+            for number, damping in enumerate(self._damping)
         ]
         if drive.turns_on:
             turn = share[: len(angles)]
@@ -164,35 +248,23 @@ class StressHistory:
             share[rising], rate[rising] = own, own_rate
         return share, rate
 
-    def _widths(self, size: int) -> list[int]:
-        """Columns of one link: of stiffness, prestress, offset and, where it varies, damping."""
-        square = size * size
-        return [square, size, 1] + [square] * self._damping_varies
-
-    def _scale(self, values: FloatArray) -> FloatArray:
-        """Greatest stiffness, prestress, offset and damping of each link, column by column."""
-        widths = [width for size in self._sizes for width in self._widths(size)]
-        widths.append(values.shape[1] - sum(widths))
-        parts = np.split(values, np.cumsum(widths[:-1]), axis=1)
-        return np.repeat([np.abs(part).max(initial=0.0) or 1.0 for part in parts], widths)
-
     def _sampled(
         self,
         where: FloatArray,
         angle: FloatArray,
         speed: float | FloatArray,
         acceleration: float | FloatArray,
-    ) -> FloatArray:
-        """Stress of all links at k positions, in the order of ``where``; (k, total)."""
+    ) -> list[FloatArray]:
+        """Stress of all links at k positions, in the order of ``where``; see :meth:`_stresses`."""
         linkage = self._engine.mechanism.linkage
         motion_of = [np.broadcast_to(v, angle.shape) for v in (angle, speed, acceleration)]
-        packed, forces, places = [], [], []
+        stresses, forces, places = [], [], []
         has_arms = any(link.attached_off_axis for link in self._engine.links)
         for batch in self._engine.batches(len(angle)):
             motion = linkage.motion(*(v[batch] for v in motion_of))
             stressed = self._engine.stressed_links(motion, self._prestress)
             if self._equilibrium_of is not None:
-                packed.append(self._equilibrium_correction(stressed, self._equilibrium_of))
+                stresses.append(self._equilibrium_correction(stressed, self._equilibrium_of))
                 continue
             if has_arms and not self._with_energy:
                 # They balance the loads on arms that are displaced.
@@ -201,26 +273,26 @@ class StressHistory:
             if displacement is not None and force is None and self._engine.connectors.any:
                 force = self._engine.equilibrium_forces(motion, displacement)
                 stressed = replace(stressed, internal_force=force)
-            packed.append(self._packed(stressed, motion))
+            stresses.append(self._stresses(stressed, motion))
             if stressed.displacement is not None and stressed.internal_force is None:
                 self.has_internal_forces = False
             if self._with_energy and stressed.internal_force is not None:
                 forces.append(np.concatenate(stressed.internal_force, axis=1))
                 places.append(np.concatenate(stressed.displacement or [], axis=1))
-        values = np.concatenate(packed)
+        values = [np.concatenate(x) for x in zip(*stresses, strict=True)]
         if forces:
             self._add_bending_work(values, where, np.concatenate(forces), np.concatenate(places))
         return values
 
     def _equilibrium_correction(
         self, stressed: StressedLinks, bases: Sequence[FloatArray]
-    ) -> FloatArray:
-        """As :meth:`_packed`: equilibrium forces less those of straight, stretching links.
+    ) -> list[FloatArray]:
+        """As :meth:`_stresses`: equilibrium forces less those of straight, stretching links.
 
         What is off the axis of an elastic link, and rigid links, are in natural coordinates.
         """
         places, forces = stressed.displacement, stressed.internal_force
-        stretches, columns = self._engine.stretches, []
+        stretches, parts = self._engine.stretches, []
         assert places is not None
         assert forces is not None
         assert stretches is not None
@@ -233,57 +305,62 @@ class StressHistory:
                 q = places[number].copy()
                 sections = np.setdiff1d(np.flatnonzero(link.fields.tangential), link.vectors)
                 q[:, sections] = np.sin(q[:, sections])
-                found, _ = stretches[number].nonlinear_forces(q, np.zeros_like(q))
-                found += (link.stiffness @ q.T).T
-                correction = (forces[number] - found) @ bases[number]
-            stiff = np.broadcast_to(stiffness.ravel(), (batch, stiffness.size))
-            columns += [stiff, correction, np.zeros((batch, 1))]
-        return np.concatenate(columns, axis=1)
+                straight, _ = stretches[number].nonlinear_forces(q, np.zeros_like(q))
+                straight += (link.stiffness @ q.T).T
+                correction = (forces[number] - straight) @ bases[number]
+            stiff = np.broadcast_to(stiffness, (batch, *stiffness.shape))
+            parts += [stiff, correction, np.zeros(batch)]
+        return [*parts, np.zeros((batch, 0))]
 
-    def _packed(self, stressed: StressedLinks, motion: RigidMotion) -> FloatArray:
-        """Stiffness, prestress and offset of all links in one row each position, (B, total)."""
-        columns, batch = [], len(motion.crank_angle)
+    def _stresses(self, stressed: StressedLinks, motion: RigidMotion) -> list[FloatArray]:
+        """Stiffness, prestress, offset and varying damping of all links, of guides the stiffness.
+
+        Each of shape (B, ...).
+        """
+        parts, batch = [], len(motion.crank_angle)
         inertia = None
         if stressed.displacement is not None and stressed.internal_force is None:
             displaced = self._engine.displaced_inertia(motion)
             inertia = None if displaced is None else displaced.forces(stressed.displacement)
         for number, basis in enumerate(self._bases):
             tangent = stressed.tangent[number]
-            prestress, offset = np.zeros((batch, basis.shape[1])), np.zeros((batch, 1))
+            prestress, offset = np.zeros((batch, basis.shape[1])), np.zeros(batch)
             if stressed.displacement is not None:
                 q = stressed.displacement[number]
                 elastic = (tangent @ q[..., None])[..., 0]
                 force = stressed.internal_force
                 internal = inertia if force is None else force
                 prestress = ((0.0 if internal is None else internal[number]) - elastic) @ basis
-                offset = np.sum(q * elastic, axis=1, keepdims=True) / 2
+                offset = np.sum(q * elastic, axis=1) / 2
                 if force is not None:
-                    offset -= np.sum(q * force[number], axis=1, keepdims=True)
+                    offset -= np.sum(q * force[number], axis=1)
             stiffness = np.broadcast_to(basis.T @ tangent @ basis, (batch, *2 * basis.shape[1:]))
-            columns += [stiffness.reshape(batch, -1), prestress, offset]
+            parts += [stiffness, prestress, offset]
             if self._damping_varies:
                 damping = self._damping[number]
                 if stressed.damping is not None:
                     damping = basis.T @ stressed.damping[number] @ basis
-                columns.append(np.broadcast_to(damping, stiffness.shape).reshape(batch, -1))
-        if stressed.guide_stiffness is not None:
-            columns.append(stressed.guide_stiffness)
-        return np.concatenate(columns, axis=1)
+                parts.append(np.broadcast_to(damping, stiffness.shape))
+        guides = stressed.guide_stiffness
+        return [*parts, np.zeros((batch, 0)) if guides is None else guides]
 
     def _add_bending_work(
-        self, values: FloatArray, where: FloatArray, force: FloatArray, place: FloatArray
+        self,
+        values: list[FloatArray],
+        where: FloatArray,
+        force: FloatArray,
+        place: FloatArray,
     ) -> None:
         """Add the strain energy of the stressed states, the work that led from one to the next."""
-        start, first = 0, 0
-        for size, basis in zip(self._sizes, self._bases, strict=True):
+        first, count = 0, len(values) // len(self._bases)
+        for number, basis in enumerate(self._bases):
             own = slice(first, first + len(basis))
             path = scipy.interpolate.CubicSpline(where, place[:, own])
             power = scipy.interpolate.CubicSpline(
                 where, np.sum(force[:, own] * path(where, 1), axis=1)
             )
             energy = power.antiderivative()(where) + force[0, own] @ place[0, own] / 2
-            values[:, start + size * size + size] += energy
-            start += sum(self._widths(size))
+            values[count * number + 2] += energy
             first = own.stop
 
 
@@ -315,13 +392,16 @@ def _joined(times: Sequence[FloatArray], values: FloatArray) -> scipy.interpolat
     return scipy.interpolate.PPoly(coefficients, np.concatenate([*places, splines[-1].x[-1:]]))
 
 
-def _low_rank_factors(values: FloatArray, scale: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Low-rank factors of rows (k, total): amplitudes (k, r) and distributions (r, total).
+def _low_rank_factors(values: Sequence[FloatArray]) -> tuple[FloatArray, list[FloatArray]]:
+    """Low-rank factors of arrays (k, ...): amplitudes (k, r) and distributions (r, ...).
 
-    Gram-Schmidt orthogonalization that takes the greatest remainder first; ``scale`` (total,)
-    says what each column is measured by.
+    Gram-Schmidt orthogonalization that takes the greatest remainder first, each array measured by
+    its greatest value.
     """
-    rest, shares, shapes = values / scale, [], []
+    flat = [part.reshape(len(part), -1) for part in values]
+    widths = [part.shape[1] for part in flat]
+    scale = np.repeat([np.abs(part).max(initial=0.0) or 1.0 for part in flat], widths)
+    rest, shares, shapes = np.concatenate(flat, axis=1) / scale, [], []
     least = LEFT_OUT * np.linalg.norm(rest, axis=1).max()
     while (size := np.linalg.norm(rest, axis=1)).max() > least:
         shape = rest[size.argmax()] / size.max()
@@ -329,4 +409,7 @@ def _low_rank_factors(values: FloatArray, scale: FloatArray) -> tuple[FloatArray
         rest -= share[:, None] * shape
         shares.append(share)
         shapes.append(shape * scale)
-    return np.stack(shares, axis=1), np.array(shapes)
+    parts = np.split(np.array(shapes), np.cumsum(widths)[:-1], axis=1)
+    pairs = zip(parts, values, strict=True)
+    shaped = [np.ascontiguousarray(x).reshape(len(x), *whole.shape[1:]) for x, whole in pairs]
+    return np.stack(shares, axis=1), shaped

@@ -8,7 +8,7 @@ displacements are those of an engine that simulates.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Protocol, cast
 
@@ -21,14 +21,12 @@ from flexmech.dynamical_systems.lobatto import STAGES
 from flexmech.errors import ComputationError, InputError
 from flexmech.linear_system import Engine, LinkPoint, displacement_row
 from flexmech.linkages import Drive
-from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
+from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage, StaticExpansion
 from flexmech.time_domain.equations_of_motion.dynamics import LinkageDynamics
-from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
 from flexmech.time_domain.integrators.linear_march import LinearMarch
 from flexmech.time_domain.integrators.stretch_march import StretchMarch
 from flexmech.time_domain.recorded_runs.recording import Recorder
-from flexmech.time_domain.recorded_runs.states import Impact, LinkState
-from flexmech.time_domain.recorded_runs.trajectory import Trajectory
+from flexmech.time_domain.recorded_runs.states import Impact, LinkState, Trajectory
 
 # Steps that are recorded at once. Speed and memory alone: to record a block takes about ten
 # milliseconds besides its steps, and some 20 MB of a four-bar's matrices and forces.
@@ -38,7 +36,7 @@ DIVERGED = 1e6
 
 
 def marching(
-    linkage: DrivenLinkage, step: float, load: Sequence[FloatArray] | None = None
+    linkage: DrivenLinkage, step: float, *, pushed: bool = False
 ) -> LinearMarch | StretchMarch:
     """Time integration method for a linkage.
 
@@ -47,15 +45,16 @@ def marching(
     linkage : DrivenLinkage
     step : float
         Between recorded instants, in s.
-    load : sequence of ndarray, shape (n_link,), optional
-        Forces on the reduced links in their frames, of which a run can take any part at any
-        time.
+    pushed : bool
+        Whether runs take forces on the links besides those of the linkage.
 
     Returns
     -------
     LinearMarch or StretchMarch
     """
-    return (LinearMarch if linkage.stretch is None else StretchMarch)(linkage, step, load)
+    if linkage.stretch is None:
+        return LinearMarch(linkage, step, pushed=pushed)
+    return StretchMarch(linkage, step)
 
 
 def step_lag(angle: float, *, stretches: bool) -> float:
@@ -164,11 +163,11 @@ def _blocks(
     start: tuple[FloatArray, FloatArray],
     step: float,
     steps: int,
-    pulses: Sequence[HalfSinePulse] | None = None,
+    pushed: Callable[[FloatArray], Sequence[FloatArray]] | None = None,
 ) -> Iterator[tuple[int, FloatArray, VibrationState, StaticExpansion]]:
     """Run from a position and velocity, block by block; each begins where the last one ends.
 
-    Pulses act where the march has a load.
+    Besides the forces of the linkage those act that ``pushed`` gives at times, if it is given.
 
     Yields
     ------
@@ -194,11 +193,8 @@ def _blocks(
     for first in range(0, steps, BLOCK_STEPS):
         done = min(first + BLOCK_STEPS, steps)
         time = step * np.arange(first, done + 1, dtype=float)
-        force = None
-        if pulses is not None:
-            force = np.zeros(len(time)) + sum(pulse.force(time) for pulse in pulses)
         with np.errstate(over="ignore", invalid="ignore"):
-            history, expansion = march.advance(time, state, force)
+            history, expansion = march.advance(time, state, pushed and pushed(time))
         _refuse_divergence(linkage, time, history)
         yield done, time, history, expansion
         state = history[-1]
@@ -255,9 +251,9 @@ class LinkageUnderImpact:
         topology = linkage.frames.topology
         struck, self._place = hit.index(topology), seen.index(topology)
         self._row = displacement_row(linkage.links[self._place], seen.fraction, direction)
-        load = [np.zeros(link.size) for link in linkage.links]
-        load[struck] = displacement_row(linkage.links[struck], hit.fraction, direction)
-        self._march = marching(linkage, step, load)
+        self._load = [np.zeros(link.size) for link in linkage.links]
+        self._load[struck] = displacement_row(linkage.links[struck], hit.fraction, direction)
+        self._march = marching(linkage, step, pushed=True)
 
     def run(
         self, start: VibrationState, steps: int, pulses: Sequence[HalfSinePulse] = ()
@@ -287,7 +283,12 @@ class LinkageUnderImpact:
         whole = march.stride * -(-steps // march.stride)
         found = np.empty(whole + 1)
         begin = start.position, start.velocity
-        blocks = _blocks(linkage, march, begin, self._step, whole, pulses)
+
+        def pushed(time: FloatArray) -> list[FloatArray]:
+            force = np.zeros(len(time)) + sum(pulse.force(time) for pulse in pulses)
+            return [np.outer(force, load) for load in self._load]
+
+        blocks = _blocks(linkage, march, begin, self._step, whole, pushed)
         for done, time, history, expansion in blocks:
             coordinates = expansion.expanded(history)
             moved = linkage.frames.link_motion(linkage.motion(time), *coordinates)

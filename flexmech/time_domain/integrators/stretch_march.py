@@ -27,11 +27,9 @@ from flexmech.dynamical_systems.lobatto import (
     STAGES,
 )
 from flexmech.errors import ComputationError
-from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
-from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
+from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage, StaticExpansion
 from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStretch, StretchForces
-from flexmech.time_domain.integrators.linear_march import step_forces
-from flexmech.time_domain.integrators.position_table import PositionTable
+from flexmech.time_domain.integrators.linear_march import PositionTable
 
 logger = logging.getLogger(__name__)
 
@@ -73,8 +71,6 @@ class StretchMarch:
     linkage : DrivenLinkage
     step : float
         h in s, half a double step.
-    load : sequence of ndarray, shape (n_link,), optional
-        Forces on the reduced links in their frames, of which a run can take any part at any time.
 
     Attributes
     ----------
@@ -84,11 +80,9 @@ class StretchMarch:
 
     stride = STAGES
 
-    def __init__(
-        self, linkage: DrivenLinkage, step: float, load: Sequence[FloatArray] | None = None
-    ) -> None:
+    def __init__(self, linkage: DrivenLinkage, step: float) -> None:
         assert linkage.stretch is not None
-        self._linkage, self._step, self._load = linkage, step, load
+        self._linkage, self._step = linkage, step
         # Not by a method of its own: what refers to itself is kept until memory is searched for it.
         solve = partial(_double_steps, linkage, step)
         self._table = PositionTable(linkage, solve, reach=step)
@@ -101,7 +95,10 @@ class StretchMarch:
         self._last: FloatArray | None = None
 
     def advance(
-        self, time: FloatArray, state: VibrationState, force: FloatArray | None = None
+        self,
+        time: FloatArray,
+        state: VibrationState,
+        pushed: Sequence[FloatArray] | None = None,
     ) -> tuple[VibrationState, StaticExpansion]:
         """Advance from the first of some times to the others.
 
@@ -111,8 +108,8 @@ class StretchMarch:
             In s, one step apart.
         state : VibrationState
             At the first of them, arrays of shape (n,).
-        force : ndarray, shape (2 m + 1,), optional
-            Amplitude of the load at these times.
+        pushed : sequence of ndarray, shape (2 m + 1, n_link), optional
+            Forces on the reduced links in their frames at these times.
 
         Returns
         -------
@@ -127,7 +124,7 @@ class StretchMarch:
             If Newton's method does not converge in a step.
         """
         double = 2 * self._step
-        acting = step_forces(self._linkage, time, self._load, force)
+        acting = self._linkage.step_forces(time, pushed)
         history = np.empty((3, len(time), len(state.position)))
         history[:, 0] = state.position, double * state.velocity, double**2 * state.acceleration
         for first in range(0, len(time) - 1, STAGES * CACHED_STEPS):

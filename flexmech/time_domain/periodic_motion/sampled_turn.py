@@ -25,7 +25,10 @@ from flexmech.linear_system import (
     is_constant_turn,
 )
 from flexmech.linkages import ConstantSpeed, RigidMotion
-from flexmech.time_domain.equations_of_motion.reduced_links import ReducedLinks, prestressed_links
+from flexmech.time_domain.equations_of_motion.driven_linkage import (
+    prestressed_links,
+    unreduced_links,
+)
 
 # Times the frequency up to which component modes are kept for the natural frequencies alone: the
 # moving subspace is that of a few more modes than are asked for.
@@ -109,7 +112,7 @@ class SampledTurn:
         speed = float(motion.crank_speed[0])
         # What is constant is solved exactly, in all coordinates.
         reduces = not (is_constant_turn(engine, motion) or engine.turns_as_one_body)
-        reduced = (
+        links = (
             prestressed_links(
                 engine,
                 ConstantSpeed(fastest or speed),
@@ -118,10 +121,11 @@ class SampledTurn:
                 DETAIL,
             )
             if reduces
-            else ReducedLinks.all_of(engine)
+            else unreduced_links(engine)
         )
-        frames = LinkFrames(engine.topology, reduced.models)
-        pairs = list(zip(reduced.bases, engine.links, strict=True))
+        models, bases = tuple(x.reduced for x in links), tuple(x.basis for x in links)
+        frames = LinkFrames(engine.topology, models)
+        pairs = list(zip(bases, engine.links, strict=True))
         damping = stressed.damping or [link.damping for link in engine.links]
         displaced = engine.frames.displaced(motion, stressed.displacement)
         connected = engine.connected_matrices(frames, displaced, prestress, stressed.displacement)
@@ -132,8 +136,8 @@ class SampledTurn:
             connected = replace(connected, stiffness=connected.stiffness + guide_matrix)
         return cls(
             motion=motion,
-            models=reduced.models,
-            bases=reduced.bases,
+            models=models,
+            bases=bases,
             unreduced=engine.links,
             tangent=[
                 basis.T @ tangent @ basis

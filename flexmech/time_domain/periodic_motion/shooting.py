@@ -16,8 +16,7 @@ import numpy as np
 from flexmech.arrays import FloatArray
 from flexmech.dynamical_systems import VibrationState, initial_state
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
-from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
-from flexmech.time_domain.equations_of_motion.equations import StaticExpansion
+from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage, StaticExpansion
 from flexmech.time_domain.integrators.linear_march import LinearMarch
 
 # Steps whose matrices are solved at once. Memory alone: fewer than in a single run, because a

@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.integrate
 
-from flexmech.arrays import FloatArray
+from flexmech.arrays import FloatArray, IntArray
 from flexmech.dynamical_systems import (
     ON_A_STEP,
     LowPass,
@@ -21,8 +22,12 @@ from flexmech.dynamical_systems import (
     sample_intervals,
 )
 from flexmech.dynamical_systems.lobatto import WEIGHTS
-from flexmech.time_domain.recorded_runs.states import FrameMotion, ShaftMotion
-from flexmech.time_domain.recorded_runs.trajectory import EnergyHistory, Trajectory
+from flexmech.time_domain.recorded_runs.states import (
+    EnergyHistory,
+    FrameMotion,
+    ShaftMotion,
+    Trajectory,
+)
 
 
 @dataclass(frozen=True)
@@ -91,14 +96,12 @@ class Recorder:
     def __init__(
         self, sample_time: FloatArray, step: float, band: float | None = None, stride: int = 1
     ) -> None:
-        self.sample_time = sample_time
-        self.step = step
+        self.step, self._samples = step, SampleTimes(sample_time, step)
         self._stride = stride
         self._forces = ForceRecord(sample_time, step, band, (1.0,) if stride == 1 else WEIGHTS)
         # Places and rates of links, of a free shaft and of a frame on springs; energies.
         self._parts: list[tuple[list[FloatArray], list[FloatArray], list[FloatArray]]] = []
         self._has_shaft = self._has_frame = False
-        self._taken = 0
         self._work = np.zeros(3)  # dissipated, drive, prestress
         self._balance_start: float | None = None
         self._worst = 0.0
@@ -121,11 +124,10 @@ class Recorder:
                 block.prestress_power,
             ]
         )
-        done = (
-            _cumulative(block.time, powers)
-            if self._stride == 1
-            else parabolic_work(self.step, powers)
-        )
+        if self._stride == 1:
+            done = scipy.integrate.cumulative_trapezoid(powers, block.time, initial=0.0)
+        else:
+            done = parabolic_work(self.step, powers)
         work = self._work[:, None] + done
         self._work = work[:, -1]
         new = slice(0 if self._balance_start is None else 1, None)
@@ -150,7 +152,7 @@ class Recorder:
             shaft = ShaftMotion(places.pop()[:, 0], rates.pop()[:, 0])
         joint_force, driving_torque, peaks = self._forces.finish()
         return Trajectory(
-            time=self.sample_time[: self._taken],
+            time=self._samples.time[: self._samples.taken],
             displacement=places,
             rate=rates,
             joint_force=joint_force,
@@ -165,11 +167,7 @@ class Recorder:
         )
 
     def _sample(self, block: StepBlock, work: FloatArray) -> None:
-        reach = block.time[-1] + ON_A_STEP * self.step
-        stop = int(np.searchsorted(self.sample_time, reach, side="right"))
-        at = self.sample_time[self._taken : stop]
-        self._taken = stop
-        before, fraction = sample_intervals(block.time, at)
+        before, fraction = self._samples.within(block.time)
         moving = list(zip(block.displacement, block.rate, strict=True))
         self._has_shaft, self._has_frame = block.shaft is not None, block.frame is not None
         if block.shaft is not None:
@@ -188,11 +186,30 @@ class Recorder:
         )
 
 
-def _cumulative(time: FloatArray, power: FloatArray) -> FloatArray:
-    """Integral of powers (k, m) from the first time on, by the trapezoidal rule."""
-    work = np.zeros_like(power)
-    np.cumsum((power[:, 1:] + power[:, :-1]) / 2 * np.diff(time), axis=1, out=work[:, 1:])
-    return work
+class SampleTimes:
+    """Samples of a run, taken as its steps come.
+
+    Parameters
+    ----------
+    time : ndarray, shape (N,)
+        Of the samples: increasing, inside the run.
+    step : float
+        Time step in s.
+
+    Attributes
+    ----------
+    taken : int
+        Number of samples until now.
+    """
+
+    def __init__(self, time: FloatArray, step: float) -> None:
+        self.time, self._slack, self.taken = time, ON_A_STEP * step, 0
+
+    def within(self, time: FloatArray) -> tuple[IntArray, FloatArray]:
+        """The next samples up to the last of times of steps, as :func:`sample_intervals`."""
+        stop = int(np.searchsorted(self.time, time[-1] + self._slack, side="right"))
+        at, self.taken = self.time[self.taken : stop], stop
+        return sample_intervals(time, at)
 
 
 class ForceRecord:
@@ -217,13 +234,11 @@ class ForceRecord:
         band: float | None,
         weights: Sequence[float] = (1.0,),
     ) -> None:
-        self._sample_time = sample_time
-        self._step = step
+        self._times, self._step = SampleTimes(sample_time, step), step
         self._filter = None if band is None else LowPass(band, step, weights)
         # Later steps are there for the filter alone.
         self._steps = max(1, int(np.ceil(sample_time[-1] / step - ON_A_STEP)))
         self._samples: list[FloatArray] = []
-        self._sampled = 0
         self._taken = 0
         self._last: FloatArray | None = None
         self._peak: FloatArray = np.zeros(1)
@@ -282,8 +297,4 @@ class ForceRecord:
         self._last = values[-1:]
         if len(values) < 2:
             return
-        reach = time[-1] + ON_A_STEP * self._step
-        stop = int(np.searchsorted(self._sample_time, reach, side="right"))
-        at = self._sample_time[self._sampled : stop]
-        self._sampled = stop
-        self._samples.append(linear_interpolation(values, *sample_intervals(time, at)))
+        self._samples.append(linear_interpolation(values, *self._times.within(time)))

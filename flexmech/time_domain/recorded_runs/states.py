@@ -1,10 +1,10 @@
-"""Initial states, impacts and shaft motion of runs in time."""
+"""Initial states, impacts and shaft motion of runs in time, and their histories at samples."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Self
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 
@@ -169,3 +169,122 @@ def rigid_torque(mechanism: Mechanism, drive: Drive, time: FloatArray) -> FloatA
         motion = drive.motion(mechanism.linkage, some)
         torque[first : first + BATCH] = mechanism.inverse_dynamics(motion, some).driving_torque
     return torque + mechanism.shaft_inertia * drive.crank_acceleration(time)
+
+
+@dataclass(frozen=True)
+class EnergyHistory:
+    """Energies at the samples in J, each of shape (N,).
+
+    Parameters
+    ----------
+    kinetic, strain, gravity : ndarray, shape (N,)
+    dissipated, drive_work, prestress_work : ndarray, shape (N,)
+        Since the start of the run.
+    """
+
+    kinetic: FloatArray
+    strain: FloatArray
+    gravity: FloatArray
+    dissipated: FloatArray
+    drive_work: FloatArray
+    prestress_work: FloatArray
+
+    @property
+    def imbalance(self) -> FloatArray:
+        """Energy that nothing accounts for, (N,)."""
+        stored = self.kinetic + self.strain + self.gravity
+        work = self.drive_work - self.dissipated + self.prestress_work
+        return np.asarray(stored - stored[0] - work)
+
+
+# What a run has at each sample.
+HISTORIES = (
+    "time",
+    "displacement",
+    "rate",
+    "joint_force",
+    "driving_torque",
+    "energy",
+    "shaft",
+    "frame",
+)
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A run of the linkage at N samples.
+
+    Parameters
+    ----------
+    time : ndarray, shape (N,)
+        In s.
+    displacement, rate : list of ndarray, shape (N, n_link)
+        As in :class:`flexmech.time_domain.StepBlock`.
+    joint_force : ndarray, shape (N, n_joints, 2)
+    driving_torque : ndarray, shape (N,)
+        Both as far as the band of the recorder lets them through.
+    peak_joint_force : ndarray, shape (n_joints,)
+    peak_driving_torque : float
+        Greatest size of these at any step.
+    energy : EnergyHistory
+    energy_error : float
+        Greatest ``|work of drive and changing prestress - change of kinetic, strain and gravity
+        energy - dissipated|`` over all steps, relative to the peak kinetic energy.
+    step : float
+        Time step in s.
+    shaft : ShaftMotion, optional
+        Of a shaft that is free.
+    frame : FrameMotion, optional
+        Of a frame on springs.
+    """
+
+    time: FloatArray
+    displacement: list[FloatArray]
+    rate: list[FloatArray]
+    joint_force: FloatArray
+    driving_torque: FloatArray
+    peak_joint_force: FloatArray
+    peak_driving_torque: float
+    energy: EnergyHistory
+    energy_error: float
+    step: float
+    shaft: ShaftMotion | None = None
+    frame: FrameMotion | None = None
+
+    def __getitem__(self, where: slice) -> Trajectory:
+        """The same run at some of the samples."""
+        taken = {name: _changed(lambda x: x[where], getattr(self, name)) for name in HISTORIES}
+        return replace(self, **taken)
+
+    def extrapolated(self, coarser: Trajectory, order: int) -> Trajectory:
+        """Limit of vanishing steps, by a run with greater ones (Richardson).
+
+        Parameters
+        ----------
+        coarser : Trajectory
+            At the same samples.
+        order : int
+            Of the method's error.
+
+        Returns
+        -------
+        Trajectory
+            With this run's step. Its energies balance as they do at the samples.
+        """
+        gain = 1 / ((coarser.step / self.step) ** order - 1)
+        limit: Trajectory = _changed(lambda x, y: x + gain * (x - y), self, coarser)
+        energy = limit.energy
+        error = float(np.abs(energy.imbalance).max() / energy.kinetic.max())
+        return replace(limit, energy_error=error, step=self.step)
+
+
+def _changed(function: Callable[..., Any], *values: Any) -> Any:
+    """What a function makes of every array and number of like records and lists; None of none."""
+    first: Any = values[0]
+    if isinstance(first, list):
+        return [_changed(function, *items) for items in zip(*values, strict=True)]
+    if is_dataclass(first) and not isinstance(first, type):
+        names = [field.name for field in fields(first)]
+        changed = (_changed(function, *(getattr(x, name) for x in values)) for name in names)
+        return type(first)(*changed)
+    return None if first is None else function(*values)
