@@ -25,7 +25,6 @@ from flexmech.linear_system.assembly.element_kinds import (
 )
 from flexmech.linear_system.assembly.engine import Engine
 from flexmech.linear_system.assembly.engine_stack import MechanismStack, likeness, stack_engines
-from flexmech.linear_system.assembly.link_points import LinkPoint, displacement_row, point_rows
 from flexmech.linear_system.assembly.section_forces import DisplacedLinks
 from flexmech.linear_system.assembly.straight_links import (
     StraightForces,
@@ -34,10 +33,10 @@ from flexmech.linear_system.assembly.straight_links import (
     ties_beyond_pins,
     with_rigid_links,
 )
-from flexmech.linear_system.assembly.system import LinearSystem, condense
+from flexmech.linear_system.assembly.system import LinearSystem, condense, point_rows
 from flexmech.linear_system.joints.carried_linkage import COORDINATES, CarriedLinkage
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.joints.link_place import DependentRows
+from flexmech.linear_system.joints.link_ties import DependentRows
 from flexmech.linear_system.joints.position_errors import (
     LESS_LOADED,
     BucklingError,
@@ -62,16 +61,24 @@ from flexmech.linear_system.links.chains import (
     times,
 )
 from flexmech.linear_system.links.link_inertia import LinkInertia, MovingLink, inertia_loads
-from flexmech.linear_system.links.link_model import LinkModel, RigidFields
-from flexmech.linear_system.links.link_readings import LinkReadings
-from flexmech.linear_system.links.link_stretch import LinkStretch
+from flexmech.linear_system.links.link_model import (
+    LinkModel,
+    RigidFields,
+    StressedLinks,
+    rigid_link,
+)
+from flexmech.linear_system.links.link_readings import LinkReadings, LinkStretch
 from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
-from flexmech.linear_system.links.rigid_link import rigid_link
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
-from flexmech.linear_system.links.stressed_links import StressedLinks
-from flexmech.linear_system.loads.attached_points import AttachedPoint, PointJacobian
-from flexmech.linear_system.loads.connector_forces import (
+from flexmech.linear_system.loads.attached_points import (
+    AttachedPoint,
+    LinkPoint,
+    PointJacobian,
+    displacement_row,
+)
+from flexmech.linear_system.loads.connectors import (
     ConnectedMatrices,
+    Connectors,
     PointForce,
     acts_at_rest,
     connected_matrices,
@@ -79,7 +86,6 @@ from flexmech.linear_system.loads.connector_forces import (
     has_dampers,
     kinks_of,
 )
-from flexmech.linear_system.loads.connectors import Connectors
 from flexmech.linear_system.reduction.component_modes import (
     GREAT_DETAIL,
     ComponentModes,

@@ -31,13 +31,12 @@ from flexmech.linear_system.assembly.batches import (
 )
 from flexmech.linear_system.assembly.engine_links import EngineLinks
 from flexmech.linear_system.assembly.free_shaft import FreeShaft
-from flexmech.linear_system.assembly.reduced_system import assembled_system
-from flexmech.linear_system.assembly.system import LinearSystem
+from flexmech.linear_system.assembly.system import LinearSystem, assembled_system
 from flexmech.linear_system.joints.carried_linkage import CarriedLinkage
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.position_errors import TooManyModesError
+from flexmech.linear_system.links.link_model import StressedLinks
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
-from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.reduction.component_modes import ComponentModes, component_modes
 from flexmech.linkages import RigidMotion, lumped_elements
 from flexmech.linkages.motion import checked_drive

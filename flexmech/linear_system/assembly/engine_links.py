@@ -24,12 +24,10 @@ from flexmech.linear_system.links.body_forces import (
     without_spin_softening,
 )
 from flexmech.linear_system.links.link_inertia import inertia_loads
-from flexmech.linear_system.links.link_model import LinkModel
-from flexmech.linear_system.links.link_stretch import LinkStretch
-from flexmech.linear_system.links.stressed_links import StressedLinks
-from flexmech.linear_system.loads.connector_forces import ConnectedMatrices
-from flexmech.linear_system.loads.connectors import Connectors
-from flexmech.linear_system.reduction.fixed_interface_modes import (
+from flexmech.linear_system.links.link_model import LinkModel, StressedLinks
+from flexmech.linear_system.links.link_readings import LinkStretch
+from flexmech.linear_system.loads.connectors import ConnectedMatrices, Connectors
+from flexmech.linear_system.reduction.component_modes import (
     FixedInterfaceLink,
     fix_interfaces,
 )

@@ -17,8 +17,8 @@ from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.joints.rigid_pose import RigidGeometricStiffness
 from flexmech.linear_system.links.body_forces import DeadMoments
 from flexmech.linear_system.links.chains import with_entries
+from flexmech.linear_system.links.link_model import StressedLinks
 from flexmech.linear_system.links.rotation_terms import RotationTerms
-from flexmech.linear_system.links.stressed_links import StressedLinks
 from flexmech.linear_system.loads.connectors import Connectors
 from flexmech.linkages import LinkMass, RigidMotion
 from flexmech.linkages.inverse_dynamics import LinkForces

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.joint_coordinates import JointCoordinates
-from flexmech.linear_system.joints.link_place import DependentRows
 from flexmech.linear_system.joints.rigid_pose import (
     DisplacedRows,
     DisplacedTies,
@@ -20,11 +19,47 @@ from flexmech.linear_system.joints.rigid_pose import (
     RigidPose,
 )
 from flexmech.linear_system.links.link_model import LinkModel
+from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linkages import LinkEnd, RigidMotion, Topology
 from flexmech.linkages.body_motion import BodyPoint
 from flexmech.linkages.connection_forces import RANK_TOLERANCE, end_point
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
 from flexmech.linkages.motion import direction, normal
+
+
+@dataclass(frozen=True)
+class DependentRows:
+    """Dependent coordinates of a link: ``q[rows] = turn @ z[columns]``.
+
+    A pinned end depends on its leader's end, rotated from that frame: two rows, two columns.
+    An end on a line depends on the slide, one on a rigid link on that link's three coordinates.
+
+    Parameters
+    ----------
+    rows : ndarray of int, shape (r,)
+        Coordinates of the link.
+    columns : ndarray of int, shape (c,)
+        Independent coordinates of the linkage, all different.
+    turn : ndarray, shape (B, r, c)
+    rate : ndarray, shape (B, r, c)
+        Time derivative of ``turn``.
+    centripetal, tangential : ndarray, shape (B, r, c)
+        Second time derivative of ``turn``: the parts in squares and products of velocities of
+        the rigid motion, and in its accelerations.
+    """
+
+    rows: IntArray
+    columns: IntArray
+    turn: FloatArray
+    rate: FloatArray
+    centripetal: FloatArray
+    tangential: FloatArray
+
+    def acceleration(self, terms: RotationTerms) -> FloatArray:
+        """Second time derivative of ``turn``: the terms that are included, (B, r, c)."""
+        if terms.centripetal and terms.tangential:
+            return self.centripetal + self.tangential
+        return self.centripetal if terms.centripetal else self.tangential
 
 
 @dataclass(frozen=True)
@@ -148,7 +183,7 @@ class LinkTies:
                     if leader in self.rigid.receding:  # whose displacement depends on others
                         own = self.rigid.of_end(leader)[:2]
                         matrix = matrix @ y.rows(own).columns(tie.which)
-                rows[-1].append(DependentRows.of(tie.rows, tie.columns, matrix))
+                rows[-1].append(DependentRows(tie.rows, tie.columns, *matrix.parts))
         return rows
 
     @property

@@ -16,8 +16,7 @@ from typing import Self
 import numpy as np
 
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
-from flexmech.linear_system.joints.displaced_motion import DisplacedMotion
-from flexmech.linear_system.joints.joint_coordinates import JointCoordinates
+from flexmech.linear_system.joints.joint_coordinates import DisplacedMotion, JointCoordinates
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.body_motion import BodyMotion, BodyPoint, dot
 from flexmech.linkages.connection_forces import end_point

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system.links.chains import with_entries
+from flexmech.linear_system.links.chains import in_positions, with_entries
 from flexmech.linear_system.links.link_readings import LinkReadings
 from flexmech.linear_system.links.rigid_body import RigidBody, body_nodes
-from flexmech.linkages import LinkBody, LinkMass
+from flexmech.linkages import LinkBody, LinkMass, RigidMotion
 
 NONE = np.zeros(0, dtype=np.intp)
 NO_VECTORS = np.zeros((2, 0), dtype=np.intp)
@@ -133,7 +134,7 @@ class LinkModel:
         Coordinate ``cos(phi) - 1`` of the free shaft that the link is clamped to, where its
         coordinates are natural ones.
     rigid : bool
-        Whether the link is rigid; see :func:`flexmech.linear_system.links.rigid_link`.
+        Whether the link is rigid; see :func:`flexmech.linear_system.links.link_model`.
     bodies : tuple of RigidBody
         Part of the straight link's matrices. A rigid link is one, mass off the axis one a node.
     uncounted_rotary_inertia : float or ndarray, shape (D,)
@@ -395,4 +396,132 @@ class LinkModel:
             receding=np.flatnonzero(size[self.receding].any(axis=0)),
             reduced_ends=ends,
             bodies=tuple(body.projected(basis, unit) for body in self.bodies),
+        )
+
+
+def rigid_link(name: str, mass: LinkMass) -> LinkModel:
+    """Model of a rigid link in the displacement of its start and its rotation.
+
+    With the place r of its matter from the start, the displacement is ``u + phi J r``.
+
+    Parameters
+    ----------
+    name : str
+    mass : LinkMass
+        Distributed, in points and in bodies.
+
+    Returns
+    -------
+    LinkModel
+        Without coordinates of its end, which depends on the three.
+    """
+    body = RigidBody.of_link(mass)
+    inertia, gyroscopic, translational = body.matrices(np.zeros(()))
+    along, across = body.first_moment
+    nothing = np.zeros((3, 3))
+    ends = np.array([0.0, mass.length])
+    # Both ends of a rigid bar with the rotation of each.
+    bar = np.zeros((6, 3))
+    bar[:3] = bar[3:] = np.eye(3)
+    bar[4, 2] = mass.length
+    start, rotation = np.array([0, 1]), np.array([2])
+    along_it, across_it, turning = np.eye(3)
+    return LinkModel(
+        name=name,
+        mass=inertia,
+        gyroscopic=gyroscopic,
+        centrifugal_mass=translational,
+        first_moment=np.array(
+            [[across, -along, -body.translational_inertia], [along, across, 0.0]]
+        ),
+        stiffness=nothing,
+        damping=nothing,
+        is_axial=np.zeros(3, dtype=bool),
+        start=start,
+        end=NONE.copy(),
+        start_rotation=rotation,
+        end_rotation=rotation,
+        readings=LinkReadings(ends, 3, _straight, slope=2, deflection=None, basis=bar),
+        fields=RigidFields(along_it, across_it, np.zeros(3), turning),
+        vectors=start[:, None],
+        rigid=True,
+        bodies=(body,),
+    )
+
+
+def _straight(fraction: FloatArray, length: FloatArray) -> FloatArray:
+    """Displacement of a bar whose ends are (u, v, phi) each, (s, 2, 6)."""
+    shapes = np.zeros((len(fraction), 2, 6))
+    for component in (0, 1):
+        shapes[:, component, component] = 1 - fraction
+        shapes[:, component, 3 + component] = fraction
+    return shapes
+
+
+@dataclass(frozen=True)
+class StressedLinks:
+    """Tangent stiffness, damping and forces of each link in a state of stress.
+
+    The internal force of a link near that state is
+    ``internal_force + tangent @ (q - displacement)``, all in its link frame.
+
+    Parameters
+    ----------
+    tangent : list of ndarray, shape (n, n) or (B, n, n)
+    displacement : list of ndarray, shape (B, n), or None
+        Displacement of the state; None for links taken as straight.
+    internal_force : list of ndarray, shape (B, n), or None
+        Internal force of the state; None for straight links, where there is none, and
+        where an engine does not provide it.
+    damping : list of ndarray, shape (B, n, n), or None
+        Damping matrix in the state; None for that of the straight links. A bowed link that
+        bends further is not stretched along its axis, and must not be damped as if it were.
+    loads : list of ndarray, shape (B, n), or None
+        Forces on the links in the state; None where there are none, or an engine does not
+        provide them.
+    guide_stiffness : ndarray, shape (B, n_sliders), or None
+        Geometric stiffness between the rotation of a slider's guide and its slide in N/rad.
+    unstressed : bool
+        Whether the tangents are the links' own stiffness, those of designs as they are.
+    motion : RigidMotion, or None
+        Of the linkage in these positions, a batch of shape (B,); None where it is not kept.
+    """
+
+    tangent: Sequence[FloatArray]
+    displacement: list[FloatArray] | None = None
+    internal_force: list[FloatArray] | None = None
+    damping: Sequence[FloatArray] | None = None
+    loads: list[FloatArray] | None = None
+    guide_stiffness: FloatArray | None = None
+    unstressed: bool = False
+    motion: RigidMotion | None = None
+
+    @classmethod
+    def unloaded(cls, links: Sequence[LinkModel]) -> Self:
+        """Straight links without stress."""
+        return cls([link.stiffness for link in links], unstressed=True)
+
+    def at(self, which: slice | IntArray) -> Self:
+        """Links in chosen positions of the batch, which may be repeated.
+
+        Parameters
+        ----------
+        which : slice or ndarray of int
+        """
+        motion = self.motion and self.motion.at(which)
+        if self.unstressed:
+            return replace(self, motion=motion)
+
+        def chosen(values: list[FloatArray] | None) -> list[FloatArray] | None:
+            return None if values is None else [v[which] for v in values]
+
+        return replace(
+            self,
+            tangent=[in_positions(t, which) for t in self.tangent],
+            displacement=chosen(self.displacement),
+            internal_force=chosen(self.internal_force),
+            damping=self.damping and [d[which] for d in self.damping],
+            loads=chosen(self.loads),
+            guide_stiffness=None if self.guide_stiffness is None else self.guide_stiffness[which],
+            motion=motion,
         )

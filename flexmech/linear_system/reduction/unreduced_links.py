@@ -25,12 +25,11 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.link_frames import LinkFrames
-from flexmech.linear_system.joints.link_place import DependentRows
+from flexmech.linear_system.joints.link_ties import DependentRows
 from flexmech.linear_system.links.chains import as_given, as_real, times
-from flexmech.linear_system.links.link_model import LinkModel
+from flexmech.linear_system.links.link_model import LinkModel, StressedLinks
 from flexmech.linear_system.links.rotation_terms import RotationTerms
-from flexmech.linear_system.links.stressed_links import StressedLinks
-from flexmech.linear_system.reduction.fixed_interface_modes import (
+from flexmech.linear_system.reduction.component_modes import (
     FixedInterfaceLink,
     constraint_modes,
 )

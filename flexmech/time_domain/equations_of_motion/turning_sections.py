@@ -23,7 +23,7 @@ from flexmech.linear_system import Engine, LinkModel, LinkStretch, RigidBody, bo
 from flexmech.linear_system.assembly.free_shaft import FreeShaft
 from flexmech.linear_system.links.link_model import RigidFields
 from flexmech.linear_system.links.rigid_body import QUARTER_TURN
-from flexmech.linear_system.reduction.fixed_interface_modes import link_boundary
+from flexmech.linear_system.reduction.component_modes import link_boundary
 from flexmech.linkages import Topology
 from flexmech.time_domain.equations_of_motion.natural_coordinates import (
     NaturalLink,
