@@ -8,23 +8,29 @@ from flexmech.linear_system.assembly.balanced_loads import (
     BalancedLoads,
     refuse_large_displacements,
 )
-from flexmech.linear_system.assembly.batches import check_elastic, checked_mechanism, stack_batches
-from flexmech.linear_system.assembly.constant_turn import (
+from flexmech.linear_system.assembly.engine import (
+    Engine,
     all_constant,
     has_constant_tangents,
     has_relative_motion,
     is_constant_turn,
     stressed_along_turn,
 )
-from flexmech.linear_system.assembly.element_kinds import (
+from flexmech.linear_system.assembly.engine_parameters import (
     COMPRESSED,
     NEGLIGIBLE,
     RESTRAINED_ENDS,
     TheoryComparison,
     TheoryDifference,
+    check_elastic,
+    checked_mechanism,
 )
-from flexmech.linear_system.assembly.engine import Engine
-from flexmech.linear_system.assembly.engine_stack import MechanismStack, likeness, stack_engines
+from flexmech.linear_system.assembly.engine_stack import (
+    MechanismStack,
+    likeness,
+    stack_batches,
+    stack_engines,
+)
 from flexmech.linear_system.assembly.section_forces import DisplacedLinks
 from flexmech.linear_system.assembly.straight_links import (
     StraightForces,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.choices import LinkDirection
+from flexmech.choices import LinkDirection, Prestress
 from flexmech.linear_system.joints.carried_linkage import COORDINATES, CarriedLinkage
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.body_forces import body_turns
@@ -19,6 +19,7 @@ from flexmech.linear_system.links.link_inertia import rigid_inertia
 from flexmech.linear_system.links.link_model import LinkModel, StressedLinks
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linear_system.loads.attached_points import LinkPoint, displacement_row
+from flexmech.linear_system.loads.connectors import Connectors
 from flexmech.linear_system.reduction.component_modes import ComponentModes
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
@@ -272,17 +273,14 @@ def condense(
     return SystemMatrices(condensed_part(mass), condensed_damping, left), expansion
 
 
-Connect = Callable[[LinkFrames, RigidMotion, SystemMatrices], SystemMatrices]
-"""Adds to matrices those of loads and springs."""
-
-
 def assembled_system(
     frames: LinkFrames,
     reduction: ComponentModes | None,
     motion: RigidMotion,
     stressed: StressedLinks,
     terms: RotationTerms,
-    connect: Connect,
+    connectors: Connectors,
+    prestress: Prestress,
 ) -> LinearSystem:
     """Linear system of stressed links in all their coordinates or in component modes.
 
@@ -299,8 +297,9 @@ def assembled_system(
         Batch of shape (B,).
     stressed : StressedLinks
     terms : RotationTerms
-    connect : callable
-        Adds the matrices of loads and springs.
+    connectors : Connectors
+        Loads and springs, whose matrices are added.
+    prestress : {"none", "axial", "equilibrium"}
 
     Returns
     -------
@@ -327,7 +326,7 @@ def assembled_system(
     matrices = frames.assemble(
         motion, tangent, terms, damping, stressed.guide_stiffness, turns, end_damping
     )
-    matrices = connect(frames, motion, matrices)
+    matrices = connectors.added(frames, motion, matrices, terms, prestress, displacement)
     if reduction is None:
         condensed = np.all(np.diagonal(matrices.mass, axis1=1, axis2=2) == 0, axis=0)
         condensed[: len(frames.rigid.independent_coordinates)] = False
