@@ -33,7 +33,6 @@ from flexmech.linear_system.assembly.engine_stack import (
 )
 from flexmech.linear_system.assembly.section_forces import DisplacedLinks
 from flexmech.linear_system.assembly.straight_links import (
-    StraightForces,
     element_tensions,
     straight_forces,
     ties_beyond_pins,
@@ -145,7 +144,6 @@ __all__ = [
     "RigidGeometricStiffness",
     "RotationTerms",
     "StaticResponse",
-    "StraightForces",
     "StressedLinks",
     "SystemMatrices",
     "TheoryComparison",

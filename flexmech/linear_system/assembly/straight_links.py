@@ -8,7 +8,6 @@ links, as dead loads, are a geometric stiffness against rotation.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,31 +19,13 @@ from flexmech.linear_system.links.chains import with_entries
 from flexmech.linear_system.links.link_model import StressedLinks
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linear_system.loads.connectors import Connectors
-from flexmech.linkages import LinkMass, RigidMotion
+from flexmech.linkages import RigidMotion
 from flexmech.linkages.inverse_dynamics import LinkForces
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
 
 # A rigid link's stiffness against its rotation alone, by its three coordinates.
 TURN = np.diag([0.0, 0.0, 1.0])
-
-
-@dataclass(frozen=True)
-class StraightForces:
-    """Forces in straight links.
-
-    Parameters
-    ----------
-    loads : list of ndarray, shape (B, n_link)
-        On the links.
-    links : LinkForces
-    stiffness : RigidGeometricStiffness, optional
-        Geometric stiffness of rigid links, hubs and sliders; None where there are none.
-    """
-
-    loads: list[FloatArray]
-    links: LinkForces
-    stiffness: RigidGeometricStiffness | None
 
 
 def ties_beyond_pins(frames: LinkFrames) -> bool:
@@ -59,8 +40,8 @@ def straight_forces(
     loads: list[FloatArray],
     lumped: Sequence[int] | None = None,
     connectors: Connectors | None = None,
-) -> StraightForces:
-    """Forces in straight links under loads.
+) -> tuple[LinkForces, RigidGeometricStiffness | None]:
+    """Forces in straight links under loads, from their linear static displacement.
 
     Parameters
     ----------
@@ -77,31 +58,41 @@ def straight_forces(
 
     Returns
     -------
-    StraightForces
+    LinkForces
+        Zero for rigid links.
+    RigidGeometricStiffness or None
+        Of rigid links, hubs and sliders; None where there are none.
     """
     if not ties_beyond_pins(frames):
         still = mechanism.without_loads_over_time
-        return StraightForces(loads, still.inverse_dynamics(motion, lumped=lumped), None)
-    applied = () if connectors is None else tuple(connectors.applied(motion))
-    displacement = static_displacement(frames, motion, loads)
+        return still.inverse_dynamics(motion, lumped=lumped), None
+    elastic = [link.stiffness for link in frames.links]
+    matrices = frames.assemble(motion, elastic, RotationTerms.all_or_none(False))
+    moved = np.linalg.solve(matrices.stiffness, frames.gather(motion, loads)[..., None])
+    displacement = [q[..., 0] for q in frames.link_coordinates(motion, moved)]
+    unbalanced = [
+        load - q @ matrix for load, q, matrix in zip(loads, displacement, elastic, strict=True)
+    ]
+    force, moment = np.zeros((*motion.angle.shape, 2)), np.zeros(motion.angle.shape)
+    for number, link in enumerate(frames.links):
+        if not link.rigid:
+            needed, angle = -unbalanced[number], motion.angle[:, number]
+            x, y = (needed[:, row, None] for row in link.start)
+            force[:, number] = x * direction(angle) + y * normal(angle)
+            moment[:, number] = needed[:, link.start_rotation[:1]].sum(axis=1)
     masses = mechanism.link_masses_in_order
     if lumped is not None:
         masses = tuple(mass.lumped(n) for mass, n in zip(masses, lumped, strict=True))
-    forces = forces_of_links(frames, motion, displacement, loads, masses, mechanism.gravity)
-    forces = replace(forces, applied=applied)
+    applied = () if connectors is None else tuple(connectors.applied(motion))
+    forces = LinkForces(motion, masses, mechanism.gravity, force, moment, (), applied)
     if not frames.has_arms:
-        return StraightForces(loads, forces, None)
+        return forces, None
     virial = None if connectors is None else connectors.virial(motion)
-    displaced = frames.displaced_ties(
-        motion, np.zeros((len(motion.angle), len(frames.rigid.independent_coordinates)))
-    )
-    inner = [q @ link.stiffness for q, link in zip(displacement, frames.links, strict=True)]
+    straight = np.zeros((len(motion.angle), len(frames.rigid.independent_coordinates)))
     dead = DeadMoments.of(frames.links, motion, mechanism.gravity, loads, virial)
-    unbalanced = [load - force for load, force in zip(loads, inner, strict=True)]
     rotation_stiffness = dead.by_link([np.zeros_like(load.T) for load in loads])
-    return StraightForces(
-        loads, forces, displaced.geometric_stiffness(unbalanced, rotation_stiffness)
-    )
+    ties = frames.displaced_ties(motion, straight)
+    return forces, ties.geometric_stiffness(unbalanced, rotation_stiffness)
 
 
 def with_rigid_links(
@@ -190,68 +181,3 @@ def element_tensions(
         quadratic = (near + far - 2 * middle) / 3
         tensions.append(np.stack([mean, (far - near) / 2, quadratic], axis=-1))
     return tensions
-
-
-def static_displacement(
-    frames: LinkFrames, motion: RigidMotion, loads: Sequence[FloatArray]
-) -> list[FloatArray]:
-    """Linear static displacement of straight links under loads.
-
-    Parameters
-    ----------
-    frames : LinkFrames
-        Of the unreduced links.
-    motion : RigidMotion
-        Batch of shape (B,).
-    loads : sequence of ndarray, shape (B, n_link)
-
-    Returns
-    -------
-    list of ndarray, shape (B, n_link)
-    """
-    elastic = [link.stiffness for link in frames.links]
-    matrices = frames.assemble(motion, elastic, RotationTerms.all_or_none(False))
-    force = frames.gather(motion, loads)[..., None]
-    moved = np.linalg.solve(matrices.stiffness, force)
-    return [q[..., 0] for q in frames.link_coordinates(motion, moved)]
-
-
-def forces_of_links(
-    frames: LinkFrames,
-    motion: RigidMotion,
-    displacement: Sequence[FloatArray],
-    loads: Sequence[FloatArray],
-    masses: tuple[LinkMass, ...],
-    gravity: tuple[float, float],
-) -> LinkForces:
-    """Forces in flexible links from their displacements, statically determinate or not.
-
-    Parameters
-    ----------
-    frames : LinkFrames
-        Of the unreduced links.
-    motion : RigidMotion
-        Batch of shape (B,).
-    displacement, loads : sequence of ndarray, shape (B, n_link)
-        A linear static solution and its loads.
-    masses : tuple of LinkMass
-        Of all links.
-    gravity : tuple of float
-        In ground axes, m/s^2.
-
-    Returns
-    -------
-    LinkForces
-        Zero for rigid links.
-    """
-    force = np.zeros((*motion.angle.shape, 2))
-    moment = np.zeros(motion.angle.shape)
-    for number, link in enumerate(frames.links):
-        if link.rigid:
-            continue
-        needed = displacement[number] @ link.stiffness - loads[number]
-        angle = motion.angle[:, number]
-        x, y = (needed[:, row, None] for row in link.start)
-        force[:, number] = x * direction(angle) + y * normal(angle)
-        moment[:, number] = needed[:, link.start_rotation[:1]].sum(axis=1)
-    return LinkForces(motion, masses, gravity, force, moment, (), ())

@@ -112,16 +112,8 @@ class LinearSystem:
         if self.carried is not None:
             links, moved = self.link_coordinates(vectors), self._split(vectors)[1]
             return self.carried.inertial_shapes(self.motion, links, moved)
-        parts = []
-        for link, q in zip(self.frames.links, self.link_coordinates(vectors), strict=True):
-            if link.rigid:
-                parts.append(link.mass_root.T @ q)
-                continue
-            mass, moved = link.mass, q
-            if not (heavy := np.diagonal(mass) != 0).all():
-                mass, moved = mass[np.ix_(heavy, heavy)], q[:, heavy]
-            parts.append(np.linalg.cholesky(mass).T @ moved)
-        return np.concatenate(parts, axis=1)
+        pairs = zip(self.frames.links, self.link_coordinates(vectors), strict=True)
+        return np.concatenate([link.mass_root.T @ q for link, q in pairs], axis=1)
 
     def unreduced_vectors(self, vectors: NDArray[Any], frames: LinkFrames) -> NDArray[Any]:
         """Shapes in the coordinates of the unreduced system.

@@ -27,7 +27,6 @@ from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
 from flexmech.linear_system.joints.link_ties import DependentRows, LinkTies
-from flexmech.linear_system.links.link_model import WholeLink
 from flexmech.linear_system.links.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linkages import RigidMotion
 
@@ -198,7 +197,7 @@ class LinkFrames(LinkTies):
         -------
         SystemMatrices
         """
-        links = [link.whole() for link in self.links]
+        inertia = [link.inertia for link in self.links]
         tangents = list(stiffness)
         own_damping = damping is None
         if damping is None:
@@ -207,40 +206,45 @@ class LinkFrames(LinkTies):
         resisting = list(zip(damping, end_damping or damping, strict=True))
         if (design := motion.design) is not None:
             straight = [x is link.stiffness for x, link in zip(stiffness, self.links, strict=True)]
-            links = [link.at(design) for link in links]
+            inertia = [matrices[:, design] for matrices in inertia]
             tangents = [x[design] if own else x for x, own in zip(tangents, straight, strict=True)]
             if own_damping:
                 resisting = [(matrix[design], ends[design]) for matrix, ends in resisting]
         for number, angles in enumerate(turns or ()):
             if (change := self.links[number].inertia_change(angles)) is not None:
-                links[number] = links[number] + change
+                own = inertia[number]
+                inertia[number] = change + (own if own.ndim == 4 else own[:, None])
         shape = (len(motion.crank_angle), self.size, self.size)
         mass, total = np.zeros((2, *shape))
         damped = [bool(matrix.any()) for matrix, _ in resisting]
         damps = terms.coriolis or any(damped)
         rates = np.zeros(shape) if damps else np.broadcast_to(0.0, shape)
         dependent = self.dependent_rows(motion)
-        for number, (place, pairs, link) in enumerate(
-            zip(self._places, dependent, links, strict=True)
-        ):
+        for number, (place, pairs) in enumerate(zip(self._places, dependent, strict=True)):
+            link_mass, gyroscopic, centrifugal_mass, end_mass, end_gyroscopic = inertia[number]
             damping_matrix, damped_ends = resisting[number]
             speed = motion.angular_velocity[:, number, None, None]
-            turning = [p.rate for p in pairs]
-            place.add(mass, link.mass, pairs)
-            place.add(total, _tangent(link, motion, number, tangents[number], terms), pairs)
+            turning, tangent = [p.rate for p in pairs], tangents[number]
+            if terms.centripetal:
+                tangent = tangent - speed**2 * centrifugal_mass
+            if terms.tangential:
+                change = motion.angular_acceleration[:, number, None, None]
+                tangent = tangent + change * gyroscopic
+            place.add(mass, link_mass, pairs)
+            place.add(total, tangent, pairs)
             if damped[number]:
                 place.add(rates, damping_matrix, pairs)
             if terms.coriolis:
-                place.add(rates, 2 * speed * link.gyroscopic, pairs)
-                place.add_dependent_columns(rates, 2 * link.end_mass, pairs, turning)
+                place.add(rates, 2 * speed * gyroscopic, pairs)
+                place.add_dependent_columns(rates, 2 * end_mass, pairs, turning)
                 if damped[number]:
                     place.add_dependent_columns(total, damped_ends, pairs, turning)
             if terms.centripetal:
                 coriolis = [2 * speed * rate for rate in turning]
-                place.add_dependent_columns(total, link.end_gyroscopic, pairs, coriolis)
+                place.add_dependent_columns(total, end_gyroscopic, pairs, coriolis)
             if terms.centripetal or terms.tangential:
                 accelerating = [p.acceleration(terms) for p in pairs]
-                place.add_dependent_columns(total, link.end_mass, pairs, accelerating)
+                place.add_dependent_columns(total, end_mass, pairs, accelerating)
         if guide_stiffness is not None and guide_stiffness.any():
             total += self.guide_matrix(motion, guide_stiffness)
         return SystemMatrices(mass, rates, total)
@@ -355,16 +359,3 @@ class LinkFrames(LinkTies):
             for own, independent in place.runs:
                 total[:, independent] += load[:, own]
         return total
-
-
-def _tangent(
-    link: WholeLink, motion: RigidMotion, number: int, stiffness: FloatArray, terms: RotationTerms
-) -> FloatArray:
-    """Stiffness of a link with the centripetal and tangential terms; (n, n) or (B, n, n)."""
-    if terms.centripetal:
-        speed = motion.angular_velocity[:, number, None, None]
-        stiffness = stiffness - speed**2 * link.centrifugal_mass
-    if terms.tangential:
-        change = motion.angular_acceleration[:, number, None, None]
-        stiffness = stiffness + change * link.gyroscopic
-    return stiffness

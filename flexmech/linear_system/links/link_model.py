@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -59,32 +60,6 @@ class EndMatrices:
     gyroscopic: FloatArray
     damping: FloatArray
     readings: LinkReadings
-
-
-@dataclass(frozen=True)
-class WholeLink:
-    """Full matrices of a link, (n, n); see :class:`LinkModel`.
-
-    Parameters
-    ----------
-    mass, gyroscopic, centrifugal_mass : ndarray, shape (n, n)
-    end_mass, end_gyroscopic : ndarray, shape (n, n)
-        See :class:`EndMatrices`.
-    """
-
-    mass: FloatArray
-    gyroscopic: FloatArray
-    centrifugal_mass: FloatArray
-    end_mass: FloatArray
-    end_gyroscopic: FloatArray
-
-    def at(self, designs: IntArray) -> WholeLink:
-        """Matrices (B, n, n) in positions of several designs."""
-        return WholeLink(*(matrix[designs] for matrix in vars(self).values()))
-
-    def __add__(self, other: WholeLink) -> WholeLink:
-        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
-        return WholeLink(*(own + more for own, more in pairs))
 
 
 @dataclass(frozen=True)
@@ -222,8 +197,8 @@ class LinkModel:
         rows[np.arange(3), own] = 1.0
         return own, rows
 
-    def inertia_change(self, turns: Sequence[FloatArray]) -> WholeLink | None:
-        """Change of the matrices of the straight link by rotated bodies.
+    def inertia_change(self, turns: Sequence[FloatArray]) -> FloatArray | None:
+        """Change of :attr:`inertia` of the straight link by rotated bodies.
 
         Parameters
         ----------
@@ -232,8 +207,8 @@ class LinkModel:
 
         Returns
         -------
-        WholeLink or None
-            Matrices (B, n, n); None where no body is off the axis, and of a rigid link.
+        ndarray, shape (5, B, n, n), or None
+            None where no body is off the axis, and of a rigid link.
         """
         pairs = zip(self.bodies, turns, strict=True)
         turned = [(body, angle) for body, angle in pairs if body.is_off_axis]
@@ -241,27 +216,22 @@ class LinkModel:
             return None
         change = np.stack([body.inertia_change(angle) for body, angle in turned], axis=-3)
         rows = np.stack([body.rows for body, _ in turned])
-        own_ends = [b.rows if b.end_rows is None else b.end_rows for b, _ in turned]
-
-        def by(columns: FloatArray, which: int) -> FloatArray:
-            forces = change[which] @ columns
-            across = rows.reshape(-1, self.size).T
-            return np.asarray(across @ forces.reshape(*forces.shape[:-3], -1, self.size))
-
-        ends = np.stack(own_ends)
-        return WholeLink(*(by(rows, n) for n in range(3)), *(by(ends, n) for n in range(2)))
+        ends = np.stack([b.rows if b.end_rows is None else b.end_rows for b, _ in turned])
+        forces = np.concatenate([change @ rows, change[:2] @ ends])
+        across = rows.reshape(-1, self.size).T
+        return np.asarray(across @ forces.reshape(*forces.shape[:-3], -1, self.size))
 
     @property
     def attached_off_axis(self) -> list[RigidBody]:
         """Bodies off the axis besides distributed mass."""
         return [body for body in self.bodies if body.is_off_axis and not body.of_section]
 
-    def whole(self) -> WholeLink:
-        """Full matrices of inertia of the link and of its ends."""
+    @cached_property
+    def inertia(self) -> FloatArray:
+        """Mass, gyroscopic and centrifugal mass, and the first two by the ends, (5, ..., n, n)."""
         ends = self.ends
-        return WholeLink(
-            self.mass, self.gyroscopic, self.centrifugal_mass, ends.mass, ends.gyroscopic
-        )
+        every = self.mass, self.gyroscopic, self.centrifugal_mass, ends.mass, ends.gyroscopic
+        return np.stack(every)
 
     @property
     def ends(self) -> EndMatrices:
@@ -285,11 +255,9 @@ class LinkModel:
         """Number of coordinates n."""
         return int(self.mass.shape[-1])
 
-    @property
+    @cached_property
     def mass_root(self) -> FloatArray:
-        """``L`` with ``L L^T`` the mass matrix, (n, n); of a rigid link that may be singular."""
-        if not self.rigid:
-            return np.asarray(np.linalg.cholesky(self.mass), dtype=float)
+        """``L`` with ``L L^T`` the mass matrix, which may be singular, (n, n)."""
         values, vectors = np.linalg.eigh(self.mass)
         return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)), dtype=float)
 
@@ -324,40 +292,6 @@ class LinkModel:
                 unit[getattr(self, end), place] = 1.0
         return unit
 
-    def held_by(self, kept: dict[str, IntArray], stiffness: FloatArray) -> LinkModel:
-        """The link by the displacements of its joined ends alone, for its stiffness alone.
-
-        Parameters
-        ----------
-        kept : dict
-            As in :meth:`projected`.
-        stiffness : ndarray, shape (..., b, b)
-        """
-        none = np.zeros_like(stiffness)
-        return replace(
-            self._by_ends(kept),
-            mass=none,
-            gyroscopic=none,
-            centrifugal_mass=none,
-            damping=none,
-            stiffness=stiffness,
-            is_axial=np.zeros(stiffness.shape[-1], dtype=bool),
-            receding=NONE,
-            bodies=(),
-        )
-
-    def _by_ends(self, kept: dict[str, IntArray]) -> LinkModel:
-        """The link with other coordinates of its ends, which do not warp."""
-        return replace(
-            self,
-            start=kept["start"],
-            end=kept["end"],
-            start_rotation=kept.get("start_rotation", NONE),
-            end_rotation=kept.get("end_rotation", NONE),
-            start_warping=NONE,
-            end_warping=NONE,
-        )
-
     def projected(self, basis: FloatArray, kept: dict[str, IntArray]) -> LinkModel:
         """The link in reduced coordinates p, with ``q = basis @ p``.
 
@@ -380,10 +314,16 @@ class LinkModel:
             damping=across @ self.damping @ unit,
             readings=self.readings.projected(unit),
         )
-        size = np.abs(basis).reshape(-1, *basis.shape[-2:]).sum(axis=0)
+        size = np.abs(basis).sum(axis=tuple(range(basis.ndim - 2)))
         axial = size[self.is_axial].sum(axis=0) > size[~self.is_axial].sum(axis=0)
         return replace(
-            self._by_ends(kept),
+            self,
+            start=kept["start"],
+            end=kept["end"],
+            start_rotation=kept.get("start_rotation", NONE),
+            end_rotation=kept.get("end_rotation", NONE),
+            start_warping=NONE,
+            end_warping=NONE,
             mass=project(self.mass),
             gyroscopic=project(self.gyroscopic),
             centrifugal_mass=project(self.centrifugal_mass),

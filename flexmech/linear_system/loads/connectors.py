@@ -31,7 +31,6 @@ from flexmech.linkages import (
     JointSpring,
     Load,
     RigidMotion,
-    Spring,
     continuous_angles,
 )
 from flexmech.linkages.applied_forces import (
@@ -92,73 +91,6 @@ class ConnectorTangent:
     stiffness: FloatArray
     damping: FloatArray
     in_joint: bool = False
-
-
-def follower_tangent(point: AttachedPoint, force: FloatArray) -> ConnectorTangent:
-    """Stiffness of a follower force (B, 2) in ground axes, which rotates with its section."""
-    turned = np.zeros((len(force), 3, 3))
-    turned[:, 0, 2], turned[:, 1, 2] = force[:, 1], -force[:, 0]
-    return ConnectorTangent(None, point, turned, np.zeros_like(turned))
-
-
-def spring_tangent(
-    first: AttachedPoint | None,
-    second: AttachedPoint | None,
-    spring: Spring,
-    line: SpringLine,
-    *,
-    stressed: bool,
-) -> ConnectorTangent:
-    """Stiffness and damping of a spring at its length.
-
-    Parameters
-    ----------
-    first, second : AttachedPoint or None
-        Its ends; None on the ground.
-    spring : Spring
-    line : SpringLine
-        Of shape (B,); its relative velocity is that of the rigid motion.
-    stressed : bool
-        Whether the parts by its tension and by the rigid motion are included.
-
-    Returns
-    -------
-    ConnectorTangent
-    """
-    along = line.along
-    stiffness, damping = np.zeros((2, len(along), 3, 3))
-    lengthwise = along[:, :, None] * along[:, None]
-    across = np.eye(2) - lengthwise
-    stiffness[:, :2, :2] = spring.stiffness * lengthwise
-    damping[:, :2, :2] = spring.damping * lengthwise
-    if stressed:
-        stiffness[:, :2, :2] += (line.tension / line.length)[:, None, None] * across
-        swing = (across @ line.relative_velocity[..., None])[..., 0] / line.length[:, None]
-        stiffness[:, :2, :2] += spring.damping * along[:, :, None] * swing[:, None]
-    return ConnectorTangent(first, second, stiffness, damping)
-
-
-def joint_tangent(
-    first: AttachedPoint | None, second: AttachedPoint, spring: JointSpring, batch: int
-) -> ConnectorTangent:
-    """Stiffness and damping of the springs and dampers in a joint.
-
-    Parameters
-    ----------
-    first, second : AttachedPoint or None
-        Ends of the leading and the following link.
-    spring : JointSpring
-    batch : int
-        Number of positions.
-
-    Returns
-    -------
-    ConnectorTangent
-    """
-    stiffness, damping = np.zeros((2, batch, 3, 3))
-    stiffness[:] = np.diag([spring.radial_stiffness or 0.0] * 2 + [spring.torsional_stiffness])
-    damping[:] = np.diag([spring.radial_damping] * 2 + [spring.torsional_damping])
-    return ConnectorTangent(first, second, stiffness, damping, in_joint=True)
 
 
 @dataclass(frozen=True)
@@ -578,21 +510,35 @@ class Connectors:
         list of ConnectorTangent
             Empty where loads in ground axes alone act.
         """
-        topology = self._topology
+        topology, batch = self._topology, len(motion.crank_angle)
         moved = None if displacement is None else self.moved(motion, displacement)
-        turning = [load for load in self._acting(time) if stressed and load.axes == "link"]
-        instant = 0.0 if time is None else time
-        tangents = [
-            follower_tangent(self.at(push.link, float(push.x)), push.force)
-            for push in forces_of_loads(topology, motion, turning, instant, moved)
-        ]
+        following = [load for load in self._acting(time) if stressed and load.axes == "link"]
+        instant, tangents = 0.0 if time is None else time, []
+        for push in forces_of_loads(topology, motion, following, instant, moved):
+            turned, point = np.zeros((batch, 3, 3)), self.at(push.link, float(push.x))
+            turned[:, 0, 2], turned[:, 1, 2] = push.force[:, 1], -push.force[:, 0]
+            tangents.append(ConnectorTangent(None, point, turned, np.zeros_like(turned)))
         for spring in self._mechanism.springs:
             line = SpringLine.of(spring, topology, motion, moved)
+            stiffness, damping = np.zeros((2, batch, 3, 3))
+            lengthwise = line.along[:, :, None] * line.along[:, None]
+            stiffness[:, :2, :2] = spring.stiffness * lengthwise
+            damping[:, :2, :2] = spring.damping * lengthwise
+            if stressed:  # by its tension, and as the rigid motion turns its damper
+                across = np.eye(2) - lengthwise
+                stiffness[:, :2, :2] += (line.tension / line.length)[:, None, None] * across
+                swing = (across @ line.relative_velocity[..., None])[..., 0] / line.length[:, None]
+                stiffness[:, :2, :2] += spring.damping * line.along[:, :, None] * swing[:, None]
             ends = self.point(spring.first), self.point(spring.second)
-            tangents.append(spring_tangent(*ends, spring, line, stressed=stressed))
+            tangents.append(ConnectorTangent(*ends, stiffness, damping))
         for joint in self._mechanism.joint_springs:
             second, first = self.joint_points(joint)
-            tangents.append(joint_tangent(first, second, joint, len(motion.crank_angle)))
+            stiffness, damping = np.zeros((2, batch, 3, 3))
+            stiffness[:] = np.diag(
+                [joint.radial_stiffness or 0.0] * 2 + [joint.torsional_stiffness]
+            )
+            damping[:] = np.diag([joint.radial_damping] * 2 + [joint.torsional_damping])
+            tangents.append(ConnectorTangent(first, second, stiffness, damping, in_joint=True))
         return tangents
 
     def _acting(self, time: FloatArray | None) -> tuple[Load, ...]:

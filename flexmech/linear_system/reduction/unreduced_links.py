@@ -74,11 +74,9 @@ class StaticResponse:
             np.swapaxes(modes, -1, -2) @ (matrix @ modes)
             for (modes, _), matrix in zip(self._modes, tangent, strict=True)
         ]
-        condensed = [
-            own.link.held_by(own.boundary.kept, matrix)
-            for own, matrix in zip(self.links, stiffness, strict=True)
-        ]
-        frames = LinkFrames(self.topology, condensed)
+        # Of the links' ends alone, whose stiffness is given.
+        ends = [own.link.projected(own.boundary.unit, own.boundary.kept) for own in self.links]
+        frames = LinkFrames(self.topology, ends)
         still = RotationTerms.all_or_none(False)
         matrices = frames.assemble(self.motion, stiffness, still)
         return frames, np.asarray(np.linalg.inv(matrices.stiffness))
