@@ -1,13 +1,6 @@
 """Linear systems in link frames: the contract between engines and analyses."""
 
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
-from flexmech.linear_system.assembly.balanced_loads import (
-    LAST_STEP,
-    LOAD_STEPS,
-    MAX_ITERATIONS,
-    BalancedLoads,
-    refuse_large_displacements,
-)
 from flexmech.linear_system.assembly.engine import (
     Engine,
     all_constant,
@@ -31,13 +24,18 @@ from flexmech.linear_system.assembly.engine_stack import (
     stack_batches,
     stack_engines,
 )
-from flexmech.linear_system.assembly.section_forces import DisplacedLinks
-from flexmech.linear_system.assembly.straight_links import (
+from flexmech.linear_system.assembly.prestress import (
+    LAST_STEP,
+    LOAD_STEPS,
+    MAX_ITERATIONS,
+    BalancedLoads,
     element_tensions,
+    refuse_large_displacements,
     straight_forces,
     ties_beyond_pins,
     with_rigid_links,
 )
+from flexmech.linear_system.assembly.section_forces import DisplacedLinks
 from flexmech.linear_system.assembly.system import LinearSystem, condense, point_rows
 from flexmech.linear_system.joints.carried_linkage import COORDINATES, CarriedLinkage
 from flexmech.linear_system.joints.link_frames import LinkFrames

@@ -387,7 +387,7 @@ class ExudynEngine(Engine):
         forces, stiffness = straight_forces(
             self.mechanism, self.rigid_joint_frames, motion, loads, connectors=self.connectors
         )
-        tensions = element_tensions(self.mechanism, nodes, motion, forces)
+        tensions = element_tensions(nodes, forces)
         tangent: dict[int, FloatArray] = {
             number: link.stiffness + np.tensordot(tensions[number][..., 0], unit, axes=1)
             for number, (link, unit) in enumerate(

@@ -20,8 +20,8 @@ from flexmech.choices import (
     Prestress,
 )
 from flexmech.errors import InputError
-from flexmech.linear_system.assembly.balanced_loads import BalancedLoads, Solve, balanced_loads
 from flexmech.linear_system.assembly.engine_parameters import EngineParameters, check_elastic
+from flexmech.linear_system.assembly.prestress import BalancedLoads, Solve, balanced_loads
 from flexmech.linear_system.assembly.system import LinearSystem, assembled_system
 from flexmech.linear_system.joints.carried_linkage import CarriedLinkage
 from flexmech.linear_system.joints.link_frames import LinkFrames

@@ -16,6 +16,7 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.linear_system.joints.position_errors import refuse_positions
@@ -211,6 +212,7 @@ class JointCoordinates:
         of_ends = (independent >= 3 * len(self.links)) & (independent < count)
         self.of_ends, self.independent_coordinates = independent[of_ends], independent[~of_ends]
         self.w = np.concatenate([self.independent_coordinates, self.of_ends])
+        self._determining: dict[BodyPoint | tuple[int, ...], NDArray[np.bool_]] = {}
         self.receding = [end for end in self.ends if end in self._hubs]
         self.chosen = np.zeros((self.size, len(self.w) + len(self.receding)))
         self.chosen[self.w, np.arange(len(self.w))] = 1.0
@@ -235,7 +237,7 @@ class JointCoordinates:
         number = self.ends[end] - len(self.topology.links)
         return 3 * (len(self.links) + number) + np.arange(3)
 
-    def leading_end(self, point: BodyPoint) -> LinkEnd | None:
+    def end_at(self, point: BodyPoint) -> LinkEnd | None:
         """The end that a point is; None of one of a rigid link or a line."""
         number = point.body - len(self.topology.links)
         return None if number < 0 else list(self.ends)[number]
@@ -354,10 +356,30 @@ class JointCoordinates:
         """
         return self.constraints.points(points).jacobian_with_rates(*self.bodies(motion))
 
+    def determining(self, source: BodyPoint | IntArray) -> NDArray[np.bool_]:
+        """Which of w, and of what recedes, determine a point or some of these coordinates, (n,).
+
+        In a general position, once and for all.
+        """
+        key = source if isinstance(source, BodyPoint) else tuple(source.tolist())
+        if key not in self._determining:
+            motion, y = self.general_position, self._general_dependence
+            if isinstance(source, BodyPoint):
+                by = self.displacement_rows(motion, [source]).value @ y
+            else:
+                by = y[:, source]
+            size = np.abs(by[0]).max(axis=0, initial=0.0)
+            self._determining[key] = size > RANK_TOLERANCE
+        return self._determining[key]
+
     @cached_property
     def general_position(self) -> RigidMotion:
         """One generic position for rank decisions; the links need not meet in it."""
         return general_position(self.topology)
+
+    @cached_property
+    def _general_dependence(self) -> FloatArray:
+        return self.dependence(self.general_position).value
 
     def _leading_ends(self) -> Iterator[LinkEnd]:
         """Ends of elastic links that others depend on, that a free shaft turns, or on a hub."""

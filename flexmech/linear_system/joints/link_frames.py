@@ -48,24 +48,6 @@ class LinkPlace:
     runs: list[tuple[slice, slice]]
     dependencies: list[tuple[Numbers, Numbers]]
 
-    @classmethod
-    def of(cls, target: IntArray, dependencies: Sequence[tuple[IntArray, IntArray]]) -> LinkPlace:
-        """Assembly of one link.
-
-        Parameters
-        ----------
-        target : ndarray of int, shape (n,)
-            Coordinate of the linkage for each of the link; -1 where fixed.
-        dependencies : sequence of tuple of ndarray of int
-            Dependent rows of the link, and the columns that determine them.
-        """
-        own = target.copy()
-        for rows, _ in dependencies:
-            own[rows] = -1
-        free = np.flatnonzero(own >= 0)
-        places = [(_numbers(rows), _numbers(columns)) for rows, columns in dependencies]
-        return cls(_runs(free, own[free]), places)
-
     def add(
         self, total: FloatArray, matrix: FloatArray, dependencies: Sequence[DependentRows]
     ) -> None:
@@ -251,8 +233,14 @@ class LinkFrames(LinkTies):
 
     @cached_property
     def _places(self) -> list[LinkPlace]:
-        numbered = enumerate(self.targets)
-        return [LinkPlace.of(target, self.dependencies(n)) for n, target in numbered]
+        places = []
+        for link, target in enumerate(self.targets):
+            own = self.independent_coordinates(link)
+            pairs = [
+                (_numbers(rows), _numbers(columns)) for rows, columns in self.dependencies(link)
+            ]
+            places.append(LinkPlace(_runs(own, target[own]), pairs))
+        return places
 
     def link_coordinates(self, motion: RigidMotion, vectors: NDArray[Any]) -> list[NDArray[Any]]:
         """Coordinates of each link from independent ones.
@@ -322,21 +310,16 @@ class LinkFrames(LinkTies):
         list of tuple of ndarray, shape (B, n_link)
             ``q = N z``, ``N z' + N' z`` and ``N z'' + 2 N' z' + N'' z`` of each link.
         """
-        result = []
-        for number, (link, dependent) in enumerate(
-            zip(self.links, self.dependent_rows(motion), strict=True)
-        ):
-            target = self.targets[number]
-            free = target >= 0
-            q, rate, change = np.zeros((3, len(position), link.size))
-            for values, given in ((q, position), (rate, velocity), (change, acceleration)):
-                values[:, free] = given[:, target[free]]
+        z, result = np.stack([position, velocity, acceleration], axis=-1), []
+        pairs = zip(self.link_coordinates(motion, z), self.dependent_rows(motion), strict=True)
+        for moving, dependent in pairs:
+            q, rate, change = np.ascontiguousarray(np.moveaxis(moving, -1, 0))
             for tie in dependent:
-                z0, z1, z2 = (v[:, tie.columns, None] for v in (position, velocity, acceleration))
-                twice = tie.centripetal + tie.tangential
-                q[:, tie.rows] = (tie.turn @ z0)[..., 0]
-                rate[:, tie.rows] = (tie.turn @ z1 + tie.rate @ z0)[..., 0]
-                change[:, tie.rows] = (tie.turn @ z2 + 2 * tie.rate @ z1 + twice @ z0)[..., 0]
+                own = z[:, tie.columns]
+                turning = tie.rate @ own
+                rate[:, tie.rows] += turning[..., 0]
+                change[:, tie.rows] += 2 * turning[..., 1]
+                change[:, tie.rows] += ((tie.centripetal + tie.tangential) @ own[..., :1])[..., 0]
             result.append((q, rate, change))
         return result
 

@@ -21,10 +21,9 @@ from flexmech.linear_system.joints.rigid_pose import (
 from flexmech.linear_system.links.link_model import LinkModel
 from flexmech.linear_system.links.rotation_terms import RotationTerms
 from flexmech.linkages import LinkEnd, RigidMotion, Topology
-from flexmech.linkages.body_motion import BodyPoint
-from flexmech.linkages.connection_forces import RANK_TOLERANCE, end_point
+from flexmech.linkages.body_motion import BodyPoint, dot
+from flexmech.linkages.connection_forces import end_point
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
-from flexmech.linkages.motion import direction, normal
 
 
 @dataclass(frozen=True)
@@ -134,6 +133,8 @@ class LinkTies:
         ]
         self._at_points: list[tuple[int, IntArray, BodyPoint]] = []
         self._connect_ends()
+        # A system asks for them ten times in the same positions.
+        self._latest: tuple[RigidMotion, list[list[DependentRows]]] | None = None
         self._ties: list[list[Tie]] = [[] for _ in links]
         self._add_ties(self._number(last or [np.zeros(link.size, dtype=bool) for link in links]))
 
@@ -165,6 +166,8 @@ class LinkTies:
         list of list of DependentRows
             A list for each link.
         """
+        if (latest := self._latest) is not None and latest[0] is motion:
+            return latest[1]
         y = self.rigid.dependence(motion)
         moved: dict[BodyPoint, MatrixWithRates] = {}
         rows: list[list[DependentRows]] = []
@@ -184,6 +187,7 @@ class LinkTies:
                         own = self.rigid.of_end(leader)[:2]
                         matrix = matrix @ y.rows(own).columns(tie.which)
                 rows[-1].append(DependentRows(tie.rows, tie.columns, *matrix.parts))
+        self._latest = motion, rows
         return rows
 
     @property
@@ -254,28 +258,39 @@ class LinkTies:
         for slide, (number, slider) in zip(
             rigid.slides, enumerate(self.topology.sliders), strict=True
         ):
-            end, link = slider.link_end, self.topology.index(slider.link_end.link)
-            line = rigid.point_on_line(number)
+            end, line = slider.link_end, rigid.point_on_line(number)
             rows = rigid.displacement_rows(motion, [line, end_point(self.topology, end)]).value
-            if rigid.is_rigid(end):
-                moved = rows[:, 2:] @ y
-            else:
-                to_ground = np.swapaxes(_to_frame(motion, link).value, 1, 2)
-                moved = to_ground @ displacement[link][:, self._displacement_of(end)]
+            of_body = rigid.is_rigid(end)
+            moved = rows[:, 2:] @ y if of_body else self._in_ground(motion, end, displacement)
             along = rows[:, :2, slide]
             slid[:, slide] = np.einsum("bc,bcm->bm", along, moved - rows[:, :2] @ y)
         return slid[:, rigid.independent_coordinates]
 
     def _pose_of(self, motion: RigidMotion, displacement: Sequence[FloatArray]) -> RigidPose:
         """Finite displacements of rigid links and sliders at displacements (B, n_link) of links."""
-        sliding = {}
+        rigid, y = self.rigid, np.zeros((len(motion.crank_angle), self.rigid.size))
+        for link in rigid.links:
+            y[:, rigid.of_link(link)] = displacement[link]
+        pose = RigidPose(rigid, motion, y)
         for number, slider in enumerate(self.topology.sliders):
-            if not self.rigid.is_rigid(slider.link_end):
-                link = self.topology.index(slider.link_end.link)
-                q = displacement[link][:, self._displacement_of(slider.link_end)]
-                angle = motion.angle[:, link]
-                sliding[number] = q[:, :1] * direction(angle) + q[:, 1:] * normal(angle)
-        return RigidPose.displaced_by(self.rigid, motion, displacement, sliding)
+            end, line = slider.link_end, rigid.point_on_line(number)
+            moved = (
+                pose.displacement([end_point(self.topology, end)])[:, 0]
+                if rigid.is_rigid(end)
+                else self._in_ground(motion, end, displacement)
+            )
+            moved = moved - pose.displacement([line])[:, 0]  # whose slide is not there yet
+            along = line.along * pose.after[0].turn[:, line.body]
+            y[:, rigid.slides[number]] = dot(along, moved[:, 0] + 1j * moved[:, 1])
+        return RigidPose(rigid, motion, y)
+
+    def _in_ground(
+        self, motion: RigidMotion, end: LinkEnd, displacement: Sequence[NDArray[Any]]
+    ) -> NDArray[Any]:
+        """Displacement of an elastic link's end in ground axes, (B, 2, ...)."""
+        link = self.topology.index(end.link)
+        moved = displacement[link][:, self._displacement_of(end)]
+        return np.einsum("bij,bi...->bj...", _to_frame(motion, link).value, moved)
 
     def _displaced_ties(self, pose: RigidPose) -> DisplacedTies:
         first = len(self.rigid.independent_coordinates)
@@ -375,24 +390,21 @@ class LinkTies:
             for coordinate in self.links[link].receding:
                 receding[number] = int(self.targets[link][coordinate])
         z = np.array([*place[rigid.independent_coordinates], *place[rigid.of_ends], *receding])
-        y = rigid.dependence(rigid.general_position).value
         of_ends = 3 * len(rigid.links)
 
-        def add(link: int, rows: IntArray, source: BodyPoint | IntArray, by: FloatArray) -> None:
-            size = np.abs(by[0]).max(axis=0, initial=0.0)
-            which = np.flatnonzero((size > RANK_TOLERANCE) & (z >= 0))
+        def add(link: int, rows: IntArray, source: BodyPoint | IntArray) -> None:
+            which = np.flatnonzero(rigid.determining(source) & (z >= 0))
             if len(which):
-                leader = rigid.leading_end(source) if isinstance(source, BodyPoint) else None
+                leader = rigid.end_at(source) if isinstance(source, BodyPoint) else None
                 self._ties[link].append(Tie(rows, source, which, z[which], leader))
 
         for link, rows, among in self._at_coordinates:
             if len(rows) and of_ends <= among[-1] == among[0] < of_ends + 3 * len(rigid.ends):
                 self.targets[link][rows[0]] = place[among[0]]
             chosen = self.targets[link][rows] < 0
-            add(link, rows[chosen], among[chosen], y[:, among[chosen]])
+            add(link, rows[chosen], among[chosen])
         for link, rows, point in self._at_points:
-            moved = rigid.displacement_rows(rigid.general_position, [point]).value
-            add(link, rows, point, moved @ y)
+            add(link, rows, point)
 
 
 def _to_frame(motion: RigidMotion, link: int, leader: int | None = None) -> MatrixWithRates:

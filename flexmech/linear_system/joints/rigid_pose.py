@@ -18,8 +18,7 @@ import numpy as np
 from flexmech.arrays import ComplexArray, FloatArray, IntArray
 from flexmech.linear_system.joints.joint_coordinates import DisplacedMotion, JointCoordinates
 from flexmech.linkages import RigidMotion
-from flexmech.linkages.body_motion import BodyMotion, BodyPoint, dot
-from flexmech.linkages.connection_forces import end_point
+from flexmech.linkages.body_motion import BodyMotion, BodyPoint
 
 # Newton's method takes five to eight from the straight linkage; more is no position near it.
 ITERATIONS = 30
@@ -116,43 +115,6 @@ class RigidPose:
             pose = cls(rigid, motion, y)
         closed = np.abs(pose._gap()).max(axis=1) <= NEARLY_CLOSED * length
         y = np.where(closed[:, None], y, np.nan)
-        return cls(rigid, motion, y)
-
-    @classmethod
-    def displaced_by(
-        cls,
-        rigid: JointCoordinates,
-        motion: RigidMotion,
-        displacement: Sequence[FloatArray],
-        sliding: Mapping[int, FloatArray],
-    ) -> Self:
-        """Rigid links and sliders at given displacements of all links.
-
-        Parameters
-        ----------
-        rigid : JointCoordinates
-        motion : RigidMotion
-            Batch of shape (B,).
-        displacement : sequence of ndarray, shape (B, n_link)
-            In the frames of the rigid motion.
-        sliding : mapping of int to ndarray, shape (B, 2)
-            Displacements of the ends of flexible links that slide, in ground axes, by the number
-            of the slider.
-        """
-        y = np.zeros((len(motion.crank_angle), rigid.size))
-        for link in rigid.links:
-            y[:, rigid.of_link(link)] = displacement[link]
-        pose = cls(rigid, motion, y)
-        for number, slider in enumerate(rigid.topology.sliders):
-            line = rigid.point_on_line(number)
-            moved = (
-                sliding[number]
-                if number in sliding
-                else pose.displacement([end_point(rigid.topology, slider.link_end)])[:, 0]
-            )
-            moved = moved - pose.displacement([line])[:, 0]  # whose slide is not there yet
-            along = line.along * pose.after[0].turn[:, line.body]
-            y[:, rigid.slides[number]] = dot(along, moved[:, 0] + 1j * moved[:, 1])
         return cls(rigid, motion, y)
 
     def displacement(self, points: Sequence[BodyPoint]) -> FloatArray:

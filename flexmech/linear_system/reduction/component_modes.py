@@ -251,11 +251,6 @@ class FixedInterfaceLink:
     axial_relief: FloatArray
     floating_relief: FloatArray
 
-    @property
-    def inner(self) -> IntArray:
-        """Coordinates that no joint fixes or moves, (i,)."""
-        return self.boundary.inner
-
 
 def fix_interfaces(
     topology: Topology, links: Sequence[LinkModel], couples: Sequence[FloatArray] | None = None
@@ -600,7 +595,7 @@ def _turning_sections(fixed: FixedInterfaceLink) -> FloatArray:
     kinds = of_sections.reshape(nodes, -1)
     shapes = np.zeros((link.size, kinds.shape[1], waves.shape[1]))
     shapes[kinds, np.arange(kinds.shape[1])] = waves[:, None]
-    shapes[np.setdiff1d(np.arange(link.size), fixed.inner)] = 0.0
+    shapes[np.setdiff1d(np.arange(link.size), fixed.boundary.inner)] = 0.0
     return shapes.reshape(link.size, -1)
 
 
@@ -609,7 +604,7 @@ def _damping_shapes(fixed: FixedInterfaceLink, shapes: FloatArray) -> FloatArray
 
     With one damping time the forces vanish on a constraint mode, and leave a mode a mode.
     """
-    link, inner = fixed.link, fixed.inner
+    link, inner = fixed.link, fixed.boundary.inner
     if not len(inner):
         return shapes[..., :0]
     trace = (fixed.flexibility * link.damping).sum(axis=(-2, -1))
