@@ -302,8 +302,7 @@ def assembled_system(
     damping, end_damping = stressed.damping, None
     forces, bases, unit_mass_from = None, None, None
     if reduction is None:
-        stiffness = [link.stiffness for link in links]
-        tangent = stiffness if stressed.unstressed else stressed.tangent
+        tangent = stressed.tangent
     else:
         frames = reduction.frames
         damping, end_damping = _damping(links, reduction, stressed, motion.design)
@@ -311,7 +310,7 @@ def assembled_system(
         bases = tuple(link.basis for link in reduction.links)
         tangent = [
             link.model.stiffness
-            if stressed.unstressed or tangent is full.stiffness
+            if tangent is full.stiffness
             else _projected(link.basis_at(motion.design), tangent)
             for full, link, tangent in zip(links, reduction.links, stressed.tangent, strict=True)
         ]

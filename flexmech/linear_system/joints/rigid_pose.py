@@ -183,6 +183,7 @@ class DisplacedRows:
     place: FloatArray | None
 
 
+@dataclass(frozen=True)
 class DisplacedTies:
     """Constraints over a batch of positions at finite displacements of the rigid links.
 
@@ -196,15 +197,10 @@ class DisplacedTies:
         coordinates (r,) of rigid links and ends that the rows are.
     """
 
-    def __init__(
-        self,
-        pose: RigidPose,
-        rows: list[list[DisplacedRows]],
-        at_points: Sequence[tuple[int, IntArray, BodyPoint]],
-        at_coordinates: Sequence[tuple[int, IntArray, IntArray]],
-    ) -> None:
-        self.pose, self.rows = pose, rows
-        self._at_points, self._at_coordinates = at_points, at_coordinates
+    pose: RigidPose
+    rows: list[list[DisplacedRows]]
+    at_points: Sequence[tuple[int, IntArray, BodyPoint]]
+    at_coordinates: Sequence[tuple[int, IntArray, IntArray]]
 
     def geometric_stiffness(
         self, forces: Sequence[FloatArray], rotation_stiffness: Mapping[int, FloatArray]
@@ -225,21 +221,21 @@ class DisplacedTies:
         """
         pose, total = self.pose, np.zeros_like(self.pose.y)
         motion, rigid, (bodies, slid) = pose.motion, pose.rigid, pose.after
-        for link, rows, among in self._at_coordinates:
+        for link, rows, among in self.at_coordinates:
             for row, coordinate in zip(rows, among, strict=True):
                 total[:, coordinate] += forces[link][:, row]
         by_rotation, guide_stiffness = np.zeros(motion.angle.shape), np.zeros(slid.shape)
         for link in rigid.links:
             by_rotation[:, link] = rotation_stiffness[link]
         stiffnesses = []
-        if self._at_points:
+        if self.at_points:
             vectors = [
                 (forces[link][:, rows[0]] + 1j * forces[link][:, rows[1]])
                 * np.exp(1j * motion.angle[:, link])
-                for link, rows, _ in self._at_points
+                for link, rows, _ in self.at_points
             ]
             given = np.stack(vectors, axis=1)
-            points = rigid.constraints.points([point for _, _, point in self._at_points])
+            points = rigid.constraints.points([point for _, _, point in self.at_points])
             jacobian = points.jacobian(bodies, pose.before[0].turn, slid)
             total += np.einsum("bpi,bp->bi", jacobian[:, ::2], given.real)
             total += np.einsum("bpi,bp->bi", jacobian[:, 1::2], given.imag)

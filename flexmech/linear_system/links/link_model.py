@@ -109,7 +109,7 @@ class LinkModel:
         Coordinate ``cos(phi) - 1`` of the free shaft that the link is clamped to, where its
         coordinates are natural ones.
     rigid : bool
-        Whether the link is rigid; see :func:`flexmech.linear_system.links.link_model`.
+        Whether the link is rigid; see :func:`flexmech.linear_system.rigid_link`.
     bodies : tuple of RigidBody
         Part of the straight link's matrices. A rigid link is one, mass off the axis one a node.
     uncounted_rotary_inertia : float or ndarray, shape (D,)

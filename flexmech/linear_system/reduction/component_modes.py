@@ -483,29 +483,20 @@ def component_modes(
     lowest = [h.bending.frequency[..., :modes] for h in fixed]
     every = np.sort(np.concatenate(lowest, axis=-1), axis=-1)
     usual_cutoff = BENDING_CUTOFF * every[..., min(modes, every.shape[-1]) - 1]
-    bending_cutoff = detail * usual_cutoff
-    # Short links stretch at frequencies like those at which they bend.
-    axial_cutoff = np.maximum(bending_cutoff, detail * AXIAL_CUTOFF * np.abs(fastest))
     if axial_modes is None:
         axial_modes = round(detail * CONDENSED_AXIAL_MODES)
-    condensed = axial_modes if couples_axially else 0
-    responses = [with_damping_shapes and bool(h.link.damping.any()) for h in fixed]
-    turning = bool(same_of_all(np.asarray(fastest) != 0))
     reduced = (
         _reduce(
             h,
-            bending_cutoff,
-            axial_cutoff,
-            condensed,
-            stretches=h.axial.below(STRETCHING_BY_INERTIA * usual_cutoff) > 0,
-            damped=damped,
-            turning=turning,
-            fine=detail > 1,
-            great_detail=detail >= GREAT_DETAIL,
+            usual_cutoff,
+            np.abs(fastest),
+            axial_modes if couples_axially else 0,
+            detail=detail,
+            damped=with_damping_shapes and bool(h.link.damping.any()),
             turning_sections=turning_sections,
             decouples_mass=decouples_mass,
         )
-        for h, damped in zip(fixed, responses, strict=True)
+        for h in fixed
     )
     own = (_unreduced(link) if link.rigid else next(reduced) for link in links)
     return ComponentModes(topology, tuple(own), decouples_mass)
@@ -519,18 +510,20 @@ def _unreduced(link: LinkModel) -> ReducedLink:
 
 def _reduce(
     fixed: FixedInterfaceLink,
-    bending_cutoff: FloatArray,
-    axial_cutoff: FloatArray,
+    usual_cutoff: FloatArray,
+    fastest: FloatArray,
     condensed_modes: int,
     *,
-    stretches: bool,
+    detail: float,
     damped: bool,
-    turning: bool,
-    fine: bool,
-    great_detail: bool,
     turning_sections: bool,
     decouples_mass: bool,
 ) -> ReducedLink:
+    """One flexible link; bending modes are kept up to ``detail`` times the usual cut-off."""
+    bending_cutoff, turning = detail * usual_cutoff, bool(same_of_all(fastest != 0))
+    # Short links stretch at frequencies like those at which they bend.
+    axial_cutoff = np.maximum(bending_cutoff, detail * AXIAL_CUTOFF * fastest)
+    stretches = fixed.axial.below(STRETCHING_BY_INERTIA * usual_cutoff) > 0
     bending = fixed.bending.shapes[..., : fixed.bending.below(bending_cutoff)]
     n_axial = fixed.axial.below(axial_cutoff)
     mass, axial = fixed.link.mass, fixed.axial.shapes[..., :n_axial]
@@ -544,7 +537,7 @@ def _reduce(
         relief = np.concatenate([relief, _damping_shapes(fixed, shapes)], axis=-1)
     dynamic = np.concatenate([dynamic, _complement(relief, dynamic, mass)], axis=-1)
     candidates = fixed.axial.shapes[..., n_axial : max(n_axial, condensed_modes)]
-    if condensed_modes and great_detail and turning_sections:
+    if condensed_modes and detail >= GREAT_DETAIL and turning_sections:
         sections = _turning_sections(fixed)
         sections = np.broadcast_to(sections, (*candidates.shape[:-1], sections.shape[-1]))
         candidates = np.concatenate([candidates, sections], axis=-1)
@@ -559,7 +552,7 @@ def _reduce(
     basis = np.concatenate([static, dynamic, condensed], axis=-1)
     size = basis.shape[-1]
     is_condensed = np.arange(size) >= size - condensed.shape[-1]
-    answered = damped and turning and fine
+    answered = damped and turning and detail > 1
     return ReducedLink(
         fixed.link.projected(basis, fixed.boundary.kept),
         basis,
