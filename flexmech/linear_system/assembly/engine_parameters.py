@@ -35,8 +35,8 @@ from flexmech.validation import (
 class EngineParameters(ABC):
     """Parameters of an engine: a mechanism, its mesh and its elements.
 
-    It is a value: it does not change, and two that compute the same are equal. See
-    :class:`flexmech.linear_system.Engine` for each.
+    It is a value: it does not change, and two that compute the same are equal.
+    Parameters as for :class:`flexmech.linear_system.Engine`.
     """
 
     name: ClassVar[str]
