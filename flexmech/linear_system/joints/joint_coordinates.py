@@ -179,12 +179,12 @@ class JointCoordinates:
         Coordinate of each slider; they come last.
     size : int
         Number of all coordinates y.
-    independent_coordinates, of_ends : ndarray of int
-        Independent ones of rigid links and sliders, the first of w, and of the ends.
+    w : ndarray of int, shape (n,)
+        Independent ones; those of leading ends come last.
+    independent_coordinates : ndarray of int
+        The first of them, of rigid links and sliders.
     dependent_coordinates : ndarray of int, shape (d,)
         Those that depend on these.
-    w : ndarray of int, shape (n,)
-        Both.
     receding : list of LinkEnd
         Leading ends on a hub. A last coordinate of w of each moves it along by the hub's radius:
         ``cos(phi) - 1`` in natural coordinates.
@@ -210,8 +210,8 @@ class JointCoordinates:
         self.constraints = Constraints(conditions, bodies, len(self.slides))
         independent, self.dependent_coordinates, self.rows = self._choose()
         of_ends = (independent >= 3 * len(self.links)) & (independent < count)
-        self.of_ends, self.independent_coordinates = independent[of_ends], independent[~of_ends]
-        self.w = np.concatenate([self.independent_coordinates, self.of_ends])
+        self.independent_coordinates = independent[~of_ends]
+        self.w = np.concatenate([self.independent_coordinates, independent[of_ends]])
         self._determining: dict[BodyPoint | tuple[int, ...], NDArray[np.bool_]] = {}
         self.receding = [end for end in self.ends if end in self._hubs]
         self.chosen = np.zeros((self.size, len(self.w) + len(self.receding)))
@@ -482,6 +482,17 @@ def _independent_columns(matrix: FloatArray) -> IntArray:
     return np.array(chosen, dtype=np.intp)
 
 
+def held_ends(topology: Topology) -> set[LinkEnd]:
+    """Ends whose displacement the ground or the shaft fixes; those on the hub of a free one move.
+
+    Parameters
+    ----------
+    topology : Topology
+    """
+    held = {clamp.link_end for clamp in topology.clamps if not (clamp.free and clamp.hub)}
+    return held | {pivot.link_end for pivot in topology.pivots if not pivot.sprung}
+
+
 def joint_points(topology: Topology) -> list[JoinedEnds]:
     """Ends that are joined, fixed or on a slider's line; free tips are not among them.
 
@@ -493,11 +504,9 @@ def joint_points(topology: Topology) -> list[JoinedEnds]:
     -------
     list of JoinedEnds
     """
-    on_hubs = {clamp.link_end for clamp in topology.clamps if clamp.free and clamp.hub}
-    fixed = {clamp.link_end for clamp in topology.clamps} - on_hubs
-    fixed |= {pivot.link_end for pivot in topology.pivots if not pivot.sprung}
+    fixed, clamped = held_ends(topology), [clamp.link_end for clamp in topology.clamps]
     sliders = {slider.link_end: number for number, slider in enumerate(topology.sliders)}
-    joined = _joined(topology, topology.rigid_ties, [*fixed, *on_hubs, *sliders])
+    joined = _joined(topology, topology.rigid_ties, [*fixed, *clamped, *sliders])
     return [JoinedEnds(ends, ends[0] in fixed, sliders.get(ends[0])) for ends in joined]
 
 

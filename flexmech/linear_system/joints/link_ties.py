@@ -290,7 +290,7 @@ class LinkTies:
         """Displacement of an elastic link's end in ground axes, (B, 2, ...)."""
         link = self.topology.index(end.link)
         moved = displacement[link][:, self._displacement_of(end)]
-        return np.einsum("bij,bi...->bj...", _to_frame(motion, link).value, moved)
+        return np.asarray(np.einsum("bij,bi...->bj...", _to_frame(motion, link).value, moved))
 
     def _displaced_ties(self, pose: RigidPose) -> DisplacedTies:
         first = len(self.rigid.independent_coordinates)
@@ -335,7 +335,7 @@ class LinkTies:
                 elif body is not None:
                     self._at_coordinates.append((link, rows, rigid.of_end(end)[:2]))
                 leads = leader is not None and leader.body == body
-                if not (leads and np.isin(rigid.of_end(end)[:2], rigid.of_ends).all()):
+                if not (leads and np.isin(rigid.of_end(end)[:2], rigid.w).all()):
                     self.targets[link][rows] = -1
         for turn in rigid.turns:
             for end in turn.ends:
@@ -358,15 +358,13 @@ class LinkTies:
         place[rigid.independent_coordinates] = np.arange(count)
         for number in rigid.links:
             self.targets[number][:] = place[rigid.of_link(number)]
-        ends = [~late for late in last]
-        leading = {turn.ends[0] for turn in rigid.turns}
-        for link, model, end in zip(self.topology.links, self.links, ends, strict=True):
-            elsewhere = np.ones(model.size, dtype=bool)
-            elsewhere[model.start] = elsewhere[model.end] = elsewhere[model.receding] = False
-            for side in ("start", "end"):
-                if LinkEnd(link.name, side) in leading:
-                    elsewhere[model.end_rotation_of(side)[:1]] = False
-            end[elsewhere] = False
+        ends = [np.zeros(model.size, dtype=bool) for model in self.links]
+        for model, end in zip(self.links, ends, strict=True):
+            end[model.start] = end[model.end] = end[model.receding] = True
+        for turn in rigid.turns:
+            first = turn.ends[0]
+            ends[self.topology.index(first.link)][self._rotations_of(first)[:1]] = True
+        ends = [end & ~late for end, late in zip(ends, last, strict=True)]
         inner = [~(end | late) for end, late in zip(ends, last, strict=True)]
         for group in (ends, inner, last):
             for target, chosen in zip(self.targets, group, strict=True):
@@ -389,7 +387,7 @@ class LinkTies:
             link = self.topology.index(end.link)
             for coordinate in self.links[link].receding:
                 receding[number] = int(self.targets[link][coordinate])
-        z = np.array([*place[rigid.independent_coordinates], *place[rigid.of_ends], *receding])
+        z = np.array([*place[rigid.w], *receding])
         of_ends = 3 * len(rigid.links)
 
         def add(link: int, rows: IntArray, source: BodyPoint | IntArray) -> None:

@@ -35,7 +35,7 @@ that error and use the unreduced links; links that rotate as one body are never 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -43,7 +43,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.arrays import FloatArray, IntArray
-from flexmech.linear_system.joints.joint_coordinates import joint_points
+from flexmech.linear_system.joints.joint_coordinates import held_ends, joint_points
 from flexmech.linear_system.joints.link_frames import LinkFrames
 from flexmech.linear_system.links.chains import same_of_all
 from flexmech.linear_system.links.link_model import LinkModel
@@ -96,9 +96,13 @@ def link_boundary(topology: Topology, link: LinkModel) -> LinkBoundary:
     -------
     LinkBoundary
     """
-    fixed = np.zeros(link.size, dtype=bool)
-    for rows in _fixed_by_joints(topology, link):
-        fixed[rows] = True
+    fixed, held = np.zeros(link.size, dtype=bool), held_ends(topology)
+    turned = {clamp.link_end for clamp in topology.clamps if not clamp.free}
+    for end in ENDS:
+        place = LinkEnd(link.name, end)
+        fixed[link.end_displacement(end)] |= place in held
+        fixed[link.end_rotation_of(end)] |= place in turned
+        fixed[link.end_warping_of(end)] |= place in topology.joined_ends
     tied, welded = _tied_ends(topology), _welded_ends(topology)
     columns: list[IntArray] = []
     kept: dict[str, IntArray] = {}
@@ -126,22 +130,6 @@ def link_boundary(topology: Topology, link: LinkModel) -> LinkBoundary:
     ends = [kept[place.end] for place in _dependent_ends(topology) if place.link == link.name]
     dependent = np.concatenate([np.zeros(0, dtype=np.intp), *ends])
     return LinkBoundary(fixed, unit, kept, dependent)
-
-
-def _fixed_by_joints(topology: Topology, link: LinkModel) -> Iterator[IntArray]:
-    """Coordinates that the ground, the shaft or a fitting fixes, end by end."""
-    for clamp in topology.clamps:
-        if clamp.link_end.link == link.name:
-            if not (clamp.free and clamp.hub):
-                yield link.end_displacement(clamp.link_end.end)
-            if not clamp.free:
-                yield link.end_rotation_of(clamp.link_end.end)
-    for pivot in topology.pivots:
-        if pivot.link_end.link == link.name and not pivot.sprung:
-            yield link.end_displacement(pivot.link_end.end)
-    for place in topology.joined_ends:
-        if place.link == link.name:
-            yield link.end_warping_of(place.end)
 
 
 def _tied_ends(topology: Topology) -> set[LinkEnd]:
